@@ -1,0 +1,318 @@
+/* ricochet: periodic orbits of linear structures with rigid stops.
+ *
+ * Reading order: status, model, study, words, motion (simulator), branch, atlas, explore, verify, version.
+ *
+ * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by d^2,
+ * times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
+ * Ownership. Inputs are copied; what a `create` or `read` returns is released by the matching `free`; free(NULL) does nothing.
+ * Pointers inside a returned struct are borrowed and live as long as the object that they were asked from.
+ */
+#ifndef RICOCHET_H
+#define RICOCHET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------ status */
+
+typedef enum {
+    RIC_OK = 0,
+    RIC_E_NOMEM = -1,       /* memory ran out */
+    RIC_E_INPUT = -2,       /* the study, the file given or the call is wrong */
+    RIC_E_NUMERIC = -3,     /* a computation could not be carried out to its tolerance */
+    RIC_E_IO = -4,          /* a file cannot be read or written */
+    RIC_E_FORMAT = -5,      /* a file is not an atlas, is damaged, or is newer than this program */
+    RIC_E_BUSY = -6,        /* the atlas is in use by another run */
+    RIC_E_CONFLICT = -7,    /* the atlas belongs to another model */
+    RIC_E_RANGE = -8,       /* no such branch, point, junction or quantity */
+    RIC_E_INTERRUPTED = -9, /* stopped on request; what was done is kept */
+} ric_status;
+
+/* One line for a status code, never NULL. */
+const char *ric_status_text(ric_status status);
+
+/* The message that goes with the last error of this thread: what was wrong, where, and the remedy. Borrowed until the next call. */
+const char *ric_detail(void);
+
+/* ------------------------------------------------------------------- model */
+
+typedef enum { RIC_SIDES_BOTH, RIC_SIDES_UPPER, RIC_SIDES_LOWER } ric_sides;
+typedef enum { RIC_LAW_RIGID, RIC_LAW_BILINEAR, RIC_LAW_POWER } ric_law;
+
+typedef struct {
+    const char *name;     /* may be NULL */
+    const double *normal; /* [n_dof], gap coordinate s = normal . x */
+    double clearance;     /* d > 0, physical length */
+    ric_sides sides;      /* both, upper (s <= d) or lower (s >= -d) */
+    ric_law law;
+} ric_contact;
+
+typedef struct ric_model ric_model;
+
+/* M (symmetric positive definite), K (symmetric positive semidefinite), contacts, restitution in [0,1]. All physical units. */
+ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
+                            const ric_contact *contacts, double restitution, ric_model **out);
+void ric_model_free(ric_model *model);
+
+int ric_model_n_dof(const ric_model *model);
+int ric_model_n_mode(const ric_model *model);    /* modes that some contact sees */
+int ric_model_n_contact(const ric_model *model);
+int ric_model_n_face(const ric_model *model);
+bool ric_model_symmetric(const ric_model *model); /* x -> -x maps the structure to itself: every contact has both sides */
+double ric_model_length(const ric_model *model);  /* d of the first contact */
+double ric_model_restitution(const ric_model *model);
+/* Raw data, borrowed: mass [n*n], stiffness [n*n]. */
+const double *ric_model_mass(const ric_model *model);
+const double *ric_model_stiffness(const ric_model *model);
+/* Contact i, borrowed pointers inside. */
+ric_status ric_model_contact(const ric_model *model, int contact, ric_contact *out);
+/* Face f: contact and side (+1 upper, -1 lower), and the face on the other side (-1 if none). */
+ric_status ric_model_face(const ric_model *model, int face, int *contact, int *side, int *mirror);
+
+/* All n_dof natural frequencies, ascending, rad/s; rigid-body modes are exactly 0. */
+ric_status ric_model_frequencies(const ric_model *model, double *out);
+/* Mass-normalised mode shapes, column i of [n_dof * n_dof]; equal frequencies are rotated so that few are seen. */
+ric_status ric_model_modes(const ric_model *model, double *out);
+/* Whether mode i is seen by any contact [n_dof]. */
+ric_status ric_model_seen(const ric_model *model, bool *out);
+/* Modal normals c[f * n_dof + i] = phi_i . b_f. */
+ric_status ric_model_modal_normals(const ric_model *model, double *out);
+/* Scaled energy at which linear mode i first touches a contact, and that contact; +inf and -1 where it never does. [n_dof] each. */
+ric_status ric_model_grazing_energies(const ric_model *model, double *energy, int *contact);
+/* The n_dof - 1 frequencies of the structure with contact f closed for good (s = 0 held), ascending. Omega_0 of the article for n = 2. */
+ric_status ric_model_locked_frequencies(const ric_model *model, int contact, double *out);
+/* c.c = b . M^-1 b of contact f, and its part from the lowest k modes, cumulative, [n_dof]. */
+ric_status ric_model_compliance(const ric_model *model, int contact, double *cumulative);
+/* Number of independent parts of the structure: groups of modes that no contact joins. 1 is the usual case. */
+int ric_model_n_part(const ric_model *model);
+
+/* Energy 1/2 v.M v + 1/2 x.K x of a scaled state, from the raw matrices. */
+double ric_model_energy(const ric_model *model, const double *x, const double *v);
+
+/* ------------------------------------------------------------------- study */
+
+/* Every option is one row of RIC_OPTIONS in src/options.c: name, type, default, range, unit, help. */
+typedef struct {
+    double energy[2];     /* scaled energy window */
+    double frequency[2];  /* rad/s, of the shortest period */
+    int impacts;          /* largest number of impacts per period */
+    int multiply;         /* largest q of a q-tupling; 1 = none */
+    int depth;            /* departures from the start; 0 = unlimited */
+    double tolerance;     /* relative accuracy asked for */
+    double max_step;      /* largest arclength step, relative to 1 + |state| */
+    bool symmetric_only;  /* depart only to branches with z(t+T/2) = -z(t) */
+    int n_start;          /* 0 = all seen modes */
+    int start[64];        /* mode numbers from 1, ascending */
+} ric_explore_options;
+
+void ric_explore_options_init(ric_explore_options *options);
+
+typedef struct {
+    const char *name, *kind;
+    double energy, frequency;
+} ric_name;
+
+typedef struct ric_study ric_study;
+
+/* Reads and checks a study; on RIC_E_INPUT ric_detail() is "FILE:LINE: key: what is wrong; what would be right". */
+ric_status ric_study_read(const char *path, ric_study **out);
+/* The same from a text; `base` is the folder that Matrix Market paths are relative to, `label` stands for the file in messages. */
+ric_status ric_study_parse(const char *text, const char *label, const char *base, ric_study **out);
+void ric_study_free(ric_study *study);
+const char *ric_study_title(const ric_study *study);
+/* The study as one self-contained YAML text (matrices inline), as it is kept inside an atlas. Borrowed. */
+const char *ric_study_text(const ric_study *study);
+const ric_model *ric_study_model(const ric_study *study);
+const ric_explore_options *ric_study_options(const ric_study *study);
+int ric_study_n_name(const ric_study *study);
+ric_status ric_study_name(const ric_study *study, int i, ric_name *out);
+
+/* ------------------------------------------------------------------- words */
+
+/* A word is the cyclic sequence of faces hit in one period. `model` gives the faces and whether x -> -x exchanges them;
+ * NULL stands for the article's model: one two-sided contact, faces 0 and 1. */
+
+/* Smallest equivalent word (rotation, x -> -x, and reversal if `reversal`), written to out [n]. */
+ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bool reversal, int *out);
+/* Number of independent words of n letters, exact (Burnside). RIC_E_RANGE when it does not fit 64 bits. */
+ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t *out);
+/* Next independent word in ascending order, in place; *more = false at the end. Start with word[0] = -1. */
+ric_status ric_word_next(const ric_model *model, int n, bool reversal, int *word, bool *more);
+/* Letters 0-9a-z, numbers with dots beyond 36 faces. out [size]. */
+ric_status ric_word_format(const ric_model *model, int n, const int *word, size_t size, char *out);
+
+/* --------------------------------------------------------------- simulator */
+
+/* Event-driven simulation that knows only M, K, the contacts and a state; shares no code with the orbit solver. */
+typedef struct ric_simulator ric_simulator;
+
+typedef struct {
+    double time;      /* seconds */
+    int face;
+    double approach;  /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch */
+    double impulse;   /* momentum exchanged along the normal, scaled */
+} ric_impact;
+
+ric_status ric_simulator_create(const ric_model *model, ric_simulator **out);
+void ric_simulator_free(ric_simulator *sim);
+/* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a stop is RIC_E_INPUT.
+ * A state on a face that moves into it counts as just before the impact. */
+ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v);
+/* Runs to the next impact or to time t, whichever is first. *hit tells; impact may be NULL. State and time are kept inside. */
+ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact);
+/* Present time and state (after the impact, if one has just happened). Any pointer may be NULL. */
+void ric_simulator_state(const ric_simulator *sim, double *time, double *x, double *v);
+/* Largest gap coordinate over clearance met since start outside impacts (touches show as 1 -+ rounding). */
+double ric_simulator_reach(const ric_simulator *sim);
+
+/* ------------------------------------------------------------------ branch */
+
+typedef enum { RIC_STABLE_NO = 0, RIC_STABLE_YES = 1, RIC_STABLE_UNDECIDED = 2 } ric_stability;
+
+typedef enum {
+    RIC_STOP_JUNCTION, RIC_STOP_CORNER, RIC_STOP_WINDOW, RIC_STOP_BUDGET, RIC_STOP_CLOSED, RIC_STOP_FAILED,
+} ric_stop;
+const char *ric_stop_text(ric_stop stop);
+
+/* One stored point. Its orbit (state right after impact 0 of the branch's word, then the flight times) follows it in memory. */
+typedef struct {
+    double arclength;
+    double energy;
+    double frequency;   /* rad/s */
+    double trace;       /* asinh(trace / 2) of the reduced monodromy for n = 2: sign and logarithm without overflow; NaN for n != 2 */
+    double rotation;    /* gamma in [0, 1), multipliers exp(+-2 pi i gamma); NaN off the unit circle or n != 2 */
+    double reach;       /* largest gap over clearance in flight; NaN if no gap has an extremum in flight */
+    double approach;    /* smallest approach speed of the impacts, scaled; NaN without impacts */
+    float residual;     /* relative residual of the orbit problem */
+    int32_t stable;     /* ric_stability */
+} ric_point;
+
+typedef struct {
+    int id;               /* from 1 */
+    const char *label;    /* S2-[01], A5[00101], S0+ */
+    int impacts;
+    const int *word;      /* [impacts] */
+    bool symmetric, reversible;
+    const char *mirror;   /* mirror points, e.g. "centre-impact", "" if not reversible */
+    double stable_fraction;
+    int n_point;
+    double energy_min, energy_max, frequency_min, frequency_max;
+    int from, to;         /* junction ids, 0 = none */
+    ric_stop stop;        /* why the far end is where it is */
+    const char *why;      /* a sentence for window, budget, corner and failed; "" otherwise */
+    int n_junction;
+    const int *junctions; /* ids of the interior ones, in order */
+    const double *junction_at; /* their arclengths */
+    int depth;
+    int mode;             /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
+} ric_branch;
+
+/* ------------------------------------------------------------------- atlas */
+
+typedef enum {
+    RIC_KIND_START, RIC_KIND_GRAZING, RIC_KIND_CORNER, RIC_KIND_EXTREMUM, RIC_KIND_BRANCH_POINT,
+    RIC_KIND_MULTIPLICATION, RIC_KIND_PERIOD_EXTREMUM, RIC_KIND_USER,
+} ric_kind;
+const char *ric_kind_text(ric_kind kind);
+
+typedef struct { int taken, known, inadmissible, over_budget, refused; } ric_departures;
+
+typedef struct {
+    int id;               /* from 1 */
+    ric_kind kind;
+    const char *label;    /* G2,4 or C32 with a number: G1_2,4 C1_32 */
+    const char *name;     /* from the study's list, or "" */
+    int impacts;          /* N of the original orbit, touches not counted */
+    const int *word;
+    int grazings;         /* p, 0 unless a grazing */
+    int multiple;         /* q, 1 unless a q-tupling */
+    int rotation[2];      /* p, q; 0, 0 if none */
+    int a, b;             /* multiplicities of the article's C_ab; 0, 0 if not such a point */
+    double energy;
+    double frequency;     /* where it is drawn: omega / q for a q-tupling */
+    const double *state;  /* x then v, [2 n_dof], of the original orbit */
+    const double *flights;/* [impacts], or [1] = the period if there is no impact */
+    int n_branch;
+    const int *branches;  /* ids of the branches that end at or pass through it, ascending */
+    ric_departures departures;
+    const char *refusal;  /* why departures were refused, "" if none were */
+} ric_junction;
+
+typedef struct ric_atlas ric_atlas;
+
+ric_status ric_atlas_read(const char *path, ric_atlas **out);
+void ric_atlas_free(ric_atlas *atlas);
+const ric_study *ric_atlas_study(const ric_atlas *atlas);
+const ric_model *ric_atlas_model(const ric_atlas *atlas);
+bool ric_atlas_finished(const ric_atlas *atlas);     /* false: the run was stopped before its end */
+int ric_atlas_n_branch(const ric_atlas *atlas);
+int ric_atlas_n_junction(const ric_atlas *atlas);
+/* Ids run from 1. RIC_E_RANGE names the range. */
+ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out);
+ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out);
+/* Point i of a branch: its numbers, state [2 n_dof: x then v], flights [max(impacts, 1)]. Any pointer may be NULL. */
+ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights);
+
+/* -------------------------------------------------------- orbit on request */
+
+typedef struct ric_orbit ric_orbit;
+
+/* The orbit of a branch at stored point i, or every orbit at an energy or a frequency, solved to rounding.
+ * *n receives how many; out [*n] is allocated, each orbit and the array released by ric_orbits_free. */
+typedef enum { RIC_AT_POINT, RIC_AT_ENERGY, RIC_AT_FREQUENCY } ric_at;
+ric_status ric_orbit_find(const ric_atlas *atlas, int branch, ric_at at, double value, int *n, ric_orbit ***out);
+void ric_orbits_free(int n, ric_orbit **orbits);
+int ric_orbit_impacts(const ric_orbit *orbit);
+/* Point data, state [2 n_dof], flights [max(impacts,1)], word [impacts]. Any pointer may be NULL. */
+void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, double *flights, int *word);
+/* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs. */
+ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
+/* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
+void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
+
+/* ----------------------------------------------------------------- explore */
+
+typedef struct {
+    int branches, junctions, open; /* so far, and departures not yet taken */
+    double seconds;
+    int depth;
+} ric_progress;
+
+typedef struct {
+    int workers;                                       /* 1 */
+    bool (*progress)(const ric_progress *now, void *user); /* NULL, or called now and then; return true to stop */
+    void *user;
+} ric_run_options;
+
+/* Explores the study into the atlas file `path`, which is created, continued or extended. */
+ric_status ric_explore(const ric_study *study, const char *path, const ric_run_options *run);
+
+/* ------------------------------------------------------------------ verify */
+
+typedef struct {
+    int branch, point;
+    double flight_error;  /* largest relative error of a flight's time and end state */
+    double return_error;  /* relative distance of the replayed state after one period */
+    double condition;     /* largest multiplier modulus that the return was divided by; 1 if stable */
+    double energy_error;  /* relative drift of the energy, and of the stored energy */
+    bool faces_agree;
+    bool passed;
+} ric_check;
+
+/* Replays point `i` of a branch with the simulator. */
+ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check *out);
+
+/* ----------------------------------------------------------------- version */
+
+#define RIC_VERSION "0.1.0"
+const char *ric_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

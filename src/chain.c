@@ -1,0 +1,506 @@
+#include "chain.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "motion.h"
+#include "status.h"
+
+static bool general(const ric_chain *c)
+{
+    return c->start == RIC_MIRROR_NONE;
+}
+
+static int count_start(const ric_model *m, ric_mirror start)
+{
+    return start == RIC_MIRROR_NONE ? 2 * m->n : start == RIC_MIRROR_IMPACT ? m->n + 1 : m->n;
+}
+
+static int count_end(int n, ric_mirror end)
+{
+    return end == RIC_MIRROR_NONE ? 2 * n - 1 : end == RIC_MIRROR_IMPACT ? n - 1 : n;
+}
+
+static int count_periods(ric_mirror start, ric_mirror end, int sigma)
+{
+    if (start == RIC_MIRROR_NONE) return sigma > 0 ? 1 : 2;
+    return (start == RIC_MIRROR_CENTRE) != (end == RIC_MIRROR_CENTRE) ? 4 : 2;
+}
+
+ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight, const int *face,
+                            ric_chain **out)
+{
+    int n = model->n;
+    ric_chain *c = calloc(1, sizeof *c);
+    *out = NULL;
+    if (!c) return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem");
+    c->model = model;
+    c->n = n;
+    c->start = start;
+    c->end = end;
+    c->sigma = sigma;
+    c->multiple = count_periods(start, end, sigma);
+    c->n_flight = n_flight;
+    c->n_start = count_start(model, start);
+    c->n_unknown = c->n_start + n_flight;
+    c->n_end = count_end(n, end);
+    c->ld = start == RIC_MIRROR_NONE ? 2 * n + 1 : n + 2;
+    size_t flights = (size_t)n_flight, vectors = flights + 1 + (size_t)c->n_end, ld = (size_t)c->ld, nn = (size_t)n;
+    c->face = malloc((flights + 1) * sizeof *c->face);
+    c->w = calloc((flights + 1) * 2 * nn, sizeof(double));
+    c->before = calloc(flights * nn + 1, sizeof(double));
+    c->trig = calloc(flights * 3 * nn + 1, sizeof(double));
+    c->approach = calloc(flights + 1, sizeof(double));
+    c->hv = calloc(vectors * ld, sizeof(double));
+    c->beta = calloc(vectors, sizeof(double));
+    c->zeta = calloc(vectors, sizeof(double));
+    c->X = calloc(6 * nn * ld, sizeof(double));
+    if (!c->face || !c->w || !c->before || !c->trig || !c->approach || !c->hv || !c->beta || !c->zeta || !c->X) {
+        ric_chain_free(c);
+        return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
+    }
+    memcpy(c->face, face, (flights + 1) * sizeof *face);
+    *out = c;
+    return RIC_OK;
+}
+
+ric_chain *ric_chain_copy(const ric_chain *c)
+{
+    ric_chain *copy = NULL;
+    ric_chain_create(c->model, c->start, c->end, c->sigma, c->n_flight, c->face, &copy);
+    return copy;
+}
+
+void ric_chain_free(ric_chain *c)
+{
+    if (!c) return;
+    free(c->face);
+    free(c->w);
+    free(c->before);
+    free(c->trig);
+    free(c->approach);
+    free(c->hv);
+    free(c->beta);
+    free(c->zeta);
+    free(c->X);
+    free(c);
+}
+
+/* ---------------------------------------------------------------- states */
+
+/* Start state from the start block; returns the gap residual at an impact start (0 elsewhere). */
+static double start_state(ric_chain *c, const double *u)
+{
+    int n = c->n;
+    double *w = c->w;
+    const ric_face *face = c->face[0] >= 0 ? &c->model->face[c->face[0]] : NULL;
+    switch (c->start) {
+    case RIC_MIRROR_NONE:
+        memcpy(w, u, 2 * (size_t)n * sizeof *w);
+        return ric_gap(n, face, w) - face->gap;
+    case RIC_MIRROR_REST:
+        memcpy(w, u, (size_t)n * sizeof *w);
+        memset(w + n, 0, (size_t)n * sizeof *w);
+        return 0;
+    case RIC_MIRROR_CENTRE:
+        memset(w, 0, (size_t)n * sizeof *w);
+        memcpy(w + n, u, (size_t)n * sizeof *w);
+        return 0;
+    case RIC_MIRROR_IMPACT:
+        memcpy(w, u, (size_t)n * sizeof *w);
+        for (int i = 0; i < n; i++) w[n + i] = -face->side * u[n] / sqrt(face->cc) * face->c[i];
+        c->approach[0] = u[n] * sqrt(face->cc);
+        return ric_gap(n, face, w) - face->gap;
+    }
+    return 0;
+}
+
+static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n, int k, double tau)
+{
+    const ric_model *m = c->model;
+    double *trig = c->trig + 3 * n * k, *w = c->w + 2 * n * (k + 1);
+    const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
+    ric_flight_trig(m, n, tau, trig);
+    ric_flight(n, trig, c->w + 2 * n * k, w);
+    for (int i = 0; i < n; i++) c->before[n * k + i] = w[n + i];
+    if (!face) return 0;
+    double speed = 0;
+    for (int i = 0; i < n; i++) speed += face->c[i] * w[n + i];
+    c->approach[k + 1] = face->side * speed;
+    if (!(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) {
+        double factor = 2 * speed / face->cc;
+        for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
+    }
+    return ric_gap(n, face, w) - face->gap;
+}
+
+/* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E p. */
+static double end_residual(const ric_chain *c, int i)
+{
+    int n = c->n;
+    const double *w = c->w + 2 * n * c->n_flight;
+    switch (c->end) {
+    case RIC_MIRROR_REST: return w[n + i];
+    case RIC_MIRROR_CENTRE: return w[i];
+    case RIC_MIRROR_IMPACT: return ric_dot(n, c->model->face[c->face[c->n_flight]].E + i * n, w + n);
+    default: return w[i] - c->sigma * c->w[i];
+    }
+}
+
+static void set_residual(ric_chain *c, double largest)
+{
+    int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
+    double sum = 0;
+    for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
+    for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
+    c->scale = 1 + sqrt(sum);
+    c->residual = largest / c->scale;
+    if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
+}
+
+void ric_chain_fly(ric_chain *c, const double *u)
+{
+    double largest = fabs(start_state(c, u));
+    for (int k = 0; k < c->n_flight; k++) {
+        double gap = fabs(fly_one(c, c->n, k, u[c->n_start + k]));
+        /* in the general form the last gap follows from the closure */
+        if (!(general(c) && k + 1 == c->n_flight)) largest = fmax(largest, gap);
+    }
+    set_residual(c, largest);
+}
+
+/* ---------------------------------------------------------- factorisation */
+
+/* Householder vector that turns the row g [m] into (0, .., 0, rho); the constraint g.z + offset = -residual then pins the last
+ * coordinate. Applies it to `rows` rows of X and moves the pinned part into the last column of X (the inhomogeneous one). */
+static inline __attribute__((always_inline)) double pin(ric_chain *c, int vector, int m, const double *g, double rhs, int rows, int ld)
+{
+    double *v = c->hv + (size_t)vector * ld, *X = c->X;
+    double sum = 0;
+    for (int j = 0; j < m; j++) sum += g[j] * g[j];
+    double norm = sqrt(sum), last = g[m - 1], rho = last > 0 ? -norm : norm;
+    if (!(norm > 0)) {
+        c->singular = true;
+        for (int j = 0; j < m; j++) v[j] = 0;
+        c->beta[vector] = c->zeta[vector] = 0;
+        return 0;
+    }
+    for (int j = 0; j < m; j++) v[j] = g[j];
+    v[m - 1] = last - rho;
+    double beta = 1 / (norm * (norm + fabs(last))), zeta = rhs / rho;
+    c->beta[vector] = beta;
+    c->zeta[vector] = zeta;
+    for (int r = 0; r < rows; r++) {
+        double *x = X + r * ld, s = 0;
+        for (int j = 0; j < m; j++) s += x[j] * v[j];
+        s *= beta;
+        for (int j = 0; j < m; j++) x[j] -= s * v[j];
+        x[ld - 1] += x[m - 1] * zeta;
+    }
+    return rho;
+}
+
+/* Columns of d(start state)/d(start block). */
+static inline __attribute__((always_inline)) void start_columns(ric_chain *c, int n, int rows, int ld)
+{
+    double *X = c->X;
+    memset(X, 0, (size_t)rows * ld * sizeof *X);
+    switch (c->start) {
+    case RIC_MIRROR_NONE:
+        for (int i = 0; i < 2 * n; i++) X[i * ld + i] = X[(2 * n + i) * ld + i] = 1;
+        break;
+    case RIC_MIRROR_REST:
+        for (int i = 0; i < n; i++) X[i * ld + i] = 1;
+        break;
+    case RIC_MIRROR_CENTRE:
+        for (int i = 0; i < n; i++) X[(n + i) * ld + i] = 1;
+        break;
+    case RIC_MIRROR_IMPACT: {
+        const ric_face *face = &c->model->face[c->face[0]];
+        for (int i = 0; i < n; i++) X[i * ld + i] = 1;
+        for (int i = 0; i < n; i++) X[(n + i) * ld + n] = -face->side / sqrt(face->cc) * face->c[i];
+    }
+    }
+}
+
+/* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
+static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned, int rows, int ld)
+{
+    const ric_model *m = c->model;
+    const double *trig = c->trig + 3 * n * k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
+    double *X = c->X, rho = 1;
+    for (int i = 0; i < n; i++) {
+        double *restrict a = X + i * ld, *restrict p = X + (n + i) * ld;
+        double co = trig[i], s1 = trig[n + i], s2 = trig[2 * n + i];
+        for (int j = 0; j < nz; j++) {
+            double t = a[j];
+            a[j] = co * t + s1 * p[j];
+            p[j] = co * p[j] - s2 * t;
+        }
+        double t = a[ld - 1];
+        a[ld - 1] = co * t + s1 * p[ld - 1];
+        p[ld - 1] = co * p[ld - 1] - s2 * t;
+        a[nz] = m->kappa[i] * before[i];
+        p[nz] = -m->stiff[i] * after[i]; /* a does not change at an impact */
+    }
+    for (int r = 2 * n; r < rows; r++) X[r * ld + nz] = 0;
+    if (c->face[k + 1] < 0) return rho;
+    const ric_face *face = &m->face[c->face[k + 1]];
+    int columns = nz + 1;
+    if (pinned) {
+        double g[columns], offset = 0;
+        for (int j = 0; j <= nz; j++) g[j] = 0;
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j <= nz; j++) g[j] += face->g[i] * X[i * ld + j];
+            offset += face->g[i] * X[i * ld + ld - 1];
+        }
+        rho = pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
+        columns = nz;
+    }
+    if (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT) return rho;
+    double sum[ld], factor = 2 / face->cc;
+    for (int j = 0; j < ld; j++) sum[j] = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < ld; j++) sum[j] += face->c[i] * X[(n + i) * ld + j];
+    for (int i = 0; i < n; i++) {
+        double f = factor * face->c[i];
+        for (int j = 0; j < columns; j++) X[(n + i) * ld + j] -= f * sum[j];
+        X[(n + i) * ld + ld - 1] -= f * sum[ld - 1];
+    }
+    return rho;
+}
+
+/* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the inhomogeneous column. */
+static double end_rows_general(ric_chain *c, int columns)
+{
+    int n = c->n, ld = c->ld;
+    const double *wN = c->w + 2 * n * c->n_flight;
+    double *X = c->X, h[2 * n], sum = 0;
+    for (int r = 0; r < 2 * n; r++) {
+        double *x = X + r * ld, *x0 = X + (2 * n + r) * ld;
+        for (int j = 0; j < columns; j++) x[j] -= c->sigma * x0[j];
+        x[ld - 1] += -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
+        h[r] = (r < n && c->model->stiff[r] == 0) ? 0 : wN[r] + c->sigma * c->w[r];
+        sum += h[r] * h[r];
+    }
+    /* |w_N| = |w_0| holds for any u: the closure is perpendicular to h = w_N + sigma w_0, and that one row is dropped */
+    int last = 2 * n - 1;
+    double norm = sqrt(sum), sign = h[last] < 0 ? -1 : 1, beta = 1 / (norm * (norm + fabs(h[last])));
+    h[last] += sign * norm;
+    for (int j = 0; j < ld; j++) {
+        if (j >= columns && j < ld - 1) continue;
+        double s = 0;
+        for (int r = 0; r < 2 * n; r++) s += h[r] * X[r * ld + j];
+        s *= beta;
+        for (int r = 0; r < 2 * n; r++) X[r * ld + j] -= s * h[r];
+    }
+    return sign;
+}
+
+static void end_rows_reversible(ric_chain *c, int columns)
+{
+    int n = c->n, ld = c->ld;
+    double *X = c->X;
+    if (c->end == RIC_MIRROR_REST)
+        memmove(X, X + n * ld, (size_t)n * ld * sizeof *X);
+    else if (c->end == RIC_MIRROR_IMPACT) {
+        const ric_face *face = &c->model->face[c->face[c->n_flight]];
+        for (int r = 0; r < n - 1; r++)
+            for (int j = 0; j < ld; j++) {
+                double s = 0;
+                for (int i = 0; i < n; i++) s += face->E[r * n + i] * X[(n + i) * ld + j];
+                X[r * ld + j] = s;
+            }
+    }
+    for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, r);
+    (void)columns;
+}
+
+/* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the kernel. */
+static void eliminate_end(ric_chain *c, int columns, double sign)
+{
+    int ld = c->ld, first = 1 + c->n_flight;
+    c->smallest = HUGE_VAL;
+    for (int r = 0; r < c->n_end; r++) {
+        double g[ld];
+        memcpy(g, c->X + r * ld, (size_t)ld * sizeof *g);
+        double rho = pin(c, first + r, columns - r, g, -g[ld - 1], c->n_end, ld);
+        sign *= rho;
+        c->smallest = fmin(c->smallest, fabs(rho));
+    }
+    c->end_det = sign;
+}
+
+static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const double *u, int n, bool whole)
+{
+    int rows = whole ? 4 * n : 2 * n, ld = whole ? 2 * n + 1 : n + 2, nz = c->n_start;
+    double gap = start_state(c, u), largest = fabs(gap), sign = 1;
+    c->singular = false;
+    start_columns(c, n, rows, ld);
+    if (c->start == RIC_MIRROR_NONE || c->start == RIC_MIRROR_IMPACT) {
+        double g[ld];
+        const ric_face *face = &c->model->face[c->face[0]];
+        for (int j = 0; j < nz; j++) g[j] = j < n ? face->g[j] : 0;
+        if (pin(c, 0, nz, g, -gap, rows, ld) < 0) sign = -sign;
+        nz--;
+    }
+    int free_columns = whole ? 2 * n - 1 : n;
+    for (int k = 0; k < c->n_flight; k++) {
+        bool pinned = c->face[k + 1] >= 0 && !(whole && k + 1 == c->n_flight);
+        gap = fly_one(c, n, k, u[c->n_start + k]);
+        if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
+        if (pinned) largest = fmax(largest, fabs(gap));
+    }
+    nz = c->end == RIC_MIRROR_IMPACT ? n : free_columns + 1;
+    if (whole) sign *= end_rows_general(c, nz);
+    else end_rows_reversible(c, nz);
+    eliminate_end(c, nz, sign);
+    set_residual(c, largest);
+}
+
+void ric_chain_evaluate(ric_chain *c, const double *u)
+{
+    bool whole = general(c);
+    /* the same code with n known to the compiler for the small structures that most atlases are made of */
+    switch (c->n) {
+    case 1: whole ? evaluate(c, u, 1, true) : evaluate(c, u, 1, false); break;
+    case 2: whole ? evaluate(c, u, 2, true) : evaluate(c, u, 2, false); break;
+    case 3: whole ? evaluate(c, u, 3, true) : evaluate(c, u, 3, false); break;
+    default: evaluate(c, u, c->n, whole);
+    }
+}
+
+/* ------------------------------------------------------- back-substitution */
+
+/* Undoes one Householder reflection on z [m], whose last coordinate was pinned at `pinned`. */
+static inline void unpin(const ric_chain *c, int vector, int m, double pinned, double *z)
+{
+    const double *v = c->hv + (size_t)vector * c->ld;
+    double s = 0;
+    z[m - 1] = pinned;
+    for (int j = 0; j < m; j++) s += v[j] * z[j];
+    s *= c->beta[vector];
+    for (int j = 0; j < m; j++) z[j] -= s * v[j];
+}
+
+void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
+{
+    int n = c->n, m = 1, free_columns = general(c) ? 2 * n - 1 : n;
+    double z[c->ld];
+    z[0] = alpha;
+    for (int r = c->n_end - 1; r >= 0; r--) {
+        int vector = 1 + c->n_flight + r;
+        unpin(c, vector, ++m, newton ? c->zeta[vector] : 0, z);
+    }
+    for (int k = c->n_flight - 1; k >= 0; k--) {
+        bool pinned = c->face[k + 1] >= 0 && !(general(c) && k + 1 == c->n_flight);
+        if (pinned) unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
+        du[c->n_start + k] = z[--m];
+    }
+    if (c->n_start > free_columns) unpin(c, 0, ++m, newton ? c->zeta[0] : 0, z);
+    memcpy(du, z, (size_t)c->n_start * sizeof *du);
+}
+
+/* ----------------------------------------------------------------- scalars */
+
+double ric_chain_time(const ric_chain *c, const double *u)
+{
+    double sum = 0;
+    for (int k = 0; k < c->n_flight; k++) sum += u[c->n_start + k];
+    return c->multiple * sum;
+}
+
+double ric_chain_energy(const ric_chain *c)
+{
+    double sum = 0;
+    for (int i = 0; i < c->n; i++) {
+        if (c->model->stiff[i] != 0) sum += c->w[i] * c->w[i];
+        sum += c->w[c->n + i] * c->w[c->n + i];
+    }
+    return sum / 2;
+}
+
+double ric_chain_energy_slope(const ric_chain *c, const double *u, const double *du)
+{
+    int n = c->n;
+    double sum = 0;
+    (void)u;
+    if (c->start == RIC_MIRROR_CENTRE) return ric_dot(n, c->w + n, du);
+    for (int i = 0; i < n; i++)
+        if (c->model->stiff[i] != 0) sum += c->w[i] * du[i];
+    if (c->start == RIC_MIRROR_NONE) sum += ric_dot(n, c->w + n, du + n);
+    if (c->start == RIC_MIRROR_IMPACT) sum += u[n] * du[n];
+    return sum;
+}
+
+/* ------------------------------------------------------------ dense (tests) */
+
+int ric_chain_residuals(ric_chain *c, const double *u, double *r)
+{
+    int n = c->n, k = 0, rows = general(c) ? 2 * n : c->n_end;
+    double gap = start_state(c, u);
+    if (c->face[0] >= 0) r[k++] = gap;
+    for (int i = 0; i < c->n_flight; i++) {
+        gap = fly_one(c, n, i, u[c->n_start + i]);
+        if (c->face[i + 1] >= 0 && !(general(c) && i + 1 == c->n_flight)) r[k++] = gap;
+    }
+    for (int i = 0; i < rows; i++) r[k++] = end_residual(c, i);
+    return k;
+}
+
+/* Pushes du through the chain after a ric_chain_fly; writes column j of J (n_unknown columns). */
+static void push(const ric_chain *c, const double *du, double *column)
+{
+    int n = c->n, k = 0, rows = general(c) ? 2 * n : c->n_end;
+    const ric_model *m = c->model;
+    double dw[2 * n], dw0[2 * n], f[2 * n], before[2 * n];
+    memset(dw, 0, sizeof dw);
+    if (c->start == RIC_MIRROR_CENTRE) memcpy(dw + n, du, (size_t)n * sizeof *dw);
+    else memcpy(dw, du, (size_t)(general(c) ? 2 * n : n) * sizeof *dw);
+    if (c->start == RIC_MIRROR_IMPACT) {
+        const ric_face *face = &m->face[c->face[0]];
+        for (int i = 0; i < n; i++) dw[n + i] = -face->side * du[n] / sqrt(face->cc) * face->c[i];
+    }
+    memcpy(dw0, dw, sizeof dw);
+    if (c->face[0] >= 0) column[k++] = ric_gap(n, &m->face[c->face[0]], dw);
+    for (int i = 0; i < c->n_flight; i++) {
+        ric_flight(n, c->trig + 3 * n * i, dw, dw);
+        memcpy(before, c->w + 2 * n * (i + 1), (size_t)n * sizeof *before);
+        memcpy(before + n, c->before + n * i, (size_t)n * sizeof *before);
+        ric_flow(m, n, before, f);
+        for (int j = 0; j < 2 * n; j++) dw[j] += f[j] * du[c->n_start + i];
+        if (c->face[i + 1] < 0) continue;
+        const ric_face *face = &m->face[c->face[i + 1]];
+        if (!(general(c) && i + 1 == c->n_flight)) column[k++] = ric_gap(n, face, dw);
+        if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_impact_reflect(n, face, dw + n);
+    }
+    for (int i = 0; i < rows; i++) {
+        double value;
+        if (c->end == RIC_MIRROR_REST) value = dw[n + i];
+        else if (c->end == RIC_MIRROR_CENTRE) value = dw[i];
+        else if (c->end == RIC_MIRROR_IMPACT) value = ric_dot(n, m->face[c->face[c->n_flight]].E + i * n, dw + n);
+        else value = dw[i] - c->sigma * dw0[i];
+        column[k++] = value;
+    }
+}
+
+int ric_chain_jacobian(ric_chain *c, const double *u, double *J)
+{
+    int unknowns = c->n_unknown, equations = (c->face[0] >= 0) + c->n_flight + 2 * c->n + 1;
+    double *du = calloc((size_t)unknowns, sizeof *du), *column = calloc((size_t)equations, sizeof *column);
+    if (!du || !column) {
+        equations = 0;
+        goto out;
+    }
+    equations = ric_chain_residuals(c, u, column);
+    for (int j = 0; j < unknowns; j++) {
+        du[j] = 1;
+        push(c, du, column);
+        for (int i = 0; i < equations; i++) J[i * unknowns + j] = column[i];
+        du[j] = 0;
+    }
+out:
+    free(du);
+    free(column);
+    return equations;
+}

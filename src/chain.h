@@ -1,0 +1,74 @@
+/* The orbit problem: a chain of flights from a start condition to an end condition (docs/theory.md sections 3 and 4).
+ *
+ * general      state after impact 0 -> sigma times itself (sigma = -1: half a period of an orbit with z(t+T/2) = -z(t))
+ * reversible   mirror point -> mirror point: half a period, or a quarter when one is a centre and the other is not
+ *
+ * Unknowns u [n_unknown]: the start block, then every flight time. One more unknown than equations: solutions form curves.
+ * The Jacobian is never stored. Its columns travel with the flights; each impact condition is removed at once by one Householder
+ * reflection from the right, so that at most 2 n columns are alive: an LQ factorisation that costs O(n^2) an impact, is backward
+ * stable whatever the multipliers are, and never divides by an impact speed (docs/decisions/0002-structured-lq.md). */
+#ifndef RIC_CHAIN_H
+#define RIC_CHAIN_H
+
+#include "model.h"
+
+typedef enum { RIC_MIRROR_NONE, RIC_MIRROR_REST, RIC_MIRROR_IMPACT, RIC_MIRROR_CENTRE } ric_mirror;
+
+typedef struct {
+    const ric_model *model;
+    int n;                 /* seen modes */
+    ric_mirror start, end; /* both NONE in the general form */
+    int sigma;             /* general form: +1 or -1 */
+    int multiple;          /* period = multiple * sum of the flight times */
+    int n_flight;
+    int *face;             /* [n_flight + 1]: face at the start, then at the end of each flight; -1 where there is no impact */
+    int n_start;           /* unknowns of the start block: w (general), a (rest), p (centre), a and speed (impact) */
+    int n_unknown;         /* n_start + n_flight */
+
+    /* set by ric_chain_evaluate */
+    double *w;             /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if there is one,
+                            * but before it at an impact that is the end mirror) */
+    double *before;        /* [n_flight * n] velocities at the end of each flight, before the impact */
+    double *trig;          /* [n_flight * 3n] cos, kappa sin / omega, omega sin / kappa of each flight */
+    double *approach;      /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an impact mirror */
+    double residual;       /* largest residual relative to 1 + |w| */
+    double scale;          /* 1 + |w| */
+    double end_det;        /* product of the end pivots, signed: with the tangent's orientation, the sign of the bordered determinant */
+    double smallest;       /* smallest end pivot in modulus: 0 where the kernel has more than one dimension */
+    bool singular;         /* a pivot vanished */
+
+    /* factorisation */
+    int n_end;             /* end conditions */
+    double *hv;            /* Householder vectors, ld per row: start constraint, one per flight, n_end */
+    double *beta, *zeta;   /* per Householder vector */
+    double *X;             /* live columns */
+    int ld;
+} ric_chain;
+
+/* A chain over `face` [n_flight + 1]; sigma counts only in the general form. */
+ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight, const int *face,
+                            ric_chain **out);
+ric_chain *ric_chain_copy(const ric_chain *chain);
+void ric_chain_free(ric_chain *chain);
+
+/* Flies the chain at u, sets everything above and factorises the Jacobian. Cost O(n_flight n^2), no allocation. */
+void ric_chain_evaluate(ric_chain *chain, const double *u);
+/* Residuals only: states, approach, residual, trig; O(n_flight n). */
+void ric_chain_fly(ric_chain *chain, const double *u);
+
+/* From the last evaluation: the minimum-norm Newton step plus alpha times the kernel vector (newton = true), or the kernel vector times
+ * alpha (newton = false); du [n_unknown]. The kernel vector has unit norm. */
+void ric_chain_step(const ric_chain *chain, bool newton, double alpha, double *du);
+
+/* Period and energy (scaled frame) at u, and their derivatives along du. */
+double ric_chain_time(const ric_chain *chain, const double *u);
+double ric_chain_energy(const ric_chain *chain);
+double ric_chain_energy_slope(const ric_chain *chain, const double *u, const double *du);
+
+/* Dense Jacobian of all residuals [n_equation * n_unknown] by propagating one unknown at a time: for tests and junctions only.
+ * In the general form the 2n closure rows are unprojected. Returns the number of equations. */
+int ric_chain_jacobian(ric_chain *chain, const double *u, double *J);
+/* The residuals in the same order. */
+int ric_chain_residuals(ric_chain *chain, const double *u, double *r);
+
+#endif

@@ -1,0 +1,51 @@
+/* One period of an orbit as a closed list of impacts, and what maps it to itself. Chains (chain.h) are made from it and turned back.
+ *
+ * Impact i is followed by flight i. The group that acts: time shifts (the first impact changes), time reversal, and x -> -x where the
+ * structure allows it. On the circle of 2N half positions, 2i is impact i and 2i + 1 the middle of flight i; a reversal that takes
+ * impact i to r - i has its mirror points at positions r and r + N. */
+#ifndef RIC_CYCLE_H
+#define RIC_CYCLE_H
+
+#include "chain.h"
+
+typedef struct {
+    int n, N;
+    int *face;     /* [N] */
+    double *tau;   /* [N] */
+    double *w;     /* [2n] state right after impact 0 */
+    bool half;     /* z(t+T/2) = -z(t) */
+    int pure;      /* reversal i -> pure - i keeps the orbit; -1: none */
+    int flip;      /* the same joined with x -> -x; -1: none */
+} ric_cycle;
+
+ric_cycle *ric_cycle_create(int n, int N);
+ric_cycle *ric_cycle_copy(const ric_cycle *cycle);
+void ric_cycle_free(ric_cycle *cycle);
+
+/* The orbit of a chain at u (evaluated or flown there); symmetries are those of the chain's form. NULL: no memory. */
+ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u);
+/* The chain of the form that the cycle's symmetries allow, and its unknowns, *u allocated. */
+ric_status ric_cycle_to_chain(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
+
+/* States after every impact [N * 2n]. */
+void ric_cycle_states(const ric_model *model, const ric_cycle *cycle, double *W);
+double ric_cycle_period(const ric_cycle *cycle);
+double ric_cycle_energy(const ric_model *model, const ric_cycle *cycle);
+
+/* The same orbit started at impact `shift`, then run backwards (impact 0 stays first), then mirrored. */
+ric_cycle *ric_cycle_transform(const ric_model *model, const ric_cycle *cycle, int shift, bool reverse, bool mirror);
+/* Only the impacts with keep[i]; the others, of no speed, are flown through. At least one is kept. Symmetries that the choice breaks go. */
+ric_cycle *ric_cycle_keep(const ric_model *model, const ric_cycle *cycle, const bool *keep);
+/* The first N/q impacts of a cycle that repeats itself q times. */
+ric_cycle *ric_cycle_shorten(const ric_cycle *cycle, int q);
+
+/* Relative distance of two cycles as they stand (same faces needed, else infinity). */
+double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
+/* The operation that takes b to a within `tolerance`: found or not. */
+bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
+/* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
+int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
+/* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as equal). */
+ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
+
+#endif

@@ -1,0 +1,308 @@
+#include "event.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "motion.h"
+#include "status.h"
+
+#define LOCATE_STEPS 60
+/* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
+#define TRUE_ZERO 1e-5
+
+static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
+                                 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
+/* Functions that grow without bound where an impact loses its speed. */
+static const unsigned singular = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+/* What ghosts are allowed to do. */
+static const unsigned margins = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT;
+
+static bool watched(const ric_trace *tr, int test)
+{
+    if (tr->ignore & 1u << test) return false;
+    return !(tr->limits->ghost && (margins & 1u << test));
+}
+
+bool ric_event_suspicious(const ric_trace *tr, double h)
+{
+    const ric_station *p = &tr->past, *a = &tr->now, *b = &tr->next;
+    if (!tr->has_past || h < 1e-5 * tr->step_max) return false;
+    double x0 = p->s - a->s, x2 = b->s - a->s;
+    for (int i = 0; i < RIC_N_TEST; i++) {
+        double f0 = p->test[i], f1 = a->test[i], f2 = b->test[i];
+        if (!watched(tr, i) || f1 * f2 <= 0 || !isfinite(f0 + f1 + f2)) continue;
+        /* f = f1 + B x + C x^2 */
+        double C = ((f2 - f1) / x2 - (f0 - f1) / x0) / (x2 - x0), B = (f2 - f1) / x2 - C * x2, vertex = -B / (2 * C);
+        if (!(vertex > 0 && vertex < x2)) continue;
+        double bottom = f1 + B * vertex / 2, end = fmin(fabs(f1), fabs(f2));
+        /* towards zero, and the cubic term could make up for what is left */
+        if (bottom * f1 < 0.4 * end * fabs(f1) && fabs(bottom) < fabs(f1)) return true;
+    }
+    return false;
+}
+
+/* ------------------------------------------------------------------ location */
+
+/* Solves at distance x from `now`, between now and next, from the cubic through both. */
+static ric_status station_at(ric_trace *tr, double x, double h, ric_station *out, bool *good)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown, iterations;
+    const ric_station *a = &tr->now, *b = &tr->next;
+    double y = x / h, H = b->s - a->s;
+    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p, s = (y * y * y - y * y) * H;
+    for (int i = 0; i < size; i++) out->u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
+    *good = ric_trace_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
+    tr->evaluations += iterations + 1;
+    if (!*good) return RIC_OK;
+    double sign = ric_trace_tangent(c, a->t, out->t);
+    out->s = a->s + H * y;
+    return ric_trace_examine(tr, out, sign);
+}
+
+/* Brent's method on the distance from `now`; the result is left in tr->mid. *zero: a true zero was found. */
+static ric_status locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h, double *where, bool *zero)
+{
+    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), c = a, fc = fa, d = b - a, e = d;
+    ric_status status;
+    bool good = false;
+    *zero = false;
+    for (int i = 0; i < LOCATE_STEPS; i++) {
+        if (fb * fc > 0) {
+            c = a;
+            fc = fa;
+            d = e = b - a;
+        }
+        if (fabs(fc) < fabs(fb)) {
+            a = b; b = c; c = a;
+            fa = fb; fb = fc; fc = fa;
+        }
+        double tolerance = 2e-16 * h + 1e-17, m = (c - b) / 2;
+        if (fabs(m) <= tolerance || fb == 0) break;
+        if (fabs(e) < tolerance || fabs(fa) <= fabs(fb)) d = e = m;
+        else {
+            double s = fb / fa, p, q;
+            if (a == c) {
+                p = 2 * m * s;
+                q = 1 - s;
+            } else {
+                double t = fa / fc, r = fb / fc;
+                p = s * (2 * m * t * (t - r) - (b - a) * (r - 1));
+                q = (t - 1) * (r - 1) * (s - 1);
+            }
+            if (p > 0) q = -q;
+            else p = -p;
+            if (2 * p < fmin(3 * m * q - fabs(tolerance * q), fabs(e * q))) {
+                e = d;
+                d = p / q;
+            } else d = e = m;
+        }
+        a = b;
+        fa = fb;
+        b += fabs(d) > tolerance ? d : copysign(tolerance, m);
+        if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
+        if (!good) return RIC_OK;
+        fb = tr->mid.test[test];
+    }
+    if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
+    *where = b;
+    *zero = good && fabs(tr->mid.test[test]) <= TRUE_ZERO * size;
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- keeping */
+
+static ric_status fill_event(const ric_trace *tr, int test, const ric_station *p, ric_event *out)
+{
+    size_t bytes = (size_t)tr->chain->n_unknown * sizeof(double);
+    *out = (ric_event){.test = test, .s = p->s, .u = malloc(bytes), .t = malloc(bytes)};
+    if (!out->u || !out->t) {
+        free(out->u);
+        free(out->t);
+        out->u = out->t = NULL;
+        return ric_fail(RIC_E_NOMEM, "no memory for an event");
+    }
+    memcpy(out->u, p->u, bytes);
+    memcpy(out->t, p->t, bytes);
+    return RIC_OK;
+}
+
+static ric_status keep_event(ric_trace *tr, int test, const ric_station *p)
+{
+    if (tr->n_event == tr->event_capacity) {
+        int capacity = tr->event_capacity ? 2 * tr->event_capacity : 8;
+        ric_event *grown = realloc(tr->events, (size_t)capacity * sizeof *grown);
+        if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d events", capacity);
+        tr->events = grown;
+        tr->event_capacity = capacity;
+    }
+    ric_status status = fill_event(tr, test, p, &tr->events[tr->n_event]);
+    if (!status) tr->n_event++;
+    return status;
+}
+
+static ric_status keep_last(ric_trace *tr, const ric_station *p)
+{
+    double *grown = realloc(tr->points, (size_t)(tr->n_point + 1) * tr->stride * sizeof *grown);
+    if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for the last point of a branch");
+    tr->points = grown;
+    double *out = tr->points + (size_t)tr->n_point++ * tr->stride;
+    memcpy(out, &p->row, sizeof p->row);
+    memcpy(out + sizeof p->row / sizeof *out, p->u, (size_t)tr->chain->n_unknown * sizeof *out);
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------------- arrivals */
+
+/* At a zero of the bordered determinant: some operation of the symmetry group keeps the orbit there and turns the branch round.
+ * Then the branch ends: beyond is its own mirror image. */
+static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const ric_station *beside)
+{
+    ric_chain *c = tr->chain, *chain = NULL;
+    const ric_model *m = c->model;
+    bool found = false;
+    double *u = NULL;
+    ric_chain_fly(c, at->u);
+    ric_cycle *here = ric_cycle_from_chain(c, at->u);
+    ric_chain_fly(c, beside->u);
+    ric_cycle *near = ric_cycle_from_chain(c, beside->u);
+    double away = 0;
+    for (int i = 0; i < c->n_unknown; i++) away += (beside->u[i] - at->u[i]) * at->t[i];
+    for (int op = 0; here && near && !found && op < (m->symmetric ? 4 : 2); op++)
+        for (int s = 0; s < here->N && !found; s++) {
+            if (op == 0 && s == 0) continue;
+            ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
+            bool fixed = image && ric_cycle_distance(here, image) < 1e-5 && image->pure == here->pure && image->flip == here->flip;
+            ric_cycle_free(image);
+            if (!fixed) continue;
+            image = ric_cycle_transform(m, near, s, op & 1, op & 2);
+            if (image && !ric_cycle_to_chain(m, image, &chain, &u) && chain->n_unknown == c->n_unknown) {
+                double across = 0;
+                for (int i = 0; i < c->n_unknown; i++) across += (u[i] - at->u[i]) * at->t[i];
+                found = across * away < 0 && fabs(across + away) < 0.2 * fabs(away);
+            }
+            ric_chain_free(chain);
+            chain = NULL;
+            free(u);
+            u = NULL;
+            ric_cycle_free(image);
+        }
+    ric_cycle_free(here);
+    ric_cycle_free(near);
+    return found;
+}
+
+/* ------------------------------------------------------------------- the step */
+
+static void window_text(ric_trace *tr, int test)
+{
+    static const char *const text[RIC_N_TEST] = {
+        [RIC_TEST_E_MAX] = "upper end of the energy window", [RIC_TEST_E_MIN] = "lower end of the energy window",
+        [RIC_TEST_F_MAX] = "upper end of the frequency window", [RIC_TEST_F_MIN] = "lower end of the frequency window"};
+    tr->stop = text[test] ? RIC_STOP_WINDOW : RIC_STOP_JUNCTION;
+    tr->why = text[test] ? text[test] : "";
+}
+
+/* Back at the start, going the same way. */
+static bool closes(ric_trace *tr, double h)
+{
+    int size = tr->chain->n_unknown;
+    double along = 0, across = 0;
+    if (tr->n_point < 8) return false;
+    for (int i = 0; i < size; i++) along += (tr->start_u[i] - tr->now.u[i]) * tr->now.t[i];
+    if (!(along > 0 && along <= h)) return false;
+    for (int i = 0; i < size; i++) {
+        double d = tr->start_u[i] - tr->now.u[i] - along * tr->now.t[i];
+        across += d * d;
+    }
+    if (sqrt(across) > 0.3 * h) return false;
+    bool good = false;
+    if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
+    double distance = 0;
+    for (int i = 0; i < size; i++) distance = fmax(distance, fabs(tr->mid.u[i] - tr->start_u[i]));
+    return distance < 1e-8 * tr->chain->scale && ric_dot(size, tr->mid.t, tr->start_t) > 0.5;
+}
+
+typedef struct { int test; double x; } root;
+
+static int by_place(const void *a, const void *b)
+{
+    const root *p = a, *q = b;
+    return p->x < q->x ? -1 : p->x > q->x ? 1 : p->test - q->test;
+}
+
+/* All zeros of the tests in `which` up to distance `to`, whose functions there are `end`. */
+static ric_status find_roots(ric_trace *tr, unsigned which, double to, const double *end, double h, root *roots, int *n, bool *retry)
+{
+    for (int i = 0; i < RIC_N_TEST; i++) {
+        double fa = tr->now.test[i], fb = end[i], x;
+        bool zero;
+        if (!(which & 1u << i) || !watched(tr, i) || !(fa * fb < 0 || (fb == 0 && fa != 0))) continue;
+        ric_status status = locate(tr, i, 0, fa, to, fb, h, &x, &zero);
+        if (status) return status;
+        if (!zero) {
+            *retry = true;
+            return RIC_OK;
+        }
+        roots[(*n)++] = (root){i, x};
+    }
+    return RIC_OK;
+}
+
+ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
+{
+    ric_status status = RIC_OK;
+    root roots[2 * RIC_N_TEST];
+    int n = 0, last = -1;
+    bool good, closed = closes(tr, h);
+    double to = h, limit[RIC_N_TEST];
+    memcpy(limit, tr->next.test, sizeof limit);
+    if ((status = find_roots(tr, terminal, h, limit, h, roots, &n, retry)) || *retry) return status;
+    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    double end = n ? roots[0].x : h;
+    if (n) {
+        last = roots[0].test;
+        n = 0;
+        to = end;
+        if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
+        memcpy(limit, tr->mid.test, sizeof limit);
+        /* just before a grazing the singular functions still have their sign */
+        if ((status = station_at(tr, end * (1 - 1e-4), h, &tr->mid, &good))) return status;
+        for (int i = 0; i < RIC_N_TEST; i++)
+            if (singular & 1u << i) limit[i] = tr->mid.test[i];
+    }
+    unsigned interior = ~terminal & ((1u << RIC_N_TEST) - 1);
+    if ((status = find_roots(tr, interior & ~singular, to, limit, h, roots, &n, retry)) || *retry) return status;
+    double before = last >= 0 ? to * (1 - 1e-4) : to;
+    if ((status = find_roots(tr, interior & singular, before, limit, h, roots, &n, retry)) || *retry) return status;
+    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    for (int i = 0; i < n; i++) {
+        if ((status = station_at(tr, roots[i].x, h, &tr->mid, &good))) return status;
+        if (roots[i].test == RIC_TEST_DET && meets_mirror_image(tr, &tr->mid, &tr->now)) {
+            tr->arrival = true;
+            last = RIC_TEST_DET;
+            end = roots[i].x;
+            break;
+        }
+        if ((status = keep_event(tr, roots[i].test, &tr->mid))) return status;
+    }
+    if (tr->arrival) { /* dE/ds = 0 there belongs to the arrival */
+        while (tr->n_event && tr->now.s + (end - 1e-6 * h) < tr->events[tr->n_event - 1].s && tr->events[tr->n_event - 1].test == RIC_TEST_SLOPE) {
+            tr->n_event--;
+            free(tr->events[tr->n_event].u);
+            free(tr->events[tr->n_event].t);
+        }
+    }
+    if (last < 0 && !closed) return RIC_OK;
+    *done = true;
+    if (last < 0) {
+        tr->stop = RIC_STOP_CLOSED;
+        tr->why = "back at its start";
+        return keep_last(tr, &tr->now);
+    }
+    if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
+    window_text(tr, last);
+    if (!tr->arrival && !(terminal & 1u << last)) tr->stop = RIC_STOP_FAILED;
+    if ((status = fill_event(tr, last, &tr->mid, &tr->end))) return status;
+    return keep_last(tr, &tr->mid);
+}

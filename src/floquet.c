@@ -1,0 +1,401 @@
+#include "floquet.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "motion.h"
+#include "status.h"
+
+/* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
+#define ROUNDING 16.0
+
+ric_status ric_floquet_create(int n, ric_floquet *out)
+{
+    size_t k = (size_t)(n > 1 ? n - 1 : 1), nn = (size_t)n;
+    memset(out, 0, sizeof *out);
+    out->n_pair = n - 1;
+    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn;
+    out->rho = calloc(2 * k, sizeof(double));
+    out->work = calloc(out->n_work, sizeof(double));
+    if (!out->rho || !out->work) {
+        ric_floquet_release(out);
+        return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
+    }
+    return RIC_OK;
+}
+
+void ric_floquet_release(ric_floquet *f)
+{
+    free(f->rho);
+    free(f->work);
+    f->rho = f->work = NULL;
+}
+
+/* ---------------------------------------------------------------- sections */
+
+/* Orthonormal rows perpendicular to h; the first k = n - 1 rows of E [k * n]. */
+static void complement(int n, const double *h, double *E)
+{
+    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * h[i] * (j ? h[j] : v0);
+}
+
+/* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre, the normal at an
+ * impact. Written in canonical coordinates (q, p). */
+static void section(const ric_chain *c, ric_mirror mirror, const double *w, int face, double *E)
+{
+    int n = c->n;
+    double h[n];
+    if (n < 2) return;
+    if (mirror == RIC_MIRROR_REST)
+        for (int i = 0; i < n; i++) h[i] = c->model->stiff[i] * w[i];
+    else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, w + n, sizeof h);
+    else {
+        memcpy(E, c->model->face[face].E, (size_t)(n - 1) * n * sizeof *E);
+        return;
+    }
+    complement(n, h, E);
+}
+
+/* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the normal velocity
+ * follows from dE = 0. */
+static void section_columns(const ric_chain *c, ric_mirror mirror, const double *w, int face, const double *E, double *V)
+{
+    int n = c->n, k = n - 1, ld = 2 * k;
+    const ric_model *m = c->model;
+    memset(V, 0, (size_t)2 * n * ld * sizeof *V);
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < n; i++) {
+            V[i * ld + j] = m->kappa[i] * E[j * n + i];
+            V[(n + i) * ld + k + j] = E[j * n + i];
+        }
+    if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
+    const ric_face *f = &m->face[face];
+    double normal = ric_dot(n, f->c, w + n);
+    for (int j = 0; j < ld; j++) {
+        double dE = 0;
+        for (int i = 0; i < n; i++) {
+            if (m->stiff[i] != 0) dE += w[i] * V[i * ld + j];
+            dE += w[n + i] * V[(n + i) * ld + j];
+        }
+        for (int i = 0; i < n; i++) V[(n + i) * ld + j] -= dE / normal * f->c[i];
+    }
+}
+
+/* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side that V is on. */
+static void project(const ric_chain *c, bool on_face, const double *w, int face, const double *E, double *V, double *P)
+{
+    int n = c->n, k = n - 1, ld = 2 * k;
+    const ric_model *m = c->model;
+    if (on_face) {
+        const ric_face *f = &m->face[face];
+        double flow[2 * n], speed = 0;
+        ric_flow(m, n, w, flow);
+        for (int i = 0; i < n; i++) speed += f->g[i] * flow[i];
+        for (int j = 0; j < ld; j++) {
+            double gap = 0;
+            for (int i = 0; i < n; i++) gap += f->g[i] * V[i * ld + j];
+            for (int i = 0; i < 2 * n; i++) V[i * ld + j] -= flow[i] * (gap / speed);
+        }
+    }
+    for (int r = 0; r < k; r++)
+        for (int j = 0; j < ld; j++) {
+            double q = 0, p = 0;
+            for (int i = 0; i < n; i++) {
+                q += E[r * n + i] * V[i * ld + j] / m->kappa[i];
+                p += E[r * n + i] * V[(n + i) * ld + j];
+            }
+            P[r * ld + j] = q;
+            P[(k + r) * ld + j] = p;
+        }
+}
+
+/* ------------------------------------------------------------- propagation */
+
+/* One impact on columns: both q and p are reflected, and p gets a kick proportional to 1 / speed (saltation, eq. 41-46 of the article
+ * in modal coordinates). */
+static void saltation(const ric_model *m, int n, int ld, const ric_face *f, const double *a, const double *before, double *V)
+{
+    double speed = 0, pull = 0;
+    for (int i = 0; i < n; i++) {
+        speed += f->c[i] * before[i];
+        pull -= f->c[i] * m->stiff[i] * a[i];
+    }
+    double kick = 2 * pull / (f->cc * speed);
+    for (int j = 0; j < ld; j++) {
+        double gap = 0, push = 0;
+        for (int i = 0; i < n; i++) {
+            gap += f->g[i] * V[i * ld + j];
+            push += f->c[i] * V[(n + i) * ld + j];
+        }
+        double dq = 2 * gap / f->cc, dp = 2 * push / f->cc - kick * gap;
+        for (int i = 0; i < n; i++) {
+            V[i * ld + j] -= dq * m->kappa[i] * f->c[i];
+            V[(n + i) * ld + j] -= dp * f->c[i];
+        }
+    }
+}
+
+/* Keeps the columns finite: returns the power of two taken out. */
+static int rescale(int count, double *V, double *largest)
+{
+    double top = 0;
+    int exponent;
+    for (int i = 0; i < count; i++) top = fmax(top, fabs(V[i]));
+    *largest = top;
+    if (top < 0x1p200) return 0;
+    frexp(top, &exponent);
+    for (int i = 0; i < count; i++) V[i] = ldexp(V[i], -exponent);
+    *largest = ldexp(top, -exponent);
+    return exponent;
+}
+
+/* Takes V through the whole chain; *exponent collects the scaling, *growth the largest entry met (scaled likewise). */
+static void propagate(const ric_chain *c, double *V, int *exponent, double *growth)
+{
+    int n = c->n, ld = 2 * (n - 1);
+    const ric_model *m = c->model;
+    *exponent = 0;
+    *growth = 1;
+    for (int k = 0; k < c->n_flight; k++) {
+        const double *trig = c->trig + 3 * n * k;
+        for (int i = 0; i < n; i++) {
+            double *a = V + i * ld, *p = V + (n + i) * ld, co = trig[i], s1 = trig[n + i], s2 = trig[2 * n + i];
+            for (int j = 0; j < ld; j++) {
+                double t = a[j];
+                a[j] = co * t + s1 * p[j];
+                p[j] = co * p[j] - s2 * t;
+            }
+        }
+        bool ends = k + 1 == c->n_flight;
+        if (c->face[k + 1] < 0 || (ends && c->end == RIC_MIRROR_IMPACT)) continue;
+        double top;
+        saltation(m, n, ld, &m->face[c->face[k + 1]], c->w + 2 * n * (k + 1), c->before + n * k, V);
+        int shift = rescale(2 * n * ld, V, &top);
+        *exponent += shift;
+        *growth = fmax(shift ? ldexp(*growth, -shift) : *growth, top);
+    }
+}
+
+/* --------------------------------------------------------- small matrices */
+
+static double determinant(int k, int ld, const double *A, double *work)
+{
+    double det = 1;
+    if (k == 0) return 1;
+    if (k == 1) return A[0];
+    lapack_int pivot[k];
+    for (int i = 0; i < k; i++) memcpy(work + i * k, A + i * ld, (size_t)k * sizeof *work);
+    LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot);
+    for (int i = 0; i < k; i++) det *= pivot[i] == i + 1 ? work[i * k + i] : -work[i * k + i];
+    return det;
+}
+
+/* re, im of the eigenvalues of A [k * k], destroyed. */
+static bool eigenvalues(int k, double *A, double *out)
+{
+    double re[k + 1], im[k + 1];
+    if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', k, A, k, re, im, NULL, 1, NULL, 1)) return false;
+    for (int i = 0; i < k; i++) {
+        out[2 * i] = re[i];
+        out[2 * i + 1] = im[i];
+    }
+    return true;
+}
+
+/* ------------------------------------------------------------ reversible */
+
+/* rho of the square of a map whose rho is r: r^2 - 2, complex. */
+static void square(double *r)
+{
+    double re = r[0] * r[0] - r[1] * r[1] - 2, im = 2 * r[0] * r[1];
+    r[0] = re;
+    r[1] = im;
+}
+
+/* Blocks from P; a centre exchanges the roles of q and p, (Q, P) = (dp, -dq), so that P stays symplectic. */
+static void blocks(const ric_chain *c, const double *P, double *a, double *b, double *cc, double *d)
+{
+    int k = c->n - 1, ld = 2 * k;
+    bool start = c->start == RIC_MIRROR_CENTRE, end = c->end == RIC_MIRROR_CENTRE;
+    for (int r = 0; r < k; r++)
+        for (int j = 0; j < k; j++) {
+            int s = start ? k + j : j, t = start ? j : k + j; /* columns: symmetric, antisymmetric */
+            int S = end ? k + r : r, T = end ? r : k + r;
+            double from = start ? -1 : 1, to = end ? -1 : 1;
+            a[r * k + j] = P[S * ld + s];
+            b[r * k + j] = from * P[S * ld + t];
+            cc[r * k + j] = to * P[T * ld + s];
+            d[r * k + j] = from * to * P[T * ld + t];
+        }
+}
+
+static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent, double error)
+{
+    /* n = 2: everything from the products, without cancellation near rho = +-2 */
+    double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent); /* rho - 2, rho + 2 of the chain's map */
+    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2;
+    double angle = 0, full = quarter ? rho * rho - 2 : rho;
+    double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * 0.693147180559945309;
+    f->error = error;
+    f->rho[0] = full;
+    f->rho[1] = 0;
+    if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
+    else f->trace_asinh = asinh(full / 2);
+    bool inside = minus < -error && plus > error, outside = minus > error || plus < -error;
+    if (quarter && fabs(rho) < error) inside = inside && true; /* the full map touches -2 there without crossing */
+    f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+    f->rotation = NAN;
+    if (minus <= 0 && plus >= 0) {
+        angle = atan2(sqrt(plus * fmax(-minus, 0)) , rho) / 6.283185307179586477; /* in [0, 1/2] */
+        if (twist > 0) angle = 1 - angle;
+        f->rotation = quarter ? fmod(2 * angle, 1) : fmod(angle, 1);
+    }
+}
+
+static void judge_pairs(ric_floquet *f, bool quarter, double error)
+{
+    bool undecided = false, unstable = false;
+    for (int i = 0; i < f->n_pair; i++) {
+        double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
+        double split = sqrt(error / size) * size; /* a double eigenvalue splits like the square root of the error */
+        if (fabs(r[1]) > split || fabs(r[0]) - 2 > error) unstable = true;
+        else if (fabs(r[1]) > 0 || fabs(r[0]) > 2 - error) undecided = true;
+        if (quarter) square(r);
+    }
+    f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
+}
+
+static ric_status reversible(const ric_chain *c, ric_floquet *f)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, exponent;
+    double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k;
+    double *cc = b + k * k, *d = cc + k * k, *A = d + k * k, *tmp = A + k * k, growth;
+    const double *end = c->w + 2 * n * c->n_flight;
+    bool quarter = c->multiple == 4;
+    section(c, c->start, c->w, c->face[0], E0);
+    section(c, c->end, end, c->face[c->n_flight], E1);
+    section_columns(c, c->start, c->w, c->face[0], E0, V);
+    propagate(c, V, &exponent, &growth);
+    project(c, c->end == RIC_MIRROR_IMPACT, end, c->face[c->n_flight], E1, V, P);
+    blocks(c, P, a, b, cc, d);
+    f->det_a = determinant(k, k, a, tmp);
+    f->det_b = determinant(k, k, b, tmp);
+    f->det_d = determinant(k, k, d, tmp);
+    double size = 0;
+    for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
+    size = fmax(size, growth);
+    double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size * size, fmin(2 * exponent, 1000)) + 8 * DBL_EPSILON;
+    if (k == 1) {
+        judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
+        return RIC_OK;
+    }
+    f->trace_asinh = f->rotation = NAN;
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            double s = 0;
+            for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
+            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, exponent < 500 ? 2 * exponent : 1000);
+        }
+    if (!isfinite(error) || !eigenvalues(k, A, f->rho)) {
+        f->stable = RIC_STABLE_NO; /* beyond the range of a double: some multiplier is astronomically large */
+        for (int i = 0; i < 2 * k; i++) f->rho[i] = NAN;
+        return RIC_OK;
+    }
+    judge_pairs(f, quarter, error);
+    return RIC_OK;
+}
+
+/* --------------------------------------------------------------- general */
+
+static ric_status whole(const ric_chain *c, ric_floquet *f)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, exponent;
+    double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld, *tmp = A + ld * ld, growth;
+    const double *E = c->model->face[c->face[0]].E;
+    section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], E, V);
+    propagate(c, V, &exponent, &growth);
+    project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], E, V, P);
+    double size = growth, trace = 0;
+    for (int i = 0; i < ld * ld; i++) {
+        P[i] *= c->sigma;
+        size = fmax(size, fabs(P[i]));
+    }
+    for (int i = 0; i < ld; i++) trace += P[i * ld + i];
+    double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
+    f->det_b = f->det_d = 1;
+    /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
+    memcpy(A, P, (size_t)ld * ld * sizeof *A);
+    for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
+    f->det_a = c->sigma < 0 ? determinant(ld, ld, A, tmp) : 1;
+    if (k == 1) {
+        double rho = ldexp(trace, exponent), full = c->sigma < 0 ? rho * rho - 2 : rho;
+        f->error = error;
+        f->rho[0] = full;
+        f->rho[1] = 0;
+        f->trace_asinh = fabs(rho) < 0x1p400 ? asinh(full / 2) : copysign((c->sigma < 0 ? 2 : 1) * (log(fabs(trace)) + exponent * 0.693147180559945309), full);
+        f->stable = fabs(rho) < 2 - error ? RIC_STABLE_YES : fabs(rho) > 2 + error ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+        f->rotation = NAN;
+        if (fabs(rho) <= 2) {
+            double angle = acos(rho / 2) / 6.283185307179586477;
+                if (P[1] > 0) angle = 1 - angle;
+            f->rotation = fmod(c->sigma < 0 ? 2 * angle : angle, 1);
+        }
+        return RIC_OK;
+    }
+    f->trace_asinh = f->rotation = NAN;
+    if (!isfinite(error) || exponent) {
+        f->stable = RIC_STABLE_NO;
+        for (int i = 0; i < 2 * k; i++) f->rho[i] = NAN;
+        return RIC_OK;
+    }
+    /* M + M^-1 with M^-1 = -J M' J: every eigenvalue rho is double; sorted, they pair up */
+    double all[2 * ld];
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            A[i * ld + j] = P[i * ld + j] + P[(k + j) * ld + k + i];
+            A[i * ld + k + j] = P[i * ld + k + j] - P[j * ld + k + i];
+            A[(k + i) * ld + j] = P[(k + i) * ld + j] - P[(k + j) * ld + i];
+            A[(k + i) * ld + k + j] = P[(k + i) * ld + k + j] + P[j * ld + i];
+        }
+    if (!eigenvalues(ld, A, all)) return ric_fail(RIC_E_NUMERIC, "the Floquet multipliers could not be computed");
+    bool used[ld];
+    memset(used, 0, sizeof used);
+    for (int i = 0, out = 0; i < ld && out < k; i++) {
+        if (used[i]) continue;
+        int best = -1;
+        double near = HUGE_VAL;
+        for (int j = i + 1; j < ld; j++) {
+            double distance = hypot(all[2 * i] - all[2 * j], all[2 * i + 1] - all[2 * j + 1]);
+            if (!used[j] && distance < near) {
+                near = distance;
+                best = j;
+            }
+        }
+        used[i] = true;
+        if (best >= 0) used[best] = true;
+        f->rho[2 * out] = best < 0 ? all[2 * i] : (all[2 * i] + all[2 * best]) / 2;
+        f->rho[2 * out + 1] = best < 0 ? all[2 * i + 1] : (all[2 * i + 1] + all[2 * best + 1]) / 2;
+        out++;
+    }
+    judge_pairs(f, c->sigma < 0, error);
+    f->error = error;
+    return RIC_OK;
+}
+
+ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
+{
+    if (c->n == 1) {
+        /* one seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally) stable */
+        f->trace_asinh = f->rotation = NAN;
+        f->stable = RIC_STABLE_YES;
+        f->det_a = f->det_b = f->det_d = 1;
+        f->error = 0;
+        return RIC_OK;
+    }
+    return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
+}

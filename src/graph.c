@@ -1,0 +1,629 @@
+#include "graph.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <stdio.h>
+#include <time.h>
+
+#include "motion.h"
+#include "status.h"
+
+#define TWO_PI 6.283185307179586477
+#define MAX_POINTS 200000
+
+/* ------------------------------------------------------------------- create */
+
+ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph **out)
+{
+    const ric_model *m = ric_study_model(study);
+    const ric_explore_options *o = ric_study_options(study);
+    ric_graph *g = calloc(1, sizeof *g);
+    *out = NULL;
+    if (!g) return ric_fail(RIC_E_NOMEM, "no memory for an atlas");
+    g->model = m;
+    g->options = o;
+    g->store = store;
+    g->limits = (ric_limits){.energy = {o->energy[0] / m->energy_unit, o->energy[1] / m->energy_unit},
+                             .period = {TWO_PI / o->frequency[1] * m->omega_ref,
+                                        o->frequency[0] > 0 ? TWO_PI / o->frequency[0] * m->omega_ref : HUGE_VAL},
+                             .max_step = o->max_step, .max_points = MAX_POINTS};
+    *out = g;
+    return RIC_OK;
+}
+
+static void edge_release(ric_edge *e)
+{
+    ric_trace_free(e->trace);
+    free(e->inner);
+    free(e->inner_at);
+}
+
+void ric_graph_free(ric_graph *g)
+{
+    if (!g) return;
+    for (int i = 0; i < g->n_node; i++) ric_node_free(g->nodes[i]);
+    for (int i = 0; i < g->n_edge; i++) edge_release(&g->edges[i]);
+    free(g->nodes);
+    free(g->edges);
+    free(g);
+}
+
+/* -------------------------------------------------------------------- nodes */
+
+int ric_node_order(const ric_node *a, const ric_node *b)
+{
+    double de = a->energy - b->energy, dt = a->period - b->period;
+    if (fabs(de) > 1e-8 * (fabs(a->energy) + fabs(b->energy))) return de < 0 ? -1 : 1;
+    int na = a->cycle->N - a->n_touch, nb = b->cycle->N - b->n_touch;
+    if (na != nb) return na < nb ? -1 : 1;
+    if (fabs(dt) > 1e-8 * (a->period + b->period)) return dt > 0 ? -1 : 1;
+    if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
+    if (a->multiple != b->multiple) return a->multiple - b->multiple;
+    return 0;
+}
+
+/* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */
+static int find_or_add(ric_graph *g, ric_node *node, int depth)
+{
+    for (int i = 0; i < g->n_node; i++) {
+        if (!ric_node_same(g->model, g->nodes[i], node)) continue;
+        ric_node_free(node);
+        if (depth < g->nodes[i]->depth) g->nodes[i]->depth = depth;
+        return i;
+    }
+    if (g->n_node == g->node_capacity) {
+        int capacity = g->node_capacity ? 2 * g->node_capacity : 64;
+        ric_node **grown = realloc(g->nodes, (size_t)capacity * sizeof *grown);
+        if (!grown) {
+            ric_node_free(node);
+            return -1;
+        }
+        g->nodes = grown;
+        g->node_capacity = capacity;
+    }
+    node->depth = depth;
+    g->nodes[g->n_node] = node;
+    return g->n_node++;
+}
+
+static void mark(ric_node *node, unsigned choice, ric_departure_state state)
+{
+    for (int i = 0; i < node->n_departure; i++) {
+        ric_departure *d = &node->departures[i];
+        if (d->choice != choice || d->state == RIC_DEPARTURE_TAKEN) continue;
+        d->state = state;
+    }
+}
+
+/* ------------------------------------------------------------------- tracing */
+
+/* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
+static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice, int side, char *key, size_t size)
+{
+    const ric_limits *l = &g->limits;
+    int used = snprintf(key, size, "%d %a %a %u %d %a %a %a %a %a ", (int)node->kind, node->energy, node->period, choice, side,
+                        l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step);
+    for (int i = 0; i < node->cycle->N && used > 0 && (size_t)used < size; i++)
+        used += snprintf(key + used, size - (size_t)used, "%d.", node->cycle->face[i]);
+}
+
+/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. */
+static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
+{
+    char key[1024];
+    void *blob = NULL;
+    size_t size;
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    ric_status status = RIC_OK;
+    *out = NULL;
+    trace_key(g, node, choice, side, key, sizeof key);
+    if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
+    if (blob) {
+        status = size ? ric_trace_unpack(g->model, &g->limits, blob, size, out) : RIC_OK;
+        free(blob);
+        return status;
+    }
+    if ((status = ric_node_depart(g->model, node, choice, &chain, &u0, &t0, &ignore))) return status;
+    if (chain) {
+        for (int i = 0; side < 0 && i < chain->n_unknown; i++) t0[i] = -t0[i];
+        if ((status = ric_trace_create(chain, u0, t0, ignore, &g->limits, out))) goto out;
+        if ((status = ric_trace_run(*out))) goto out;
+    }
+    if (g->store && !(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK)))
+        status = ric_store_trace_put(g->store, key, blob ? blob : "", size);
+out:
+    if (status) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    free(blob);
+    free(u0);
+    free(t0);
+    return status;
+}
+
+static ric_cycle *cycle_at(const ric_trace *tr, const double *u)
+{
+    ric_chain_fly(tr->chain, u);
+    return ric_cycle_from_chain(tr->chain, u);
+}
+
+/* Whether the branch stopped because gaps of two contacts closed at one instant. */
+static bool at_corner(const ric_trace *tr)
+{
+    ric_touch touch;
+    if (tr->end.test == RIC_TEST_FLIGHT) return true;
+    if (tr->end.test != RIC_TEST_REACH) return false;
+    ric_chain_fly(tr->chain, tr->end.u);
+    ric_reach(tr->chain, tr->end.u, &touch);
+    return touch.face >= 0 && touch.kink;
+}
+
+/* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
+static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
+{
+    ric_status status = RIC_OK;
+    ric_node *node = NULL;
+    *index = -1;
+    *choice = 0;
+    if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
+    ric_cycle *cycle = cycle_at(tr, tr->end.u);
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if (tr->arrival) status = ric_node_arrival(g->model, cycle, &node);
+    else if (at_corner(tr)) status = ric_node_corner(g->model, cycle, &node);
+    else status = ric_node_grazing(g->model, cycle, &node);
+    if (status == RIC_E_NUMERIC) {
+        tr->stop = RIC_STOP_FAILED;
+        tr->why = "the junction at the end does not converge";
+        status = RIC_OK;
+    }
+    if (node) {
+        if (node->kind == RIC_KIND_CORNER) tr->stop = RIC_STOP_CORNER;
+        *index = find_or_add(g, node, depth);
+        if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
+        else if (g->nodes[*index]->kind == RIC_KIND_GRAZING) {
+            int found = ric_node_choice(g->model, g->nodes[*index], cycle);
+            if (found < 0) {
+                tr->stop = RIC_STOP_FAILED;
+                tr->why = "the branch does not fit the junction at its end";
+                *index = -1;
+            } else *choice = (unsigned)found;
+        } else *choice = RIC_SIDE;
+    }
+    ric_cycle_free(cycle);
+    return status;
+}
+
+/* ------------------------------------------------------------------- edges */
+
+static ric_edge *add_edge(ric_graph *g)
+{
+    if (g->n_edge == g->edge_capacity) {
+        int capacity = g->edge_capacity ? 2 * g->edge_capacity : 64;
+        ric_edge *grown = realloc(g->edges, (size_t)capacity * sizeof *grown);
+        if (!grown) return NULL;
+        g->edges = grown;
+        g->edge_capacity = capacity;
+    }
+    ric_edge *e = &g->edges[g->n_edge++];
+    *e = (ric_edge){.from = -1, .to = -1, .mode = -1};
+    return e;
+}
+
+/* Tests whose zeros are junctions on a chain of this form: on a half chain types a and d double the period, which is another matter. */
+static bool is_junction(const ric_chain *c, int test)
+{
+    bool half_chain = c->start != RIC_MIRROR_NONE && c->multiple == 2;
+    return !(half_chain && (test == RIC_TEST_A || test == RIC_TEST_D));
+}
+
+/* Lists a junction that the edge passes, in order of arclength. */
+static ric_status attach(ric_edge *e, int node, double where)
+{
+    int *inner = realloc(e->inner, (size_t)(e->n_inner + 1) * sizeof *inner);
+    if (inner) e->inner = inner;
+    double *at = realloc(e->inner_at, (size_t)(e->n_inner + 1) * sizeof *at);
+    if (at) e->inner_at = at;
+    if (!inner || !at) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    int place = e->n_inner++;
+    for (; place > 0 && e->inner_at[place - 1] > where; place--) {
+        e->inner[place] = e->inner[place - 1];
+        e->inner_at[place] = e->inner_at[place - 1];
+    }
+    e->inner[place] = node;
+    e->inner_at[place] = where;
+    return RIC_OK;
+}
+
+static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
+{
+    ric_status status;
+    ric_node *node = NULL;
+    if (!is_junction(e->trace->chain, event->test)) return RIC_OK;
+    ric_cycle *cycle = cycle_at(e->trace, event->u), *free_form = cycle ? ric_cycle_copy(cycle) : NULL;
+    if (!free_form) {
+        ric_cycle_free(cycle);
+        return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    }
+    bool multiplies = event->test == RIC_TEST_DET && ric_cycle_find_symmetries(g->model, free_form, 1e-5) > 1;
+    status = multiplies ? ric_node_arrival(g->model, free_form, &node) : ric_node_interior(g->model, cycle, event->test, &node);
+    ric_cycle_free(cycle);
+    ric_cycle_free(free_form);
+    if (status == RIC_E_NUMERIC || !node) return status == RIC_E_NUMERIC ? RIC_OK : status;
+    int index = find_or_add(g, node, e->depth);
+    if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    mark(g->nodes[index], multiplies ? RIC_SIDE : RIC_THROUGH, RIC_DEPARTURE_KNOWN);
+    return attach(e, index, event->s);
+}
+
+/* Traces again from the far end, so that what is stored does not depend on which end was found first. */
+static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr, bool *turned)
+{
+    ric_trace *back = NULL;
+    int home = -1;
+    unsigned choice = 0;
+    ric_node *a = g->nodes[from], *b = g->nodes[to];
+    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
+    *turned = false;
+    if (order <= 0 || b->kind == RIC_KIND_MULTIPLICATION || b->kind == RIC_KIND_CORNER) return RIC_OK;
+    ric_status status = trace_departure(g, b, arrive, 1, &back);
+    if (status == RIC_E_NUMERIC) return RIC_OK;
+    if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
+    if (status) return status;
+    if (!back || home != from || (a->kind == RIC_KIND_GRAZING && choice != leave)) {
+        (*tr)->stop = RIC_STOP_FAILED;
+        (*tr)->why = "the way back does not lead home";
+        ric_trace_free(back);
+        return RIC_OK;
+    }
+    ric_trace_free(*tr);
+    *tr = back;
+    *turned = true;
+    return RIC_OK;
+}
+
+static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth, int mode)
+{
+    ric_status status = RIC_OK;
+    ric_edge *e = add_edge(g);
+    if (!e) {
+        ric_trace_free(tr);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    e->trace = tr;
+    e->from = from;
+    e->to = to;
+    e->leave = leave;
+    e->arrive = arrive;
+    e->depth = depth;
+    e->mode = mode;
+    for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
+    return status;
+}
+
+/* A branch with a real end: from departure `choice` of node `from`. *taken = false when inadmissible. */
+static ric_status follow(ric_graph *g, int from, unsigned choice, int depth, bool *taken)
+{
+    ric_trace *tr = NULL;
+    int to;
+    unsigned arrive;
+    bool turned = false;
+    ric_status status = trace_departure(g, g->nodes[from], choice, 1, &tr);
+    *taken = tr != NULL;
+    if (status || !tr) return status;
+    if ((status = end_node(g, tr, depth, &to, &arrive))) goto out;
+    if (to >= 0) {
+        mark(g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
+        if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;
+    }
+    int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
+    if (turned) return finish_edge(g, tr, to, arrive, from, choice, depth, mode);
+    return finish_edge(g, tr, from, choice, to, arrive, depth, mode);
+out:
+    ric_trace_free(tr);
+    return status;
+}
+
+/* The whole of a branch of which an inner point is known: to one end, then from there to the other. */
+static ric_status follow_through(ric_graph *g, int inside, int depth)
+{
+    ric_status status;
+    ric_trace *tr = NULL, *last = NULL;
+    for (int side = 1; side >= -1; side -= 2) {
+        int to;
+        unsigned arrive;
+        if ((status = trace_departure(g, g->nodes[inside], RIC_THROUGH, side, &tr))) return status;
+        if (!tr) return RIC_OK;
+        if ((status = end_node(g, tr, depth, &to, &arrive))) break;
+        if (to >= 0 && g->nodes[to]->kind != RIC_KIND_CORNER && g->nodes[to]->kind != RIC_KIND_MULTIPLICATION) {
+            bool taken;
+            ric_trace_free(tr);
+            ric_trace_free(last);
+            mark(g->nodes[to], arrive, RIC_DEPARTURE_TAKEN);
+            return follow(g, to, arrive, depth, &taken);
+        }
+        if (tr->stop == RIC_STOP_CLOSED) {
+            ric_trace_free(last);
+            return finish_edge(g, tr, -1, 0, -1, 0, depth, -1);
+        }
+        if (!last) last = tr;
+        else ric_trace_free(tr);
+        tr = NULL;
+    }
+    /* no junction at either end: start from the end met first */
+    if (!status && last) {
+        ric_chain *chain = ric_chain_copy(last->chain);
+        const double *u = last->end.u, *t = last->end.t;
+        double *back = chain && u ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
+        if (back) {
+            for (int i = 0; i < chain->n_unknown; i++) back[i] = -t[i];
+            const unsigned window = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
+            status = ric_trace_create(chain, u, back, window, &g->limits, &tr);
+            free(back);
+            if (!status) status = ric_trace_run(tr);
+            if (!status) {
+                ric_trace_free(last);
+                return finish_edge(g, tr, -1, 0, -1, 0, depth, -1);
+            }
+        } else ric_chain_free(chain);
+    }
+    ric_trace_free(tr);
+    ric_trace_free(last);
+    return status;
+}
+
+/* --------------------------------------------------------------- known orbits */
+
+/* Whether an edge passes through the orbit of a node; its arclength there. */
+static bool contains(const ric_graph *g, ric_edge *e, const ric_node *node, double *where)
+{
+    ric_trace *tr = e->trace;
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown, iterations, shift;
+    bool reverse, mirror, found = false;
+    if (c->multiple * c->n_flight + 2 < node->cycle->N || e->trace->n_point < 2) return false;
+    double target = node->energy * g->model->energy_unit, du[size], u[size], t[size];
+    for (int i = 0; i + 1 < tr->n_point && !found; i++) {
+        const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
+        const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
+        if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy) continue;
+        const double *ua = (const double *)(a + 1), *ub = (const double *)(b + 1);
+        double x = (target - a->energy) / (b->energy - a->energy), step = 0;
+        for (int j = 0; j < size; j++) {
+            u[j] = ua[j] + x * (ub[j] - ua[j]);
+            t[j] = ub[j] - ua[j];
+            step += t[j] * t[j];
+        }
+        for (int k = 0; k < 12; k++) {
+            double origin[size];
+            memcpy(origin, u, sizeof origin);
+            if (!ric_trace_correct(c, u, origin, t, 0, du, &iterations)) break;
+            double slope, kernel[size], miss = ric_chain_energy(c) - node->energy;
+            ric_trace_tangent(c, t, kernel);
+            slope = ric_chain_energy_slope(c, u, kernel);
+            if (fabs(miss) < 1e-13 * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
+            for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
+        }
+        ric_cycle *cycle = cycle_at(tr, u);
+        found = cycle && ric_cycle_match(g->model, node->cycle, cycle, 1e-5, &shift, &reverse, &mirror);
+        ric_cycle_free(cycle);
+        *where = a->arclength + x * (b->arclength - a->arclength);
+    }
+    return found;
+}
+
+/* ----------------------------------------------------------------- exploring */
+
+static ric_status take(ric_graph *g, int index, int place, int depth)
+{
+    ric_node *node = g->nodes[index];
+    ric_departure *d = &node->departures[place];
+    unsigned choice = d->choice;
+    ric_status status = RIC_OK;
+    if (node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, choice) == 0) {
+        d->state = RIC_DEPARTURE_KNOWN; /* the linear mode itself */
+        return RIC_OK;
+    }
+    if (node->kind == RIC_KIND_MULTIPLICATION && choice == RIC_SIDE) {
+        d->state = RIC_DEPARTURE_OVER_BUDGET;
+        return RIC_OK;
+    }
+    if (ric_node_impacts(node, choice) > g->options->impacts || (g->options->symmetric_only && !ric_node_half(g->model, node, choice))) {
+        d->state = RIC_DEPARTURE_OVER_BUDGET;
+        return RIC_OK;
+    }
+    if (node->kind != RIC_KIND_GRAZING && choice == RIC_THROUGH) {
+        for (int i = 0; i < g->n_edge; i++) {
+            double where;
+            if (!contains(g, &g->edges[i], node, &where)) continue;
+            d->state = RIC_DEPARTURE_KNOWN;
+            return attach(&g->edges[i], index, where);
+        }
+        status = follow_through(g, index, depth);
+        node->departures[place].state = RIC_DEPARTURE_TAKEN;
+    } else {
+        bool taken = false;
+        d->state = RIC_DEPARTURE_TAKEN;
+        status = follow(g, index, choice, depth, &taken);
+        if (!status && !taken) node->departures[place].state = RIC_DEPARTURE_INADMISSIBLE;
+    }
+    if (status == RIC_E_NUMERIC) {
+        node->departures[place].state = RIC_DEPARTURE_REFUSED;
+        node->departures[place].why = strdup(ric_detail());
+        status = RIC_OK;
+    }
+    return status;
+}
+
+typedef struct {
+    int index, place;
+    const ric_node *node;
+} open_departure;
+
+static int departure_order(const void *a, const void *b)
+{
+    const open_departure *p = a, *q = b;
+    int order = p->index == q->index ? 0 : ric_node_order(p->node, q->node);
+    if (order) return order;
+    return p->index != q->index ? p->index - q->index : p->place - q->place;
+}
+
+/* Open departures of nodes at `depth`, sorted; NULL with *n = 0 when there is none. */
+static open_departure *open_at(ric_graph *g, int depth, int *n)
+{
+    int count = 0;
+    for (int pass = 0;; pass++) {
+        open_departure *list = pass ? malloc((size_t)(count ? count : 1) * sizeof *list) : NULL;
+        int k = 0;
+        for (int i = 0; i < g->n_node; i++)
+            for (int j = 0; j < g->nodes[i]->n_departure; j++) {
+                if (g->nodes[i]->depth != depth || g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN) continue;
+                if (list) list[k] = (open_departure){i, j, g->nodes[i]};
+                k++;
+            }
+        count = k;
+        if (!pass) continue;
+        *n = list ? count : 0;
+        if (list) qsort(list, (size_t)count, sizeof *list, departure_order);
+        return list;
+    }
+}
+
+static ric_status start_modes(ric_graph *g)
+{
+    const ric_model *m = g->model;
+    for (int i = 0; i < m->n; i++) {
+        ric_node *node = NULL;
+        bool wanted = g->options->n_start == 0;
+        for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == m->mode[i] + 1;
+        if (!wanted) continue;
+        ric_status status = ric_node_linear(m, i, &node);
+        if (status) return status;
+        if (!node) continue;
+        if (node->energy > g->limits.energy[1]) {
+            ric_node_free(node);
+            continue;
+        }
+        if (find_or_add(g, node, 0) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    }
+    return RIC_OK;
+}
+
+/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing: S2 starts from its closed form at the lower edge of the
+ * window (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)), h half a period, A from s(h/2) = d. */
+static ric_status start_loose(ric_graph *g)
+{
+    const ric_model *m = g->model;
+    int n = m->n, upper = -1, face[2];
+    bool loose = false;
+    for (int i = 0; i < n; i++) loose |= m->omega[i] == 0;
+    for (int f = 0; f < m->n_face && upper < 0; f++)
+        if (m->face[f].mirror >= 0 && m->face[f].side > 0) upper = f;
+    if (!loose || upper < 0) return RIC_OK;
+    const ric_face *f = &m->face[upper];
+    double omega = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 0, lowest = HUGE_VAL;
+    for (int i = 0; i < n; i++)
+        if (m->omega[i] > 0) lowest = fmin(lowest, m->omega[i]);
+    /* below the first pole of the closed form the energy grows with omega from zero */
+    double low = fmax(omega, 1e-4), u[n + 1], t[n + 1], sum, energy;
+    for (int i = 0;; i++) {
+        sum = energy = 0;
+        for (int k = 0; k < n; k++) {
+            double x = m->omega[k] * 3.14159265358979323846 / (2 * low);
+            sum += f->c[k] * f->c[k] * (m->omega[k] > 0 ? tan(x) / m->omega[k] : 3.14159265358979323846 / (2 * low));
+            u[k] = f->c[k] / cos(x);
+        }
+        for (int k = 0; k < n; k++) {
+            u[k] *= f->gap / sum;
+            energy += u[k] * u[k] / 2;
+        }
+        if (energy >= g->limits.energy[0] * (1 + 1e-9) || i > 4000) break;
+        low *= 1.002;
+    }
+    u[n] = 3.14159265358979323846 / (2 * low);
+    face[0] = -1;
+    face[1] = upper;
+    ric_chain *chain = NULL;
+    ric_trace *tr = NULL;
+    ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
+    if (status) return status;
+    for (int i = 0; i < n + 1; i++) t[i] = i == n ? -1 : 0; /* towards higher frequency */
+    const unsigned window = 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MIN;
+    status = ric_trace_create(chain, u, t, window, &g->limits, &tr);
+    if (status == RIC_E_NUMERIC) return RIC_OK;
+    if (status) return status;
+    if (tr->now.test[RIC_TEST_REACH] <= 0 || tr->now.test[RIC_TEST_APPROACH] <= 0) {
+        ric_trace_free(tr);
+        return RIC_OK;
+    }
+    int to;
+    unsigned arrive;
+    if (!(status = ric_trace_run(tr)) && !(status = end_node(g, tr, 1, &to, &arrive))) {
+        if (to >= 0) mark(g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
+        return finish_edge(g, tr, -1, 0, to, arrive, 1, -1);
+    }
+    ric_trace_free(tr);
+    return status;
+}
+
+static bool stopped(const ric_graph *g, const ric_run_options *run, const struct timespec *start, int open, int depth)
+{
+    struct timespec now;
+    if (!run || !run->progress) return false;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    double seconds = (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
+    ric_progress progress = {.branches = g->n_edge, .junctions = g->n_node, .open = open, .seconds = seconds, .depth = depth};
+    return run->progress(&progress, run->user);
+}
+
+static void close_rest(ric_graph *g)
+{
+    for (int i = 0; i < g->n_node; i++)
+        for (int j = 0; j < g->nodes[i]->n_departure; j++)
+            if (g->nodes[i]->departures[j].state == RIC_DEPARTURE_OPEN) g->nodes[i]->departures[j].state = RIC_DEPARTURE_OVER_BUDGET;
+}
+
+static void refuse_all(ric_graph *g, const char *why)
+{
+    for (int i = 0; i < g->n_node; i++)
+        for (int j = 0; j < g->nodes[i]->n_departure; j++) {
+            bool linear = ric_node_impacts(g->nodes[i], g->nodes[i]->departures[j].choice) == 0;
+            g->nodes[i]->departures[j].state = linear ? RIC_DEPARTURE_KNOWN : RIC_DEPARTURE_REFUSED;
+            g->nodes[i]->departures[j].why = linear ? NULL : strdup(why);
+        }
+}
+
+ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
+{
+    struct timespec start;
+    clock_gettime(CLOCK_MONOTONIC, &start);
+    ric_status status = start_modes(g);
+    if (status) return status;
+    if (g->model->n_part > 1) {
+        refuse_all(g, "the structure falls into parts that no contact joins: their energies are conserved one by one; study each part alone");
+        return RIC_OK;
+    }
+    if ((status = start_loose(g))) return status;
+    int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
+    for (int depth = 0; depth < limit && !status; depth++) {
+        int n = 0, done = 0;
+        bool deeper = false;
+        do {
+            /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
+            open_departure *list = open_at(g, depth, &n);
+            for (int i = 0; i < n && !status; i++) {
+                if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
+                if (stopped(g, run, &start, n - i, depth)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+                else status = take(g, list[i].index, list[i].place, depth + 1);
+                done++;
+            }
+            free(list);
+        } while (n && !status);
+        for (int i = 0; i < g->n_node; i++) deeper |= g->nodes[i]->depth > depth;
+        if (!deeper) break;
+    }
+    if (!status) close_rest(g);
+    return status;
+}

@@ -1,0 +1,562 @@
+#include "model.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "status.h"
+
+/* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
+#define UNSEEN 1e-12
+/* Frequencies closer than this (relative, in omega^2) count as equal: their eigenvectors are not determined by M and K. */
+#define EQUAL 1e-11
+/* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
+#define ORTHOGONAL 1e-12
+
+static void *array(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+static double dot(int n, const double *x, const double *y)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * y[i];
+    return sum;
+}
+
+/* ---------------------------------------------------------------- checks */
+
+static ric_status check_matrix(int n, const double *A, const char *name)
+{
+    double largest = 0;
+    for (int i = 0; i < n * n; i++) {
+        if (!isfinite(A[i]))
+            return ric_fail(RIC_E_INPUT, "%s matrix: entry [%d][%d] is not a finite number", name, i / n, i % n);
+        largest = fmax(largest, fabs(A[i]));
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            if (fabs(A[i * n + j] - A[j * n + i]) > 1e-12 * largest)
+                return ric_fail(RIC_E_INPUT, "%s matrix is not symmetric: [%d][%d] = %.17g but [%d][%d] = %.17g; make them equal",
+                                name, i, j, A[i * n + j], j, i, A[j * n + i]);
+    return RIC_OK;
+}
+
+static ric_status check_contact(int n, int i, const ric_contact *contact)
+{
+    if (contact->law != RIC_LAW_RIGID)
+        return ric_fail(RIC_E_INPUT, "contact %d: only law rigid is computed by this version", i + 1);
+    if (!isfinite(contact->clearance) || contact->clearance <= 0)
+        return ric_fail(RIC_E_INPUT, "contact %d: clearance %g is not a positive length; the linear motion that every branch starts "
+                                     "from needs an open gap (for a preloaded stop use a small clearance)", i + 1, contact->clearance);
+    double largest = 0;
+    for (int j = 0; j < n; j++) {
+        if (!isfinite(contact->normal[j]))
+            return ric_fail(RIC_E_INPUT, "contact %d: normal[%d] is not a finite number", i + 1, j);
+        largest = fmax(largest, fabs(contact->normal[j]));
+    }
+    if (largest == 0)
+        return ric_fail(RIC_E_INPUT, "contact %d: the normal is all zeros; it must name the displacements that close the gap", i + 1);
+    return RIC_OK;
+}
+
+static ric_status check(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts, double restitution)
+{
+    ric_status status = RIC_OK;
+    if (n < 1 || n > 10000) return ric_fail(RIC_E_INPUT, "%d degrees of freedom; there must be 1 to 10000", n);
+    if (n_contact < 1) return ric_fail(RIC_E_INPUT, "no contacts; without one the structure is linear and its modes are the answer");
+    if (!(restitution >= 0 && restitution <= 1))
+        return ric_fail(RIC_E_INPUT, "restitution %g is outside [0, 1]", restitution);
+    if ((status = check_matrix(n, M, "mass"))) return status;
+    if ((status = check_matrix(n, K, "stiffness"))) return status;
+    for (int i = 0; i < n_contact; i++)
+        if ((status = check_contact(n, i, &contacts[i]))) return status;
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------ eigenvalues */
+
+static ric_status check_mass(int n, const double *M)
+{
+    ric_status status = RIC_OK;
+    double *A = array((size_t)n * n, sizeof *A), *value = array((size_t)n, sizeof *value);
+    if (!A || !value) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the mass matrix");
+        goto out;
+    }
+    memcpy(A, M, (size_t)n * n * sizeof *A);
+    if (LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n, A, n, value)) {
+        status = ric_fail(RIC_E_NUMERIC, "the eigenvalues of the mass matrix could not be computed");
+        goto out;
+    }
+    if (value[0] <= n * DBL_EPSILON * value[n - 1]) {
+        int worst = 0;
+        for (int i = 0; i < n; i++)
+            if (M[i * n + i] < M[worst * n + worst]) worst = i;
+        status = ric_fail(RIC_E_INPUT, "mass matrix is not positive definite: its smallest eigenvalue is %g; check entry [%d][%d] = %g",
+                          value[0], worst, worst, M[worst * n + worst]);
+    }
+out:
+    free(A);
+    free(value);
+    return status;
+}
+
+/* K phi = lambda M phi; rigid-body modes get exactly omega = 0. */
+static ric_status eigenmodes(ric_model *m)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof;
+    double *B = array((size_t)n * n, sizeof *B), *r = array((size_t)n, sizeof *r);
+    if (!B || !r) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
+        goto out;
+    }
+    memcpy(m->Phi, m->K, (size_t)n * n * sizeof *B);
+    memcpy(B, m->M, (size_t)n * n * sizeof *B);
+    if (LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency)) {
+        status = ric_fail(RIC_E_NUMERIC, "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
+        goto out;
+    }
+    double norm = 0;
+    for (int i = 0; i < n * n; i++) norm = fmax(norm, fabs(m->K[i]));
+    for (int i = 0; i < n; i++) {
+        double lambda = m->frequency[i], phi2 = 0, rounding;
+        for (int j = 0; j < n; j++) phi2 += m->Phi[j * n + i] * m->Phi[j * n + i];
+        rounding = 16.0 * n * DBL_EPSILON * norm * phi2; /* of phi' K phi */
+        if (lambda < -rounding) {
+            status = ric_fail(RIC_E_INPUT, "stiffness matrix is not positive semidefinite: mode %d has omega^2 = %g; "
+                                           "an unstable structure has no free vibration about this equilibrium", i + 1, lambda);
+            goto out;
+        }
+        m->frequency[i] = lambda <= rounding ? 0 : sqrt(lambda);
+    }
+out:
+    free(B);
+    free(r);
+    return status;
+}
+
+/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the first
+ * rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
+static ric_status rotate_equal(ric_model *m, int first, int last)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof, k = last - first + 1, f = m->n_contact;
+    double *C = array((size_t)f * k, sizeof *C), *V = array((size_t)k * k, sizeof *V);
+    double *s = array((size_t)(f > k ? f : k), sizeof *s), *row = array((size_t)k, sizeof *row);
+    double *super = array((size_t)(f > k ? f : k), sizeof *super);
+    if (!C || !V || !s || !row || !super) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for equal frequencies");
+        goto out;
+    }
+    for (int i = 0; i < f; i++)
+        for (int j = 0; j < k; j++)
+            for (int l = 0; l < n; l++) C[i * k + j] += m->b[i * n + l] * m->Phi[l * n + first + j];
+    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super)) {
+        status = ric_fail(RIC_E_NUMERIC, "equal frequencies could not be separated");
+        goto out;
+    }
+    for (int l = 0; l < n; l++) {
+        for (int j = 0; j < k; j++) row[j] = dot(k, &V[j * k], &m->Phi[l * n + first]);
+        memcpy(&m->Phi[l * n + first], row, (size_t)k * sizeof *row);
+    }
+out:
+    free(C);
+    free(V);
+    free(s);
+    free(row);
+    free(super);
+    return status;
+}
+
+static ric_status separate_equal(ric_model *m)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof;
+    for (int i = 0, j; i < n && !status; i = j) {
+        double lambda = m->frequency[i] * m->frequency[i];
+        for (j = i + 1; j < n; j++) {
+            double next = m->frequency[j] * m->frequency[j];
+            if (next - lambda > EQUAL * next) break;
+        }
+        if (j - i > 1) status = rotate_equal(m, i, j - 1);
+    }
+    return status;
+}
+
+/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that results do not depend on LAPACK. */
+static void fix_signs(ric_model *m)
+{
+    int n = m->n_dof;
+    for (int i = 0; i < n; i++) {
+        int largest = 0;
+        for (int j = 1; j < n; j++)
+            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + 1e-9)) largest = j;
+        if (m->Phi[largest * n + i] < 0)
+            for (int j = 0; j < n; j++) m->Phi[j * n + i] = -m->Phi[j * n + i];
+    }
+}
+
+static void find_seen(ric_model *m)
+{
+    int n = m->n_dof;
+    for (int f = 0; f < m->n_contact; f++) {
+        double cc = 0;
+        for (int i = 0; i < n; i++) {
+            double c = 0;
+            for (int j = 0; j < n; j++) c += m->b[f * n + j] * m->Phi[j * n + i];
+            m->normal[f * n + i] = c;
+            cc += c * c;
+        }
+        for (int i = 0; i < n; i++) {
+            if (fabs(m->normal[f * n + i]) <= UNSEEN * sqrt(cc)) m->normal[f * n + i] = 0;
+            else m->seen[i] = true;
+        }
+    }
+    for (int i = 0; i < n; i++) m->n += m->seen[i];
+}
+
+/* Groups of modes that no contact joins vibrate independently: several conserved energies, no isolated branches. */
+static int count_parts(const ric_model *m)
+{
+    int n = m->n_dof, parts = 0;
+    bool *done = array((size_t)n, sizeof *done), *queued = array((size_t)n, sizeof *queued);
+    int *queue = array((size_t)n, sizeof *queue);
+    for (int start = 0; done && queued && queue && start < n; start++) {
+        if (!m->seen[start] || queued[start]) continue;
+        int head = 0, tail = 0;
+        queue[tail++] = start;
+        queued[start] = true;
+        parts++;
+        while (head < tail) {
+            int i = queue[head++];
+            for (int f = 0; f < m->n_contact; f++) {
+                if (m->normal[f * n + i] == 0) continue;
+                for (int j = 0; j < n; j++)
+                    if (m->normal[f * n + j] != 0 && !queued[j]) {
+                        queued[j] = true;
+                        queue[tail++] = j;
+                    }
+            }
+        }
+    }
+    free(done);
+    free(queued);
+    free(queue);
+    return parts;
+}
+
+/* ------------------------------------------------------------ scaled frame */
+
+/* Orthonormal rows perpendicular to c: rows 1.. of the Householder reflection that takes c to a multiple of e_0. */
+static void complement(int n, const double *c, double *E)
+{
+    double norm = sqrt(dot(n, c, c)), beta;
+    double v0 = c[0] + copysign(norm, c[0]);
+    beta = 1 / (norm * (norm + fabs(c[0])));
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * c[i] * (j ? c[j] : v0);
+}
+
+static void scale_modes(ric_model *m)
+{
+    int n = m->n, nd = m->n_dof, k = 0;
+    for (int i = 0; i < nd; i++)
+        if (m->seen[i]) m->mode[k++] = i;
+    m->omega_ref = 1;
+    for (int i = n - 1; i >= 0; i--)
+        if (m->frequency[m->mode[i]] > 0) m->omega_ref = m->frequency[m->mode[i]];
+    double cc = 0;
+    for (int i = 0; i < n; i++) cc += m->normal[m->mode[i]] * m->normal[m->mode[i]];
+    double unit = sqrt(cc); /* |c_0|, physical */
+    m->energy_unit = m->omega_ref * m->omega_ref / cc;
+    for (int i = 0; i < n; i++) {
+        int mode = m->mode[i];
+        m->omega[i] = m->frequency[mode] / m->omega_ref;
+        m->kappa[i] = m->omega[i] > 0 ? m->omega[i] : 1;
+        m->stiff[i] = m->omega[i] > 0 ? m->omega[i] : 0;
+        for (int f = 0; f < m->n_contact; f++) {
+            m->c[f * n + i] = m->normal[f * nd + mode] / unit;
+            m->g[f * n + i] = m->c[f * n + i] / m->kappa[i];
+        }
+        for (int j = 0; j < nd; j++) {
+            double sum = 0;
+            for (int l = 0; l < nd; l++) sum += m->Phi[l * nd + mode] * m->M[l * nd + j];
+            m->to_modal[i * nd + j] = sum * unit;
+            m->to_space[j * n + i] = m->Phi[j * nd + mode] / unit;
+        }
+    }
+}
+
+static void make_faces(ric_model *m)
+{
+    int n = m->n;
+    m->symmetric = true;
+    for (int f = 0; f < m->n_contact; f++) {
+        double *E = m->E + (size_t)f * (n - 1) * n;
+        complement(n, m->c + f * n, E);
+        bool both = m->sides[f] == RIC_SIDES_BOTH;
+        if (!both) m->symmetric = false;
+        for (int side = 1; side >= -1; side -= 2) {
+            if (side > 0 && m->sides[f] == RIC_SIDES_LOWER) continue;
+            if (side < 0 && m->sides[f] == RIC_SIDES_UPPER) continue;
+            int mirror = !both ? -1 : side > 0 ? m->n_face + 1 : m->n_face - 1;
+            m->face[m->n_face++] = (ric_face){
+                .contact = f, .side = side, .mirror = mirror, .gap = side * m->clearance[f] / m->clearance[0],
+                .c = m->c + f * n, .g = m->g + f * n, .cc = dot(n, m->c + f * n, m->c + f * n), .E = E};
+        }
+    }
+}
+
+static ric_status allocate(ric_model *m, int n, int n_contact)
+{
+    size_t nn = (size_t)n * n, fn = (size_t)n_contact * n;
+    m->n_dof = n;
+    m->n_contact = n_contact;
+    m->M = array(nn, sizeof(double));
+    m->K = array(nn, sizeof(double));
+    m->b = array(fn, sizeof(double));
+    m->clearance = array((size_t)n_contact, sizeof(double));
+    m->sides = array((size_t)n_contact, sizeof *m->sides);
+    m->name = array((size_t)n_contact, sizeof *m->name);
+    m->frequency = array((size_t)n, sizeof(double));
+    m->Phi = array(nn, sizeof(double));
+    m->normal = array(fn, sizeof(double));
+    m->seen = array((size_t)n, sizeof *m->seen);
+    if (!m->M || !m->K || !m->b || !m->clearance || !m->sides || !m->name || !m->frequency || !m->Phi || !m->normal || !m->seen)
+        return ric_fail(RIC_E_NOMEM, "no memory for a model of %d degrees of freedom", n);
+    return RIC_OK;
+}
+
+static ric_status allocate_scaled(ric_model *m)
+{
+    size_t n = (size_t)m->n, f = (size_t)m->n_contact;
+    m->mode = array(n, sizeof *m->mode);
+    m->omega = array(n, sizeof(double));
+    m->kappa = array(n, sizeof(double));
+    m->stiff = array(n, sizeof(double));
+    m->c = array(f * n, sizeof(double));
+    m->g = array(f * n, sizeof(double));
+    m->E = array(f * n * n, sizeof(double));
+    m->face = array(2 * f, sizeof *m->face);
+    m->to_modal = array(n * (size_t)m->n_dof, sizeof(double));
+    m->to_space = array(n * (size_t)m->n_dof, sizeof(double));
+    if (!m->mode || !m->omega || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face || !m->to_modal || !m->to_space)
+        return ric_fail(RIC_E_NOMEM, "no memory for %d seen modes", m->n);
+    return RIC_OK;
+}
+
+ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact, const ric_contact *contacts,
+                            double restitution, ric_model **out)
+{
+    ric_model *m = NULL;
+    ric_status status = check(n_dof, mass, stiffness, n_contact, contacts, restitution);
+    *out = NULL;
+    if (status) goto out;
+    if ((status = check_mass(n_dof, mass))) goto out;
+    if (!(m = calloc(1, sizeof *m))) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a model");
+        goto out;
+    }
+    if ((status = allocate(m, n_dof, n_contact))) goto out;
+    for (int i = 0; i < n_dof; i++)
+        for (int j = 0; j < n_dof; j++) {
+            m->M[i * n_dof + j] = (mass[i * n_dof + j] + mass[j * n_dof + i]) / 2;
+            m->K[i * n_dof + j] = (stiffness[i * n_dof + j] + stiffness[j * n_dof + i]) / 2;
+        }
+    for (int i = 0; i < n_contact; i++) {
+        memcpy(m->b + i * n_dof, contacts[i].normal, (size_t)n_dof * sizeof(double));
+        m->clearance[i] = contacts[i].clearance;
+        m->sides[i] = contacts[i].sides;
+        if (contacts[i].name && !(m->name[i] = strdup(contacts[i].name))) {
+            status = ric_fail(RIC_E_NOMEM, "no memory for a contact's name");
+            goto out;
+        }
+    }
+    m->restitution = restitution;
+    if ((status = eigenmodes(m))) goto out;
+    if ((status = separate_equal(m))) goto out;
+    fix_signs(m);
+    find_seen(m);
+    m->n_part = count_parts(m);
+    if ((status = allocate_scaled(m))) goto out;
+    scale_modes(m);
+    make_faces(m);
+    *out = m;
+    m = NULL;
+out:
+    ric_model_free(m);
+    return status;
+}
+
+void ric_model_free(ric_model *m)
+{
+    if (!m) return;
+    for (int i = 0; m->name && i < m->n_contact; i++) free(m->name[i]);
+    void *owned[] = {m->M, m->K, m->b, m->clearance, m->sides, m->name, m->frequency, m->Phi, m->normal, m->seen, m->mode,
+                     m->omega, m->kappa, m->stiff, m->c, m->g, m->E, m->face, m->to_modal, m->to_space};
+    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
+    free(m);
+}
+
+/* ---------------------------------------------------------------- queries */
+
+int ric_model_n_dof(const ric_model *m) { return m->n_dof; }
+int ric_model_n_mode(const ric_model *m) { return m->n; }
+int ric_model_n_contact(const ric_model *m) { return m->n_contact; }
+int ric_model_n_face(const ric_model *m) { return m->n_face; }
+int ric_model_n_part(const ric_model *m) { return m->n_part; }
+bool ric_model_symmetric(const ric_model *m) { return m->symmetric; }
+double ric_model_length(const ric_model *m) { return m->clearance[0]; }
+double ric_model_restitution(const ric_model *m) { return m->restitution; }
+const double *ric_model_mass(const ric_model *m) { return m->M; }
+const double *ric_model_stiffness(const ric_model *m) { return m->K; }
+
+ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
+{
+    if (contact < 0 || contact >= m->n_contact)
+        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+    *out = (ric_contact){.name = m->name[contact], .normal = m->b + contact * m->n_dof, .clearance = m->clearance[contact],
+                         .sides = m->sides[contact], .law = RIC_LAW_RIGID};
+    return RIC_OK;
+}
+
+ric_status ric_model_face(const ric_model *m, int face, int *contact, int *side, int *mirror)
+{
+    if (face < 0 || face >= m->n_face) return ric_fail(RIC_E_RANGE, "face %d does not exist; there are %d, from 0", face, m->n_face);
+    if (contact) *contact = m->face[face].contact;
+    if (side) *side = m->face[face].side;
+    if (mirror) *mirror = m->face[face].mirror;
+    return RIC_OK;
+}
+
+ric_status ric_model_frequencies(const ric_model *m, double *out)
+{
+    memcpy(out, m->frequency, (size_t)m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+ric_status ric_model_modes(const ric_model *m, double *out)
+{
+    memcpy(out, m->Phi, (size_t)m->n_dof * m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+ric_status ric_model_seen(const ric_model *m, bool *out)
+{
+    memcpy(out, m->seen, (size_t)m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+ric_status ric_model_modal_normals(const ric_model *m, double *out)
+{
+    memcpy(out, m->normal, (size_t)m->n_contact * m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). */
+ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *contact)
+{
+    for (int i = 0; i < m->n_dof; i++) {
+        energy[i] = INFINITY;
+        contact[i] = -1;
+        for (int f = 0; f < m->n_contact; f++) {
+            double c = m->normal[f * m->n_dof + i], d = m->clearance[f] / m->clearance[0], omega = m->frequency[i];
+            if (c == 0 || omega == 0) continue;
+            double E = omega * omega * d * d / (2 * c * c);
+            if (E < energy[i]) {
+                energy[i] = E;
+                contact[i] = f;
+            }
+        }
+    }
+    return RIC_OK;
+}
+
+/* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in mass-normalised modal coordinates. */
+ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double *out)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof;
+    double *E = array((size_t)n * n, sizeof *E), *A = array((size_t)n * n, sizeof *A);
+    if (contact < 0 || contact >= m->n_contact) {
+        status = ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+        goto out;
+    }
+    if (!E || !A) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the locked frequencies");
+        goto out;
+    }
+    complement(n, m->normal + contact * n, E);
+    for (int i = 0; i < n - 1; i++)
+        for (int j = 0; j < n - 1; j++)
+            for (int k = 0; k < n; k++) A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];
+    if (n > 1 && LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n - 1, A, n - 1, out)) {
+        status = ric_fail(RIC_E_NUMERIC, "the locked frequencies could not be computed");
+        goto out;
+    }
+    double largest = n > 1 ? fabs(out[n - 2]) : 0;
+    for (int i = 0; i < n - 1; i++) out[i] = out[i] <= 16.0 * n * DBL_EPSILON * largest ? 0 : sqrt(out[i]);
+out:
+    free(E);
+    free(A);
+    return status;
+}
+
+ric_status ric_model_compliance(const ric_model *m, int contact, double *cumulative)
+{
+    double sum = 0;
+    if (contact < 0 || contact >= m->n_contact)
+        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+    for (int i = 0; i < m->n_dof; i++) {
+        double c = m->normal[contact * m->n_dof + i];
+        cumulative[i] = sum += c * c;
+    }
+    return RIC_OK;
+}
+
+static double quadratic(int n, const double *A, const double *x)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * dot(n, A + i * n, x);
+    return sum;
+}
+
+double ric_model_energy(const ric_model *m, const double *x, const double *v)
+{
+    return (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
+}
+
+bool ric_model_orthogonal(const ric_model *m, int f, int g)
+{
+    const double *c = m->c + f * m->n, *d = m->c + g * m->n;
+    return fabs(dot(m->n, c, d)) <= ORTHOGONAL * sqrt(dot(m->n, c, c) * dot(m->n, d, d));
+}
+
+void ric_model_to_state(const ric_model *m, const double *w, double *x, double *v)
+{
+    int n = m->n;
+    for (int j = 0; j < m->n_dof; j++) {
+        double sx = 0, sv = 0;
+        for (int i = 0; i < n; i++) {
+            sx += m->to_space[j * n + i] * (w[i] / m->kappa[i]);
+            sv += m->to_space[j * n + i] * w[n + i];
+        }
+        x[j] = sx;
+        v[j] = sv * m->omega_ref;
+    }
+}
+
+void ric_model_from_state(const ric_model *m, const double *x, const double *v, double *w)
+{
+    int n = m->n;
+    for (int i = 0; i < n; i++) {
+        w[i] = m->kappa[i] * dot(m->n_dof, m->to_modal + i * m->n_dof, x);
+        w[n + i] = dot(m->n_dof, m->to_modal + i * m->n_dof, v) / m->omega_ref;
+    }
+}

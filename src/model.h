@@ -1,0 +1,59 @@
+/* The structure in its own modal frame, as every solver sees it.
+ *
+ * Scaled frame: length d (clearance of the first contact), time 1/omega_ref (lowest seen frequency that is not zero; 1 if there is none),
+ * modal mass such that |c_0| = 1. Only seen modes are kept. States are "energy coordinates" w = (a, p) [2 n_mode]:
+ * a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where omega_i = 0. Then free flight is a plane rotation per mode,
+ * |w|^2 / 2 is the energy (without the a of zero modes), and an impact is a Householder reflection of p (docs/theory.md section 1). */
+#ifndef RIC_MODEL_H
+#define RIC_MODEL_H
+
+#include "ricochet.h"
+
+typedef struct {
+    int contact, side; /* side +1: s = +d, -1: s = -d */
+    int mirror;        /* face on the other side of the contact, -1 if none */
+    double gap;        /* side * d_f / d_0: the scaled value of s at the face */
+    const double *c;   /* [n] scaled modal normal */
+    const double *g;   /* [n] c_i / kappa_i: s = g . a */
+    double cc;         /* c . c */
+    const double *E;   /* [(n-1) * n] orthonormal rows perpendicular to c */
+} ric_face;
+
+struct ric_model {
+    /* raw data */
+    int n_dof, n_contact;
+    double *M, *K, *b;  /* [n_dof^2], [n_dof^2], [n_contact * n_dof] */
+    double *clearance;  /* [n_contact], physical */
+    ric_sides *sides;   /* [n_contact] */
+    char **name;        /* [n_contact], may hold NULL */
+    double restitution;
+    /* all modes */
+    double *frequency;  /* [n_dof] rad/s */
+    double *Phi;        /* [n_dof^2], column i is mode i, mass-normalised */
+    double *normal;     /* [n_contact * n_dof], phi_i . b_f */
+    bool *seen;         /* [n_dof] */
+    int n_part;
+    bool symmetric;
+    /* scaled frame of the seen modes */
+    int n;              /* seen modes */
+    int *mode;          /* [n] index among all modes */
+    double *omega;      /* [n] scaled */
+    double *kappa;      /* [n] */
+    double *stiff;      /* [n] omega^2 / kappa: dp/dt = -stiff a */
+    double *c, *g, *E;  /* [n_contact * n], [n_contact * n], [n_contact * (n-1) * n] */
+    int n_face;
+    ric_face *face;     /* [n_face], contact by contact, upper before lower */
+    double omega_ref;   /* rad/s */
+    double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
+    double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d */
+    double *to_space;   /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
+};
+
+/* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */
+bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
+
+/* Energy coordinates [2n] <-> scaled public state x, v [n_dof each]; v per second. Unseen modes are at rest. */
+void ric_model_to_state(const ric_model *model, const double *w, double *x, double *v);
+void ric_model_from_state(const ric_model *model, const double *x, const double *v, double *w);
+
+#endif

@@ -1,0 +1,69 @@
+/* Junctions at work: where branches meet, solved on their own equations from a canonical orbit (docs/theory.md sections 7 to 9). */
+#ifndef RIC_NODE_H
+#define RIC_NODE_H
+
+#include "cycle.h"
+#include "trace.h"
+
+#define RIC_MAX_TOUCHES 16
+
+typedef enum { RIC_DEPARTURE_OPEN, RIC_DEPARTURE_TAKEN, RIC_DEPARTURE_KNOWN, RIC_DEPARTURE_INADMISSIBLE, RIC_DEPARTURE_OVER_BUDGET,
+               RIC_DEPARTURE_REFUSED, RIC_DEPARTURE_LATER } ric_departure_state;
+
+/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a branch point the branch that passes (THROUGH) or
+ * the one that leaves (SIDE). */
+enum { RIC_THROUGH = 0, RIC_SIDE = 1 };
+typedef struct {
+    unsigned choice;
+    ric_departure_state state;
+    char *why;           /* for refused, owned */
+} ric_departure;
+
+typedef struct {
+    ric_kind kind;
+    ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed */
+    int n_touch;
+    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle */
+    int test;            /* which test function vanishes on the branch that passes; -1 */
+    int multiple, rotation[2];
+    int a, b;
+    double energy, period; /* internal units, of the original orbit */
+    int n_departure;
+    ric_departure *departures;
+    const char *refusal;
+    int mode;            /* linear mode that grazes here, from 0; -1 */
+    int depth;
+} ric_node;
+
+void ric_node_free(ric_node *node);
+
+/* The grazing of linear mode `mode` (index among seen modes). *out = NULL if it has none (zero frequency). */
+ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
+/* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure there that the
+ * branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
+ric_status ric_node_grazing(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+ric_status ric_node_corner(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+/* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
+ric_status ric_node_interior(const ric_model *model, const ric_cycle *cycle, int test, ric_node **out);
+/* The symmetric orbit that a branch arrives at. */
+ric_status ric_node_arrival(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+
+/* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
+bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
+/* Which choice at a grazing node a branch is whose end orbit, impacts of no speed included, is `cycle`; -1 if none fits. */
+int ric_node_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
+/* Smallest choice equivalent under the symmetries of the node's orbit. */
+unsigned ric_node_class(const ric_model *model, const ric_node *node, unsigned choice);
+
+/* Prepares the departure: chain, start u0 and direction t0 (both allocated), bits to ignore in the first step.
+ * RIC_OK with *chain = NULL: inadmissible; RIC_E_NUMERIC: refused, the reason in ric_detail(). */
+ric_status ric_node_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
+                           unsigned *ignore);
+/* Impacts of the branch that leaves by `choice`. */
+int ric_node_impacts(const ric_node *node, unsigned choice);
+/* Whether that branch has z(t+T/2) = -z(t). */
+bool ric_node_half(const ric_model *model, const ric_node *node, unsigned choice);
+/* Regular orbit of a node: a grazing without its touches (NULL with no impact left). */
+ric_cycle *ric_node_regular(const ric_model *model, const ric_node *node);
+
+#endif

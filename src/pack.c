@@ -1,0 +1,140 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "graph.h"
+#include "status.h"
+
+/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and a mismatch is recomputed. */
+#define PACK_FORMAT 1
+#define SANE 10000000
+
+typedef struct {
+    int32_t format, start, end, sigma, n_flight, n_point, n_event, stop, arrival, end_test;
+} header;
+
+static size_t packed_size(const ric_trace *tr)
+{
+    size_t unknowns = (size_t)tr->chain->n_unknown, events = (size_t)tr->n_event + 1;
+    return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) + (size_t)tr->n_point * tr->stride * sizeof(double) +
+           events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) + 128;
+}
+
+static void write(char **to, const void *from, size_t size)
+{
+    memcpy(*to, from, size);
+    *to += size;
+}
+
+static void write_event(char **to, const ric_event *e, int size)
+{
+    int32_t test = e->u ? e->test : -1;
+    write(to, &test, sizeof test);
+    if (test < 0) return;
+    write(to, &e->s, sizeof e->s);
+    write(to, e->u, (size_t)size * sizeof *e->u);
+    write(to, e->t, (size_t)size * sizeof *e->t);
+}
+
+ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
+{
+    const ric_chain *c = tr->chain;
+    char *start = malloc(packed_size(tr)), *to = start, why[96] = "";
+    if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
+    header h = {PACK_FORMAT, c->start, c->end, c->sigma, c->n_flight, tr->n_point, tr->n_event, tr->stop, tr->arrival, tr->end.test};
+    write(&to, &h, sizeof h);
+    for (int i = 0; i <= c->n_flight; i++) {
+        int32_t face = c->face[i];
+        write(&to, &face, sizeof face);
+    }
+    write(&to, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
+    for (int i = 0; i < tr->n_event; i++) write_event(&to, &tr->events[i], c->n_unknown);
+    write_event(&to, &tr->end, c->n_unknown);
+    strncpy(why, tr->why ? tr->why : "", sizeof why - 1);
+    write(&to, why, sizeof why);
+    *blob = start;
+    *size = (size_t)(to - start);
+    return RIC_OK;
+}
+
+/* Reads `size` bytes or says that there are not as many. */
+static bool take(const char **from, size_t *left, void *to, size_t size)
+{
+    if (*left < size) return false;
+    memcpy(to, *from, size);
+    *from += size;
+    *left -= size;
+    return true;
+}
+
+static bool read_event(const char **from, size_t *left, int size, ric_event *e)
+{
+    int32_t test;
+    size_t bytes = (size_t)size * sizeof(double);
+    if (!take(from, left, &test, sizeof test)) return false;
+    e->test = test;
+    if (test < 0) return true;
+    e->u = malloc(bytes);
+    e->t = malloc(bytes);
+    return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) && take(from, left, e->t, bytes);
+}
+
+/* The sentence of a stop reason is one of the program's own; the copy in a file only chooses it. */
+static const char *known_sentence(const char *why)
+{
+    static const char *const sentences[] = {
+        "upper end of the energy window", "lower end of the energy window", "upper end of the frequency window",
+        "lower end of the frequency window", "back at its start", "largest number of points of a branch",
+        "no step, however small, stays on the branch"};
+    for (size_t i = 0; i < sizeof sentences / sizeof *sentences; i++)
+        if (!strcmp(why, sentences[i])) return sentences[i];
+    return "";
+}
+
+ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size, ric_trace **out)
+{
+    const char *from = blob;
+    header h;
+    ric_status status = RIC_OK;
+    ric_trace *tr = calloc(1, sizeof *tr);
+    int *face = NULL;
+    char why[96];
+    *out = NULL;
+    if (!tr) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    tr->end.test = -1;
+    tr->limits = limits;
+    if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE || h.n_point < 0 ||
+        h.n_point > SANE || h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
+        h.end > RIC_MIRROR_CENTRE || (size_t)h.n_flight * sizeof(int32_t) > size)
+        goto damaged;
+    if (!(face = calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
+    for (int i = 0; i <= h.n_flight; i++) {
+        int32_t f;
+        if (!take(&from, &size, &f, sizeof f) || f < -1 || f >= m->n_face) goto damaged;
+        face[i] = f;
+    }
+    if ((status = ric_chain_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face, &tr->chain))) goto out;
+    tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
+    size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);
+    if (bytes > size || !(tr->points = malloc(bytes ? bytes : 1))) goto damaged;
+    take(&from, &size, tr->points, bytes);
+    tr->n_point = tr->point_capacity = h.n_point;
+    if (!(tr->events = calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
+    for (int i = 0; i < h.n_event; i++) {
+        tr->n_event = i + 1;
+        if (!read_event(&from, &size, tr->chain->n_unknown, &tr->events[i])) goto damaged;
+    }
+    if (!read_event(&from, &size, tr->chain->n_unknown, &tr->end) || !take(&from, &size, why, sizeof why)) goto damaged;
+    why[sizeof why - 1] = 0;
+    tr->stop = (ric_stop)h.stop;
+    tr->arrival = h.arrival;
+    tr->why = known_sentence(why);
+    *out = tr;
+    free(face);
+    return RIC_OK;
+damaged:
+    status = ric_fail(RIC_E_FORMAT, "the atlas holds a branch that cannot be read; delete the file and run again");
+out:
+    free(face);
+    ric_trace_free(tr);
+    return status;
+}

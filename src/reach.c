@@ -1,0 +1,222 @@
+#include "reach.h"
+
+#include <stdlib.h>
+
+#include "motion.h"
+
+/* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both ends.
+ * On an interval of length h the cubic through values and slopes differs from s by at most D4 h^4 / 384 and its slope by at most
+ * D4 h^3 sqrt(3) / 216, D4 = sum |g_i| omega_i^4 |w_i| (interpolation error of Hermite's cubic: Birkhoff and Priver,
+ * J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can hide. */
+
+#define SLOPE_BOUND 0.008018753738744785 /* sqrt(3) / 216 */
+#define LEVELS 48
+/* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
+#define CLOSE 1e-7
+
+typedef struct {
+    double t, s, ds;
+} sample;
+
+typedef struct {
+    const ric_chain *chain;
+    int flight, contact, n;
+    int upper, lower; /* faces, -1 if none */
+    double gap;       /* > 0 */
+    double D4, tau;
+    bool own_start, own_end; /* the flight starts or ends on this contact */
+    /* outcome */
+    double best, threshold;
+    ric_touch *touches; /* NULL: only the best is wanted */
+    int capacity, count;
+} search;
+
+static sample sample_at(const search *q, double t)
+{
+    const ric_model *m = q->chain->model;
+    int n = q->n;
+    const double *w = q->chain->w + 2 * n * q->flight, *g = m->g + q->contact * n;
+    sample out = {t, 0, 0};
+    for (int i = 0; i < n; i++) {
+        double a = w[i], p = w[n + i];
+        if (m->omega[i] > 0) {
+            double si, co;
+            sincos(m->omega[i] * t, &si, &co);
+            out.s += g[i] * (a * co + p * si);
+            out.ds += g[i] * m->omega[i] * (p * co - a * si);
+        } else {
+            out.s += g[i] * (a + p * t);
+            out.ds += g[i] * p;
+        }
+    }
+    return out;
+}
+
+static double curvature(const search *q, double t)
+{
+    const ric_model *m = q->chain->model;
+    int n = q->n;
+    const double *w = q->chain->w + 2 * n * q->flight, *g = m->g + q->contact * n;
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        double si, co;
+        sincos(m->omega[i] * t, &si, &co);
+        sum -= g[i] * m->omega[i] * m->omega[i] * (w[i] * co + w[n + i] * si);
+    }
+    return sum;
+}
+
+static void offer(search *q, double t, double s, int side, bool kink)
+{
+    int face = side > 0 ? q->upper : q->lower;
+    double value = side * s / q->gap;
+    if (face < 0) return;
+    if (!q->touches) {
+        q->best = fmax(q->best, value);
+        return;
+    }
+    if (value < q->threshold) return;
+    if (q->count < q->capacity) q->touches[q->count] = (ric_touch){value, q->flight, face, t, kink};
+    q->count++;
+}
+
+static double largest(double a, double b, double c, double d)
+{
+    return fmax(fmax(a, b), fmax(c, d));
+}
+
+/* A single sign change of the slope between l and r: safeguarded Newton, then the value. */
+static void polish(search *q, sample l, sample r)
+{
+    bool maximum = l.ds > 0;
+    sample mid = l;
+    for (int i = 0; i < 60 && r.t - l.t > 0; i++) {
+        double curved = i ? curvature(q, mid.t) : 0, t = i ? mid.t - mid.ds / curved : l.t + (r.t - l.t) * l.ds / (l.ds - r.ds);
+        if (!(t > l.t && t < r.t)) t = (l.t + r.t) / 2;
+        if (i && fabs(t - mid.t) <= 1e-16 * q->tau) break;
+        double before = mid.t;
+        mid = sample_at(q, t);
+        if ((mid.ds > 0) == maximum) l = mid;
+        else r = mid;
+        if (mid.ds == 0 || t == before) break;
+    }
+    offer(q, mid.t, mid.s, maximum ? 1 : -1, false);
+}
+
+static double level(const search *q)
+{
+    return (q->touches ? q->threshold : q->best) * q->gap;
+}
+
+/* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one sign change of the slope. */
+static bool undecided(const search *q, sample l, sample r, bool *single)
+{
+    double h = r.t - l.t, slope = 3 * (r.s - l.s) / h - l.ds - r.ds, error = q->D4 * h * h * h;
+    double low = fmin(fmin(l.ds, r.ds), slope), high = fmax(fmax(l.ds, r.ds), slope);
+    *single = false;
+    if (low > error * SLOPE_BOUND || high < -error * SLOPE_BOUND) return false;
+    double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384, reach = -HUGE_VAL;
+    if (q->upper >= 0) reach = largest(l.s, b1, b2, r.s);
+    if (q->lower >= 0) reach = fmax(reach, largest(-l.s, -b1, -b2, -r.s));
+    if (reach + value <= level(q) * (1 + 1e-13)) return false;
+    /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s'' (D4 h^2 / 12) */
+    double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
+    *single = l.ds * r.ds < 0 && ((d1 > bend && d2 > bend) || (d1 < -bend && d2 < -bend));
+    return true;
+}
+
+static void search_flight(search *q, sample first, sample last)
+{
+    sample left[LEVELS + 2], right[LEVELS + 2];
+    int top = 0;
+    left[0] = first;
+    right[0] = last;
+    while (top >= 0) {
+        sample l = left[top], r = right[top];
+        bool single;
+        top--;
+        if (!(r.t > l.t) || !undecided(q, l, r, &single)) continue;
+        bool close = r.t - l.t < CLOSE * q->tau;
+        if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) continue;
+        if (single || top + 2 > LEVELS || r.t - l.t < 1e-12 * q->tau) {
+            if (l.ds * r.ds < 0) polish(q, l, r);
+            continue;
+        }
+        sample mid = sample_at(q, (l.t + r.t) / 2);
+        if (mid.ds == 0) offer(q, mid.t, mid.s, curvature(q, mid.t) < 0 ? 1 : -1, false);
+        left[top + 1] = mid; /* the right half waits, the left half is next: order of time */
+        right[top + 1] = r;
+        left[top + 2] = l;
+        right[top + 2] = mid;
+        top += 2;
+    }
+}
+
+static void search_contact(search *q)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    int n = q->n, k = q->flight, last = c->n_flight - 1;
+    const double *w = c->w + 2 * n * k, *e = c->w + 2 * n * (k + 1), *before = c->before + n * k, *g = m->g + q->contact * n;
+    sample l = {0, 0, 0}, r = {q->tau, 0, 0};
+    q->D4 = 0;
+    for (int i = 0; i < n; i++) {
+        double omega = m->omega[i];
+        l.s += g[i] * w[i];
+        r.s += g[i] * e[i];
+        l.ds += g[i] * m->kappa[i] * w[n + i];
+        r.ds += g[i] * m->kappa[i] * before[i];
+        if (omega > 0) q->D4 += fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * (omega * omega) * (omega * omega);
+    }
+    int f0 = c->face[k], f1 = c->face[k + 1];
+    q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
+    q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
+    /* at rest every gap is stationary */
+    if (k == 0 && c->start == RIC_MIRROR_REST) {
+        offer(q, 0, l.s, curvature(q, 0) < 0 ? 1 : -1, false);
+        l.ds = 0;
+    }
+    search_flight(q, l, r);
+    if (k == last && c->end == RIC_MIRROR_REST) offer(q, q->tau, r.s, curvature(q, q->tau) < 0 ? 1 : -1, false);
+    /* an impact of another contact puts a kink into this gap; the start of the chain counts for the end in the general form */
+    bool kink_start = k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start;
+    if (kink_start) offer(q, 0, l.s, l.s > 0 ? 1 : -1, true);
+    if (f1 >= 0 && !q->own_end) offer(q, q->tau, r.s, r.s > 0 ? 1 : -1, true);
+}
+
+static void search_all(search *q, const double *u)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
+        q->tau = u[c->n_start + q->flight];
+        if (!(q->tau > 0)) continue;
+        for (int f = 0; f < m->n_face;) {
+            const ric_face *face = &m->face[f];
+            q->contact = face->contact;
+            q->gap = fabs(face->gap);
+            q->upper = face->side > 0 ? f : -1;
+            q->lower = face->side < 0 ? f : face->mirror;
+            search_contact(q);
+            f += face->mirror >= 0 ? 2 : 1;
+        }
+    }
+}
+
+double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
+{
+    search q = {.chain = chain, .n = chain->n};
+    search_all(&q, u);
+    if (where) {
+        where->face = -1;
+        if (q.best > 0) ric_reach_all(chain, u, q.best * (1 - 1e-14), 1, where);
+    }
+    return q.best;
+}
+
+int ric_reach_all(const ric_chain *chain, const double *u, double threshold, int capacity, ric_touch *touches)
+{
+    search q = {.chain = chain, .n = chain->n, .threshold = threshold, .capacity = capacity, .touches = touches};
+    search_all(&q, u);
+    return q.count;
+}

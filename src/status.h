@@ -1,0 +1,10 @@
+/* Errors are born here: a code for the program, a sentence for the person. */
+#ifndef RIC_STATUS_H
+#define RIC_STATUS_H
+
+#include "ricochet.h"
+
+/* Sets the detail of this thread and returns `status`. */
+ric_status ric_fail(ric_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

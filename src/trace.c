@@ -1,0 +1,334 @@
+#include "trace.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "event.h"
+#include "motion.h"
+#include "status.h"
+
+#define STEP_ANGLE 0.12      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
+#define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
+#define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
+#define FIRST_STEP 1e-3      /* of the largest step */
+#define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
+#define NEWTON_STEPS 8
+#define FLAT 1e-10           /* |dT/ds| below it is a branch of constant period, not an extremum */
+
+/* ---------------------------------------------------------------- corrector */
+
+double ric_trace_tolerance(const ric_chain *c)
+{
+    /* rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured */
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+}
+
+bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)
+{
+    int size = c->n_unknown;
+    double tolerance = ric_trace_tolerance(c), last = HUGE_VAL, kernel[size];
+    for (int i = 0; i <= NEWTON_STEPS; i++) {
+        *iterations = i;
+        ric_chain_evaluate(c, u);
+        if (c->singular || !(c->residual < 1e3)) return false;
+        if (c->residual <= tolerance && i > 0) return true;
+        if (i > 2 && c->residual > 0.5 * last) return c->residual <= 4 * tolerance;
+        last = c->residual;
+        ric_chain_step(c, true, 0, du);
+        if (normal) {
+            ric_chain_step(c, false, 1, kernel);
+            double across = ric_dot(size, normal, kernel), now = ric_dot(size, normal, du) - target;
+            for (int j = 0; j < size; j++) now += normal[j] * (u[j] - origin[j]);
+            if (fabs(across) < 1e-8) return false;
+            for (int j = 0; j < size; j++) du[j] -= now / across * kernel[j];
+        }
+        for (int j = 0; j < size; j++) u[j] += du[j];
+    }
+    return false;
+}
+
+double ric_trace_tangent(const ric_chain *c, const double *along, double *t)
+{
+    ric_chain_step(c, false, 1, t);
+    if (!along || ric_dot(c->n_unknown, t, along) >= 0) return 1;
+    for (int i = 0; i < c->n_unknown; i++) t[i] = -t[i];
+    return -1;
+}
+
+/* ------------------------------------------------------------------ stations */
+
+static double smallest_approach(const ric_chain *c)
+{
+    double least = HUGE_VAL;
+    if (c->start == RIC_MIRROR_IMPACT) least = c->approach[0];
+    for (int k = 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0) least = fmin(least, c->approach[k]);
+    return least;
+}
+
+/* Flights between different contacts; between mirror points in flight there is no such thing. */
+static double smallest_flight(const ric_chain *c, const double *u)
+{
+    const ric_model *m = c->model;
+    double least = HUGE_VAL;
+    for (int k = 0; k < c->n_flight; k++) {
+        int f = c->face[k], g = c->face[k + 1];
+        double tau = u[c->n_start + k];
+        if (f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
+    }
+    return least;
+}
+
+static bool positive_flights(const ric_chain *c, const double *u)
+{
+    for (int k = 0; k < c->n_flight; k++)
+        if (!(u[c->n_start + k] > -1e-3)) return false;
+    return true;
+}
+
+ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
+{
+    ric_chain *c = tr->chain;
+    const ric_model *m = c->model;
+    const ric_limits *lim = tr->limits;
+    ric_status status = ric_floquet_compute(c, &tr->floquet);
+    if (status) return status;
+    double reach = ric_reach(c, p->u, NULL), approach = smallest_approach(c), time = ric_chain_time(c, p->u);
+    double energy = ric_chain_energy(c), slope = 0;
+    for (int k = c->n_start; k < c->n_unknown; k++) slope += p->t[k];
+    double *F = p->test;
+    F[RIC_TEST_REACH] = 1 - reach;
+    F[RIC_TEST_APPROACH] = approach;
+    F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u);
+    F[RIC_TEST_DET] = orientation * c->end_det;
+    F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->u, p->t) / c->scale;
+    F[RIC_TEST_A] = tr->floquet.det_a;
+    F[RIC_TEST_B] = tr->floquet.det_b;
+    F[RIC_TEST_D] = tr->floquet.det_d;
+    F[RIC_TEST_PERIOD] = fabs(slope) < FLAT ? 0 : slope;
+    F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
+    F[RIC_TEST_E_MIN] = energy - lim->energy[0];
+    F[RIC_TEST_F_MAX] = time - lim->period[0];
+    F[RIC_TEST_F_MIN] = lim->period[1] - time;
+    p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit, .frequency = 6.283185307179586477 / time * m->omega_ref,
+                         .trace = tr->floquet.trace_asinh, .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
+                         .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN, .residual = (float)c->residual,
+                         .stable = tr->floquet.stable};
+    return RIC_OK;
+}
+
+static bool station_create(ric_station *p, int size)
+{
+    p->u = calloc((size_t)size, sizeof(double));
+    p->t = calloc((size_t)size, sizeof(double));
+    return p->u && p->t;
+}
+
+static void station_free(ric_station *p)
+{
+    free(p->u);
+    free(p->t);
+}
+
+/* ------------------------------------------------------------------- points */
+
+static ric_status keep_point(ric_trace *tr, const ric_station *p)
+{
+    if (tr->n_point == tr->point_capacity) {
+        int capacity = tr->point_capacity ? tr->point_capacity + tr->point_capacity / 2 : 64;
+        double *grown = realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
+        if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d points of a branch", capacity);
+        tr->points = grown;
+        tr->point_capacity = capacity;
+    }
+    double *out = tr->points + (size_t)tr->n_point++ * tr->stride;
+    memcpy(out, &p->row, sizeof p->row);
+    memcpy(out + sizeof p->row / sizeof *out, p->u, (size_t)tr->chain->n_unknown * sizeof *out);
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- start */
+
+ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore, const ric_limits *limits, ric_trace **out)
+{
+    ric_status status = RIC_OK;
+    size_t size = (size_t)chain->n_unknown;
+    ric_trace *tr = calloc(1, sizeof *tr);
+    int iterations;
+    *out = NULL;
+    if (!tr) {
+        ric_chain_free(chain);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    tr->chain = chain;
+    tr->limits = limits;
+    tr->ignore = ignore;
+    tr->end.test = -1;
+    tr->stride = sizeof(ric_point) / sizeof(double) + size;
+    tr->du = calloc(size, sizeof(double));
+    tr->guess = calloc(size, sizeof(double));
+    tr->start_u = calloc(size, sizeof(double));
+    tr->start_t = calloc(size, sizeof(double));
+    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, chain->n_unknown) ||
+        !station_create(&tr->next, chain->n_unknown) || !station_create(&tr->mid, chain->n_unknown) ||
+        !station_create(&tr->past, chain->n_unknown)) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        goto out;
+    }
+    if ((status = ric_floquet_create(chain->n, &tr->floquet))) goto out;
+    memcpy(tr->now.u, u0, size * sizeof *u0);
+    if (!ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
+        status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
+        goto out;
+    }
+    /* at a branch point the kernel has two dimensions and the direction is the caller's */
+    if (chain->smallest > 1e-7) {
+        double sign = ric_trace_tangent(chain, t0, tr->now.t);
+        if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
+    } else {
+        double norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
+        for (size_t i = 0; i < size; i++) tr->now.t[i] = t0[i] / norm;
+        if ((status = ric_trace_examine(tr, &tr->now, 1))) goto out;
+    }
+    memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
+    memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
+    tr->step_max = limits->max_step * chain->scale;
+    tr->step = FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale);
+    if ((status = keep_point(tr, &tr->now))) goto out;
+    *out = tr;
+    tr = NULL;
+out:
+    ric_trace_free(tr);
+    return status;
+}
+
+void ric_trace_free(ric_trace *tr)
+{
+    if (!tr) return;
+    ric_chain_free(tr->chain);
+    ric_floquet_release(&tr->floquet);
+    station_free(&tr->now);
+    station_free(&tr->next);
+    station_free(&tr->mid);
+    station_free(&tr->past);
+    for (int i = 0; i < tr->n_event; i++) {
+        free(tr->events[i].u);
+        free(tr->events[i].t);
+    }
+    free(tr->events);
+    free(tr->end.u);
+    free(tr->end.t);
+    free(tr->points);
+    free(tr->du);
+    free(tr->guess);
+    free(tr->start_u);
+    free(tr->start_t);
+    free(tr);
+}
+
+/* --------------------------------------------------------------------- step */
+
+/* Cubic through the last two points and tangents, read off at distance h beyond; a straight line at the start. */
+static void predict(const ric_trace *tr, double h, double *u)
+{
+    int size = tr->chain->n_unknown;
+    const double *u0 = tr->now.u, *t0 = tr->now.t, *u1 = tr->past.u, *t1 = tr->past.t;
+    double H = tr->now.s - tr->past.s, x = 1 + h / H;
+    if (!tr->has_past || h > 2.5 * H) {
+        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
+        return;
+    }
+    double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a, d = (x * x * x - x * x) * H;
+    for (int i = 0; i < size; i++) u[i] = a * u1[i] + b * t1[i] + c * u0[i] + d * t0[i];
+}
+
+/* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no convergence. */
+static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, int *iterations, double *orientation)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    predict(tr, h, tr->next.u);
+    memcpy(tr->guess, tr->next.u, (size_t)size * sizeof *tr->guess);
+    if (!ric_trace_correct(c, tr->next.u, tr->now.u, tr->now.t, h, tr->du, iterations)) return false;
+    if (!positive_flights(c, tr->next.u)) return false;
+    double moved = 0, chord = 0;
+    for (int i = 0; i < size; i++) {
+        double d = tr->next.u[i] - tr->guess[i], e = tr->next.u[i] - tr->now.u[i];
+        moved += d * d;
+        chord += e * e;
+    }
+    *orientation = ric_trace_tangent(c, tr->now.t, tr->next.t);
+    *angle = acos(fmin(1, ric_dot(size, tr->next.t, tr->now.t)));
+    *drift = sqrt(moved) / h;
+    /* arc over chord of a circle through both points */
+    tr->next.s = tr->now.s + sqrt(chord) * (1 + *angle * *angle / 24);
+    return true;
+}
+
+static void adapt(ric_trace *tr, double h, double angle, int iterations)
+{
+    double factor = angle > 1e-12 ? STEP_ANGLE / angle : 2;
+    if (iterations > 3) factor = fmin(factor, 0.7);
+    factor = fmax(0.3, fmin(2, factor));
+    tr->step_max = tr->limits->max_step * tr->chain->scale;
+    tr->step = fmin(h * factor, tr->step_max);
+}
+
+static void swap_stations(ric_trace *tr)
+{
+    ric_station old = tr->past;
+    tr->past = tr->now;
+    tr->now = tr->next;
+    tr->next = old;
+    tr->has_past = true;
+}
+
+ric_status ric_trace_advance(ric_trace *tr, bool *done)
+{
+    ric_status status = RIC_OK;
+    double h = tr->step, size = tr->chain->scale;
+    *done = false;
+    if (tr->n_point >= tr->limits->max_points) {
+        tr->stop = RIC_STOP_BUDGET;
+        tr->why = "largest number of points of a branch";
+        *done = true;
+        return RIC_OK;
+    }
+    for (;;) {
+        double angle = 0, drift = 0, orientation;
+        int iterations = 0;
+        bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
+        tr->evaluations += iterations + 1;
+        if (good && angle < STEP_ANGLE_MAX && drift < STEP_DRIFT) {
+            if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
+            if (!ric_event_suspicious(tr, h)) {
+                bool retry = false;
+                if ((status = ric_event_find(tr, h, done, &retry))) return status;
+                if (*done) return RIC_OK;
+                if (!retry) {
+                    adapt(tr, h, angle, iterations);
+                    break;
+                }
+            }
+        }
+        h *= good ? 0.5 : 0.25;
+        if (h < SMALLEST_STEP * size) {
+            tr->stop = RIC_STOP_FAILED;
+            tr->why = "no step, however small, stays on the branch";
+            *done = true;
+            return RIC_OK;
+        }
+    }
+    tr->ignore = 0;
+    swap_stations(tr);
+    return keep_point(tr, &tr->now);
+}
+
+ric_status ric_trace_run(ric_trace *tr)
+{
+    bool done = false;
+    ric_status status = RIC_OK;
+    while (!done && !status) status = ric_trace_advance(tr, &done);
+    return status;
+}

@@ -1,0 +1,90 @@
+/* Following one branch from one end to the other (docs/theory.md section 7): predict, correct, look for events, adapt. */
+#ifndef RIC_TRACE_H
+#define RIC_TRACE_H
+
+#include "chain.h"
+#include "cycle.h"
+#include "floquet.h"
+#include "reach.h"
+
+/* Test functions; an event is a zero of one of them. */
+enum {
+    RIC_TEST_REACH,    /* 1 - reach */
+    RIC_TEST_APPROACH, /* smallest approach speed */
+    RIC_TEST_FLIGHT,   /* smallest flight time between different contacts */
+    RIC_TEST_DET,      /* bordered determinant */
+    RIC_TEST_SLOPE,    /* dE/ds */
+    RIC_TEST_A,        /* kernels that break a symmetry of the form (floquet.h) */
+    RIC_TEST_B,
+    RIC_TEST_D,
+    RIC_TEST_PERIOD,   /* dT/ds */
+    RIC_TEST_E_MAX,
+    RIC_TEST_E_MIN,
+    RIC_TEST_F_MAX,
+    RIC_TEST_F_MIN,
+    RIC_N_TEST,
+};
+
+/* One solved point of a branch. */
+typedef struct {
+    double s;
+    double *u, *t;       /* [n_unknown] unknowns and unit tangent */
+    double test[RIC_N_TEST];
+    ric_point row;
+} ric_station;
+
+typedef struct {
+    int test;            /* which function vanished */
+    double s;
+    double *u, *t;       /* owned */
+} ric_event;
+
+typedef struct {
+    double energy[2];    /* window, internal units */
+    double period[2];    /* smallest and largest period, internal units */
+    double max_step;     /* relative to the size of the unknowns */
+    int max_points;
+    bool ghost;          /* go on past inadmissible points */
+} ric_limits;
+
+typedef struct {
+    ric_chain *chain;    /* owned */
+    const ric_limits *limits;
+    ric_floquet floquet;
+    ric_station now, next, mid, past;
+    bool has_past;
+    double step, step_max;
+    unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
+    double *du, *guess, *start_u, *start_t;
+    /* what was found */
+    int n_point, point_capacity;
+    size_t stride;       /* doubles: ric_point, then u */
+    double *points;
+    int n_event, event_capacity;
+    ric_event *events;   /* interior ones, in order */
+    ric_event end;       /* what stopped the branch (end.test = -1: no event) */
+    ric_stop stop;
+    bool arrival;        /* the end is a point where the branch meets its own mirror image */
+    const char *why;
+    long evaluations;
+} ric_trace;
+
+/* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the kernel there). */
+ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore, const ric_limits *limits, ric_trace **out);
+void ric_trace_free(ric_trace *trace);
+
+/* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
+ric_status ric_trace_advance(ric_trace *trace, bool *done);
+/* Steps to the end. */
+ric_status ric_trace_run(ric_trace *trace);
+
+/* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True when converged. */
+bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target, double *du, int *iterations);
+/* Residual that counts as rounding for a chain. */
+double ric_trace_tolerance(const ric_chain *chain);
+/* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation sign. */
+double ric_trace_tangent(const ric_chain *chain, const double *along, double *t);
+/* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent station->t. */
+ric_status ric_trace_examine(ric_trace *trace, ric_station *station, double orientation);
+
+#endif
