@@ -7,8 +7,15 @@
 #include "status.h"
 
 #define LOCATE_STEPS 60
+#define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
+/* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
+#define ALONG 0.99
+/* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
+ * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
+ * through four points at good distance, and the junction is solved on its own equations later. */
+#define CROSSING 1e-3
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
                                  1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
@@ -110,6 +117,96 @@ static ric_status locate(ric_trace *tr, int test, double xa, double fa, double x
     return RIC_OK;
 }
 
+/* ------------------------------------------------------------------ crossings */
+
+/* Four points of a step that crosses a branch point, and the cubics through them. */
+typedef struct {
+    double x[4], test[4][RIC_N_TEST];
+    double *u; /* [4 * n_unknown] */
+} crossing;
+
+static void lagrange(const double *x, double at, double *value, double *slope)
+{
+    for (int i = 0; i < 4; i++) {
+        double product = 1, sum = 0;
+        for (int j = 0; j < 4; j++) {
+            if (j == i) continue;
+            double rest = 1 / (x[i] - x[j]);
+            product *= (at - x[j]) / (x[i] - x[j]);
+            for (int k = 0; k < 4; k++)
+                if (k != i && k != j) rest *= (at - x[k]) / (x[i] - x[k]);
+            sum += rest;
+        }
+        value[i] = product;
+        slope[i] = sum;
+    }
+}
+
+static double crossing_test(const crossing *q, int test, double at)
+{
+    double value[4], slope[4], sum = 0;
+    lagrange(q->x, at, value, slope);
+    for (int i = 0; i < 4; i++) sum += value[i] * q->test[i][test];
+    return sum;
+}
+
+static ric_status crossing_create(ric_trace *tr, double h, crossing *q)
+{
+    size_t size = (size_t)tr->chain->n_unknown;
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
+    /* the inner points halve the way from the root to the ends */
+    double place[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
+    memcpy(q->x, place, sizeof place);
+    if (!(q->u = malloc(4 * size * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
+    for (int i = 0; i < 4; i++) {
+        const ric_station *p = i == 0 ? &tr->now : i == 3 ? &tr->next : &tr->mid;
+        bool good = true;
+        ric_status status = p == &tr->mid ? station_at(tr, place[i], h, &tr->mid, &good) : RIC_OK;
+        if (!status && !good) status = ric_fail(RIC_E_NUMERIC, "no convergence beside a branch point");
+        if (status) {
+            free(q->u);
+            q->u = NULL;
+            return status;
+        }
+        memcpy(q->test[i], p->test, sizeof p->test);
+        memcpy(q->u + i * size, p->u, size * sizeof *q->u);
+    }
+    return RIC_OK;
+}
+
+/* Bisection on the cubic: the ends have different signs. */
+static double crossing_root(const crossing *q, int test)
+{
+    double a = q->x[0], b = q->x[3], fa = q->test[0][test];
+    for (int i = 0; i < 60; i++) {
+        double m = (a + b) / 2, fm = crossing_test(q, test, m);
+        if (fa * fm > 0) a = m;
+        else b = m;
+    }
+    return (a + b) / 2;
+}
+
+/* The point at x read off the cubics; nothing is solved. */
+static void crossing_station(const ric_trace *tr, const crossing *q, double x, ric_station *out)
+{
+    int size = tr->chain->n_unknown;
+    double value[4], slope[4], norm = 0;
+    lagrange(q->x, x, value, slope);
+    for (int j = 0; j < size; j++) {
+        out->u[j] = out->t[j] = 0;
+        for (int i = 0; i < 4; i++) {
+            out->u[j] += value[i] * q->u[i * size + j];
+            out->t[j] += slope[i] * q->u[i * size + j];
+        }
+        norm += out->t[j] * out->t[j];
+    }
+    for (int j = 0; j < size; j++) out->t[j] /= sqrt(norm);
+    out->s = tr->now.s + (tr->next.s - tr->now.s) * x / q->x[3];
+    /* the row is that of the nearest end but for what the cubics give */
+    out->row = tr->next.row;
+    out->row.arclength = out->s;
+}
+
 /* -------------------------------------------------------------------- keeping */
 
 static ric_status fill_event(const ric_trace *tr, int test, const ric_station *p, ric_event *out)
@@ -141,17 +238,6 @@ static ric_status keep_event(ric_trace *tr, int test, const ric_station *p)
     return status;
 }
 
-static ric_status keep_last(ric_trace *tr, const ric_station *p)
-{
-    double *grown = realloc(tr->points, (size_t)(tr->n_point + 1) * tr->stride * sizeof *grown);
-    if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for the last point of a branch");
-    tr->points = grown;
-    double *out = tr->points + (size_t)tr->n_point++ * tr->stride;
-    memcpy(out, &p->row, sizeof p->row);
-    memcpy(out + sizeof p->row / sizeof *out, p->u, (size_t)tr->chain->n_unknown * sizeof *out);
-    return RIC_OK;
-}
-
 /* ------------------------------------------------------------------- arrivals */
 
 /* At a zero of the bordered determinant: some operation of the symmetry group keeps the orbit there and turns the branch round.
@@ -177,9 +263,14 @@ static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const
             if (!fixed) continue;
             image = ric_cycle_transform(m, near, s, op & 1, op & 2);
             if (image && !ric_cycle_to_chain(m, image, &chain, &u) && chain->n_unknown == c->n_unknown) {
-                double across = 0;
-                for (int i = 0; i < c->n_unknown; i++) across += (u[i] - at->u[i]) * at->t[i];
-                found = across * away < 0 && fabs(across + away) < 0.2 * fabs(away);
+                double across = 0, length = 0;
+                for (int i = 0; i < c->n_unknown; i++) {
+                    double d = u[i] - at->u[i];
+                    across += d * at->t[i];
+                    length += d * d;
+                }
+                /* on the other side and along the branch: the operation is no isometry of the unknowns, so lengths may differ */
+                found = across * away < 0 && fabs(across) > ALONG * sqrt(length);
             }
             ric_chain_free(chain);
             chain = NULL;
@@ -249,60 +340,125 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
     return RIC_OK;
 }
 
+/* Arranges for a short step with the crossing in its middle; false when the step is short already. */
+static bool approach_crossing(ric_trace *tr, double h)
+{
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], crossing = CROSSING * tr->chain->scale;
+    if (!watched(tr, RIC_TEST_DET) || fa * fb >= 0 || h <= crossing) return false;
+    double x = h * fa / (fa - fb);
+    tr->wanted = x > crossing ? fmin(x - crossing / 2, 0.9 * h) : crossing;
+    tr->after = crossing;
+    return true;
+}
+
+/* The far end of the branch, if one of the functions that end it vanishes in this step: its test, or -1, and its distance. `limit` holds
+ * the test functions there, the singular ones a little before. */
+static ric_status find_end(ric_trace *tr, double h, int *test, double *end, double *limit, bool *retry)
+{
+    root roots[RIC_N_TEST];
+    int n = 0;
+    bool good;
+    *test = -1;
+    *end = h;
+    memcpy(limit, tr->next.test, sizeof tr->next.test);
+    ric_status status = find_roots(tr, terminal, h, limit, h, roots, &n, retry);
+    if (status || *retry || !n) return status;
+    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    *test = roots[0].test;
+    *end = roots[0].x;
+    if ((status = station_at(tr, *end, h, &tr->mid, &good))) return status;
+    memcpy(limit, tr->mid.test, sizeof tr->mid.test);
+    if ((status = station_at(tr, *end * BEFORE, h, &tr->mid, &good))) return status;
+    for (int i = 0; i < RIC_N_TEST; i++)
+        if (singular & 1u << i) limit[i] = tr->mid.test[i];
+    return RIC_OK;
+}
+
+/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *arrived: the branch ends there, at *end. */
+static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
+{
+    crossing q;
+    root roots[RIC_N_TEST];
+    int n = 0;
+    ric_status status = crossing_create(tr, h, &q);
+    *arrived = false;
+    if (status) return status;
+    double at = crossing_root(&q, RIC_TEST_DET);
+    crossing_station(tr, &q, at, &tr->mid);
+    *arrived = meets_mirror_image(tr, &tr->mid, &tr->now);
+    *end = at;
+    for (int i = 0; i < RIC_N_TEST; i++) {
+        if ((terminal & 1u << i) || !watched(tr, i) || !(q.test[0][i] * q.test[3][i] < 0)) continue;
+        double x = i == RIC_TEST_DET ? at : crossing_root(&q, i);
+        /* what vanishes together with the determinant where a branch meets its image belongs to the arrival */
+        if (*arrived && x > at - 1e-3 * h) continue;
+        roots[n++] = (root){i, x};
+    }
+    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    for (int i = 0; i < n && !status; i++) {
+        crossing_station(tr, &q, roots[i].x, &tr->mid);
+        status = keep_event(tr, roots[i].test, &tr->mid);
+    }
+    if (*arrived && !status) crossing_station(tr, &q, at, &tr->mid);
+    free(q.u);
+    return status;
+}
+
+static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, bool *retry)
+{
+    root roots[2 * RIC_N_TEST];
+    int n = 0;
+    bool good;
+    unsigned inner = ~terminal & ((1u << RIC_N_TEST) - 1);
+    ric_status status = find_roots(tr, inner & ~singular, to, limit, h, roots, &n, retry);
+    if (!status && !*retry) status = find_roots(tr, inner & singular, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
+    if (status || *retry) return status;
+    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    for (int i = 0; i < n && !status; i++)
+        if (!(status = station_at(tr, roots[i].x, h, &tr->mid, &good)) && !(status = keep_event(tr, roots[i].test, &tr->mid)))
+            status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its points */
+    return status;
+}
+
+/* Energy, frequency and residual of an end that was read off and not solved. */
+static void complete_row(ric_trace *tr, ric_station *p)
+{
+    const ric_model *m = tr->chain->model;
+    ric_chain_fly(tr->chain, p->u);
+    p->row.energy = ric_chain_energy(tr->chain) * m->energy_unit;
+    p->row.frequency = 6.283185307179586477 / ric_chain_time(tr->chain, p->u) * m->omega_ref;
+    p->row.residual = (float)tr->chain->residual;
+    p->row.stable = RIC_STABLE_UNDECIDED;
+}
+
 ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
 {
-    ric_status status = RIC_OK;
-    root roots[2 * RIC_N_TEST];
-    int n = 0, last = -1;
-    bool good, closed = closes(tr, h);
-    double to = h, limit[RIC_N_TEST];
-    memcpy(limit, tr->next.test, sizeof limit);
-    if ((status = find_roots(tr, terminal, h, limit, h, roots, &n, retry)) || *retry) return status;
-    qsort(roots, (size_t)n, sizeof *roots, by_place);
-    double end = n ? roots[0].x : h;
-    if (n) {
-        last = roots[0].test;
-        n = 0;
-        to = end;
-        if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
-        memcpy(limit, tr->mid.test, sizeof limit);
-        /* just before a grazing the singular functions still have their sign */
-        if ((status = station_at(tr, end * (1 - 1e-4), h, &tr->mid, &good))) return status;
-        for (int i = 0; i < RIC_N_TEST; i++)
-            if (singular & 1u << i) limit[i] = tr->mid.test[i];
-    }
-    unsigned interior = ~terminal & ((1u << RIC_N_TEST) - 1);
-    if ((status = find_roots(tr, interior & ~singular, to, limit, h, roots, &n, retry)) || *retry) return status;
-    double before = last >= 0 ? to * (1 - 1e-4) : to;
-    if ((status = find_roots(tr, interior & singular, before, limit, h, roots, &n, retry)) || *retry) return status;
-    qsort(roots, (size_t)n, sizeof *roots, by_place);
-    for (int i = 0; i < n; i++) {
-        if ((status = station_at(tr, roots[i].x, h, &tr->mid, &good))) return status;
-        if (roots[i].test == RIC_TEST_DET && meets_mirror_image(tr, &tr->mid, &tr->now)) {
-            tr->arrival = true;
-            last = RIC_TEST_DET;
-            end = roots[i].x;
-            break;
-        }
-        if ((status = keep_event(tr, roots[i].test, &tr->mid))) return status;
-    }
-    if (tr->arrival) { /* dE/ds = 0 there belongs to the arrival */
-        while (tr->n_event && tr->now.s + (end - 1e-6 * h) < tr->events[tr->n_event - 1].s && tr->events[tr->n_event - 1].test == RIC_TEST_SLOPE) {
-            tr->n_event--;
-            free(tr->events[tr->n_event].u);
-            free(tr->events[tr->n_event].t);
-        }
-    }
-    if (last < 0 && !closed) return RIC_OK;
+    int test;
+    double end, limit[RIC_N_TEST];
+    bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
+    if ((*retry = approach_crossing(tr, h))) return RIC_OK;
+    bool closed = closes(tr, h);
+    ric_status status = find_end(tr, h, &test, &end, limit, retry);
+    if (status || *retry) return status;
+    if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;
+    if (crossed) status = cross(tr, h, &tr->arrival, &end);
+    else status = inner_events(tr, h, test >= 0, end, limit, retry);
+    if (status || *retry) return status;
+    if (test < 0 && !closed && !tr->arrival) return RIC_OK;
     *done = true;
-    if (last < 0) {
+    if (tr->arrival) {
+        tr->stop = RIC_STOP_JUNCTION;
+        tr->why = "";
+        complete_row(tr, &tr->mid);
+        test = RIC_TEST_DET;
+    } else if (test < 0) {
         tr->stop = RIC_STOP_CLOSED;
         tr->why = "back at its start";
-        return keep_last(tr, &tr->now);
+        return ric_trace_keep(tr, &tr->now);
+    } else {
+        if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
+        window_text(tr, test);
     }
-    if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
-    window_text(tr, last);
-    if (!tr->arrival && !(terminal & 1u << last)) tr->stop = RIC_STOP_FAILED;
-    if ((status = fill_event(tr, last, &tr->mid, &tr->end))) return status;
-    return keep_last(tr, &tr->mid);
+    if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
+    return ric_trace_keep(tr, &tr->mid);
 }

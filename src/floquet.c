@@ -36,14 +36,6 @@ void ric_floquet_release(ric_floquet *f)
 
 /* ---------------------------------------------------------------- sections */
 
-/* Orthonormal rows perpendicular to h; the first k = n - 1 rows of E [k * n]. */
-static void complement(int n, const double *h, double *E)
-{
-    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
-    for (int i = 1; i < n; i++)
-        for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * h[i] * (j ? h[j] : v0);
-}
-
 /* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre, the normal at an
  * impact. Written in canonical coordinates (q, p). */
 static void section(const ric_chain *c, ric_mirror mirror, const double *w, int face, double *E)
@@ -58,7 +50,7 @@ static void section(const ric_chain *c, ric_mirror mirror, const double *w, int 
         memcpy(E, c->model->face[face].E, (size_t)(n - 1) * n * sizeof *E);
         return;
     }
-    complement(n, h, E);
+    ric_complement(n, h, E);
 }
 
 /* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the normal velocity

@@ -237,6 +237,11 @@ static ric_status attach(ric_edge *e, int node, double where)
     return RIC_OK;
 }
 
+static bool breaks_or_crosses(int test)
+{
+    return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
@@ -247,13 +252,15 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
         ric_cycle_free(cycle);
         return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     }
-    bool multiplies = event->test == RIC_TEST_DET && ric_cycle_find_symmetries(g->model, free_form, 1e-5) > 1;
+    bool multiplies = breaks_or_crosses(event->test) && ric_cycle_find_symmetries(g->model, free_form, 1e-5) > 1;
     status = multiplies ? ric_node_arrival(g->model, free_form, &node) : ric_node_interior(g->model, cycle, event->test, &node);
     ric_cycle_free(cycle);
     ric_cycle_free(free_form);
     if (status == RIC_E_NUMERIC || !node) return status == RIC_E_NUMERIC ? RIC_OK : status;
     int index = find_or_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
+        if (e->inner[i] == index && fabs(e->inner_at[i] - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
     mark(g->nodes[index], multiplies ? RIC_SIDE : RIC_THROUGH, RIC_DEPARTURE_KNOWN);
     return attach(e, index, event->s);
 }

@@ -253,14 +253,13 @@ static int count_parts(const ric_model *m)
 
 /* ------------------------------------------------------------ scaled frame */
 
-/* Orthonormal rows perpendicular to c: rows 1.. of the Householder reflection that takes c to a multiple of e_0. */
-static void complement(int n, const double *c, double *E)
+void ric_complement(int n, const double *h, double *E)
 {
-    double norm = sqrt(dot(n, c, c)), beta;
-    double v0 = c[0] + copysign(norm, c[0]);
-    beta = 1 / (norm * (norm + fabs(c[0])));
+    double norm = sqrt(dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
     for (int i = 1; i < n; i++)
-        for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * c[i] * (j ? c[j] : v0);
+        for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * h[i] * (j ? h[j] : v0);
+    /* the reflection's pivot sign would turn the basis over where h[0] changes sign */
+    for (int j = 0; n > 1 && h[0] < 0 && j < n; j++) E[j] = -E[j];
 }
 
 static void scale_modes(ric_model *m)
@@ -299,7 +298,7 @@ static void make_faces(ric_model *m)
     m->symmetric = true;
     for (int f = 0; f < m->n_contact; f++) {
         double *E = m->E + (size_t)f * (n - 1) * n;
-        complement(n, m->c + f * n, E);
+        ric_complement(n, m->c + f * n, E);
         bool both = m->sides[f] == RIC_SIDES_BOTH;
         if (!both) m->symmetric = false;
         for (int side = 1; side >= -1; side -= 2) {
@@ -492,7 +491,7 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
         status = ric_fail(RIC_E_NOMEM, "no memory for the locked frequencies");
         goto out;
     }
-    complement(n, m->normal + contact * n, E);
+    ric_complement(n, m->normal + contact * n, E);
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++)
             for (int k = 0; k < n; k++) A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];

@@ -52,6 +52,10 @@ struct ric_model {
 /* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */
 bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
 
+/* Orthonormal rows E [(n-1) * n] perpendicular to h [n], with det [h; E] > 0: the basis turns continuously with h as far as its
+ * orientation goes, so determinants taken in it do not jump. Rows 1.. of the Householder reflection that takes h to a multiple of e_0. */
+void ric_complement(int n, const double *h, double *E);
+
 /* Energy coordinates [2n] <-> scaled public state x, v [n_dof each]; v per second. Unseen modes are at rest. */
 void ric_model_to_state(const ric_model *model, const double *w, double *x, double *v);
 void ric_model_from_state(const ric_model *model, const double *x, const double *v, double *w);

@@ -1,5 +1,6 @@
 #include "multiplicity.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,23 +12,30 @@
 #define ZERO 1e-6
 #define LARGEST 400 /* rows of J; beyond it labels are left out */
 
-/* Singular values below ZERO, of A [size * size] (destroyed). */
-static int nullity(int size, double *A, double *s, double *super)
+/* One step of the staircase form: with V2 the kernel of A [size * size] and V1 its complement, A is similar to [[V1'A V1, 0], [*, 0]],
+ * so its eigenvalues are those of V1'A V1 and as many zeros as the kernel has dimensions. A is replaced by V1'A V1.
+ * Returns the dimension of the kernel, -1 if LAPACK fails. Better conditioned than ranks of powers (Kublanovskaya 1966). */
+static int deflate(int size, double *A, double scale, double *work, double *V, double *s)
 {
     int zero = 0;
-    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, A, size, s, NULL, 1, NULL, 1, super)) return -1;
-    for (int i = 0; i < size; i++) zero += s[i] <= ZERO * s[0];
-    return zero;
-}
-
-static void multiply(int size, const double *A, const double *B, double *C)
-{
-    for (int i = 0; i < size; i++)
+    if (size == 0) return 0;
+    memcpy(work, A, (size_t)size * size * sizeof *A);
+    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size)) return -1;
+    for (int i = 0; i < size; i++) zero += s[i] <= ZERO * scale;
+    int kept = size - zero;
+    for (int i = 0; i < kept; i++) /* work = V1' A (rows of V are right singular vectors) */
         for (int j = 0; j < size; j++) {
             double sum = 0;
-            for (int k = 0; k < size; k++) sum += A[i * size + k] * B[k * size + j];
-            C[i * size + j] = sum;
+            for (int k = 0; k < size; k++) sum += V[i * size + k] * A[k * size + j];
+            work[i * size + j] = sum;
         }
+    for (int i = 0; i < kept; i++)
+        for (int j = 0; j < kept; j++) {
+            double sum = 0;
+            for (int k = 0; k < size; k++) sum += work[i * size + k] * V[j * size + k];
+            A[i * kept + j] = sum;
+        }
+    return zero;
 }
 
 /* J of eq. 29: unknowns w0, beta, T with tau_k = beta_k T; rows w_N - w_0, the N gaps, sum beta - 1. G: gaps then closure. */
@@ -54,7 +62,7 @@ ric_status ric_multiplicity(const ric_model *m, const ric_cycle *cycle, int mult
     ric_status status = RIC_OK;
     int n = m->n, N = cycle->N * multiple, size = 2 * n + N + 1;
     ric_chain *chain = NULL;
-    double *u = NULL, *G = NULL, *J = NULL, *J2 = NULL, *J3 = NULL, *work = NULL, *s = NULL;
+    double *u = NULL, *G = NULL, *J = NULL, *V = NULL, *work = NULL, *s = NULL;
     ric_cycle *whole = NULL;
     *a = *b = 0;
     if (size > LARGEST) return RIC_OK;
@@ -62,11 +70,10 @@ ric_status ric_multiplicity(const ric_model *m, const ric_cycle *cycle, int mult
     size_t square = (size_t)size * size;
     G = calloc((size_t)(2 * n + N + 2) * (size_t)(2 * n + N), sizeof *G);
     J = calloc(square, sizeof *J);
-    J2 = calloc(square, sizeof *J2);
-    J3 = calloc(square, sizeof *J3);
+    V = calloc(square, sizeof *V);
     work = calloc(square, sizeof *work);
     s = calloc(2 * (size_t)size, sizeof *s);
-    if (!whole || !G || !J || !J2 || !J3 || !work || !s) {
+    if (!whole || !G || !J || !V || !work || !s) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
         goto out;
     }
@@ -78,19 +85,24 @@ ric_status ric_multiplicity(const ric_model *m, const ric_cycle *cycle, int mult
     if ((status = ric_cycle_to_chain(m, whole, &chain, &u))) goto out;
     ric_chain_jacobian(chain, u, G);
     article_jacobian(n, N, u + 2 * n, G, J);
-    multiply(size, J, J, J2);
-    multiply(size, J2, J, J3);
-    memcpy(work, J, square * sizeof *work);
-    *b = nullity(size, work, s, s + size);
-    *a = nullity(size, J3, s, s + size);
+    double scale = 0;
+    for (int i = 0; i < size * size; i++) scale = fmax(scale, fabs(J[i]));
+    for (int zero = 1; size > 0 && zero > 0; size -= zero) {
+        zero = deflate(size, J, scale, work, V, s);
+        if (zero < 0) {
+            status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
+            goto out;
+        }
+        if (!*b) *b = zero;
+        *a += zero;
+    }
 out:
     ric_chain_free(chain);
     ric_cycle_free(whole);
     free(u);
     free(G);
     free(J);
-    free(J2);
-    free(J3);
+    free(V);
     free(work);
     free(s);
     return status;

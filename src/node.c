@@ -12,6 +12,8 @@
 #define NO_SPEED 1e-6   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
+#define SECANT 1e-4      /* distance, relative, of the point that gives the direction of a side branch */
+#define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
 void ric_node_free(ric_node *node)
@@ -52,7 +54,8 @@ typedef struct {
     ric_chain *chain;
     ric_floquet floquet;
     int test;
-    int impact; /* of the chain, for an approach speed */
+    int impact;    /* of the chain, for an approach speed */
+    double target; /* lambda + 1/lambda, for a q-tupling */
 } criterion;
 
 static double evaluate(criterion *q, const double *t, double orientation)
@@ -66,6 +69,13 @@ static double evaluate(criterion *q, const double *t, double orientation)
         double sum = 0;
         for (int k = c->n_start; k < c->n_unknown; k++) sum += t[k];
         return sum;
+    }
+    case TEST_ROTATION: {
+        if (ric_floquet_compute(c, &q->floquet)) return NAN;
+        double nearest = HUGE_VAL;
+        for (int i = 0; i < q->floquet.n_pair; i++)
+            if (fabs(q->floquet.rho[2 * i] - q->target) < fabs(nearest)) nearest = q->floquet.rho[2 * i] - q->target;
+        return nearest;
     }
     default:
         if (ric_floquet_compute(c, &q->floquet)) return NAN;
@@ -117,11 +127,11 @@ static int slowest(const ric_chain *c)
 
 /* Re-solves `cycle` (with its symmetries) on the defining equation of `test`: canonical start, unknowns rounded, solved again.
  * Returns the new cycle or NULL. */
-static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test)
+static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test, double target)
 {
     ric_cycle *canonical = NULL, *out = NULL;
     for (int pass = 0; pass < 2; pass++) {
-        criterion q = {.test = test};
+        criterion q = {.test = test, .target = target};
         double *u = NULL;
         ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
@@ -280,7 +290,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
         if (!(full = shorter)) return no_memory();
         ric_cycle_find_symmetries(m, full, SAME);
     }
-    solved = resolve(m, full, RIC_TEST_APPROACH);
+    solved = resolve(m, full, RIC_TEST_APPROACH, 0);
     ric_cycle_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     ric_status status = finish_grazing(m, solved, out);
@@ -353,7 +363,7 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
 {
     ric_kind kind = test == RIC_TEST_SLOPE ? RIC_KIND_EXTREMUM : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM : RIC_KIND_BRANCH_POINT;
     *out = NULL;
-    ric_cycle *solved = resolve(m, cycle, test);
+    ric_cycle *solved = resolve(m, cycle, test, 0);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, kind, solved);
     if (!node) return no_memory();
@@ -427,27 +437,18 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
         ric_cycle_free(sym);
         if (!(sym = shorter)) return no_memory();
         ric_cycle_find_symmetries(m, sym, 1e-5);
-        double *u = NULL;
-        ric_chain *chain = NULL;
-        ric_cycle *canonical = ric_cycle_canonical(m, sym), *solved = NULL;
-        double du[canonical ? 2 * canonical->n + canonical->N + 4 : 1];
-        int iterations;
-        if (canonical && !ric_cycle_to_chain(m, canonical, &chain, &u) && ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations))
-            solved = ric_cycle_from_chain(chain, u);
-        ric_chain_free(chain);
-        free(u);
-        ric_cycle_free(canonical);
+        ric_cycle *solved = NULL;
+        int p = rotation_of(m, sym, q);
+        if (p > 0) solved = resolve(m, sym, TEST_ROTATION, 2 * cos(6.283185307179586477 * p / q));
         ric_cycle_free(sym);
-        if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication does not converge");
-        sym = ric_cycle_canonical(m, solved);
-        ric_cycle_free(solved);
+        if (!(sym = solved)) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication does not converge");
         ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, sym);
         if (!node || !add_two(node)) {
             ric_node_free(node);
             return no_memory();
         }
         node->multiple = q;
-        node->rotation[0] = rotation_of(m, node->cycle, q);
+        node->rotation[0] = p;
         node->rotation[1] = q;
         *out = node;
         return RIC_OK;
@@ -684,6 +685,22 @@ static ric_status side_direction(ric_chain *c, const double *u0, const double *b
     return RIC_OK;
 }
 
+/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that of a point on it.
+ * The symmetric branch has no point in the plane that is solved in. */
+static bool secant_direction(ric_chain *c, const double *u0, double *t0)
+{
+    int size = c->n_unknown, iterations;
+    double u[size], du[size], h = SECANT * c->scale;
+    for (int pass = 0; pass < 2; pass++) {
+        double norm = 0;
+        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
+        if (!ric_trace_correct(c, u, u0, t0, h, du, &iterations)) return false;
+        for (int i = 0; i < size; i++) norm += (u[i] - u0[i]) * (u[i] - u0[i]);
+        for (int i = 0; i < size; i++) t0[i] = (u[i] - u0[i]) / sqrt(norm);
+    }
+    return true;
+}
+
 static ric_status depart_side(const ric_model *m, const ric_node *node, ric_chain **chain, double **u0, double **t0)
 {
     ric_chain *form = NULL;
@@ -703,7 +720,8 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, ric_chai
     ric_trace_tangent(form, NULL, t);
     if ((status = neighbour(m, node, form, v, t, -1e-5 * form->scale, cycle, &before))) goto out;
     if ((status = neighbour(m, node, form, v, t, 1e-5 * form->scale, cycle, &after))) goto out;
-    status = side_direction(*chain, *u0, before, after, *t0);
+    if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
+    if (!secant_direction(*chain, *u0, *t0)) status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 out:
     if (status) drop(chain, u0, t0);
     ric_chain_free(form);

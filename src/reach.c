@@ -100,6 +100,8 @@ static void polish(search *q, sample l, sample r)
         else r = mid;
         if (mid.ds == 0 || t == before) break;
     }
+    /* a stationary point at the very end of the flight is the impact there, at no speed */
+    if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau)) return;
     offer(q, mid.t, mid.s, maximum ? 1 : -1, false);
 }
 

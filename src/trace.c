@@ -12,9 +12,11 @@
 #define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
 #define FIRST_STEP 1e-3      /* of the largest step */
+#define LEAVING 1e-3         /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
-#define FLAT 1e-10           /* |dT/ds| below it is a branch of constant period, not an extremum */
+#define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
+#define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
 
 /* ---------------------------------------------------------------- corrector */
 
@@ -106,7 +108,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_A] = tr->floquet.det_a;
     F[RIC_TEST_B] = tr->floquet.det_b;
     F[RIC_TEST_D] = tr->floquet.det_d;
-    F[RIC_TEST_PERIOD] = fabs(slope) < FLAT ? 0 : slope;
+    F[RIC_TEST_PERIOD] = fabs(slope) < FLAT * (1 + 1e-2 / c->smallest) ? 0 : slope;
     F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
     F[RIC_TEST_E_MIN] = energy - lim->energy[0];
     F[RIC_TEST_F_MAX] = time - lim->period[0];
@@ -133,7 +135,7 @@ static void station_free(ric_station *p)
 
 /* ------------------------------------------------------------------- points */
 
-static ric_status keep_point(ric_trace *tr, const ric_station *p)
+ric_status ric_trace_keep(ric_trace *tr, const ric_station *p)
 {
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity ? tr->point_capacity + tr->point_capacity / 2 : 64;
@@ -178,24 +180,22 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     }
     if ((status = ric_floquet_create(chain->n, &tr->floquet))) goto out;
     memcpy(tr->now.u, u0, size * sizeof *u0);
-    if (!ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
+    ric_chain_evaluate(chain, u0);
+    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the caller's */
+    bool regular = chain->smallest > BRANCH_POINT;
+    if (regular && !ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
         status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
         goto out;
     }
-    /* at a branch point the kernel has two dimensions and the direction is the caller's */
-    if (chain->smallest > 1e-7) {
-        double sign = ric_trace_tangent(chain, t0, tr->now.t);
-        if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
-    } else {
-        double norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
-        for (size_t i = 0; i < size; i++) tr->now.t[i] = t0[i] / norm;
-        if ((status = ric_trace_examine(tr, &tr->now, 1))) goto out;
-    }
+    double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
+    if (regular) sign = ric_trace_tangent(chain, t0, tr->now.t);
+    for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
+    if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->step_max = limits->max_step * chain->scale;
-    tr->step = FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale);
-    if ((status = keep_point(tr, &tr->now))) goto out;
+    tr->step = regular ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale) : LEAVING * chain->scale;
+    if ((status = ric_trace_keep(tr, &tr->now))) goto out;
     *out = tr;
     tr = NULL;
 out:
@@ -273,6 +273,8 @@ static void adapt(ric_trace *tr, double h, double angle, int iterations)
     factor = fmax(0.3, fmin(2, factor));
     tr->step_max = tr->limits->max_step * tr->chain->scale;
     tr->step = fmin(h * factor, tr->step_max);
+    if (tr->after > 0) tr->step = fmin(tr->step, tr->after);
+    tr->after = 0;
 }
 
 static void swap_stations(ric_trace *tr)
@@ -310,6 +312,11 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
                     adapt(tr, h, angle, iterations);
                     break;
                 }
+                if (tr->wanted > 0) {
+                    h = tr->wanted;
+                    tr->wanted = 0;
+                    continue;
+                }
             }
         }
         h *= good ? 0.5 : 0.25;
@@ -322,7 +329,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     }
     tr->ignore = 0;
     swap_stations(tr);
-    return keep_point(tr, &tr->now);
+    return ric_trace_keep(tr, &tr->now);
 }
 
 ric_status ric_trace_run(ric_trace *tr)

@@ -54,6 +54,7 @@ typedef struct {
     ric_station now, next, mid, past;
     bool has_past;
     double step, step_max;
+    double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
     unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
     double *du, *guess, *start_u, *start_t;
     /* what was found */
@@ -77,6 +78,9 @@ void ric_trace_free(ric_trace *trace);
 ric_status ric_trace_advance(ric_trace *trace, bool *done);
 /* Steps to the end. */
 ric_status ric_trace_run(ric_trace *trace);
+
+/* Stores a point of the branch. */
+ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
 
 /* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True when converged. */
 bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target, double *du, int *iterations);

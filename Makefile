@@ -1,0 +1,62 @@
+# The front door: make help. Everything is built by Meson in $(BUILD).
+BUILD ?= build
+ASAN ?= build-asan
+DEMO = $(BUILD)/demo
+FOLDERS = include/. src/. cli/. tests/. bench/.
+MESON_FILES = meson.build $(wildcard */meson.build)
+
+.PHONY: help setup build demo test bench sanitize clean
+
+help:
+	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
+	@echo "make test      build and run the whole test suite"
+	@echo "make bench     build and measure the speed"
+	@echo "make build     build the program and the library in $(BUILD)/"
+	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
+	@echo "make setup     install the packages that are missing (all of the above do it, too)"
+	@echo "make clean     remove $(BUILD)/ and $(ASAN)/"
+
+setup:
+	@tools/setup
+
+# A new or a removed file changes its folder: configure again.
+define configure
+	@mkdir -p $(1)
+	@meson setup $(if $(wildcard $(1)/build.ninja),--reconfigure,$(2)) $(1) >$(1)/configure.log || { cat $(1)/configure.log; exit 1; }
+	@touch $(1)/build.ninja
+endef
+
+$(BUILD)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
+	$(call configure,$(BUILD),)
+
+$(ASAN)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
+	$(call configure,$(ASAN),-Dbuildtype=debugoptimized -Db_sanitize=address$(comma)undefined -Db_lundef=false)
+
+comma := ,
+
+build: $(BUILD)/build.ninja
+	@ninja -C $(BUILD) --quiet
+
+demo: build
+	@mkdir -p $(DEMO)
+	$(BUILD)/ricochet run examples/elementary/study.yaml -o $(DEMO)/elementary.ricochet
+	$(BUILD)/ricochet plot fep $(DEMO)/elementary.ricochet -o $(DEMO)/elementary.svg
+	$(BUILD)/ricochet plot fep $(DEMO)/elementary.ricochet -o $(DEMO)/elementary.png
+	@echo
+	@$(BUILD)/ricochet junctions $(DEMO)/elementary.ricochet
+	@echo
+	@echo "atlas    $(DEMO)/elementary.ricochet"
+	@echo "picture  $(DEMO)/elementary.svg  $(DEMO)/elementary.png"
+
+test: build
+	@tools/run-tests $(BUILD)
+
+bench: build
+	@$(BUILD)/ricochet-bench
+
+sanitize: $(ASAN)/build.ninja
+	@ninja -C $(ASAN) --quiet
+	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
+
+clean:
+	rm -rf $(BUILD) $(ASAN)

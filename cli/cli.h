@@ -1,0 +1,48 @@
+/* The command line: one file per command, one table of commands, one way to print rows. */
+#ifndef CLI_H
+#define CLI_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "ricochet.h"
+
+enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_WRONG = 2 };
+
+typedef struct {
+    const char *name;    /* "branches" */
+    const char *summary; /* one line for `ricochet --help` */
+    const char *help;    /* usage, options, an example that works */
+    int (*run)(int argc, char **argv); /* argv[0] is the command's name; returns an exit code */
+} cli_command;
+
+/* One per cmd_*.c, listed in main.c. */
+extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
+    cli_verify, cli_simulate, cli_plot;
+
+typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
+
+/* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns` (NULL-terminated) orders and selects
+ * the columns of CSV and text; JSON shows everything. Numbers read back bit for bit; NaN and infinities become null. Returns CLI_DONE or CLI_FAILED. */
+int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format);
+/* A JSON number, or null if not finite. */
+json_t *cli_number(double value);
+
+/* Takes --json or --csv out of argv; false (with a message) when both are given. */
+bool cli_take_format(int *argc, char **argv, cli_format *format);
+/* Takes `--name VALUE` (or --name=VALUE) out of argv; *value stays NULL when it is absent. False with a message when VALUE is missing. */
+bool cli_take_value(int *argc, char **argv, const char *name, const char **value);
+/* Takes `--name` out of argv. */
+bool cli_take_flag(int *argc, char **argv, const char *name);
+/* What is left must be exactly n operands, none starting with '-' (but numbers may); else a message that shows the usage and false. */
+bool cli_operands(const cli_command *command, int argc, char **argv, int n);
+/* Whole-string number, with a message naming `what` otherwise. */
+bool cli_parse_number(const char *text, const char *what, double *out);
+bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out);
+
+/* Prints "ricochet: <detail>" on stderr and returns the exit code for a status: 0, 2 for RIC_E_INPUT, else 1. */
+int cli_report(ric_status status);
+/* Prints a message for a wrong call, in the same form, and returns CLI_WRONG. */
+int cli_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+#endif

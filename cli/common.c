@@ -1,0 +1,145 @@
+/* What every command needs: taking options out of argv, numbers, messages. */
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli.h"
+
+int cli_report(ric_status status)
+{
+    if (status == RIC_OK)
+        return CLI_DONE;
+    const char *detail = ric_detail();
+    fprintf(stderr, "ricochet: %s\n", detail[0] ? detail : ric_status_text(status));
+    return status == RIC_E_INPUT ? CLI_WRONG : CLI_FAILED;
+}
+
+int cli_wrong(const char *format, ...)
+{
+    va_list arguments;
+    fputs("ricochet: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return CLI_WRONG;
+}
+
+/* ----------------------------------------------------------------- options */
+
+static void take_out(int *argc, char **argv, int at, int n)
+{
+    memmove(argv + at, argv + at + n, (size_t)(*argc - at - n + 1) * sizeof *argv);
+    *argc -= n;
+}
+
+bool cli_take_flag(int *argc, char **argv, const char *name)
+{
+    bool found = false;
+    for (int i = 1; i < *argc;)
+        if (!strcmp(argv[i], name)) {
+            take_out(argc, argv, i, 1);
+            found = true;
+        } else
+            i++;
+    return found;
+}
+
+bool cli_take_format(int *argc, char **argv, cli_format *format)
+{
+    bool json = cli_take_flag(argc, argv, "--json"), csv = cli_take_flag(argc, argv, "--csv");
+    if (json && csv) {
+        cli_wrong("--json and --csv are both given; choose one");
+        return false;
+    }
+    *format = json ? CLI_JSON : csv ? CLI_CSV : CLI_TEXT;
+    return true;
+}
+
+static bool is_number(const char *text)
+{
+    char *end;
+    strtod(text, &end);
+    return end != text && *end == '\0';
+}
+
+/* The start of an option, as against a negative number or a lone "-". */
+static bool is_option(const char *text)
+{
+    return text[0] == '-' && text[1] && !is_number(text);
+}
+
+bool cli_take_value(int *argc, char **argv, const char *name, const char **value)
+{
+    size_t length = strlen(name);
+    *value = NULL;
+    for (int i = 1; i < *argc; i++) {
+        if (!strncmp(argv[i], name, length) && argv[i][length] == '=') {
+            *value = argv[i] + length + 1;
+            take_out(argc, argv, i, 1);
+        } else if (!strcmp(argv[i], name)) {
+            if (i + 1 < *argc && !is_option(argv[i + 1])) {
+                *value = argv[i + 1];
+                take_out(argc, argv, i, 2);
+            }
+        } else
+            continue;
+        if (!*value || !**value) {
+            cli_wrong("%s needs a value; see ricochet %s --help", name, argv[0]);
+            return false;
+        }
+        return true;
+    }
+    return true;
+}
+
+bool cli_operands(const cli_command *command, int argc, char **argv, int n)
+{
+    int usage = (int)strcspn(command->help, "\n");
+    for (int i = 1; i < argc; i++)
+        if (is_option(argv[i])) {
+            cli_wrong("%s: option '%s' is unknown or given twice\n%.*s", command->name, argv[i], usage, command->help);
+            return false;
+        }
+    if (argc - 1 == n)
+        return true;
+    if (argc - 1 > n)
+        cli_wrong("%s: '%s' is one argument too many\n%.*s", command->name, argv[n + 1], usage, command->help);
+    else
+        cli_wrong("%s: %d argument%s missing\n%.*s", command->name, n - argc + 1, n - argc + 1 == 1 ? " is" : "s are", usage, command->help);
+    return false;
+}
+
+/* ----------------------------------------------------------------- numbers */
+
+bool cli_parse_number(const char *text, const char *what, double *out)
+{
+    char *end = NULL;
+    /* strtod skips blanks and reads hexadecimal and nan; none of them is a number here */
+    bool starts = isdigit((unsigned char)text[0]) || ((text[0] == '-' || text[0] == '+' || text[0] == '.') && text[1]);
+    double value = starts ? strtod(text, &end) : 0;
+    if (!starts || end == text || *end || !isfinite(value) || strpbrk(text, "xX")) {
+        cli_wrong("%s '%s' is not a finite number; write it in decimal, for example 0.5 or 2.5e-3", what, text);
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out)
+{
+    char *end = NULL;
+    bool starts = isdigit((unsigned char)text[0]) || ((text[0] == '-' || text[0] == '+') && isdigit((unsigned char)text[1]));
+    errno = 0;
+    long value = starts ? strtol(text, &end, 10) : 0;
+    if (!starts || *end || errno || value < min || value > max) {
+        cli_wrong("%s '%s' is not a whole number from %ld to %ld", what, text, min, max);
+        return false;
+    }
+    *out = value;
+    return true;
+}

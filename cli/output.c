@@ -1,0 +1,254 @@
+/* Rows on standard output: JSON for programs, CSV for tables, aligned text for people. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli.h"
+
+json_t *cli_number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* ------------------------------------------------------------------- cells */
+
+/* A growing text; `failed` once memory has run out. */
+typedef struct {
+    char *text;
+    size_t n, size;
+    bool failed;
+} buffer;
+
+static void add_text(buffer *b, const char *text)
+{
+    size_t n = strlen(text);
+    if (!b->failed && b->n + n + 1 > b->size) {
+        size_t size = 2 * (b->n + n + 32);
+        char *larger = realloc(b->text, size);
+        b->failed = !larger;
+        b->text = larger ? larger : b->text;
+        b->size = larger ? size : b->size;
+    }
+    if (b->failed)
+        return;
+    memcpy(b->text + b->n, text, n + 1);
+    b->n += n;
+}
+
+static void add_value(buffer *b, const json_t *value, cli_format format);
+
+/* Members one after the other with blanks between; those of an object with their names. */
+static void add_members(buffer *b, const json_t *value, cli_format format)
+{
+    const char *key;
+    json_t *member;
+    size_t i;
+    bool first = true;
+    if (json_is_array(value)) {
+        json_array_foreach(value, i, member) {
+            add_text(b, first ? "" : " ");
+            add_text(b, json_is_null(member) ? "null" : "");
+            add_value(b, member, format);
+            first = false;
+        }
+        return;
+    }
+    json_object_foreach((json_t *)value, key, member) { /* Jansson asks for one that may change and leaves it as it is */
+        add_text(b, first ? "" : " ");
+        add_text(b, key);
+        add_text(b, "=");
+        add_value(b, member, format);
+        first = false;
+    }
+}
+
+static void add_value(buffer *b, const json_t *value, cli_format format)
+{
+    char number[40];
+    switch (value ? json_typeof(value) : JSON_NULL) {
+    case JSON_OBJECT:
+    case JSON_ARRAY:
+        add_members(b, value, format);
+        break;
+    case JSON_STRING:
+        add_text(b, json_string_value(value));
+        break;
+    case JSON_INTEGER:
+        snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+        add_text(b, number);
+        break;
+    case JSON_REAL: /* 17 digits name every double, 12 can be read */
+        snprintf(number, sizeof number, format == CLI_CSV ? "%.17g" : "%.12g", json_real_value(value));
+        add_text(b, number);
+        break;
+    case JSON_TRUE:
+        add_text(b, format == CLI_CSV ? "true" : "yes");
+        break;
+    case JSON_FALSE:
+        add_text(b, format == CLI_CSV ? "false" : "no");
+        break;
+    case JSON_NULL:
+        break;
+    }
+}
+
+/* NULL without memory. */
+static char *cell_text(const json_t *row, const char *column, cli_format format)
+{
+    buffer b = {0};
+    add_text(&b, "");
+    add_value(&b, json_object_get(row, column), format);
+    if (b.failed) {
+        free(b.text);
+        return NULL;
+    }
+    return b.text;
+}
+
+/* -------------------------------------------------------------------- JSON */
+
+/* One row per line. */
+static bool print_json(const json_t *rows)
+{
+    size_t i, n = json_array_size(rows);
+    if (n == 0)
+        return puts("[]") >= 0;
+    for (i = 0; i < n; i++) {
+        fputs(i ? ",\n " : "[\n ", stdout);
+        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17)))
+            return false;
+    }
+    return puts("\n]") >= 0;
+}
+
+/* --------------------------------------------------------------------- CSV */
+
+/* RFC 4180: a cell with a comma, a quote or a line break is quoted, its quotes are doubled. */
+static void print_csv_cell(const char *text)
+{
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, stdout);
+        return;
+    }
+    putchar('"');
+    for (; *text; text++) {
+        if (*text == '"')
+            putchar('"');
+        putchar(*text);
+    }
+    putchar('"');
+}
+
+static bool print_csv(const json_t *rows, const char *const *columns)
+{
+    const json_t *row;
+    size_t i;
+    for (size_t k = 0; columns[k]; k++) {
+        fputs(k ? "," : "", stdout);
+        print_csv_cell(columns[k]);
+    }
+    putchar('\n');
+    json_array_foreach(rows, i, row) {
+        for (size_t k = 0; columns[k]; k++) {
+            char *text = cell_text(row, columns[k], CLI_CSV);
+            if (!text)
+                return false;
+            fputs(k ? "," : "", stdout);
+            print_csv_cell(text);
+            free(text);
+        }
+        putchar('\n');
+    }
+    return true;
+}
+
+/* -------------------------------------------------------------------- text */
+
+/* Characters, not bytes, of UTF-8. */
+static int width_of(const char *text)
+{
+    int n = 0;
+    for (; *text; text++)
+        n += ((unsigned char)*text & 0xc0) != 0x80;
+    return n;
+}
+
+static void print_padded(const char *text, int width, bool right, bool last)
+{
+    int blanks = width - width_of(text);
+    printf("%*s%s%*s", right && blanks > 0 ? blanks : 0, "", text, !right && !last && blanks > 0 ? blanks : 0, "");
+    fputs(last ? "\n" : "  ", stdout);
+}
+
+/* Numbers stand to the right; a column of nothing but nulls counts as one. */
+static bool is_numeric(const json_t *rows, const char *column)
+{
+    const json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row) {
+        const json_t *value = json_object_get(row, column);
+        if (value && !json_is_number(value) && !json_is_null(value))
+            return false;
+    }
+    return true;
+}
+
+static const char *shown(const char *text)
+{
+    return *text ? text : "-";
+}
+
+static bool print_table(const json_t *rows, const char *const *columns)
+{
+    size_t n_column = 0, n_row = json_array_size(rows);
+    char **cells = NULL;
+    int *width = NULL;
+    bool *numeric = NULL, done = false;
+    while (columns[n_column])
+        n_column++;
+    cells = calloc(n_row * n_column + 1, sizeof *cells);
+    width = calloc(n_column + 1, sizeof *width);
+    numeric = calloc(n_column + 1, sizeof *numeric);
+    if (!cells || !width || !numeric)
+        goto out;
+    for (size_t k = 0; k < n_column; k++) {
+        width[k] = width_of(columns[k]);
+        numeric[k] = is_numeric(rows, columns[k]);
+        for (size_t i = 0; i < n_row; i++) {
+            char *text = cells[i * n_column + k] = cell_text(json_array_get(rows, i), columns[k], CLI_TEXT);
+            if (!text)
+                goto out;
+            width[k] = width_of(shown(text)) > width[k] ? width_of(shown(text)) : width[k];
+        }
+    }
+    for (size_t k = 0; k < n_column; k++)
+        print_padded(columns[k], width[k], numeric[k], k + 1 == n_column);
+    for (size_t i = 0; i < n_row; i++)
+        for (size_t k = 0; k < n_column; k++)
+            print_padded(shown(cells[i * n_column + k]), width[k], numeric[k], k + 1 == n_column);
+    done = true;
+out:
+    for (size_t i = 0; cells && i < n_row * n_column; i++)
+        free(cells[i]);
+    free(cells);
+    free(width);
+    free(numeric);
+    return done;
+}
+
+int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format)
+{
+    bool done = format == CLI_JSON ? print_json(rows) : format == CLI_CSV ? print_csv(rows, columns) : print_table(rows, columns);
+    errno = 0;
+    if (!done && !ferror(stdout)) {
+        fputs("ricochet: out of memory\n", stderr);
+        return CLI_FAILED;
+    }
+    if (fflush(stdout) || ferror(stdout)) {
+        fprintf(stderr, "ricochet: the output cannot be written: %s\n", errno ? strerror(errno) : "write error");
+        return CLI_FAILED;
+    }
+    return CLI_DONE;
+}

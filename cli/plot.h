@@ -1,0 +1,167 @@
+/* Pictures: a page drawn in pixels, axes and panels on it, and one function per kind of picture.
+ *
+ * All layout is computed here, gnuplot only renders: that is how labels can be placed without collisions and how SVG, PDF and PNG agree.
+ * Lengths are pixels (1/96 inch in PDF), the origin is the lower left corner of the page. */
+#ifndef PLOT_H
+#define PLOT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "cli.h"
+
+typedef struct { double x, y; } plot_point;
+typedef struct { double left, bottom, right, top; } plot_box;
+
+/* ---------------------------------------------------------------- page (gnuplot.c) */
+
+/* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
+typedef enum {
+    PLOT_GRID, PLOT_NATURAL, PLOT_LOCKED,
+    PLOT_LINEAR, /* + 0..2 */
+    PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
+    PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
+    PLOT_JUMP = PLOT_SYMMETRIC + 3,
+    PLOT_STOP,
+    PLOT_SERIES, /* + 0..3 */
+    PLOT_FRAME = PLOT_SERIES + 4,
+    PLOT_LEADER,
+    PLOT_N_STROKE,
+} plot_stroke;
+
+typedef enum {
+    PLOT_CIRCLE, PLOT_SQUARE, PLOT_TRIANGLE, PLOT_TRIANGLE_DOWN, PLOT_DIAMOND, PLOT_STAR, PLOT_CROSS, PLOT_DOT, PLOT_N_MARK,
+} plot_mark;
+
+typedef enum { PLOT_LEFT, PLOT_CENTRE, PLOT_RIGHT } plot_anchor;
+
+typedef struct plot_page plot_page;
+
+/* NULL when memory ran out. */
+plot_page *plot_page_create(double width, double height);
+void plot_page_free(plot_page *page);
+double plot_page_width(const plot_page *page);
+double plot_page_height(const plot_page *page);
+
+void plot_page_line(plot_page *page, plot_stroke stroke, int n, const plot_point *points);
+void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radius);
+/* `text` is in gnuplot's enhanced notation (see plot_text_escape); `at` is the anchor at half height. `upright` turns it by 90 degrees. */
+void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright, const char *text);
+/* Colour of a style, "#rrggbb". */
+const char *plot_stroke_colour(plot_stroke stroke);
+
+/* Whether a box, or a straight line, is free of texts and marks; and how many pixels of lines a box covers. */
+bool plot_page_free_box(const plot_page *page, plot_box box);
+bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to);
+double plot_page_ink(plot_page *page, plot_box box);
+
+/* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the target is untouched. */
+int plot_page_write(plot_page *page, const char *path);
+/* CLI_DONE, or CLI_WRONG with a message when the ending is none of the three. */
+int plot_check_target(const char *path);
+
+/* Free text made safe for enhanced notation: its special characters escaped, broken UTF-8 and control characters replaced. */
+void plot_text_escape(const char *text, size_t size, char *out);
+/* Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A5[00101]; long words as powers. Others are escaped. */
+void plot_text_label(const char *label, size_t size, char *out);
+/* Estimated width, on the wide side, and the box that a text fills. */
+double plot_text_width(const char *text, double size);
+plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upright, const char *text);
+
+/* ------------------------------------------------------- axes, panels, labels (cmd_plot.c) */
+
+typedef enum { PLOT_SCALE_LINEAR, PLOT_SCALE_LOG, PLOT_SCALE_BROKEN, PLOT_SCALE_ASINH } plot_scale;
+
+typedef struct {
+    plot_scale scale;
+    double lo, hi;   /* data */
+    double knee;     /* broken: linear below, logarithmic above */
+    double from, to; /* pixels */
+} plot_axis;
+
+typedef struct { plot_axis x, y; } plot_panel;
+
+double plot_axis_at(const plot_axis *axis, double value);
+plot_box plot_panel_box(const plot_panel *panel);
+/* Frame, tics and axis titles (NULL: tics without numbers). */
+void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title);
+/* Data curve, clipped to the panel and thinned to what the eye can tell; a NaN breaks it. */
+void plot_panel_curve(plot_page *page, const plot_panel *panel, plot_stroke stroke, int n, const plot_point *data);
+bool plot_panel_inside(const plot_panel *panel, plot_point data);
+plot_point plot_panel_at(const plot_panel *panel, plot_point data);
+/* Cuts the segment a-b to the box; false if nothing is left. */
+bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b);
+/* Widens [lo, hi] by `part` of its length (of its logarithm), or to something visible when it is a point. */
+void plot_range_widen(bool logarithmic, double part, double *lo, double *hi);
+
+/* One sample per entry, centred in rows below `top`; returns the height used. Draws nothing if page is NULL. */
+typedef struct {
+    const char *text;
+    int stroke; /* plot_stroke, or -1 */
+    int mark;   /* plot_mark, or -1 */
+} plot_legend_entry;
+enum { PLOT_MAX_LEGEND = 24 };
+/* What a picture of branches has to explain: families (linear, asymmetric, symmetric), stabilities, kinds of junctions; NULL: none.
+ * Returns how many. */
+int plot_legend_entries(const bool family[3], unsigned stability, const bool *kinds, plot_legend_entry *out);
+double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, double left, double right, double top);
+
+/* A label that wants to stand near a point. */
+typedef struct {
+    plot_point at;   /* pixels */
+    double clear;    /* keep this far from `at` */
+    double weight;   /* larger is placed first */
+    int group;       /* of labels with the same group > 0 only one is placed: alternatives */
+    const char *colour;
+    bool leader;     /* may stand far away with a thin line to its point */
+    char text[96];
+} plot_tag;
+
+/* Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how many found no place. Sorts tags. */
+int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double size);
+
+/* ----------------------------------------------------------------- options */
+
+typedef struct {
+    const char *out, *title;
+    double width, height;
+} plot_options;
+
+/* "A:B" with A < B. */
+bool plot_parse_range(const char *text, const char *what, double range[2]);
+/* Mark of a junction kind, and its word for the legend. */
+plot_mark plot_junction_mark(ric_kind kind);
+plot_stroke plot_branch_family(const ric_branch *branch);
+/* Mixed text for a branch: label in the article's notation. */
+void plot_branch_title(const ric_branch *branch, size_t size, char *out);
+
+/* ------------------------------------------------- branches (plot_curves.c) */
+
+/* A branch on the way to the page: points with their stability, and junctions between them. */
+enum { PLOT_JOINT = -1 };
+typedef struct {
+    plot_point at;
+    double arclength;
+    int stable; /* ric_stability, or PLOT_JOINT: a junction, which leaves that to its neighbours */
+} plot_knot;
+typedef struct {
+    int n, room;
+    plot_knot *knots;
+} plot_track;
+
+bool plot_track_add(plot_track *track, plot_point at, double arclength, int stable);
+void plot_track_free(plot_track *track);
+/* By arclength, where joints were added after the points. */
+void plot_track_sort(plot_track *track);
+/* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities seen, 1 << ric_stability. */
+unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *track);
+
+/* ------------------------------------------------------------ the pictures */
+
+/* argv[0] is the kind; --title, --size and -o have been taken out. Each returns an exit code. */
+int plot_fep(int argc, char **argv, const plot_options *options);
+int plot_orbit(int argc, char **argv, const plot_options *options);
+int plot_curves(int argc, char **argv, const plot_options *options);
+int plot_floquet(int argc, char **argv, const plot_options *options);
+
+#endif

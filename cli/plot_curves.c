@@ -1,0 +1,579 @@
+/* Unknowns of branches against each other, and multipliers along a branch; and the drawing of a branch by its stability. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plot.h"
+
+static const double type = 12, pi = 3.14159265358979323846;
+
+/* ------------------------------------------------------------------- tracks */
+
+bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
+{
+    if (t->n == t->room) {
+        const int room = t->room ? 2 * t->room : 256;
+        plot_knot *knots = realloc(t->knots, (size_t)room * sizeof *knots);
+        if (!knots)
+            return false;
+        t->knots = knots;
+        t->room = room;
+    }
+    t->knots[t->n++] = (plot_knot){at, arclength, stable};
+    return true;
+}
+
+void plot_track_free(plot_track *t)
+{
+    free(t->knots);
+    *t = (plot_track){0};
+}
+
+static int by_arclength(const void *a, const void *b)
+{
+    const plot_knot *s = a, *t = b;
+    if (s->arclength != t->arclength)
+        return (s->arclength > t->arclength) - (s->arclength < t->arclength);
+    return (s->stable == PLOT_JOINT) - (t->stable == PLOT_JOINT);
+}
+
+void plot_track_sort(plot_track *t)
+{
+    if (t->n > 0)
+        qsort(t->knots, (size_t)t->n, sizeof *t->knots, by_arclength);
+}
+
+/* Where stability changes on the way to knot i: the first junction since the last point, else half way. Returns the knot that the new run starts
+ * with, after setting *middle. */
+static int change_before(const plot_track *t, int i, plot_point *middle)
+{
+    int first = i;
+    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT)
+        first--;
+    if (first < i) {
+        *middle = t->knots[first].at;
+        return first + 1;
+    }
+    const plot_point a = t->knots[i - 1].at, b = t->knots[i].at;
+    *middle = (plot_point){(a.x + b.x) / 2, (a.y + b.y) / 2};
+    return i;
+}
+
+unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *t)
+{
+    plot_point *run = malloc(((size_t)t->n + 2) * sizeof *run);
+    unsigned seen = 0;
+    int n = 0, present = RIC_STABLE_UNDECIDED, i = 0;
+    for (int k = 0; k < t->n; k++)
+        if (t->knots[k].stable != PLOT_JOINT) {
+            present = t->knots[k].stable;
+            break;
+        }
+    for (; run && i < t->n; i++) {
+        const plot_knot *knot = &t->knots[i];
+        if (knot->stable != PLOT_JOINT && knot->stable != present) {
+            plot_point middle;
+            const int start = change_before(t, i, &middle);
+            n -= i - start; /* joints behind the change belong to the new run */
+            if (start == i)
+                run[n++] = middle;
+            plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+            run[0] = middle;
+            n = 1;
+            for (int k = start; k < i; k++)
+                run[n++] = t->knots[k].at;
+            present = knot->stable;
+        }
+        run[n++] = knot->at;
+        if (plot_panel_inside(panel, knot->at))
+            seen |= 1u << present;
+    }
+    if (run && n > 0)
+        plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+    free(run);
+    return seen;
+}
+
+/* --------------------------------------------------------------- quantities */
+
+typedef enum { ARCLENGTH, ENERGY, FREQUENCY, PERIOD, TRACE, ROTATION, REACH, APPROACH, DISPLACEMENT, SPEED, FLIGHT } kind;
+
+typedef struct {
+    kind kind;
+    int index; /* of x, v, tau, from 0 */
+    char title[80];
+} quantity;
+
+static const struct { const char *name, *title; } columns[] = {
+    [ARCLENGTH] = {"arclength", "arclength"}, [ENERGY] = {"energy", "scaled energy E"}, [FREQUENCY] = {"frequency", "frequency ω (rad/s)"},
+    [PERIOD] = {"period", "period T (s)"}, [TRACE] = {"trace", "trace τ_2"}, [ROTATION] = {"rotation", "rotation number γ"},
+    [REACH] = {"reach", "reach: gap / clearance"}, [APPROACH] = {"approach", "least approach speed"},
+    [DISPLACEMENT] = {"x", "x_{%d}"}, [SPEED] = {"v", "v_{%d}"}, [FLIGHT] = {"tau", "τ_{%d} (s)"},
+};
+
+static bool find_quantity(const char *name, const char *what, int n_dof, quantity *out)
+{
+    for (kind k = ARCLENGTH; k < DISPLACEMENT; k++)
+        if (!strcmp(name, columns[k].name)) {
+            *out = (quantity){.kind = k};
+            snprintf(out->title, sizeof out->title, "%s", columns[k].title);
+            return true;
+        }
+    for (kind k = DISPLACEMENT; k <= FLIGHT; k++) {
+        const size_t n = strlen(columns[k].name);
+        if (strncmp(name, columns[k].name, n) || !isdigit((unsigned char)name[n]))
+            continue;
+        long index;
+        if (!cli_parse_integer(name + n, what, 1, k == FLIGHT ? 1000000 : n_dof, &index))
+            return false;
+        *out = (quantity){.kind = k, .index = (int)index - 1};
+        if (k == FLIGHT)
+            snprintf(out->title, sizeof out->title, "τ_{%ld} (s)", index);
+        else
+            snprintf(out->title, sizeof out->title, "%s_{%ld}", columns[k].name, index);
+        return true;
+    }
+    cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what, name);
+    return false;
+}
+
+static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof, const ric_point *p, const double *state, const double *flights)
+{
+    switch (q->kind) {
+    case ARCLENGTH: return p->arclength;
+    case ENERGY: return p->energy;
+    case FREQUENCY: return p->frequency;
+    case PERIOD: return 2 * pi / p->frequency;
+    case TRACE: return p->trace; /* asinh(trace / 2), drawn on that scale */
+    case ROTATION: return p->rotation;
+    case REACH: return p->reach;
+    case APPROACH: return p->approach;
+    case DISPLACEMENT: return state[q->index];
+    case SPEED: return state[n_dof + q->index];
+    case FLIGHT: return q->index < (branch->impacts > 0 ? branch->impacts : 1) ? flights[q->index] : NAN;
+    }
+    return NAN;
+}
+
+/* Points of a branch as (x, y), in the order of the atlas. */
+static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x, const quantity *y, plot_track *t)
+{
+    const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
+    double *state = calloc(2 * (size_t)n_dof, sizeof *state), *flights = calloc((size_t)branch->impacts + 1, sizeof *flights);
+    ric_status status = state && flights ? RIC_OK : RIC_E_NOMEM;
+    for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
+        ric_point p;
+        status = ric_atlas_point(atlas, branch->id, i, &p, state, flights);
+        if (status != RIC_OK)
+            break;
+        const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights), read_quantity(y, branch, n_dof, &p, state, flights)};
+        if (!plot_track_add(t, at, p.arclength, p.stable >= 0 && p.stable <= 2 ? p.stable : RIC_STABLE_UNDECIDED))
+            status = RIC_E_NOMEM;
+    }
+    free(state);
+    free(flights);
+    return status;
+}
+
+/* The place on a track at an arclength, between its points. */
+static plot_point track_at(const plot_track *t, double arclength)
+{
+    int i = 1;
+    while (i < t->n - 1 && t->knots[i].arclength < arclength)
+        i++;
+    if (t->n < 2)
+        return t->n ? t->knots[0].at : (plot_point){NAN, NAN};
+    const plot_knot *a = &t->knots[i - 1], *b = &t->knots[i];
+    const double length = b->arclength - a->arclength, part = length > 0 ? fmax(0, fmin(1, (arclength - a->arclength) / length)) : 0;
+    return (plot_point){a->at.x + part * (b->at.x - a->at.x), a->at.y + part * (b->at.y - a->at.y)};
+}
+
+/* ------------------------------------------------------------------- curves */
+
+typedef struct {
+    const plot_options *common;
+    ric_atlas *atlas;
+    quantity x, y;
+    bool log_x, log_y;
+    int n_branch, *branches; /* ids */
+    plot_track *tracks;
+    plot_page *page;
+    plot_panel panel;
+    bool family[3];
+    unsigned stability;
+    bool kinds[RIC_KIND_USER + 1];
+    int n_tag;
+    plot_tag *tags;
+} curves;
+
+static bool track_range(const curves *c, double x[2], double y[2])
+{
+    x[0] = y[0] = INFINITY;
+    x[1] = y[1] = -INFINITY;
+    for (int i = 0; i < c->n_branch; i++)
+        for (int k = 0; k < c->tracks[i].n; k++) {
+            const plot_point p = c->tracks[i].knots[k].at;
+            if (!isfinite(p.x) || !isfinite(p.y) || (c->log_x && p.x <= 0) || (c->log_y && p.y <= 0))
+                continue;
+            x[0] = fmin(x[0], p.x);
+            x[1] = fmax(x[1], p.x);
+            y[0] = fmin(y[0], p.y);
+            y[1] = fmax(y[1], p.y);
+        }
+    if (!(x[1] >= x[0]))
+        return false;
+    plot_range_widen(c->log_x, 0.05, &x[0], &x[1]);
+    plot_range_widen(c->log_y, 0.05, &y[0], &y[1]);
+    return true;
+}
+
+static plot_axis axis_of(const quantity *q, bool logarithmic, const double range[2], double from, double to)
+{
+    return (plot_axis){logarithmic ? PLOT_SCALE_LOG : q->kind == TRACE ? PLOT_SCALE_ASINH : PLOT_SCALE_LINEAR, range[0], range[1], 0, from, to};
+}
+
+static void mark_junction(curves *c, int id, plot_point data)
+{
+    ric_junction junction;
+    if (id <= 0 || !plot_panel_inside(&c->panel, data) || ric_atlas_junction(c->atlas, id, &junction) != RIC_OK || junction.kind == RIC_KIND_START)
+        return;
+    plot_tag *tags = realloc(c->tags, ((size_t)c->n_tag + 1) * sizeof *tags);
+    const plot_point at = plot_panel_at(&c->panel, data);
+    plot_page_mark(c->page, plot_junction_mark(junction.kind), at, 4);
+    c->kinds[junction.kind] = true;
+    if (!tags)
+        return;
+    c->tags = tags;
+    plot_tag *tag = &tags[c->n_tag++];
+    const bool named = junction.name && *junction.name;
+    *tag = (plot_tag){.at = at, .clear = 4, .weight = (named ? 1000 : 0) - junction.impacts, .group = id, .colour = "#000000", .leader = true};
+    plot_text_label(named ? junction.name : junction.label, sizeof tag->text, tag->text);
+}
+
+static ric_status draw_curves(curves *c)
+{
+    for (int i = 0; i < c->n_branch; i++) {
+        ric_branch branch;
+        const ric_status status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
+        if (status != RIC_OK)
+            return status;
+        const plot_stroke family = plot_branch_family(&branch);
+        const unsigned seen = plot_track_draw(c->page, &c->panel, family, &c->tracks[i]);
+        c->stability |= seen;
+        c->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
+    }
+    for (int i = 0; i < c->n_branch; i++) {
+        ric_branch branch;
+        const plot_track *t = &c->tracks[i];
+        if (ric_atlas_branch(c->atlas, c->branches[i], &branch) != RIC_OK || t->n == 0)
+            continue;
+        mark_junction(c, branch.from, t->knots[0].at);
+        mark_junction(c, branch.to, t->knots[t->n - 1].at);
+        for (int k = 0; k < branch.n_junction; k++)
+            mark_junction(c, branch.junctions[k], track_at(t, branch.junction_at[k]));
+    }
+    return RIC_OK;
+}
+
+static void draw_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra)
+{
+    char title[400];
+    plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(atlas)), 300, title);
+    if (!common->title && extra)
+        snprintf(title + strlen(title), sizeof title - strlen(title), ", %s", extra);
+    plot_page_text(page, (plot_point){plot_page_width(page) / 2, plot_page_height(page) - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
+}
+
+static int draw_curve_page(curves *c)
+{
+    const double width = c->common->width > 0 ? c->common->width : 900, height = c->common->height > 0 ? c->common->height : 640;
+    double x[2], y[2];
+    plot_legend_entry entries[PLOT_MAX_LEGEND];
+    if (!track_range(c, x, y)) {
+        fprintf(stderr, "ricochet: nothing to draw: no point of these branches has both %s and %s%s\n", c->x.title, c->y.title,
+                c->log_x || c->log_y ? " with a logarithm" : "");
+        return CLI_FAILED;
+    }
+    c->page = plot_page_create(width, height);
+    if (!c->page)
+        return cli_report(RIC_E_NOMEM);
+    c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18), axis_of(&c->y, c->log_y, y, 92, height - 34)};
+    const ric_status status = draw_curves(c);
+    if (status != RIC_OK)
+        return cli_report(status);
+    plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
+    const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
+    if (missing)
+        fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing, missing == 1 ? "" : "s");
+    draw_title(c->page, c->common, c->atlas, NULL);
+    const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
+    plot_legend(c->page, n, entries, 12, width - 12, c->panel.y.from - 46);
+    return plot_page_write(c->page, c->common->out);
+}
+
+/* --branch ID, as often as it is given; all branches if it is not. */
+static int take_branches(int *argc, char **argv, int *n, int **out)
+{
+    const char *text;
+    while (true) {
+        long id;
+        if (!cli_take_value(argc, argv, "--branch", &text))
+            return CLI_WRONG;
+        if (!text)
+            return CLI_DONE;
+        if (!cli_parse_integer(text, "--branch", 1, 2147483647, &id))
+            return CLI_WRONG;
+        int *more = realloc(*out, ((size_t)*n + 1) * sizeof *more);
+        if (!more)
+            return cli_report(RIC_E_NOMEM);
+        *out = more;
+        more[(*n)++] = (int)id;
+    }
+}
+
+static ric_status load_tracks(curves *c)
+{
+    const int total = ric_atlas_n_branch(c->atlas);
+    if (c->n_branch == 0) {
+        c->branches = malloc(((size_t)total + 1) * sizeof *c->branches);
+        if (!c->branches)
+            return RIC_E_NOMEM;
+        for (; c->n_branch < total; c->n_branch++)
+            c->branches[c->n_branch] = c->n_branch + 1;
+    }
+    c->tracks = calloc((size_t)c->n_branch + 1, sizeof *c->tracks);
+    ric_status status = c->tracks ? RIC_OK : RIC_E_NOMEM;
+    for (int i = 0; status == RIC_OK && i < c->n_branch; i++) {
+        ric_branch branch;
+        status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
+        if (status == RIC_OK)
+            status = load_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
+    }
+    return status;
+}
+
+int plot_curves(int argc, char **argv, const plot_options *common)
+{
+    curves c = {.common = common};
+    const char *x = NULL, *y = NULL, *logs = NULL;
+    int code = take_branches(&argc, argv, &c.n_branch, &c.branches);
+    if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y)
+        || !cli_take_value(&argc, argv, "--log", &logs) || !cli_operands(&cli_plot, argc, argv, 1)) {
+        code = code != CLI_DONE ? code : CLI_WRONG;
+        goto out;
+    }
+    if (!x || !y) {
+        code = cli_wrong("plot curves: --x NAME and --y NAME are needed, for example --x x1 --y v1");
+        goto out;
+    }
+    if (logs && strcmp(logs, "x") && strcmp(logs, "y") && strcmp(logs, "xy")) {
+        code = cli_wrong("--log %s: there are x, y and xy", logs);
+        goto out;
+    }
+    c.log_x = logs && *logs == 'x';
+    c.log_y = logs && logs[strlen(logs) - 1] == 'y';
+    ric_status status = ric_atlas_read(argv[1], &c.atlas);
+    if (status != RIC_OK) {
+        code = cli_report(status);
+        goto out;
+    }
+    const int n_dof = ric_model_n_dof(ric_atlas_model(c.atlas));
+    if (!find_quantity(x, "--x", n_dof, &c.x) || !find_quantity(y, "--y", n_dof, &c.y)) {
+        code = CLI_WRONG;
+        goto out;
+    }
+    status = load_tracks(&c);
+    code = status == RIC_OK ? draw_curve_page(&c) : cli_report(status);
+out:
+    for (int i = 0; c.tracks && i < c.n_branch; i++)
+        plot_track_free(&c.tracks[i]);
+    plot_page_free(c.page);
+    ric_atlas_free(c.atlas);
+    free(c.tracks);
+    free(c.branches);
+    free(c.tags);
+    return code;
+}
+
+/* ------------------------------------------------------------------ floquet */
+
+typedef struct {
+    const plot_options *common;
+    ric_atlas *atlas;
+    ric_branch branch;
+    quantity x;
+    plot_page *page;
+    plot_panel upper, lower;
+    int n_dot, room;
+    struct { double x, size, angle; } *dots; /* multipliers: ln|mu| and arg(mu) / 2 pi in [0, 1/2] */
+} floquet;
+
+/* Trace above, rotation number below: two masses. */
+static int draw_trace(floquet *f, const plot_track *trace, const plot_track *rotation)
+{
+    double low = -1.5, high = 1.5, turn = 0.5, x[2] = {INFINITY, -INFINITY};
+    for (int i = 0; i < trace->n; i++) {
+        const plot_point p = trace->knots[i].at;
+        x[0] = fmin(x[0], p.x);
+        x[1] = fmax(x[1], p.x);
+        low = fmin(low, isfinite(p.y) ? p.y : low);
+        high = fmax(high, isfinite(p.y) ? p.y : high);
+        turn = rotation->knots[i].at.y > turn ? 1 : turn;
+    }
+    plot_range_widen(false, 0.03, &x[0], &x[1]);
+    plot_range_widen(false, 0.05, &low, &high);
+    f->upper.x.lo = f->lower.x.lo = x[0];
+    f->upper.x.hi = f->lower.x.hi = x[1];
+    f->upper.y.scale = PLOT_SCALE_ASINH;
+    f->upper.y.lo = low;
+    f->upper.y.hi = high;
+    f->lower.y.lo = 0;
+    f->lower.y.hi = turn * 1.04;
+    for (int sign = -1; sign <= 1; sign += 2)
+        plot_panel_curve(f->page, &f->upper, PLOT_LOCKED, 2, (plot_point[]){{x[0], sign * asinh(1)}, {x[1], sign * asinh(1)}});
+    plot_track_draw(f->page, &f->upper, plot_branch_family(&f->branch), trace);
+    plot_track_draw(f->page, &f->lower, plot_branch_family(&f->branch), rotation);
+    plot_panel_frame(f->page, &f->upper, NULL, "trace τ_2");
+    plot_panel_frame(f->page, &f->lower, f->x.title, "rotation number γ");
+    return CLI_DONE;
+}
+
+static bool add_dots(floquet *f, double x, int n, const double *multipliers)
+{
+    if (f->n_dot + n > f->room) {
+        const int room = 2 * (f->n_dot + n);
+        void *dots = realloc(f->dots, (size_t)room * sizeof *f->dots);
+        if (!dots)
+            return false;
+        f->dots = dots;
+        f->room = room;
+    }
+    for (int k = 0; k < n; k++) {
+        const double re = multipliers[2 * k], im = multipliers[2 * k + 1];
+        f->dots[f->n_dot].x = x;
+        f->dots[f->n_dot].size = log(hypot(re, im));
+        f->dots[f->n_dot++].angle = fabs(atan2(im, re)) / (2 * pi);
+    }
+    return true;
+}
+
+/* Every multiplier as a dot: more than two modes. The orbits are solved again, so a long branch is sampled. */
+static ric_status gather_dots(floquet *f, const plot_track *t)
+{
+    const int n = 2 * (ric_model_n_mode(ric_atlas_model(f->atlas)) - 1), most = 300, step = (t->n + most - 1) / most;
+    double *multipliers = calloc(2 * (size_t)(n > 0 ? n : 1), sizeof *multipliers);
+    ric_status status = multipliers ? RIC_OK : RIC_E_NOMEM;
+    for (int i = 0; status == RIC_OK && n > 0 && i < t->n; i += step) {
+        ric_orbit **orbits = NULL;
+        int found = 0;
+        status = ric_orbit_find(f->atlas, f->branch.id, RIC_AT_POINT, i, &found, &orbits);
+        if (status == RIC_OK && found > 0)
+            status = ric_orbit_multipliers(orbits[0], multipliers);
+        if (status == RIC_OK && found > 0 && !add_dots(f, t->knots[i].at.x, n, multipliers))
+            status = RIC_E_NOMEM;
+        ric_orbits_free(found, orbits);
+    }
+    free(multipliers);
+    return status;
+}
+
+static void draw_dot(plot_page *page, const plot_panel *panel, plot_point data)
+{
+    if (!plot_panel_inside(panel, data))
+        return;
+    const plot_point at = plot_panel_at(panel, data); /* a line without length: a round end on both sides */
+    plot_page_line(page, PLOT_SERIES, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+}
+
+static int draw_dots(floquet *f, const plot_track *t)
+{
+    double x[2] = {INFINITY, -INFINITY}, size = 0.1;
+    const ric_status status = gather_dots(f, t);
+    if (status != RIC_OK)
+        return cli_report(status);
+    if (f->n_dot == 0) {
+        fprintf(stderr, "ricochet: branch %d has no multipliers besides the trivial ones\n", f->branch.id);
+        return CLI_FAILED;
+    }
+    for (int i = 0; i < f->n_dot; i++) {
+        x[0] = fmin(x[0], f->dots[i].x);
+        x[1] = fmax(x[1], f->dots[i].x);
+        size = isfinite(f->dots[i].size) ? fmax(size, fabs(f->dots[i].size)) : size;
+    }
+    plot_range_widen(false, 0.03, &x[0], &x[1]);
+    f->upper.x.lo = f->lower.x.lo = x[0];
+    f->upper.x.hi = f->lower.x.hi = x[1];
+    f->upper.y.lo = -1.08 * size;
+    f->upper.y.hi = 1.08 * size;
+    f->lower.y.lo = -0.02;
+    f->lower.y.hi = 0.52;
+    for (int i = 0; i < f->n_dot; i++) {
+        draw_dot(f->page, &f->upper, (plot_point){f->dots[i].x, f->dots[i].size});
+        draw_dot(f->page, &f->lower, (plot_point){f->dots[i].x, f->dots[i].angle});
+    }
+    plot_panel_frame(f->page, &f->upper, NULL, "ln |μ|");
+    plot_panel_frame(f->page, &f->lower, f->x.title, "|arg μ| / 2π");
+    return CLI_DONE;
+}
+
+static int draw_floquet(floquet *f)
+{
+    const double width = f->common->width > 0 ? f->common->width : 900, height = f->common->height > 0 ? f->common->height : 620;
+    static const quantity of_trace = {.kind = TRACE}, of_rotation = {.kind = ROTATION};
+    plot_track trace = {0}, rotation = {0};
+    char name[200];
+    bool known = false;
+    int code = CLI_FAILED;
+    f->page = plot_page_create(width, height);
+    ric_status status = f->page ? load_track(f->atlas, &f->branch, &f->x, &of_trace, &trace) : RIC_E_NOMEM;
+    if (status == RIC_OK)
+        status = load_track(f->atlas, &f->branch, &f->x, &of_rotation, &rotation);
+    if (status != RIC_OK) {
+        code = cli_report(status);
+        goto out;
+    }
+    const double middle = 48 + 0.45 * (height - 90);
+    f->upper = (plot_panel){{.from = 82, .to = width - 18}, {.from = middle + 14, .to = height - 34}};
+    f->lower = (plot_panel){{.from = 82, .to = width - 18}, {.from = 52, .to = middle}};
+    for (int i = 0; i < trace.n; i++)
+        known |= isfinite(trace.knots[i].at.y);
+    code = known ? draw_trace(f, &trace, &rotation) : draw_dots(f, &trace);
+    if (code != CLI_DONE)
+        goto out;
+    plot_branch_title(&f->branch, sizeof name, name);
+    draw_title(f->page, f->common, f->atlas, name);
+    code = plot_page_write(f->page, f->common->out);
+out:
+    plot_track_free(&trace);
+    plot_track_free(&rotation);
+    return code;
+}
+
+int plot_floquet(int argc, char **argv, const plot_options *common)
+{
+    floquet f = {.common = common};
+    const char *branch = NULL, *x = NULL;
+    long id;
+    int code = CLI_WRONG;
+    if (!cli_take_value(&argc, argv, "--branch", &branch) || !cli_take_value(&argc, argv, "--x", &x) || !cli_operands(&cli_plot, argc, argv, 1))
+        return CLI_WRONG;
+    if (!branch)
+        return cli_wrong("plot floquet: --branch ID is missing");
+    if (!cli_parse_integer(branch, "--branch", 1, 2147483647, &id))
+        return CLI_WRONG;
+    ric_status status = ric_atlas_read(argv[1], &f.atlas);
+    if (status == RIC_OK)
+        status = ric_atlas_branch(f.atlas, (int)id, &f.branch);
+    if (status != RIC_OK)
+        code = cli_report(status);
+    else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)), &f.x))
+        code = draw_floquet(&f);
+    plot_page_free(f.page);
+    ric_atlas_free(f.atlas);
+    free(f.dots);
+    return code;
+}

@@ -1,0 +1,169 @@
+#include "atlas.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "status.h"
+#include "store.h"
+
+static_assert(sizeof(ric_point) % sizeof(double) == 0, "points lie one after the other in an array of doubles");
+
+/* ----------------------------------------------------------------- records */
+
+void ric_branch_record_free(ric_branch_record *branch)
+{
+    if (!branch)
+        return;
+    free(branch->label);
+    free(branch->mirror);
+    free(branch->why);
+    free(branch->word);
+    free(branch->junctions);
+    free(branch->junction_at);
+    free(branch->points);
+    *branch = (ric_branch_record){0};
+}
+
+void ric_junction_record_free(ric_junction_record *junction)
+{
+    if (!junction)
+        return;
+    free(junction->label);
+    free(junction->name);
+    free(junction->refusal);
+    free(junction->word);
+    free(junction->branches);
+    free(junction->state);
+    free(junction->flights);
+    *junction = (ric_junction_record){0};
+}
+
+size_t ric_point_stride(int n_dof, int impacts)
+{
+    return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof + (size_t)(impacts > 0 ? impacts : 1);
+}
+
+/* ------------------------------------------------------------------- atlas */
+
+ric_status ric_atlas_read(const char *path, ric_atlas **out)
+{
+    return ric_store_read(path, out);
+}
+
+void ric_atlas_free(ric_atlas *atlas)
+{
+    if (!atlas)
+        return;
+    for (int i = 0; atlas->branches && i < atlas->n_branch; i++)
+        ric_branch_record_free(&atlas->branches[i]);
+    for (int i = 0; atlas->junctions && i < atlas->n_junction; i++)
+        ric_junction_record_free(&atlas->junctions[i]);
+    free(atlas->branches);
+    free(atlas->junctions);
+    ric_study_free(atlas->study);
+    free(atlas);
+}
+
+const ric_study *ric_atlas_study(const ric_atlas *atlas)
+{
+    return atlas->study;
+}
+
+const ric_model *ric_atlas_model(const ric_atlas *atlas)
+{
+    return ric_study_model(atlas->study);
+}
+
+bool ric_atlas_finished(const ric_atlas *atlas)
+{
+    return atlas->finished;
+}
+
+int ric_atlas_n_branch(const ric_atlas *atlas)
+{
+    return atlas->n_branch;
+}
+
+int ric_atlas_n_junction(const ric_atlas *atlas)
+{
+    return atlas->n_junction;
+}
+
+static ric_status check_id(const char *what, int id, int n)
+{
+    if (id >= 1 && id <= n)
+        return RIC_OK;
+    if (n == 0)
+        return ric_fail(RIC_E_RANGE, "no %s %d: the atlas has none yet", what, id);
+    return ric_fail(RIC_E_RANGE, "no %s %d: the numbers run from 1 to %d", what, id, n);
+}
+
+ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out)
+{
+    ric_status status = check_id("branch", id, atlas->n_branch);
+    if (!status)
+        *out = atlas->branches[id - 1].row;
+    return status;
+}
+
+ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out)
+{
+    ric_status status = check_id("junction", id, atlas->n_junction);
+    if (!status)
+        *out = atlas->junctions[id - 1].row;
+    return status;
+}
+
+ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights)
+{
+    ric_status status = check_id("branch", branch, atlas->n_branch);
+    if (status)
+        return status;
+    const ric_branch_record *record = &atlas->branches[branch - 1];
+    int n_point = record->row.n_point;
+    if (i < 0 || i >= n_point)
+        return n_point ? ric_fail(RIC_E_RANGE, "no point %d: branch %d has points 0 to %d", i, branch, n_point - 1)
+                       : ric_fail(RIC_E_RANGE, "no point %d: branch %d has no points", i, branch);
+    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
+    size_t n_flight = record->row.impacts > 0 ? (size_t)record->row.impacts : 1;
+    const double *at = record->points + (size_t)i * record->stride;
+    if (point)
+        memcpy(point, at, sizeof *point);
+    at += sizeof *point / sizeof *at;
+    if (state)
+        memcpy(state, at, n_state * sizeof *state);
+    if (flights)
+        memcpy(flights, at + n_state, n_flight * sizeof *flights);
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------------- texts */
+
+const char *ric_stop_text(ric_stop stop)
+{
+    switch (stop) {
+    case RIC_STOP_JUNCTION: return "junction";
+    case RIC_STOP_CORNER: return "corner";
+    case RIC_STOP_WINDOW: return "window";
+    case RIC_STOP_BUDGET: return "budget";
+    case RIC_STOP_CLOSED: return "closed";
+    case RIC_STOP_FAILED: return "failed";
+    }
+    return "unknown";
+}
+
+const char *ric_kind_text(ric_kind kind)
+{
+    switch (kind) {
+    case RIC_KIND_START: return "start";
+    case RIC_KIND_GRAZING: return "grazing";
+    case RIC_KIND_CORNER: return "corner";
+    case RIC_KIND_EXTREMUM: return "extremum";
+    case RIC_KIND_BRANCH_POINT: return "branch-point";
+    case RIC_KIND_MULTIPLICATION: return "multiplication";
+    case RIC_KIND_PERIOD_EXTREMUM: return "period-extremum";
+    case RIC_KIND_USER: return "user";
+    }
+    return "unknown";
+}

@@ -1,0 +1,483 @@
+#include "chart.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "motion.h"
+#include "multiplicity.h"
+#include "status.h"
+
+#define TWO_PI 6.283185307179586477
+#define LINEAR_POINTS 9
+
+static ric_status no_memory(void)
+{
+    return ric_fail(RIC_E_NOMEM, "no memory for the atlas");
+}
+
+/* ------------------------------------------------------------------ branches */
+
+typedef struct {
+    ric_branch_record record;
+    int from, to;      /* nodes */
+    const ric_edge *edge;
+} sheet;
+
+/* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
+typedef struct { int shift; bool reverse, mirror; } turn;
+
+static bool canonical_turn(const ric_model *m, const ric_edge *e, turn *out)
+{
+    const ric_trace *tr = e->trace;
+    const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride + sizeof(ric_point) / sizeof(double);
+    ric_chain_fly(tr->chain, p);
+    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, p), *canonical = cycle ? ric_cycle_canonical(m, cycle) : NULL;
+    bool found = canonical && ric_cycle_match(m, canonical, cycle, 1e-9, &out->shift, &out->reverse, &out->mirror);
+    ric_cycle_free(cycle);
+    ric_cycle_free(canonical);
+    return found;
+}
+
+static char *mirror_text(const ric_chain *c)
+{
+    static const char *const names[] = {"", "rest", "impact", "centre"};
+    char text[32];
+    if (c->start == RIC_MIRROR_NONE) return strdup("");
+    const char *a = names[c->start], *b = names[c->end];
+    bool swap = strcmp(a, b) > 0;
+    snprintf(text, sizeof text, "%s-%s", swap ? b : a, swap ? a : b);
+    return strdup(text);
+}
+
+/* S2+[01], A5[00101], S2(3)[01]; the mark of the mode only on backbones. */
+static char *branch_label(const ric_model *m, const ric_branch *b)
+{
+    size_t size = 64 + 4 * (size_t)b->impacts;
+    char *text = malloc(size), mark[16] = "";
+    if (!text) return NULL;
+    if (b->mode > 0) {
+        if (m->n_dof == 2 && m->n == 2) snprintf(mark, sizeof mark, "%s", b->mode == 1 ? "+" : "-");
+        else snprintf(mark, sizeof mark, "(%d)", b->mode);
+    }
+    int used = snprintf(text, size, "%s%d%s", b->symmetric ? "S" : "A", b->impacts, mark);
+    if (b->impacts > 0) {
+        text[used++] = '[';
+        ric_word_format(m, b->impacts, b->word, size - (size_t)used - 2, text + used);
+        strcat(text, "]");
+    }
+    return text;
+}
+
+static void summarise(ric_branch_record *r)
+{
+    ric_branch *b = &r->row;
+    double stable = 0, length = 0;
+    b->energy_min = b->frequency_min = HUGE_VAL;
+    b->energy_max = b->frequency_max = -HUGE_VAL;
+    for (int i = 0; i < b->n_point; i++) {
+        const ric_point *p = (const ric_point *)(r->points + (size_t)i * r->stride);
+        b->energy_min = fmin(b->energy_min, p->energy);
+        b->energy_max = fmax(b->energy_max, p->energy);
+        b->frequency_min = fmin(b->frequency_min, p->frequency);
+        b->frequency_max = fmax(b->frequency_max, p->frequency);
+        if (!i) continue;
+        const ric_point *q = (const ric_point *)(r->points + (size_t)(i - 1) * r->stride);
+        double step = p->arclength - q->arclength;
+        length += step;
+        stable += step * ((p->stable == RIC_STABLE_YES) + (q->stable == RIC_STABLE_YES)) / 2;
+    }
+    b->stable_fraction = length > 0 ? stable / length : 0;
+}
+
+static ric_status fill_points(const ric_model *m, const ric_edge *e, const turn *t, ric_branch_record *r)
+{
+    const ric_trace *tr = e->trace;
+    int N = r->row.impacts;
+    for (int i = 0; i < tr->n_point; i++) {
+        const double *in = tr->points + (size_t)i * tr->stride;
+        const double *u = in + sizeof(ric_point) / sizeof(double);
+        double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double), *v = x + m->n_dof;
+        ric_chain_fly(tr->chain, u);
+        ric_cycle *raw = ric_cycle_from_chain(tr->chain, u);
+        ric_cycle *cycle = raw ? ric_cycle_transform(m, raw, t->shift, t->reverse, t->mirror) : NULL;
+        ric_cycle_free(raw);
+        if (!cycle) return no_memory();
+        memcpy(out, in, sizeof(ric_point));
+        ric_model_to_state(m, cycle->w, x, v);
+        for (int k = 0; k < N; k++) v[m->n_dof + k] = cycle->tau[k] / m->omega_ref;
+        ric_cycle_free(cycle);
+    }
+    return RIC_OK;
+}
+
+static ric_status make_sheet(const ric_model *m, const ric_edge *e, sheet *out)
+{
+    const ric_trace *tr = e->trace;
+    ric_branch_record *r = &out->record;
+    turn t;
+    ric_chain_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
+    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)), *turned = NULL;
+    if (!cycle) return no_memory();
+    if (!canonical_turn(m, e, &t)) t = (turn){0, false, false};
+    turned = ric_cycle_transform(m, cycle, t.shift, t.reverse, t.mirror);
+    int N = cycle->N;
+    *r = (ric_branch_record){.stride = ric_point_stride(m->n_dof, N)};
+    r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
+    r->word = turned ? malloc((size_t)N * sizeof *r->word) : NULL;
+    r->mirror = mirror_text(tr->chain);
+    r->why = strdup(tr->why ? tr->why : "");
+    if (turned && r->word) memcpy(r->word, turned->face, (size_t)N * sizeof *r->word);
+    r->row = (ric_branch){.impacts = N, .word = r->word, .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
+                          .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why, .depth = e->depth,
+                          .mode = e->mode >= 0 ? m->mode[e->mode] + 1 : 0, .n_junction = e->n_inner};
+    r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
+    r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
+    ric_cycle_free(cycle);
+    ric_cycle_free(turned);
+    if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return no_memory();
+    memcpy(r->junction_at, e->inner_at, (size_t)e->n_inner * sizeof *r->junction_at);
+    r->row.junctions = r->junctions;
+    r->row.junction_at = r->junction_at;
+    if (!(r->label = branch_label(m, &r->row))) return no_memory();
+    r->row.label = r->label;
+    out->from = e->from;
+    out->to = e->to;
+    out->edge = e;
+    ric_status status = fill_points(m, e, &t, r);
+    if (!status) summarise(r);
+    return status;
+}
+
+/* A linear mode from rest to where it touches (or to the end of the energy window): states at its mirror point. */
+static ric_status make_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node, double energy, sheet *out)
+{
+    ric_branch_record *r = &out->record;
+    int n = m->n_dof;
+    double omega = m->frequency[mode];
+    bool grazes = node >= 0 || energy <= o->energy[1];
+    double top = fmin(energy, o->energy[1]);
+    *r = (ric_branch_record){.stride = ric_point_stride(n, 0)};
+    r->points = calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
+    r->word = calloc(1, sizeof *r->word);
+    r->junctions = calloc(1, sizeof *r->junctions);
+    r->junction_at = calloc(1, sizeof *r->junction_at);
+    r->mirror = strdup("centre-rest");
+    r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
+    if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return no_memory();
+    (void)grazes;
+    r->row = (ric_branch){.word = r->word, .symmetric = true, .reversible = true, .mirror = r->mirror, .n_point = LINEAR_POINTS,
+                          .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW, .why = r->why, .mode = mode + 1,
+                          .junctions = r->junctions, .junction_at = r->junction_at};
+    for (int i = 0; i < LINEAR_POINTS; i++) {
+        double part = (double)i / (LINEAR_POINTS - 1), E = top * part * part, *x = r->points + (size_t)i * r->stride + sizeof(ric_point) / sizeof(double);
+        ric_point *p = (ric_point *)(r->points + (size_t)i * r->stride);
+        double q = sqrt(2 * E) / omega; /* E = omega^2 q^2 / 2, lengths scaled */
+        double rotation = NAN;
+        for (int k = 0; m->n == 2 && k < 2; k++)
+            if (m->mode[k] != mode) rotation = fmod(m->frequency[m->mode[k]] / omega, 1);
+        *p = (ric_point){.arclength = q, .energy = E, .frequency = omega, .rotation = rotation,
+                         .trace = m->n == 2 && seen >= 0 ? asinh(cos(TWO_PI * rotation)) : NAN,
+                         .reach = isfinite(energy) ? sqrt(E / energy) : 0, .approach = NAN, .residual = 0, .stable = RIC_STABLE_YES};
+        for (int j = 0; j < n; j++) x[j] = m->Phi[j * n + mode] * q;
+        x[2 * n] = TWO_PI / omega;
+    }
+    if (!(r->label = branch_label(m, &r->row))) return no_memory();
+    r->row.label = r->label;
+    out->from = -1;
+    out->to = node;
+    summarise(r);
+    r->row.stable_fraction = 1;
+    return RIC_OK;
+}
+
+static int compare_words(const ric_branch *a, const ric_branch *b)
+{
+    if (a->impacts != b->impacts) return a->impacts - b->impacts;
+    for (int i = 0; i < a->impacts; i++)
+        if (a->word[i] != b->word[i]) return a->word[i] - b->word[i];
+    return 0;
+}
+
+static int compare_numbers(double a, double b)
+{
+    if (fabs(a - b) <= 1e-9 * (fabs(a) + fabs(b))) return 0;
+    return a < b ? -1 : 1;
+}
+
+static int sheet_order(const void *p, const void *q)
+{
+    const ric_branch *a = &((const sheet *)p)->record.row, *b = &((const sheet *)q)->record.row;
+    int order;
+    if (!a->impacts && !b->impacts) return a->mode - b->mode;
+    if (!a->impacts != !b->impacts) return a->impacts ? 1 : -1;
+    if (a->depth != b->depth) return a->depth - b->depth;
+    if ((order = compare_words(a, b))) return order;
+    if ((order = compare_numbers(a->energy_min, b->energy_min))) return order;
+    if ((order = compare_numbers(a->frequency_min, b->frequency_min))) return order;
+    if ((order = compare_numbers(a->energy_max, b->energy_max))) return order;
+    return strcmp(a->mirror, b->mirror);
+}
+
+/* ----------------------------------------------------------------- junctions */
+
+typedef struct {
+    ric_junction_record record;
+    const ric_node *node;
+    int index;
+} mark;
+
+static const char *letter(ric_kind kind)
+{
+    switch (kind) {
+    case RIC_KIND_GRAZING: return "G";
+    case RIC_KIND_CORNER: return "K";
+    case RIC_KIND_PERIOD_EXTREMUM: return "P";
+    case RIC_KIND_START: return "O";
+    case RIC_KIND_USER: return "U";
+    default: return "C";
+    }
+}
+
+static void count_departures(const ric_node *node, ric_junction_record *r)
+{
+    ric_departures *d = &r->row.departures;
+    for (int i = 0; i < node->n_departure; i++) switch (node->departures[i].state) {
+        case RIC_DEPARTURE_TAKEN: d->taken++; break;
+        case RIC_DEPARTURE_KNOWN: d->known++; break;
+        case RIC_DEPARTURE_INADMISSIBLE: d->inadmissible++; break;
+        case RIC_DEPARTURE_REFUSED: d->refused++; break;
+        default: d->over_budget++;
+        }
+}
+
+static char *refusals(const ric_node *node)
+{
+    const char *why = node->refusal ? node->refusal : "";
+    for (int i = 0; i < node->n_departure; i++)
+        if (node->departures[i].why && !*why) why = node->departures[i].why;
+    return strdup(why);
+}
+
+static ric_status make_mark(const ric_model *m, const ric_node *node, int index, mark *out)
+{
+    ric_status status = RIC_OK;
+    ric_junction_record *r = &out->record;
+    int n = m->n_dof;
+    ric_cycle *regular = ric_node_regular(m, node), *cycle = regular ? ric_cycle_canonical(m, regular) : NULL;
+    int N = cycle ? cycle->N : 0;
+    *out = (mark){.node = node, .index = index};
+    r->word = calloc((size_t)N + 1, sizeof *r->word);
+    r->state = calloc(2 * (size_t)n, sizeof *r->state);
+    r->flights = calloc((size_t)N + 1, sizeof *r->flights);
+    r->refusal = refusals(node);
+    if (!r->word || !r->state || !r->flights || !r->refusal || (regular && !cycle)) {
+        status = no_memory();
+        goto out;
+    }
+    ric_model_to_state(m, cycle ? cycle->w : node->cycle->w, r->state, r->state + n);
+    for (int i = 0; i < N; i++) {
+        r->word[i] = cycle->face[i];
+        r->flights[i] = cycle->tau[i] / m->omega_ref;
+    }
+    if (!N) r->flights[0] = node->period / m->omega_ref;
+    r->row = (ric_junction){.kind = node->kind, .impacts = N, .word = r->word, .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
+                            .multiple = node->kind == RIC_KIND_MULTIPLICATION ? node->multiple : 1, .rotation = {node->rotation[0], node->rotation[1]},
+                            .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
+    r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;
+    if (node->kind == RIC_KIND_EXTREMUM || node->kind == RIC_KIND_BRANCH_POINT || node->kind == RIC_KIND_MULTIPLICATION)
+        status = ric_multiplicity(m, node->cycle, r->row.multiple, &r->row.a, &r->row.b);
+    count_departures(node, r);
+out:
+    ric_cycle_free(regular);
+    ric_cycle_free(cycle);
+    return status;
+}
+
+static int mark_order(const void *p, const void *q)
+{
+    const ric_junction *a = &((const mark *)p)->record.row, *b = &((const mark *)q)->record.row;
+    int order;
+    if (a->impacts * a->multiple != b->impacts * b->multiple) return a->impacts * a->multiple - b->impacts * b->multiple;
+    if ((order = compare_numbers(a->energy, b->energy))) return order;
+    if ((order = compare_numbers(a->frequency, b->frequency))) return order;
+    if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
+    return ((const mark *)p)->index - ((const mark *)q)->index;
+}
+
+static bool same_family(const ric_junction *a, const ric_junction *b)
+{
+    if (strcmp(letter(a->kind), letter(b->kind))) return false;
+    if (a->kind == RIC_KIND_GRAZING) return a->impacts == b->impacts && a->grazings == b->grazings;
+    return a->a == b->a && a->b == b->b;
+}
+
+static ric_status label_marks(int n, mark *marks)
+{
+    for (int i = 0; i < n; i++) {
+        ric_junction_record *r = &marks[i].record;
+        char text[64];
+        int number = 1;
+        for (int j = 0; j < i; j++) number += same_family(&marks[j].record.row, &r->row);
+        const char *l = letter(r->row.kind);
+        if (r->row.kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, r->row.impacts, r->row.grazings);
+        else if (*l == 'C' && r->row.a > 0) snprintf(text, sizeof text, "C%d_%d%d", number, r->row.a, r->row.b);
+        else snprintf(text, sizeof text, "%s%d", l, number);
+        if (!(r->label = strdup(text))) return no_memory();
+        r->row.label = r->label;
+    }
+    return RIC_OK;
+}
+
+/* The nearest junction of the right kind, within what the digits of a printed number leave open. */
+static ric_status name_marks(const ric_study *study, int n, mark *marks)
+{
+    for (int k = 0; k < ric_study_n_name(study); k++) {
+        ric_name name;
+        int best = -1;
+        double least = 2e-3;
+        ric_status status = ric_study_name(study, k, &name);
+        if (status) return status;
+        for (int i = 0; i < n; i++) {
+            const ric_junction *j = &marks[i].record.row;
+            double off = fabs(j->energy / name.energy - 1) + fabs(j->frequency / name.frequency - 1);
+            if (strcmp(ric_kind_text(j->kind), name.kind) || !(off < least)) continue;
+            least = off;
+            best = i;
+        }
+        if (best < 0) continue;
+        free(marks[best].record.name);
+        if (!(marks[best].record.name = strdup(name.name))) return no_memory();
+    }
+    for (int i = 0; i < n; i++) {
+        if (!marks[i].record.name && !(marks[i].record.name = strdup(""))) return no_memory();
+        marks[i].record.row.name = marks[i].record.name;
+    }
+    return RIC_OK;
+}
+
+/* --------------------------------------------------------------------- atlas */
+
+static bool started(const ric_explore_options *o, int mode)
+{
+    bool wanted = o->n_start == 0;
+    for (int j = 0; j < o->n_start; j++) wanted |= o->start[j] == mode + 1;
+    return wanted;
+}
+
+static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n)
+{
+    const ric_model *m = g->model;
+    double *energy = calloc((size_t)m->n_dof, sizeof *energy);
+    int *contact = calloc((size_t)m->n_dof, sizeof *contact);
+    ric_status status = energy && contact ? ric_model_grazing_energies(m, energy, contact) : no_memory();
+    for (int i = 0; i < m->n_dof && !status; i++) {
+        int seen = -1, node = -1;
+        if (m->frequency[i] == 0 || !started(g->options, i)) continue;
+        for (int k = 0; k < m->n; k++)
+            if (m->mode[k] == i) seen = k;
+        for (int k = 0; k < g->n_node; k++)
+            if (seen >= 0 && g->nodes[k]->mode == seen) node = k;
+        status = make_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
+        (*n)++;
+    }
+    free(energy);
+    free(contact);
+    return status;
+}
+
+static bool used_by(const ric_graph *g, int node)
+{
+    if (g->nodes[node]->mode >= 0) return true;
+    for (int i = 0; i < g->n_edge; i++) {
+        const ric_edge *e = &g->edges[i];
+        if (e->from == node || e->to == node) return true;
+        for (int k = 0; k < e->n_inner; k++)
+            if (e->inner[k] == node) return true;
+    }
+    return false;
+}
+
+static ric_status list_branches(mark *k, int n, const sheet *sheets, const int *id)
+{
+    int count = 0;
+    ric_junction_record *r = &k->record;
+    if (!(r->branches = calloc((size_t)n + 1, sizeof *r->branches))) return no_memory();
+    for (int i = 0; i < n; i++) {
+        bool meets = sheets[i].from == k->index || sheets[i].to == k->index;
+        const ric_edge *e = sheets[i].edge;
+        for (int j = 0; e && j < e->n_inner; j++) meets |= e->inner[j] == k->index;
+        if (meets) r->branches[count++] = i + 1;
+    }
+    (void)id;
+    r->row.branches = r->branches;
+    r->row.n_branch = count;
+    return RIC_OK;
+}
+
+static void link_sheets(int n, sheet *sheets, const int *id)
+{
+    for (int i = 0; i < n; i++) {
+        ric_branch_record *r = &sheets[i].record;
+        r->row.id = i + 1;
+        r->row.from = sheets[i].from >= 0 ? id[sheets[i].from] : 0;
+        r->row.to = sheets[i].to >= 0 ? id[sheets[i].to] : 0;
+        for (int k = 0; sheets[i].edge && k < sheets[i].edge->n_inner; k++) r->junctions[k] = id[sheets[i].edge->inner[k]];
+    }
+}
+
+ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
+{
+    ric_status status = RIC_OK;
+    const ric_model *m = g->model;
+    int n_sheet = 0, n_mark = 0;
+    sheet *sheets = calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
+    mark *marks = calloc((size_t)g->n_node + 1, sizeof *marks);
+    int *id = calloc((size_t)g->n_node + 1, sizeof *id);
+    ric_atlas *atlas = calloc(1, sizeof *atlas);
+    *out = NULL;
+    if (!sheets || !marks || !id || !atlas) {
+        status = no_memory();
+        goto out;
+    }
+    if ((status = linear_sheets(g, sheets, &n_sheet))) goto out;
+    for (int i = 0; i < g->n_edge && !status; i++) status = make_sheet(m, &g->edges[i], &sheets[n_sheet++]);
+    if (status) goto out;
+    for (int i = 0; i < g->n_node && !status; i++)
+        if (used_by(g, i)) status = make_mark(m, g->nodes[i], i, &marks[n_mark++]);
+    if (status) goto out;
+    qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
+    qsort(marks, (size_t)n_mark, sizeof *marks, mark_order);
+    for (int i = 0; i < n_mark; i++) {
+        marks[i].record.row.id = i + 1;
+        id[marks[i].index] = i + 1;
+    }
+    link_sheets(n_sheet, sheets, id);
+    for (int i = 0; i < n_mark && !status; i++) status = list_branches(&marks[i], n_sheet, sheets, id);
+    if (!status) status = label_marks(n_mark, marks);
+    if (!status) status = name_marks(study, n_mark, marks);
+    if (status) goto out;
+    if ((status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study))) goto out;
+    atlas->finished = finished;
+    atlas->branches = calloc((size_t)n_sheet + 1, sizeof *atlas->branches);
+    atlas->junctions = calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
+    if (!atlas->branches || !atlas->junctions) {
+        status = no_memory();
+        goto out;
+    }
+    for (int i = 0; i < n_sheet; i++) atlas->branches[i] = sheets[i].record;
+    for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
+    atlas->n_branch = n_sheet;
+    atlas->n_junction = n_mark;
+    *out = atlas;
+    atlas = NULL;
+    n_sheet = n_mark = 0;
+out:
+    for (int i = 0; sheets && i < n_sheet; i++) ric_branch_record_free(&sheets[i].record);
+    for (int i = 0; marks && i < n_mark; i++) ric_junction_record_free(&marks[i].record);
+    free(sheets);
+    free(marks);
+    free(id);
+    ric_atlas_free(atlas);
+    return status;
+}

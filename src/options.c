@@ -1,0 +1,327 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "options.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "status.h"
+
+#define FIELD(name) offsetof(ric_explore_options, name)
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+
+static const ric_option RIC_OPTIONS[] = {
+    /* section, key, type, field, default, min, max, above, unit, help */
+    {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
+     "linear modes to start from: modes for all, or a list such as [1, 2]"},
+    {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 200}, 0, 1e12, false, "scaled energy",
+     "energy window"},
+    {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0.2, 10}, 0, 1e12, true, "rad/s",
+     "window of the frequency that belongs to the shortest period"},
+    {"explore", "impacts", RIC_OPTION_INTEGER, FIELD(impacts), {24, 0}, 1, 4096, false, "impacts",
+     "largest number of impacts per period"},
+    {"explore", "multiply", RIC_OPTION_INTEGER, FIELD(multiply), {6, 0}, 1, 1000, false, "periods",
+     "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
+    {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
+     "departures from the start along the shortest path; 0 = unlimited"},
+    {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.1, 0}, 0, 10, true, "relative to 1 + norm of the state",
+     "largest arclength step"},
+    {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
+     "depart only to branches with z(t + T/2) = -z(t)"},
+    {"", "tolerance", RIC_OPTION_REAL, FIELD(tolerance), {1e-12, 0}, 1e-14, 1e-4, false, "relative",
+     "accuracy asked for"},
+};
+
+const ric_option *ric_options_list(int *n)
+{
+    *n = COUNT(RIC_OPTIONS);
+    return RIC_OPTIONS;
+}
+
+const ric_option *ric_option_find(const char *section, const char *key)
+{
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
+        if (!strcmp(RIC_OPTIONS[i].section, section) && !strcmp(RIC_OPTIONS[i].key, key))
+            return &RIC_OPTIONS[i];
+    return NULL;
+}
+
+static void *field(const ric_option *option, ric_explore_options *options)
+{
+    return (char *)options + option->offset;
+}
+
+static const void *const_field(const ric_option *option, const ric_explore_options *options)
+{
+    return (const char *)options + option->offset;
+}
+
+static void store(const ric_option *option, const double value[2], ric_explore_options *out)
+{
+    void *where = field(option, out);
+    switch (option->type) {
+    case RIC_OPTION_REAL: *(double *)where = value[0]; break;
+    case RIC_OPTION_INTEGER: *(int *)where = (int)value[0]; break;
+    case RIC_OPTION_SWITCH: *(bool *)where = value[0] != 0; break;
+    case RIC_OPTION_WINDOW: memcpy(where, value, 2 * sizeof *value); break;
+    case RIC_OPTION_MODES: out->n_start = 0; break;
+    }
+}
+
+void ric_explore_options_init(ric_explore_options *options)
+{
+    memset(options, 0, sizeof *options);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
+        store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
+}
+
+/* ----------------------------------------------------------------- numbers */
+
+static const char *digits(const char *text)
+{
+    while (isdigit((unsigned char)*text))
+        text++;
+    return text;
+}
+
+/* [-+] digits [. digits] [e [-+] digits], with a digit before or after the point: no hexadecimal, no blanks. */
+static bool is_decimal(const char *text)
+{
+    text += *text == '-' || *text == '+';
+    const char *whole = digits(text);
+    bool any = whole > text;
+    text = whole;
+    if (*text == '.') {
+        const char *end = digits(text + 1);
+        any = any || end > text + 1;
+        text = end;
+    }
+    if (any && (*text == 'e' || *text == 'E')) {
+        text += text[1] == '-' || text[1] == '+' ? 2 : 1;
+        const char *end = digits(text);
+        any = end > text;
+        text = end;
+    }
+    return any && *text == '\0';
+}
+
+static bool names_no_finite(const char *text)
+{
+    static const char *const names[] = {"nan", "inf", "infinity"};
+    char lower[12] = "";
+    text += *text == '-' || *text == '+';
+    text += *text == '.';
+    for (size_t i = 0; i + 1 < sizeof lower && text[i]; i++)
+        lower[i] = (char)tolower((unsigned char)text[i]);
+    for (int i = 0; i < COUNT(names); i++)
+        if (!strcmp(lower, names[i]))
+            return true;
+    return false;
+}
+
+ric_text_kind ric_text_real(const char *text, double *out)
+{
+    if (!is_decimal(text))
+        return names_no_finite(text) ? RIC_TEXT_NOT_FINITE : RIC_TEXT_NO_NUMBER;
+    *out = strtod(text, NULL);
+    return isfinite(*out) ? RIC_TEXT_NUMBER : RIC_TEXT_NOT_FINITE;
+}
+
+bool ric_text_integer(const char *text, long *out)
+{
+    const char *first = text + (*text == '-' || *text == '+');
+    if (!isdigit((unsigned char)*first) || *digits(first))
+        return false;
+    errno = 0;
+    *out = strtol(text, NULL, 10);
+    return errno == 0;
+}
+
+void ric_text_write(double value, FILE *out)
+{
+    char text[40];
+    for (int precision = 15; precision <= 17; precision++) {
+        snprintf(text, sizeof text, "%.*g", precision, value);
+        if (strtod(text, NULL) == value)
+            break;
+    }
+    fputs(text, out);
+}
+
+/* ----------------------------------------------------------------- reading */
+
+static void describe_range(const ric_option *option, size_t size, char *out)
+{
+    snprintf(out, size, "%s%g, %g]", option->above ? "(" : "[", option->min, option->max);
+}
+
+static ric_status read_number(const ric_option *option, const char *text, double *out)
+{
+    char range[64];
+    long whole = 0;
+    ric_text_kind kind = ric_text_real(text, out);
+    describe_range(option, sizeof range, range);
+    if (kind == RIC_TEXT_NOT_FINITE)
+        return ric_fail(RIC_E_INPUT, "'%.40s' is not finite; give a number in %s", text, range);
+    bool integer = option->type == RIC_OPTION_INTEGER || option->type == RIC_OPTION_MODES;
+    if (kind != RIC_TEXT_NUMBER || (integer && !ric_text_integer(text, &whole)))
+        return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text, integer ? " whole" : "", range);
+    if (*out < option->min || *out > option->max || (option->above && *out == option->min))
+        return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text, integer ? " whole" : "", range);
+    return RIC_OK;
+}
+
+static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts, double out[2], int *item)
+{
+    if (!list || n != 2)
+        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [%g, %g]", option->initial[0],
+                        option->initial[1]);
+    for (int i = 0; i < 2; i++) {
+        ric_status status = read_number(option, texts[i], &out[i]);
+        if (status) {
+            *item = i;
+            return status;
+        }
+    }
+    if (out[0] < out[1])
+        return RIC_OK;
+    return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first", out[0], out[1],
+                    out[0] == out[1] ? "empty" : "reversed");
+}
+
+static int compare_integers(const void *left, const void *right)
+{
+    int a = *(const int *)left, b = *(const int *)right;
+    return (a > b) - (a < b);
+}
+
+static ric_status read_modes(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
+{
+    int start[COUNT(out->start)];
+    double number;
+    if (!list && !strcmp(texts[0], "modes")) {
+        out->n_start = 0;
+        return RIC_OK;
+    }
+    if (!list || n < 1 || n > COUNT(start))
+        return ric_fail(RIC_E_INPUT, "expected the word modes or a list of 1 to %d mode numbers; write modes, or [1, 2]", COUNT(start));
+    for (int i = 0; i < n; i++) {
+        *item = i;
+        ric_status status = read_number(option, texts[i], &number);
+        if (status)
+            return status;
+        start[i] = (int)number;
+    }
+    *item = -1;
+    qsort(start, (size_t)n, sizeof *start, compare_integers);
+    for (int i = 1; i < n; i++)
+        if (start[i] == start[i - 1])
+            return ric_fail(RIC_E_INPUT, "mode %d is listed twice; name each mode once", start[i]);
+    memcpy(out->start, start, (size_t)n * sizeof *start);
+    out->n_start = n;
+    return RIC_OK;
+}
+
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
+{
+    double value[2] = {0, 0};
+    ric_status status = RIC_OK;
+    *item = -1;
+    if (option->type == RIC_OPTION_MODES)
+        return read_modes(option, list, n, texts, out, item);
+    if (option->type == RIC_OPTION_WINDOW)
+        status = read_window(option, list, n, texts, value, item);
+    else if (list)
+        return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
+    else if (option->type == RIC_OPTION_SWITCH) {
+        value[0] = !strcmp(texts[0], "true");
+        if (!value[0] && strcmp(texts[0], "false"))
+            return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them", texts[0]);
+    } else
+        status = read_number(option, texts[0], &value[0]);
+    if (!status)
+        store(option, value, out);
+    return status;
+}
+
+/* ----------------------------------------------------------------- writing */
+
+void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out)
+{
+    const void *where = const_field(option, options);
+    const double *real = where;
+    switch (option->type) {
+    case RIC_OPTION_REAL: ric_text_write(*real, out); break;
+    case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
+    case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
+    case RIC_OPTION_WINDOW:
+        fputc('[', out);
+        ric_text_write(real[0], out);
+        fputs(", ", out);
+        ric_text_write(real[1], out);
+        fputc(']', out);
+        break;
+    case RIC_OPTION_MODES:
+        if (options->n_start == 0)
+            fputs("modes", out);
+        for (int i = 0; i < options->n_start; i++)
+            fprintf(out, "%s%d%s", i ? ", " : "[", options->start[i], i + 1 == options->n_start ? "]" : "");
+        break;
+    }
+}
+
+static void write_default(const ric_option *option, size_t size, char *text)
+{
+    ric_explore_options defaults;
+    FILE *out = fmemopen(text, size, "w");
+    ric_explore_options_init(&defaults);
+    text[0] = '\0';
+    if (out) {
+        ric_option_write(option, &defaults, out);
+        fclose(out);
+    }
+}
+
+void ric_options_template(const char *section, FILE *out)
+{
+    char value[64], line[96];
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
+        const ric_option *option = &RIC_OPTIONS[i];
+        if (strcmp(option->section, section))
+            continue;
+        write_default(option, sizeof value, value);
+        snprintf(line, sizeof line, "%s%s: %s", section[0] ? "  " : "", option->key, value);
+        fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit, option->unit[0] ? ")" : "");
+    }
+}
+
+static const char *type_text(ric_option_type type)
+{
+    switch (type) {
+    case RIC_OPTION_REAL: return "number";
+    case RIC_OPTION_INTEGER: return "whole number";
+    case RIC_OPTION_SWITCH: return "true or false";
+    case RIC_OPTION_WINDOW: return "[lower, upper]";
+    case RIC_OPTION_MODES: return "`modes` or a list";
+    }
+    return "";
+}
+
+void ric_options_document(FILE *out)
+{
+    char value[64], range[64];
+    fputs("# Options of a study\n\n"
+          "Keys of the section `explore` of a study, and keys at its top. All are optional. This page is made from the list in\n"
+          "`src/options.c`; `tests/test_options.c` compares the two.\n\n"
+          "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n", out);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
+        const ric_option *option = &RIC_OPTIONS[i];
+        write_default(option, sizeof value, value);
+        describe_range(option, sizeof range, range);
+        fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "", option->key,
+                type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range, option->unit, option->help);
+    }
+}

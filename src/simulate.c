@@ -1,0 +1,701 @@
+/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself.
+ *
+ * It shares no code with the orbit solver, so that agreement between the two means something (docs/theory.md section 11). It makes its
+ * own modal decomposition, K phi = omega^2 M phi with phi' M phi = 1, by Jacobi rotations in extended precision. Flight is closed form
+ * from the last impact on: with h = omega tau / 2,
+ *     q(tau) = q + 2 sin h (cos h p / omega - sin h q),   p(tau) = p cos 2h - omega q sin 2h,
+ * which keeps the relative accuracy of q(tau) - q for short times; q + p tau where omega = 0. Impact on face f: p -= (1+eps) (c.p)/(c.c) c.
+ *
+ * The next impact is searched with a guarantee. On [a, b], h = b - a, the cubic Hermite interpolant H of a gap g satisfies
+ *     |g - H| <= D4 h^4 / 384,  |g' - H'| <= D4 h^3 sqrt(3) / 216,  |g'' - H''| <= D4 h^2 / 12   (Birkhoff and Priver 1967),
+ * where D4 = sum |c_i| omega_i^3 sqrt((omega_i q_i)^2 + p_i^2) bounds the fourth derivative for ever. The Bernstein coefficients of H, H', H''
+ * bound these in turn. An interval is dropped, or known to be monotone, convex or concave, or is halved.
+ * Only a maximum beyond the face by more than rounding is an impact; anything less is a touch, which changes no velocity.
+ * Cost: O(n) per evaluation, some dozen evaluations per face and impact. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "status.h"
+
+/* Rounding of a sum of modes, relative to the sum of the moduli: a few dozen operations of DBL_EPSILON each. */
+#define ROUNDING (32 * DBL_EPSILON)
+/* A start may be beyond a stop by this part of the clearance: twelve digits of a state typed by hand leave that much. */
+#define BEYOND 1e-10
+/* Faces that close within this part of the clearance of each other close together. */
+#define TOGETHER 1e-12
+/* Cosine of two normals in the metric M^-1 below which impacts commute. */
+#define ORTHOGONAL 1e-12
+/* Accelerations below this part of their bound have no certain sign. */
+#define STEADY 1e-10
+/* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in a lasting contact. */
+#define CHATTER 1e-6
+
+typedef struct {
+    int contact, side;
+    double limit;          /* scaled clearance: the face is at side * s = limit */
+    const double *c;       /* [n] modal normal, borrowed from the simulator */
+    double cc;
+    double noise;          /* what the rounding of the given state leaves uncertain in s */
+    /* of the present flight */
+    double start;          /* side * s - level at its start; exactly 0 on the face */
+    double level;          /* limit, or a little more if the flight starts beyond it by rounding */
+    double D[5];           /* D[k] bounds the k-th derivative of s; D[0] = infinity if a free mode drifts */
+    double band;           /* rounding of s */
+} face_t;
+
+struct ric_simulator {
+    int n, n_face;
+    double restitution;
+    bool started;
+    double *omega;         /* [n] rad/s, 0 for a free mode */
+    double *phi, *mphi;    /* [n * n] row i is mode i: phi_i and M phi_i */
+    double *c;             /* [n_contact * n] */
+    face_t *face;          /* [n_face] */
+    double *b;             /* [n_contact * n] raw normals */
+    double *q, *p;         /* [n] modal state at the start of the flight */
+    double origin, origin_low; /* time of that, with what rounding dropped from it */
+    double now;            /* present time, from the origin */
+    double known;          /* no impact before this time, from the origin */
+    double scanned;        /* reach is known up to here */
+    double next;           /* time of the next impact, infinite if it is not found yet */
+    int next_face;
+    bool examined;         /* the start of the flight has been looked at */
+    double reach;
+    double *store;         /* what the arrays above lie in */
+};
+
+/* A face's gap g = side * s - level and its first two derivatives at one time. */
+typedef struct { double t, g[3]; } sample;
+
+/* ------------------------------------------------------------------- modes */
+
+/* A = L L' in place; false if A is not positive definite. */
+static bool cholesky(int n, long double *A)
+{
+    for (int j = 0; j < n; j++) {
+        for (int i = j; i < n; i++) {
+            long double sum = A[i * n + j];
+            for (int k = 0; k < j; k++) sum -= A[i * n + k] * A[j * n + k];
+            if (i == j && !(sum > 0)) return false;
+            A[i * n + j] = i == j ? sqrtl(sum) : sum / A[j * n + j];
+        }
+    }
+    return true;
+}
+
+/* Rows of X [n * n] each become L^-1 times them. */
+static void solve_rows(int n, const long double *L, long double *X)
+{
+    for (int r = 0; r < n; r++)
+        for (int i = 0; i < n; i++) {
+            for (int k = 0; k < i; k++) X[r * n + i] -= L[i * n + k] * X[r * n + k];
+            X[r * n + i] /= L[i * n + i];
+        }
+}
+
+static void transpose(int n, long double *A)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            long double t = A[i * n + j];
+            A[i * n + j] = A[j * n + i];
+            A[j * n + i] = t;
+        }
+}
+
+static void rotate(int n, long double *x, long double *y, long double cosine, long double sine)
+{
+    for (int k = 0; k < n; k++) {
+        long double u = x[k], v = y[k];
+        x[k] = cosine * u - sine * v;
+        y[k] = sine * u + cosine * v;
+    }
+}
+
+/* One rotation that clears A[i][j] of a symmetric A kept in full; V collects the eigenvectors as rows (Golub and Van Loan, 8.5). */
+static void clear(int n, int i, int j, long double *A, long double *V)
+{
+    long double aij = A[i * n + j], theta = (A[j * n + j] - A[i * n + i]) / (2 * aij);
+    long double t = copysignl(1, theta) / (fabsl(theta) + hypotl(1, theta)), cosine = 1 / hypotl(1, t), sine = t * cosine;
+    long double aii = A[i * n + i] - t * aij, ajj = A[j * n + j] + t * aij;
+    rotate(n, A + i * n, A + j * n, cosine, sine);
+    for (int k = 0; k < n; k++) {
+        A[k * n + i] = A[i * n + k];
+        A[k * n + j] = A[j * n + k];
+    }
+    A[i * n + i] = aii;
+    A[j * n + j] = ajj;
+    A[i * n + j] = A[j * n + i] = 0;
+    rotate(n, V + i * n, V + j * n, cosine, sine);
+}
+
+static bool jacobi(int n, long double *A, long double *V)
+{
+    enum { SWEEPS = 60 };
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        bool done = true;
+        for (int i = 0; i < n; i++)
+            for (int j = i + 1; j < n; j++) {
+                long double scale = sqrtl(fabsl(A[i * n + i] * A[j * n + j])) + LDBL_EPSILON * (fabsl(A[i * n + i]) + fabsl(A[j * n + j]));
+                if (fabsl(A[i * n + j]) <= LDBL_EPSILON * scale) continue;
+                clear(n, i, j, A, V);
+                done = false;
+            }
+        if (done) return true;
+    }
+    return false;
+}
+
+/* omega_i of row phi_i. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K themselves. */
+static double frequency(int n, const double *K, const long double *phi)
+{
+    long double sum = 0, size = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double term = phi[i] * K[i * n + j] * phi[j];
+            sum += term;
+            size += fabsl(term);
+        }
+    return sum <= ROUNDING * size ? 0 : (double)sqrtl(sum);
+}
+
+static void store_modes(ric_simulator *sim, const ric_model *model, const long double *phi)
+{
+    int n = sim->n;
+    const double *M = ric_model_mass(model);
+    for (int i = 0; i < n; i++) {
+        sim->omega[i] = frequency(n, ric_model_stiffness(model), phi + i * n);
+        for (int j = 0; j < n; j++) {
+            long double sum = 0;
+            for (int k = 0; k < n; k++) sum += phi[i * n + k] * M[k * n + j];
+            sim->phi[i * n + j] = (double)phi[i * n + j];
+            sim->mphi[i * n + j] = (double)sum;
+        }
+    }
+    for (int f = 0; f < ric_model_n_contact(model); f++)
+        for (int i = 0; i < n; i++) {
+            long double sum = 0;
+            for (int j = 0; j < n; j++) sum += phi[i * n + j] * sim->b[f * n + j];
+            sim->c[f * n + i] = (double)sum;
+        }
+}
+
+/* M = L L', A = L^-1 K L^-T = V' diag V, phi = L^-T V. */
+static ric_status make_modes(ric_simulator *sim, const ric_model *model)
+{
+    ric_status status = RIC_OK;
+    int n = sim->n;
+    size_t nn = (size_t)n * (size_t)n;
+    const double *M = ric_model_mass(model), *K = ric_model_stiffness(model);
+    long double *L = calloc(3 * nn, sizeof *L), *A = L + nn, *V = A + nn;
+    if (!L) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", n);
+        goto out;
+    }
+    for (size_t i = 0; i < nn; i++) {
+        L[i] = M[i];
+        A[i] = K[i];
+    }
+    for (int i = 0; i < n; i++) V[i * n + i] = 1;
+    if (!cholesky(n, L)) {
+        status = ric_fail(RIC_E_INPUT, "mass matrix is not positive definite");
+        goto out;
+    }
+    solve_rows(n, L, A);
+    transpose(n, A);
+    solve_rows(n, L, A);
+    if (!jacobi(n, A, V)) {
+        status = ric_fail(RIC_E_NUMERIC, "the modes of the structure did not converge; are mass and stiffness scaled sensibly?");
+        goto out;
+    }
+    for (int r = 0; r < n; r++) /* rows of V: solve L' x = v */
+        for (int i = n - 1; i >= 0; i--) {
+            for (int k = i + 1; k < n; k++) V[r * n + i] -= L[k * n + i] * V[r * n + k];
+            V[r * n + i] /= L[i * n + i];
+        }
+    store_modes(sim, model, V);
+out:
+    free(L);
+    return status;
+}
+
+/* ------------------------------------------------------------------ create */
+
+static ric_status make_faces(ric_simulator *sim, const ric_model *model)
+{
+    int n = sim->n;
+    for (int f = 0; f < ric_model_n_contact(model); f++) {
+        ric_contact contact;
+        ric_status status = ric_model_contact(model, f, &contact);
+        if (status) return status;
+        if (contact.law != RIC_LAW_RIGID)
+            return ric_fail(RIC_E_INPUT, "contact %d has no rigid law; the simulator knows rigid stops only", f + 1);
+        memcpy(sim->b + f * n, contact.normal, (size_t)n * sizeof(double));
+        for (int side = 1; side >= -1; side -= 2) {
+            if (contact.sides == (side > 0 ? RIC_SIDES_LOWER : RIC_SIDES_UPPER)) continue;
+            sim->face[sim->n_face++] = (face_t){
+                .contact = f, .side = side, .limit = contact.clearance / ric_model_length(model), .c = sim->c + f * n};
+        }
+    }
+    return RIC_OK;
+}
+
+static double dot(int n, const double *x, const double *y)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * y[i];
+    return sum;
+}
+
+ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
+{
+    ric_status status = RIC_OK;
+    int n = ric_model_n_dof(model), n_contact = ric_model_n_contact(model);
+    size_t nn = (size_t)n * (size_t)n, cn = (size_t)n_contact * (size_t)n;
+    ric_simulator *sim = calloc(1, sizeof *sim);
+    *out = NULL;
+    if (!sim || !(sim->store = calloc(3 * (size_t)n + 2 * nn + 2 * cn, sizeof(double))) ||
+        !(sim->face = calloc(2 * (size_t)n_contact + 1, sizeof *sim->face))) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a simulator of %d degrees of freedom", n);
+        goto out;
+    }
+    sim->n = n;
+    sim->restitution = ric_model_restitution(model);
+    sim->omega = sim->store;
+    sim->q = sim->omega + n;
+    sim->p = sim->q + n;
+    sim->phi = sim->p + n;
+    sim->mphi = sim->phi + nn;
+    sim->c = sim->mphi + nn;
+    sim->b = sim->c + cn;
+    if ((status = make_faces(sim, model))) goto out;
+    if ((status = make_modes(sim, model))) goto out;
+    for (int f = 0; f < sim->n_face; f++) sim->face[f].cc = dot(n, sim->face[f].c, sim->face[f].c);
+    *out = sim;
+    sim = NULL;
+out:
+    ric_simulator_free(sim);
+    return status;
+}
+
+void ric_simulator_free(ric_simulator *sim)
+{
+    if (!sim) return;
+    free(sim->store);
+    free(sim->face);
+    free(sim);
+}
+
+/* ------------------------------------------------------------------ flight */
+
+static sample look(const ric_simulator *sim, const face_t *face, double t)
+{
+    double s = 0, v = 0, a = 0;
+    for (int i = 0; i < sim->n; i++) {
+        double c = face->c[i], omega = sim->omega[i], q = sim->q[i], p = sim->p[i];
+        if (omega > 0) {
+            double sine = sin(omega * t / 2), cosine = cos(omega * t / 2), both = 2 * sine * cosine, one = 1 - 2 * sine * sine;
+            s += c * 2 * sine * (cosine * p / omega - sine * q);
+            v += c * (p * one - omega * q * both);
+            a -= c * omega * (omega * q * one + p * both);
+        } else {
+            s += c * p * t;
+            v += c * p;
+        }
+    }
+    return (sample){t, {face->start + face->side * s, face->side * v, face->side * a}};
+}
+
+/* Modal state at time t of the flight. */
+static void fly(const ric_simulator *sim, double t, double *q, double *p)
+{
+    for (int i = 0; i < sim->n; i++) {
+        double omega = sim->omega[i], qi = sim->q[i], pi = sim->p[i];
+        if (omega > 0) {
+            double sine = sin(omega * t), cosine = cos(omega * t);
+            q[i] = qi * cosine + pi / omega * sine;
+            p[i] = pi * cosine - omega * qi * sine;
+        } else {
+            q[i] = qi + pi * t;
+            p[i] = pi;
+        }
+    }
+}
+
+static void bound_face(const ric_simulator *sim, face_t *face)
+{
+    double s = 0, size = face->limit;
+    memset(face->D, 0, sizeof face->D);
+    for (int i = 0; i < sim->n; i++) {
+        double c = fabs(face->c[i]), omega = sim->omega[i], speed = c * hypot(omega * sim->q[i], sim->p[i]);
+        s += face->c[i] * sim->q[i];
+        size += omega > 0 ? speed / omega : c * fabs(sim->q[i]);
+        face->D[0] += omega > 0 ? speed / omega : speed > 0 ? INFINITY : c * fabs(sim->q[i]);
+        for (int k = 1; k <= 4; k++, speed *= omega) face->D[k] += speed;
+    }
+    face->band = ROUNDING * size + face->noise;
+    face->level = fmax(face->limit, face->side * s);
+    face->start = face->side * s - face->level;
+    if (face->start >= -face->band) face->start = 0;
+}
+
+/* From the modal state in sim->q, sim->p at the present origin on. */
+static void begin_flight(ric_simulator *sim)
+{
+    for (int f = 0; f < sim->n_face; f++) bound_face(sim, &sim->face[f]);
+    sim->now = sim->known = sim->scanned = 0;
+    sim->next = INFINITY;
+    sim->next_face = -1;
+    sim->examined = false;
+}
+
+static double time_of(const ric_simulator *sim, double t)
+{
+    return sim->origin + (sim->origin_low + t);
+}
+
+/* Moves the origin to time t of the flight; compensated, so that long runs lose no time (Kahan 1965). */
+static void move_origin(ric_simulator *sim, double t)
+{
+    double step = sim->origin_low + t, sum = sim->origin + step;
+    sim->origin_low = step - (sum - sim->origin);
+    sim->origin = sum;
+}
+
+/* ---------------------------------------------------- guaranteed intervals */
+
+typedef enum { BELOW, RISING, FALLING, CONVEX, CONCAVE, FLAT, UNKNOWN } shape;
+
+/* What is certain about g on [a, b]; BELOW: g <= level throughout; FLAT: it is a straight line to rounding. */
+static shape classify(const face_t *face, const sample *a, const sample *b, double level)
+{
+    double h = b->t - a->t, D4 = face->D[4], e0 = D4 * h * h * h * h / 384, e1 = D4 * h * h * h * (sqrt(3.0) / 216), e2 = D4 * h * h / 12;
+    double left = a->g[0] + h * a->g[1] / 3, right = b->g[0] - h * b->g[1] / 3;
+    if (fmax(fmax(a->g[0], b->g[0]), fmax(left, right)) + e0 <= level) return BELOW;
+    double noise = face->band / (8 * h);
+    double middle = 3 * (right - left) / h;
+    if (fmin(fmin(a->g[1], b->g[1]), middle - noise) - e1 > 0) return RISING;
+    if (fmax(fmax(a->g[1], b->g[1]), middle + noise) + e1 < 0) return FALLING;
+    double first = 2 * (middle - a->g[1]) / h, last = 2 * (b->g[1] - middle) / h, noise2 = 2 * noise / h;
+    if (fmin(first, last) - noise2 - e2 > 0) return CONVEX;
+    if (fmax(first, last) + noise2 + e2 < 0) return CONCAVE;
+    double bend = h * h * fmax(fabs(first), fabs(last)) / 8;
+    return e0 + bend <= face->band / 2 ? FLAT : UNKNOWN;
+}
+
+/* Zero of g (order 0) or g' (order 1) between lo and hi, where it changes sign: Newton's method kept inside a shrinking bracket. */
+static sample zero(const ric_simulator *sim, const face_t *face, int order, sample lo, sample hi)
+{
+    enum { STEPS = 200 };
+    bool rising = hi.g[order] > 0;
+    sample x = fabs(lo.g[order]) < fabs(hi.g[order]) ? lo : hi;
+    double last = hi.t - lo.t;
+    for (int i = 0; i < STEPS && x.g[order] != 0; i++) {
+        double step = -x.g[order] / x.g[order + 1], t = x.t + step;
+        if (!(t > lo.t && t < hi.t) || fabs(step) > last / 2) t = lo.t + (hi.t - lo.t) / 2;
+        last = fabs(t - x.t);
+        if (t == lo.t || t == hi.t || last <= DBL_EPSILON / 2 * t) break;
+        x = look(sim, face, t);
+        if ((x.g[order] > 0) == rising) hi = x;
+        else lo = x;
+    }
+    return x;
+}
+
+/* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or convex, there. */
+static double rise(const ric_simulator *sim, const face_t *face, sample a, const sample *b)
+{
+    if (a.g[1] < 0 && b->g[1] > 0) a = zero(sim, face, 1, a, *b);
+    if (a.g[0] >= 0) return fmax(0, a.g[1] > 0 ? a.t - a.g[0] / a.g[1] : a.t);
+    return zero(sim, face, 0, a, *b).t;
+}
+
+/* First time in [a, b] at which the face is met, infinite if it is not. */
+static double first_crossing(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b)
+{
+    shape kind = classify(face, a, b, face->band);
+    if (kind == BELOW || kind == FALLING) return INFINITY;
+    if (kind == CONCAVE && a->g[1] > 0 && b->g[1] < 0) {
+        sample top = zero(sim, face, 1, *a, *b);
+        return top.g[0] > face->band ? rise(sim, face, *a, &top) : INFINITY;
+    }
+    if (kind != UNKNOWN) return b->g[0] > face->band ? rise(sim, face, *a, b) : INFINITY;
+    sample middle = look(sim, face, a->t + (b->t - a->t) / 2);
+    double t = first_crossing(sim, face, a, &middle);
+    return t < INFINITY ? t : first_crossing(sim, face, &middle, b);
+}
+
+/* Largest stationary value of g in [a, b], if it is above `best` by more than rounding; else `best`. */
+static double highest(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b, double best)
+{
+    shape kind = classify(face, a, b, best + face->band);
+    if (kind == CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
+    if (kind != UNKNOWN) return best;
+    sample middle = look(sim, face, a->t + (b->t - a->t) / 2);
+    best = highest(sim, face, a, &middle, best);
+    return highest(sim, face, &middle, b, best);
+}
+
+/* A first length for which the interpolant is within a few percent of the clearance. */
+static double panel(const face_t *face)
+{
+    return face->D[4] > 0 ? sqrt(sqrt(20 * face->limit / face->D[4])) : INFINITY;
+}
+
+static double search_face(const ric_simulator *sim, const face_t *face, double from, double to)
+{
+    if (face->D[0] < face->level) return INFINITY;
+    double found = INFINITY, h = panel(face);
+    sample a = look(sim, face, from);
+    while (a.t < to && found == INFINITY) {
+        sample b = look(sim, face, fmin(to, a.t + h));
+        if (b.t <= a.t) break;
+        found = first_crossing(sim, face, &a, &b);
+        a = b;
+    }
+    return found;
+}
+
+/* ------------------------------------------------------------------- reach */
+
+/* g <-> reach, the gap coordinate over the clearance. */
+static double to_reach(const face_t *face, double g)
+{
+    return (g + face->level) / face->limit;
+}
+
+static void scan_reach(ric_simulator *sim, double to)
+{
+    for (int f = 0; f < sim->n_face; f++) {
+        const face_t *face = &sim->face[f];
+        double h = panel(face);
+        sample a = look(sim, face, sim->scanned);
+        while (a.t < to && face->D[0] > sim->reach * face->limit + face->band) {
+            sample b = look(sim, face, fmin(to, a.t + h));
+            if (b.t <= a.t) break;
+            double level = sim->reach * face->limit - face->level, top = highest(sim, face, &a, &b, level);
+            if (top > level) sim->reach = to_reach(face, top);
+            a = b;
+        }
+    }
+    sim->scanned = fmax(sim->scanned, to);
+}
+
+/* The start itself is a largest value where the gap coordinate falls from there on, unless the face has just been left. */
+static void start_reach(ric_simulator *sim)
+{
+    for (int f = 0; f < sim->n_face; f++) {
+        const face_t *face = &sim->face[f];
+        sample a = look(sim, face, 0);
+        bool still = fabs(a.g[1]) <= ROUNDING * face->D[1], left = a.g[0] >= -BEYOND * face->limit && !still;
+        if (a.g[1] <= 0 || still)
+            if (!left) sim->reach = fmax(sim->reach, to_reach(face, a.g[0]));
+    }
+}
+
+double ric_simulator_reach(const ric_simulator *sim)
+{
+    double reach = sim->reach;
+    if (!sim->started || sim->now == 0) return reach;
+    for (int f = 0; f < sim->n_face; f++) {
+        sample a = look(sim, &sim->face[f], sim->now);
+        if (a.g[1] >= 0) reach = fmax(reach, to_reach(&sim->face[f], a.g[0]));
+    }
+    return reach;
+}
+
+/* ------------------------------------------------------------------ events */
+
+/* A face that the flight starts on: moving into it is an impact at once; resting on it under an acceleration into it, or rebounding ever
+ * faster (the sum of all flights 2u/a (1 + eps + eps^2 + ...) is over before the acceleration a changes), is a lasting contact. */
+static ric_status examine_face(ric_simulator *sim, int f)
+{
+    const face_t *face = &sim->face[f];
+    sample a = look(sim, face, 0);
+    if (a.g[0] != 0) return RIC_OK;
+    double still = ROUNDING * face->D[1], u = -a.g[1], acceleration = a.g[2], eps = sim->restitution;
+    if (-u > still) {
+        sim->next = 0;
+        sim->next_face = f;
+        return RIC_OK;
+    }
+    if (acceleration <= STEADY * face->D[2]) return RIC_OK;
+    if (fabs(u) <= still)
+        return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
+                        "contact is outside the impact law, so the motion ends here", time_of(sim, 0), f, acceleration);
+    if (eps < 1 && u <= CHATTER * face->D[1] && face->D[3] * 2 * u / (1 - eps) <= acceleration * acceleration / 2)
+        return ric_fail(RIC_E_NUMERIC, "impacts on face %d pile up before time %.9g (chatter with restitution %g); the structure comes to rest "
+                        "on the stop, which is outside the impact law, so the motion ends here", f,
+                        time_of(sim, 2 * u / acceleration / (1 - eps)), eps);
+    return RIC_OK;
+}
+
+/* Finds the next impact, or that there is none up to time `to` of the flight. */
+static ric_status find_next(ric_simulator *sim, double to)
+{
+    enum { PANELS = 16 };
+    double chunk = INFINITY;
+    if (!sim->examined) {
+        for (int f = 0; f < sim->n_face; f++) {
+            ric_status status = examine_face(sim, f);
+            if (status) return status;
+        }
+        sim->examined = true;
+    }
+    for (int f = 0; f < sim->n_face; f++) chunk = fmin(chunk, PANELS * panel(&sim->face[f]));
+    while (sim->next == INFINITY && sim->known < to) {
+        double end = chunk < INFINITY ? sim->known + chunk : to;
+        bool open = false;
+        for (int f = 0; f < sim->n_face; f++) {
+            double t = search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
+            open |= sim->face[f].D[0] >= sim->face[f].level;
+            if (t >= sim->next) continue;
+            sim->next = t;
+            sim->next_face = f;
+        }
+        if (end <= sim->known) return ric_fail(RIC_E_NUMERIC, "time %.17g is too long for the fastest motion of the structure", to);
+        sim->known = open ? end : INFINITY;
+    }
+    return RIC_OK;
+}
+
+/* Two faces at one instant: only if their normals are orthogonal in M^-1 does the order not matter. */
+static ric_status check_alone(const ric_simulator *sim, int f, double t)
+{
+    const face_t *face = &sim->face[f];
+    for (int k = 0; k < sim->n_face; k++) {
+        const face_t *other = &sim->face[k];
+        if (k == f || other->contact == face->contact) continue;
+        double g = look(sim, other, t).g[0];
+        if (fabs(g) > TOGETHER * other->limit + other->band) continue;
+        if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
+        return ric_fail(RIC_E_NUMERIC, "faces %d and %d are met together at time %.9g and one impact changes the speed at the other: the impact "
+                        "law is undefined there, so the motion ends here", f < k ? f : k, f < k ? k : f, time_of(sim, t));
+    }
+    return RIC_OK;
+}
+
+/* An impact turns the gap coordinates of other contacts back too: a largest value with a kink. */
+static void kink_reach(ric_simulator *sim, const face_t *face, double t, double change)
+{
+    for (int k = 0; k < sim->n_face; k++) {
+        const face_t *other = &sim->face[k];
+        if (other->contact == face->contact) continue;
+        sample a = look(sim, other, t);
+        double after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
+        if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, to_reach(other, a.g[0]));
+    }
+}
+
+static ric_status strike(ric_simulator *sim, ric_impact *impact)
+{
+    int n = sim->n, f = sim->next_face;
+    const face_t *face = &sim->face[f];
+    double t = sim->next;
+    scan_reach(sim, t);
+    sim->now = t;
+    ric_status status = check_alone(sim, f, t);
+    if (status) return status;
+    double speed = look(sim, face, t).g[1], change = -(1 + sim->restitution) * speed / face->cc * face->side;
+    if (t == 0 && speed <= ROUNDING * face->D[1])
+        return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
+                        "ends here", time_of(sim, 0), f);
+    if (impact) *impact = (ric_impact){time_of(sim, t), f, speed, fabs(change)};
+    kink_reach(sim, face, t, change);
+    fly(sim, t, sim->q, sim->p);
+    for (int i = 0; i < n; i++) sim->p[i] += change * face->c[i];
+    move_origin(sim, t);
+    begin_flight(sim);
+    return RIC_OK;
+}
+
+/* --------------------------------------------------------------- interface */
+
+/* The last digit of the given x and v, carried through the modes to the gaps. */
+static void start_noise(ric_simulator *sim, const double *x, const double *v)
+{
+    int n = sim->n;
+    for (int f = 0; f < sim->n_face; f++) {
+        face_t *face = &sim->face[f];
+        face->noise = 0;
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) {
+                double size = fabs(x[j]) + (sim->omega[i] > 0 ? fabs(v[j]) / sim->omega[i] : 0);
+                face->noise += 2 * DBL_EPSILON * fabs(face->c[i] * sim->mphi[i * n + j]) * size;
+            }
+    }
+}
+
+static ric_status check_start(const ric_simulator *sim, const double *x, const double *v)
+{
+    for (int i = 0; i < sim->n; i++)
+        if (!isfinite(x[i]) || !isfinite(v[i]))
+            return ric_fail(RIC_E_INPUT, "state: number %d is not finite", isfinite(x[i]) ? sim->n + i + 1 : i + 1);
+    for (int f = 0; f < sim->n_face; f++) {
+        const face_t *face = &sim->face[f];
+        double s = face->side * dot(sim->n, sim->b + face->contact * sim->n, x);
+        if (s > face->limit * (1 + BEYOND))
+            return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g: its gap coordinate is %.9g and the stop is at %.9g; start on this "
+                            "side of it", f, s - face->limit, face->side * s, face->side * face->limit);
+    }
+    return RIC_OK;
+}
+
+ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v)
+{
+    ric_status status = check_start(sim, x, v);
+    sim->started = false;
+    if (status) return status;
+    for (int i = 0; i < sim->n; i++) {
+        sim->q[i] = dot(sim->n, sim->mphi + i * sim->n, x);
+        sim->p[i] = dot(sim->n, sim->mphi + i * sim->n, v);
+    }
+    sim->origin = sim->origin_low = 0;
+    sim->reach = 0;
+    start_noise(sim, x, v);
+    begin_flight(sim);
+    start_reach(sim);
+    sim->started = true;
+    return RIC_OK;
+}
+
+ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact)
+{
+    *hit = false;
+    if (!sim->started) return ric_fail(RIC_E_INPUT, "the simulator has no state yet; start it first");
+    double to = (t - sim->origin) - sim->origin_low;
+    if (!isfinite(t) || to < sim->now - 4 * DBL_EPSILON * fabs(t))
+        return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, time_of(sim, sim->now));
+    to = fmax(to, sim->now);
+    ric_status status = find_next(sim, to);
+    if (status) return status;
+    if (sim->next <= to) {
+        if ((status = strike(sim, impact))) return status;
+        *hit = true;
+        return RIC_OK;
+    }
+    scan_reach(sim, to);
+    sim->now = to;
+    return RIC_OK;
+}
+
+void ric_simulator_state(const ric_simulator *sim, double *time, double *x, double *v)
+{
+    int n = sim->n;
+    if (time) *time = time_of(sim, sim->now);
+    for (int j = 0; j < n; j++) {
+        if (x) x[j] = 0;
+        if (v) v[j] = 0;
+    }
+    for (int i = 0; i < n; i++) {
+        double omega = sim->omega[i], sine = sin(omega * sim->now), cosine = cos(omega * sim->now);
+        double q = omega > 0 ? sim->q[i] * cosine + sim->p[i] / omega * sine : sim->q[i] + sim->p[i] * sim->now;
+        double p = sim->p[i] * cosine - omega * sim->q[i] * sine;
+        for (int j = 0; j < n; j++) {
+            if (x) x[j] += sim->phi[i * n + j] * q;
+            if (v) v[j] += sim->phi[i * n + j] * p;
+        }
+    }
+}

@@ -1,0 +1,26 @@
+/* The atlas file: SQLite, one writer at a time. docs/atlas-format.md describes the tables. */
+#ifndef RIC_STORE_H
+#define RIC_STORE_H
+
+#include "atlas.h"
+
+typedef struct ric_store ric_store;
+
+/* Creates or opens `path` for a run of `study` and takes the lock. Refuses a foreign, damaged, newer or busy file, and one of another model
+ * (model = the text of `study` from its `model:` section, compared by the exact numbers). Nothing is changed on refusal. */
+ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out);
+void ric_store_close(ric_store *store);
+
+/* Traces done so far, by key: a bag of bytes that survives a kill. `get` returns RIC_OK with *blob = NULL when there is none; free(*blob). */
+ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, size_t *size);
+ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size);
+/* Makes what was put so far durable. */
+ric_status ric_store_commit(ric_store *store);
+
+/* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
+ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
+
+/* Reads the tables back into a new atlas (study parsed from the file). */
+ric_status ric_store_read(const char *path, ric_atlas **out);
+
+#endif

@@ -1,0 +1,175 @@
+#!/bin/sh
+# Every picture in every format, and that a failure leaves no file behind.
+# usage: RICOCHET=path/to/ricochet tests/cli_plot.sh [ATLAS]      (or: tests/cli_plot.sh RICOCHET ATLAS)
+# Without an atlas it makes a small one. Exit: 0 passed, 1 failed, 77 skipped.
+set -u
+if [ $# -ge 2 ]; then
+    RICOCHET=$1
+    shift
+fi
+ATLAS=${1:-${ATLAS:-}}
+RICOCHET=${RICOCHET:-ricochet}
+if ! command -v gnuplot >/dev/null 2>&1; then
+    echo "cli_plot.sh: skipped, gnuplot is not installed"
+    exit 77
+fi
+RICOCHET=$(command -v "$RICOCHET") || { echo "cli_plot.sh: no program ricochet"; exit 1; }
+RICOCHET=$(cd "$(dirname "$RICOCHET")" && pwd)/$(basename "$RICOCHET")
+[ -z "$ATLAS" ] || ATLAS=$(cd "$(dirname "$ATLAS")" && pwd)/$(basename "$ATLAS")
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+if [ -z "$ATLAS" ]; then
+    cat >study.yaml <<'END'
+title: Two masses with symmetric stops
+model:
+  mass: [[2, 0], [0, 1]]
+  stiffness: [[9, -1], [-1, 1]]
+  contacts:
+    - {normal: [-1, 1], clearance: 1.0, sides: both, law: rigid}
+explore: {energy: [0, 5], frequency: [0.5, 4], impacts: 2, multiply: 1, depth: 1}
+END
+    ATLAS=$work/small.atlas
+    if ! "$RICOCHET" run study.yaml -o "$ATLAS" >run.out 2>&1; then
+        cat run.out
+        echo "cli_plot.sh: the atlas to draw could not be made"
+        exit 1
+    fi
+fi
+passed=0
+failed=0
+
+note() { # note TEXT GOOD
+    if [ "$2" = 0 ]; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAILED: $1"
+        [ -s stderr ] && sed 's/^/    /' stderr
+    fi
+}
+
+# exits CODE ARGUMENTS...: the exit code, silence on stdout, and a message exactly when it failed
+exits() {
+    want=$1
+    shift
+    "$RICOCHET" "$@" >stdout 2>stderr
+    got=$?
+    note "'$*' exits $got instead of $want" "$([ $got -eq "$want" ]; echo $?)"
+    note "'$*' printed on stdout" "$([ ! -s stdout ]; echo $?)"
+    if [ "$want" -ne 0 ]; then
+        note "'$*' gave no message" "$([ -s stderr ]; echo $?)"
+    fi
+}
+
+# is_a FORMAT FILE: the right kind of file, whole from head to tail
+is_a() {
+    case $1 in
+    svg) head -c 300 "$2" | grep -q '<svg' && tail -c 20 "$2" | grep -q '</svg>' ;;
+    pdf) [ "$(head -c 5 "$2")" = '%PDF-' ] && tail -c 16 "$2" | grep -q '%%EOF' ;;
+    png) [ "$(head -c 4 "$2" | tail -c 3)" = PNG ] && tail -c 8 "$2" | head -c 4 | grep -q IEND ;;
+    esac
+}
+
+# draws NAME ARGUMENTS...: in all formats
+draws() {
+    name=$1
+    shift
+    for format in svg pdf png; do
+        exits 0 "$@" -o "$name.$format"
+        note "$name.$format is not a whole $format" "$(is_a $format "$name.$format" 2>/dev/null; echo $?)"
+        note "$name.$format is suspiciously small" "$([ "$(wc -c <"$name.$format" 2>/dev/null || echo 0)" -gt 2000 ]; echo $?)"
+    done
+}
+
+# leaves_nothing CODE ARGUMENTS...: fails without a file, not even a temporary one
+leaves_nothing() {
+    mkdir -p empty
+    exits "$@"
+    note "'$*' left files: $(ls -A empty)" "$([ -z "$(ls -A empty)" ]; echo $?)"
+}
+
+draws fep plot fep "$ATLAS"
+draws fep-linear plot fep "$ATLAS" --linear --size 700x500 --labels all
+draws fep-plain plot fep "$ATLAS" --labels none --title "it's a_{test} <&> \"quoted\" ~ \\ @ 100%"
+draws orbit plot orbit "$ATLAS" --branch 1 --point 0
+draws junction plot orbit "$ATLAS" --junction 1 --coordinates 1
+draws curves plot curves "$ATLAS" --x energy --y frequency
+draws curves-log plot curves "$ATLAS" --x energy --y x1 --log x --branch 1
+draws floquet plot floquet "$ATLAS" --branch 1
+
+# A file name is only a name, whatever it looks like.
+for name in 'a b.svg' "quote'.svg" '$(touch oops).svg' '| touch oops .svg' '-dash.svg' 'new
+line.svg'; do
+    "$RICOCHET" plot fep "$ATLAS" "-o=$name" >stdout 2>stderr
+    note "file name '$name'" "$(is_a svg "./$name" 2>/dev/null; echo $?)"
+done
+note "a file name was interpreted" "$([ ! -e oops ]; echo $?)"
+
+# The same picture twice, and an old picture replaced.
+"$RICOCHET" plot fep "$ATLAS" -o again.svg 2>stderr
+note "the same call gives another picture" "$(cmp -s fep.svg again.svg; echo $?)"
+echo old >again.png
+exits 0 plot fep "$ATLAS" -o again.png
+note "an old file was not replaced" "$(is_a png again.png; echo $?)"
+
+# Wrong calls: 2.
+leaves_nothing 2 plot
+leaves_nothing 2 plot nonsense "$ATLAS" -o empty/a.svg
+leaves_nothing 2 plot cascade "$ATLAS" -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS"
+leaves_nothing 2 plot fep -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" -o empty/a
+leaves_nothing 2 plot fep "$ATLAS" -o empty/a.jpeg
+leaves_nothing 2 plot fep "$ATLAS" -o empty
+leaves_nothing 2 plot fep "$ATLAS" extra -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --nonsense -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --energy 2:1 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --energy 0:1 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --frequency x:y -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --break 1e9 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --labels some -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --size 10x10 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --size big -o empty/a.svg
+leaves_nothing 2 plot orbit "$ATLAS" -o empty/a.svg
+leaves_nothing 2 plot orbit "$ATLAS" --branch 1 -o empty/a.svg
+leaves_nothing 2 plot orbit "$ATLAS" --branch 1 --point 0 --energy 1 -o empty/a.svg
+leaves_nothing 2 plot orbit "$ATLAS" --branch 1 --junction 1 -o empty/a.svg
+leaves_nothing 2 plot orbit "$ATLAS" --branch 1 --point 0 --coordinates 0 -o empty/a.svg
+leaves_nothing 2 plot orbit "$ATLAS" --branch 1 --point 0 --coordinates 1,,2 -o empty/a.svg
+leaves_nothing 2 plot curves "$ATLAS" --x energy -o empty/a.svg
+leaves_nothing 2 plot curves "$ATLAS" --x energy --y nonsense -o empty/a.svg
+leaves_nothing 2 plot curves "$ATLAS" --x energy --y x0 -o empty/a.svg
+leaves_nothing 2 plot floquet "$ATLAS" -o empty/a.svg
+
+# What could not be done: 1.
+echo "this is no atlas" >foreign
+leaves_nothing 1 plot fep missing.atlas -o empty/a.svg
+leaves_nothing 1 plot fep foreign -o empty/a.svg
+leaves_nothing 1 plot fep "$ATLAS" --energy 1e300:1e301 -o empty/a.svg
+leaves_nothing 1 plot fep "$ATLAS" -o empty/no-such-folder/a.svg
+leaves_nothing 1 plot orbit "$ATLAS" --branch 99999 --point 0 -o empty/a.svg
+leaves_nothing 1 plot orbit "$ATLAS" --branch 1 --point 99999999 -o empty/a.svg
+leaves_nothing 1 plot orbit "$ATLAS" --branch 1 --energy 1e300 -o empty/a.svg
+leaves_nothing 1 plot orbit "$ATLAS" --junction 99999 -o empty/a.svg
+leaves_nothing 1 plot curves "$ATLAS" --x energy --y tau99999 -o empty/a.svg
+leaves_nothing 1 plot floquet "$ATLAS" --branch 99999 -o empty/a.svg
+
+# gnuplot missing, failing, or writing half a picture.
+mkdir none failing half
+printf '#!/bin/sh\necho boom >&2\nexit 3\n' >failing/gnuplot
+printf '#!/bin/sh\necho half\n' >half/gnuplot
+chmod +x failing/gnuplot half/gnuplot
+with_only() { # with_only FOLDER: as leaves_nothing 1, seeing no programs but those of the folder
+    (PATH=$work/$1 && "$RICOCHET" plot fep "$ATLAS" -o empty/a.png) >stdout 2>stderr
+    [ $? -eq 1 ] && [ -s stderr ] && [ -z "$(ls -A empty)" ]
+}
+with_only none
+note "without gnuplot" $?
+with_only failing
+note "with a failing gnuplot" $?
+with_only half
+note "with a gnuplot that writes rubbish" $?
+
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ]

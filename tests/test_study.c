@@ -1,0 +1,690 @@
+/* The study reader: what a good study becomes, and for each kind of bad one the message: file, line, key, what is wrong, what is right. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "matrix_market.h"
+#include "ricochet.h"
+#include "study.h"
+
+/* Line by line, so that a test can replace one: line 1 is title, 7 the normal, 8 the clearance, ... */
+static const char *const good[] = {
+    "title: Two masses",                   /* 1 */
+    "model:",                              /* 2 */
+    "  mass: [[2, 0], [0, 1]]",            /* 3 */
+    "  stiffness: [[9, -1], [-1, 1]]",     /* 4 */
+    "  contacts:",                         /* 5 */
+    "    - name: stop",                    /* 6 */
+    "      normal: [-1, 1]",               /* 7 */
+    "      clearance: 1.5",                /* 8 */
+    "      sides: both",                   /* 9 */
+    "      law: rigid",                    /* 10 */
+    "explore:",                            /* 11 */
+    "  start: [2, 1]",                     /* 12 */
+    "  energy: [0, 100]",                  /* 13 */
+    "  frequency: [0.2, 10]",              /* 14 */
+    "  impacts: 12",                       /* 15 */
+    "  step: 0.05",                        /* 16 */
+    "  symmetric: true",                   /* 17 */
+    "names:",                              /* 18 */
+    "  - {name: C1_32, kind: branch-point, energy: 1.9013, frequency: 1.3820}", /* 19 */
+    "tolerance: 1e-11",                    /* 20 */
+};
+enum { N_LINE = sizeof good / sizeof *good };
+
+/* The good study with line `at` replaced (0: none). */
+static char *with_line(int at, const char *line)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    for (int i = 1; i <= N_LINE; i++)
+        fprintf(out, "%s\n", i == at ? line : good[i - 1]);
+    fclose(out);
+    return text;
+}
+
+static void refused(const char *text, int line, const char *key, const char *const *says)
+{
+    char place[200];
+    ric_study *study = NULL;
+    ric_status status = ric_study_parse(text, "dir/s.yaml", NULL, &study);
+    if (status != RIC_E_INPUT)
+        print_error("accepted:\n%s\n", text);
+    assert_int_equal(status, RIC_E_INPUT);
+    assert_null(study);
+    snprintf(place, sizeof place, "dir/s.yaml:%d: %s", line, key);
+    if (strncmp(ric_detail(), place, strlen(place)))
+        print_error("wanted '%s', got '%s'\n", place, ric_detail());
+    assert_memory_equal(ric_detail(), place, strlen(place));
+    assert_null(strchr(ric_detail(), '\n'));
+    for (; *says; says++) {
+        if (!strstr(ric_detail(), *says))
+            print_error("no '%s' in '%s'\n", *says, ric_detail());
+        assert_non_null(strstr(ric_detail(), *says));
+    }
+}
+
+#define SAYS(...) ((const char *const[]){__VA_ARGS__, NULL})
+
+static void line_refused(int at, const char *line, const char *key, const char *const *says)
+{
+    char *text = with_line(at, line);
+    refused(text, at, key, says);
+    free(text);
+}
+
+/* -------------------------------------------------------------------- good */
+
+static void good_study_is_read(void **state)
+{
+    char *text = with_line(0, NULL);
+    ric_study *study = NULL;
+    ric_name name;
+    ric_contact contact;
+    (void)state;
+    assert_int_equal(ric_study_parse(text, "s.yaml", NULL, &study), RIC_OK);
+    assert_string_equal(ric_study_title(study), "Two masses");
+    const ric_model *model = ric_study_model(study);
+    assert_int_equal(ric_model_n_dof(model), 2);
+    assert_true(ric_model_mass(model)[0] == 2 && ric_model_stiffness(model)[1] == -1 && ric_model_restitution(model) == 1);
+    assert_int_equal(ric_model_contact(model, 0, &contact), RIC_OK);
+    assert_string_equal(contact.name, "stop");
+    assert_true(contact.clearance == 1.5 && contact.normal[0] == -1 && contact.sides == RIC_SIDES_BOTH);
+    const ric_explore_options *o = ric_study_options(study);
+    assert_true(o->n_start == 2 && o->start[0] == 1 && o->start[1] == 2);
+    assert_true(o->energy[1] == 100 && o->impacts == 12 && o->max_step == 0.05 && o->symmetric_only && o->tolerance == 1e-11);
+    assert_true(o->multiply == 6 && o->depth == 3); /* defaults */
+    assert_int_equal(ric_study_n_name(study), 1);
+    assert_int_equal(ric_study_name(study, 0, &name), RIC_OK);
+    assert_string_equal(name.name, "C1_32");
+    assert_string_equal(name.kind, "branch-point");
+    assert_true(name.energy == 1.9013 && name.frequency == 1.3820);
+    assert_int_equal(ric_study_name(study, 1, &name), RIC_E_RANGE);
+    ric_study_free(study);
+    ric_study_free(NULL);
+    free(text);
+}
+
+static void text_comes_back_bit_for_bit(void **state)
+{
+    static const char text[] =
+        "title: \"quotes \\\" back\\\\slash \\t tab \\u2028 \xC3\xA9 \\U0001F600 # : no comment\"\n"
+        "model:\n  mass: [[0.1, 1e-17], [1e-17, 0.3333333333333333]]\n  stiffness: [[1e8, -0.7], [-0.7, 3]]\n  restitution: 0.85\n"
+        "  contacts:\n  - {normal: [1, 0], clearance: 0.1, sides: upper, name: '- a: b'}\n  - {normal: [0.3, -1], clearance: 2e-5}\n"
+        "names: [{name: 'C1_3,2', kind: extremum, energy: 0.1, frequency: 0.30000000000000004}]\n";
+    ric_study *first = NULL, *second = NULL;
+    (void)state;
+    assert_int_equal(ric_study_parse(text, "s", NULL, &first), RIC_OK);
+    assert_int_equal(ric_study_parse(ric_study_text(first), "t", NULL, &second), RIC_OK);
+    assert_string_equal(ric_study_text(first), ric_study_text(second));
+    assert_string_equal(ric_study_title(first), ric_study_title(second));
+    assert_string_equal(ric_study_title(first), "quotes \" back\\slash \t tab \xE2\x80\xA8 \xC3\xA9 \xF0\x9F\x98\x80 # : no comment");
+    assert_memory_equal(ric_model_mass(ric_study_model(first)), ric_model_mass(ric_study_model(second)), 4 * sizeof(double));
+    assert_memory_equal(ric_model_stiffness(ric_study_model(first)), ric_model_stiffness(ric_study_model(second)), 4 * sizeof(double));
+    assert_memory_equal(ric_study_options(first), ric_study_options(second), sizeof(ric_explore_options));
+    assert_non_null(strstr(ric_study_text(first), "\nmodel:\n"));
+    ric_study_free(first);
+    ric_study_free(second);
+}
+
+static void override_changes_option_and_text(void **state)
+{
+    char *text = with_line(0, NULL);
+    ric_study *study = NULL, *again = NULL;
+    (void)state;
+    assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
+    assert_int_equal(ric_study_override(study, "explore", "step", "0.007", "--max-step"), RIC_OK);
+    assert_true(ric_study_options(study)->max_step == 0.007);
+    assert_int_equal(ric_study_override(study, "explore", "step", "11", "--max-step"), RIC_E_INPUT);
+    assert_int_equal(strncmp(ric_detail(), "--max-step: 11 is out of range", 30), 0);
+    assert_int_equal(ric_study_override(study, "explore", "nonsense", "11", "--nonsense"), RIC_E_INPUT);
+    assert_int_equal(ric_study_parse(ric_study_text(study), "t", NULL, &again), RIC_OK);
+    assert_memory_equal(ric_study_options(study), ric_study_options(again), sizeof(ric_explore_options));
+    assert_int_equal(ric_study_n_name(again), 1);
+    ric_study_free(study);
+    ric_study_free(again);
+    free(text);
+}
+
+static void locale_does_not_matter(void **state)
+{
+    char *text = with_line(0, NULL);
+    ric_study *study = NULL;
+    (void)state;
+    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8"))
+        print_message("# no locale with a decimal comma here: not tried\n");
+    assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
+    assert_non_null(strstr(ric_study_text(study), "clearance: 1.5\n"));
+    setlocale(LC_NUMERIC, "C");
+    ric_study_free(study);
+    free(text);
+}
+
+/* ----------------------------------------------------------- kinds of wrong */
+
+static void unknown_keys(void **state)
+{
+    (void)state;
+    line_refused(1, "titel: x", "titel", SAYS("unknown key", "did you mean 'title'"));
+    line_refused(8, "      clearence: 1", "model.contacts[1].clearence", SAYS("unknown key", "'clearance'"));
+    line_refused(15, "  impact: 3", "explore.impact", SAYS("'impacts'"));
+    line_refused(15, "  colour: 3", "explore.colour", SAYS("unknown key", "start, energy, frequency, impacts"));
+    line_refused(4, "  damping: [[0]]", "model.damping", SAYS("unknown key", "mass, stiffness, contacts, restitution"));
+    line_refused(19, "  - {nam: C, kind: grazing, energy: 1, frequency: 1}", "names[1].nam", SAYS("'name'"));
+    line_refused(20, "<<: {}", "<<", SAYS("unknown key"));
+}
+
+static void missing_keys(void **state)
+{
+    char *text = with_line(3, "  # no mass");
+    (void)state;
+    refused(text, 2, "model.mass", SAYS("missing", "[[2, 0], [0, 1]]", "{file: M.mtx}"));
+    free(text);
+    text = with_line(8, "      # no clearance");
+    refused(text, 6, "model.contacts[1].clearance", SAYS("missing", "d > 0"));
+    free(text);
+    text = with_line(7, "      # no normal");
+    refused(text, 6, "model.contacts[1].normal", SAYS("missing", "list b of 2 numbers"));
+    free(text);
+    refused("title: x\n", 1, "model", SAYS("missing", "mass, stiffness and contacts"));
+    line_refused(19, "  - {name: C, energy: 1, frequency: 1}", "names[1].kind", SAYS("missing"));
+}
+
+static void keys_given_twice(void **state)
+{
+    (void)state;
+    line_refused(9, "      clearance: 2", "model.contacts[1].clearance", SAYS("given twice", "line 8"));
+    line_refused(20, "title: again", "title", SAYS("given twice", "line 1"));
+    line_refused(16, "  impacts: 13", "explore.impacts", SAYS("given twice", "line 15"));
+}
+
+static void wrong_shapes(void **state)
+{
+    (void)state;
+    line_refused(3, "  mass: [[2, 0], [0]]", "model.mass", SAYS("row 2 has 1 entries", "square"));
+    line_refused(3, "  mass: [2, 1]", "model.mass", SAYS("row 1 is a single value", "[[2, 0], [0, 1]]"));
+    line_refused(3, "  mass: 3", "model.mass", SAYS("expected a matrix", "{file: M.mtx}"));
+    line_refused(3, "  mass: []", "model.mass", SAYS("0 rows", "1 to 1000"));
+    line_refused(4, "  stiffness: [[1]]", "model.stiffness", SAYS("1 x 1", "2 x 2"));
+    line_refused(7, "      normal: [-1, 1, 0]", "model.contacts[1].normal", SAYS("3 numbers", "2 rows"));
+    line_refused(7, "      normal: 1", "model.contacts[1].normal", SAYS("expected a list of 2 numbers"));
+    line_refused(8, "      clearance: [1]", "model.contacts[1].clearance", SAYS("expected a number, found a list"));
+    line_refused(13, "  energy: 100", "explore.energy", SAYS("[lower, upper]"));
+    line_refused(13, "  energy: [0, 1, 2]", "explore.energy", SAYS("[lower, upper]"));
+    line_refused(15, "  impacts: [1]", "explore.impacts", SAYS("expected one value, found a list"));
+    line_refused(15, "  impacts: {a: 1}", "explore.impacts", SAYS("expected a value"));
+    line_refused(1, "title: [a]", "title", SAYS("expected a text, found a list"));
+    refused("- a\n- b\n", 1, "study", SAYS("expected a group of keys"));
+    refused("model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: {normal: [1]}\n", 4, "model.contacts", SAYS("expected a list"));
+    refused("model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: []\n", 4, "model.contacts", SAYS("0 contacts"));
+}
+
+static void matrices_not_symmetric(void **state)
+{
+    (void)state;
+    line_refused(4, "  stiffness: [[9, -1], [-1.1, 1]]", "model.stiffness",
+                 SAYS("not symmetric", "row 2, column 1 is -1.1", "row 1, column 2 is -1", "make them equal"));
+}
+
+static void matrices_not_definite(void **state)
+{
+    (void)state;
+    line_refused(3, "  mass: [[2, 0], [0, -0.3]]", "model.mass", SAYS("not positive definite", "eigenvalue is -0.3", "check entry"));
+    line_refused(3, "  mass: [[1, 2], [2, 1]]", "model.mass", SAYS("not positive definite", "-1"));
+    line_refused(4, "  stiffness: [[1, 2], [2, 1]]", "model.stiffness", SAYS("not positive semidefinite"));
+}
+
+static void wrong_numbers(void **state)
+{
+    (void)state;
+    line_refused(3, "  mass: [[2, 0], [0, x]]", "model.mass, row 2, column 2", SAYS("'x' is not a number", "decimal"));
+    line_refused(3, "  mass: [[2, 0], [0, .nan]]", "model.mass, row 2, column 2", SAYS("not finite"));
+    line_refused(4, "  stiffness: [[.inf, -1], [-1, 1]]", "model.stiffness, row 1, column 1", SAYS("not finite"));
+    line_refused(8, "      clearance: .inf", "model.contacts[1].clearance", SAYS("not finite"));
+    line_refused(7, "      normal: [nan, 1]", "model.contacts[1].normal", SAYS("not finite"));
+    line_refused(8, "      clearance: 1e999", "model.contacts[1].clearance", SAYS("not finite"));
+    line_refused(8, "      clearance: \"1\"", "model.contacts[1].clearance", SAYS("remove the quotes"));
+    line_refused(8, "      clearance:", "model.contacts[1].clearance", SAYS("no value"));
+    line_refused(8, "      clearance: 0x10", "model.contacts[1].clearance", SAYS("not a number"));
+    line_refused(13, "  energy: [0, .inf]", "explore.energy", SAYS("not finite"));
+    line_refused(15, "  impacts: 2.5", "explore.impacts", SAYS("not a whole number", "[1, 4096]"));
+    line_refused(15, "  impacts: 0", "explore.impacts", SAYS("out of range"));
+    line_refused(16, "  step: 0", "explore.step", SAYS("out of range", "(0, 10]"));
+    line_refused(17, "  symmetric: yes", "explore.symmetric", SAYS("true nor false"));
+    line_refused(20, "tolerance: 1", "tolerance", SAYS("out of range"));
+    line_refused(19, "  - {name: C, kind: grazing, energy: -1, frequency: 1}", "names[1].energy", SAYS("negative"));
+    line_refused(19, "  - {name: C, kind: grazing, energy: 1, frequency: 0}", "names[1].frequency", SAYS("not positive"));
+    line_refused(19, "  - {name: C, kind: bifurcation, energy: 1, frequency: 1}", "names[1].kind", SAYS("'bifurcation'", "branch-point"));
+}
+
+static void normals_of_zeros(void **state)
+{
+    (void)state;
+    line_refused(7, "      normal: [0, 0.0]", "model.contacts[1].normal", SAYS("all zeros", "[-1, 1]"));
+}
+
+static void clearances_not_positive(void **state)
+{
+    (void)state;
+    line_refused(8, "      clearance: 0", "model.contacts[1].clearance", SAYS("zero", "any energy", "small positive clearance"));
+    line_refused(8, "      clearance: -0.1", "model.contacts[1].clearance", SAYS("-0.1", "preload", "equilibrium", "positive clearance"));
+}
+
+static void restitution_out_of_range(void **state)
+{
+    char *text = with_line(4, "  stiffness: [[9, -1], [-1, 1]]\n  restitution: 1.1");
+    (void)state;
+    refused(text, 5, "model.restitution", SAYS("1.1", "[0, 1]"));
+    free(text);
+    text = with_line(4, "  stiffness: [[9, -1], [-1, 1]]\n  restitution: 0.5");
+    ric_study *study = NULL;
+    assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
+    assert_true(ric_model_restitution(ric_study_model(study)) == 0.5);
+    assert_int_equal(ric_study_restitution_line(study), 5);
+    ric_study_free(study);
+    free(text);
+}
+
+static void reversed_windows(void **state)
+{
+    (void)state;
+    line_refused(13, "  energy: [100, 0]", "explore.energy", SAYS("reversed", "lower bound first"));
+    line_refused(14, "  frequency: [10, 0.2]", "explore.frequency", SAYS("reversed"));
+    line_refused(14, "  frequency: [1, 1]", "explore.frequency", SAYS("empty"));
+    line_refused(14, "  frequency: [0, 1]", "explore.frequency", SAYS("out of range", "(0,"));
+}
+
+static void wrong_starts(void **state)
+{
+    (void)state;
+    line_refused(12, "  start: all", "explore.start", SAYS("write modes"));
+    line_refused(12, "  start: [0]", "explore.start", SAYS("out of range"));
+    line_refused(12, "  start: [1, 1]", "explore.start", SAYS("twice"));
+    line_refused(12, "  start: []", "explore.start", SAYS("write modes"));
+    line_refused(12, "  start: [3]", "explore.start", SAYS("no mode 3", "1 to 2"));
+}
+
+static void sides_and_laws(void **state)
+{
+    (void)state;
+    line_refused(9, "      sides: left", "model.contacts[1].sides", SAYS("'left'", "both, upper or lower"));
+    line_refused(10, "      law: elastic", "model.contacts[1].law", SAYS("'elastic'", "rigid, bilinear or power"));
+    line_refused(10, "      stiffness: 5", "model.contacts[1].stiffness", SAYS("not a key of law rigid", "change the law"));
+    line_refused(10, "      exponent: 3", "model.contacts[1].exponent", SAYS("not a key of law rigid"));
+}
+
+/* A contact in one line at line 4 of a study with one mass. */
+static void contact_refused(const char *contacts, const char *key, const char *const *says)
+{
+    char text[800];
+    snprintf(text, sizeof text, "model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: [%s]\n", contacts);
+    refused(text, 4, key, says);
+}
+
+static void bilinear_contacts(void **state)
+{
+    (void)state;
+    contact_refused("{law: bilinear, normal: [1], clearance: 1}", "model.contacts[1].stiffness", SAYS("missing", "ks"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 0}", "model.contacts[1].stiffness", SAYS("not positive"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: -3}", "model.contacts[1].stiffness", SAYS("not positive"));
+    contact_refused("{law: bilinear, normal: [1], stiffness: 3}", "model.contacts[1].clearance", SAYS("missing"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9, exponent: 3}", "model.contacts[1].exponent",
+                    SAYS("not a key of law bilinear"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9}", "model.contacts[1].law", SAYS("rigid contacts only"));
+}
+
+static void power_contacts(void **state)
+{
+    (void)state;
+    contact_refused("{law: power, normal: [1], exponent: 4, stiffness: 1}", "model.contacts[1].exponent", SAYS("odd"));
+    contact_refused("{law: power, normal: [1], exponent: 1, stiffness: 1}", "model.contacts[1].exponent", SAYS("linear spring"));
+    contact_refused("{law: power, normal: [1], exponent: 2.5, stiffness: 1}", "model.contacts[1].exponent", SAYS("odd"));
+    contact_refused("{law: power, normal: [1], exponent: -3, stiffness: 1}", "model.contacts[1].exponent", SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], stiffness: 1}", "model.contacts[1].exponent", SAYS("missing"));
+    contact_refused("{law: power, normal: [1], exponent: 3}", "model.contacts[1].stiffness", SAYS("missing", "length with reference"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 0}", "model.contacts[1].stiffness", SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: -1}", "model.contacts[1].stiffness", SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, length: 1, reference: 1}", "model.contacts[1].stiffness",
+                    SAYS("together with length"));
+    contact_refused("{law: power, normal: [1], exponent: 3, length: 1}", "model.contacts[1].reference", SAYS("missing"));
+    contact_refused("{law: power, normal: [1], exponent: 3, reference: 1}", "model.contacts[1].length", SAYS("missing"));
+    contact_refused("{law: power, normal: [1], exponent: 3, length: 0, reference: 1}", "model.contacts[1].length", SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, clearance: 1}", "model.contacts[1].clearance",
+                    SAYS("not a key of law power"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, sides: both}", "model.contacts[1].sides",
+                    SAYS("not a key of law power"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1}", "model.contacts[1].law", SAYS("power is not computed", "rigid"));
+    contact_refused("{law: power, normal: [1], exponent: 5, length: 1, reference: 2}", "model.contacts[1].law", SAYS("rigid contacts only"));
+}
+
+static void mixed_laws(void **state)
+{
+    (void)state;
+    contact_refused("{normal: [1], clearance: 1}, {law: bilinear, normal: [1], clearance: 1, stiffness: 2}", "model.contacts[2].law",
+                    SAYS("bilinear beside rigid", "not supported", "one law"));
+}
+
+/* -------------------------------------------------------- hostile documents */
+
+static char *repeated(const char *head, const char *piece, int n, const char *tail)
+{
+    size_t size = strlen(head) + strlen(piece) * (size_t)n + strlen(tail) + 1;
+    char *text = malloc(size), *at = text;
+    assert_non_null(text);
+    at += sprintf(at, "%s", head);
+    for (int i = 0; i < n; i++)
+        at += sprintf(at, "%s", piece);
+    sprintf(at, "%s", tail);
+    return text;
+}
+
+static void broken_yaml(void **state)
+{
+    char *text = with_line(3, "  mass: [[2, 0], [0, 1]");
+    (void)state;
+    refused(text, 4, "syntax", SAYS("brackets"));
+    free(text);
+    line_refused(9, "\t  sides: both", "syntax", SAYS("indentation"));
+    line_refused(10, "  }", "syntax", SAYS("brackets"));
+    refused("model: *nothing\n", 1, "syntax", SAYS("alias"));
+    refused("title: a\n---\ntitle: b\n", 2, "syntax", SAYS("second document"));
+    refused("title: \"a\n", 2, "syntax", SAYS("quoted"));
+}
+
+static void empty_texts(void **state)
+{
+    (void)state;
+    refused("", 1, "model", SAYS("empty", "ricochet new"));
+    refused("  \n\n", 1, "model", SAYS("empty"));
+    refused("# only a comment\n", 1, "model", SAYS("empty"));
+    refused("---\n", 2, "study", SAYS("expected a group of keys"));
+}
+
+static void texts_that_are_none(void **state)
+{
+    (void)state;
+    refused("title: caf\xE9\n", 1, "text", SAYS("0xE9", "UTF-8"));
+    refused("title: a\n\xC0\xAF: 1\n", 2, "text", SAYS("UTF-8"));
+    refused("title: \xED\xA0\x80\n", 1, "text", SAYS("UTF-8"));
+    refused("\xFF\xFEt\n", 1, "text", SAYS("UTF-8"));
+    refused("title: a\n\x01\n", 2, "text", SAYS("0x01", "plain UTF-8 text"));
+    refused("title: \"a\\0b\"\n", 1, "title", SAYS("zero byte"));
+}
+
+static void deep_and_bombed(void **state)
+{
+    char *text;
+    (void)state;
+    text = repeated("title: ", "[", 100000, "\n");
+    refused(text, 1, "syntax", SAYS("levels deep"));
+    free(text);
+    text = repeated("title: ", "{a: ", 100000, "\n");
+    refused(text, 1, "syntax", SAYS("levels deep"));
+    free(text);
+    text = repeated("", "? ", 50000, "\n");
+    refused(text, 1, "syntax", SAYS("levels deep"));
+    free(text);
+    text = repeated("title: [&a x", ", *a", 1000, "]\n");
+    refused(text, 1, "syntax", SAYS("anchors", "write the values out"));
+    free(text);
+    text = repeated("title: [x", ", x", 4100000, "]\n");
+    refused(text, 1, "syntax", SAYS("values", "Matrix Market"));
+    free(text);
+    refused("&a a: *a\n", 1, "a", SAYS("unknown key"));
+    refused("model: &m\n  mass: &r [*r, *r]\n  stiffness: [[1]]\n  contacts: []\n", 2, "model.mass", SAYS("found a list"));
+    text = repeated("title: ", "x", 2000, "\n");
+    refused(text, 1, "title", SAYS("longer than"));
+    free(text);
+    text = repeated("", "k", 900, ": 1\n");
+    refused(text, 1, "kkkk", SAYS("keys here"));
+    free(text);
+}
+
+static void few_aliases_are_fine(void **state)
+{
+    static const char text[] = "model:\n  mass: &one [[1, 0], [0, 1]]\n  stiffness: *one\n"
+                               "  contacts: [{normal: [1, 0], clearance: 1}]\n";
+    ric_study *study = NULL;
+    (void)state;
+    assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
+    ric_study_free(study);
+}
+
+/* A thousand rows are read, one more is not; both in bounded time. */
+static void sizes_are_bounded(void **state)
+{
+    (void)state;
+    for (int n = 1000; n <= 1001; n++) {
+        char *text = NULL;
+        size_t size;
+        ric_study *study = NULL;
+        FILE *out = open_memstream(&text, &size);
+        assert_non_null(out);
+        fputs("model:\n  mass: [", out);
+        for (int i = 0; i < n; i++) {
+            fputs(i ? ",[" : "[", out);
+            for (int j = 0; j < n; j++)
+                fprintf(out, "%s%d", j ? "," : "", i == j);
+            fputs("]\n ", out);
+        }
+        fputs("]\n  stiffness: [[1]]\n  contacts: []\n", out);
+        fclose(out);
+        assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_E_INPUT);
+        assert_non_null(strstr(ric_detail(), n == 1000 ? "model.stiffness: 1 x 1, but the mass matrix is 1000 x 1000" : "1001 rows"));
+        free(text);
+    }
+}
+
+/* ------------------------------------------------------------------- files */
+
+static char folder[] = "/tmp/ricochet-study-XXXXXX";
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static const char *const files[] = {"s.yaml", "M.mtx", "K.mtx", "pipe"};
+
+static void path_of(const char *name, char out[200])
+{
+    snprintf(out, 200, "%s/%s", folder, name);
+}
+
+static int remove_folder(void **state)
+{
+    char path[200];
+    (void)state;
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        path_of(files[i], path);
+        unlink(path);
+    }
+    return rmdir(folder);
+}
+
+static void put(const char *name, const char *text)
+{
+    char path[200];
+    path_of(name, path);
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fputs(text, out);
+    fclose(out);
+}
+
+static const char with_files[] = "model:\n  mass: {file: M.mtx}\n  stiffness:\n    file: K.mtx\n"
+                                 "  contacts: [{normal: [-1, 1], clearance: 1}]\n";
+
+static void matrices_from_files(void **state)
+{
+    char path[200];
+    ric_study *study = NULL, *again = NULL;
+    (void)state;
+    put("s.yaml", with_files);
+    put("M.mtx", "%%MatrixMarket matrix coordinate integer symmetric\n% a comment\n\n2 2 2\n1 1 2\n%another\n2 2 1\n");
+    put("K.mtx", "%%MatrixMarket MATRIX Array Real General\n2 2\n9\n-1\n-1\n1\n");
+    path_of("s.yaml", path);
+    assert_int_equal(ric_study_read(path, &study), RIC_OK);
+    assert_true(ric_model_mass(ric_study_model(study))[0] == 2 && ric_model_stiffness(ric_study_model(study))[2] == -1);
+    /* the text stands alone: it is read without the files */
+    assert_int_equal(ric_study_parse(ric_study_text(study), "t", "/nowhere", &again), RIC_OK);
+    assert_string_equal(ric_study_text(study), ric_study_text(again));
+    ric_study_free(study);
+    ric_study_free(again);
+}
+
+static void matrix_file_refused(const char *text, const char *says)
+{
+    char path[200];
+    ric_study *study = NULL;
+    put("s.yaml", with_files);
+    put("M.mtx", text);
+    path_of("s.yaml", path);
+    assert_int_equal(ric_study_read(path, &study), RIC_E_INPUT);
+    if (!strstr(ric_detail(), says) || !strstr(ric_detail(), "/s.yaml:2: model.mass: "))
+        print_error("no '%s' in '%s'\n", says, ric_detail());
+    assert_non_null(strstr(ric_detail(), "/s.yaml:2: model.mass: "));
+    assert_non_null(strstr(ric_detail(), says));
+}
+
+#define COORDINATE "%%MatrixMarket matrix coordinate real symmetric\n"
+
+static void bad_matrix_files(void **state)
+{
+    (void)state;
+    matrix_file_refused("", "M.mtx:1: not a Matrix Market file");
+    matrix_file_refused("1 2\n3 4\n", "M.mtx:1: not a Matrix Market file");
+    matrix_file_refused("%%MatrixMarket matrix coordinate pattern symmetric\n1 1 1\n1 1\n", "M.mtx:1: 'pattern' entries");
+    matrix_file_refused("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 0\n", "M.mtx:1: 'complex' entries");
+    matrix_file_refused("%%MatrixMarket matrix array real hermitian\n1 1\n1\n", "M.mtx:1: 'hermitian' matrix");
+    matrix_file_refused("%%MatrixMarket matrix array real skew-symmetric\n1 1\n1\n", "M.mtx:1: 'skew-symmetric'");
+    matrix_file_refused("%%MatrixMarket matrix banded real general\n1 1\n1\n", "M.mtx:1: format 'banded'");
+    matrix_file_refused(COORDINATE "2 3 1\n1 1 1\n", "2 rows but 3 columns");
+    matrix_file_refused(COORDINATE "1001 1001 1\n1 1 1\n", "M.mtx:2: the number of rows is '1001'; it must be a whole number from 1 to 1000");
+    matrix_file_refused(COORDINATE "99999999999999999999 1 1\n", "M.mtx:2: the number of rows");
+    matrix_file_refused(COORDINATE "2 2 4\n", "M.mtx:2: the number of entries is '4'");
+    matrix_file_refused(COORDINATE "-2 2 1\n", "the number of rows is '-2'");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n3 1 1\n", "M.mtx:4: a row is '3'");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 2 1\n", "M.mtx:4: row 1, column 2 is above the diagonal");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 1 1\n", "M.mtx:4: row 1, column 1 is given a second time");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n", "the file ends");
+    matrix_file_refused(COORDINATE "2 2 1\n1 1 1\n2 2 1\n", "M.mtx:4: '2' follows after the last of 1 entries");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 nan\n2 2 1\n", "M.mtx:3: the entry of row 1, column 1 is 'nan'; entries must be finite");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D0\n", "M.mtx:4: the entry of row 2, column 2 is '1D0'");
+    matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1\n0.5\n0\n1\n", "not symmetric");
+    matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1 0 0\n", "the file ends");
+}
+
+static void matrix_paths_that_are_no_files(void **state)
+{
+    char path[200], text[600];
+    ric_study *study = NULL;
+    static const char *const names[] = {"absent.mtx", ".", "/dev/zero", "pipe", "\"\""};
+    static const char *const says[] = {"No such file", "a folder", "not a plain file", "not a plain file", "no name"};
+    (void)state;
+    path_of("pipe", path);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    for (int i = 0; i < 5; i++) {
+        snprintf(text, sizeof text, "model:\n  mass: {file: %s}\n  stiffness: [[1]]\n  contacts: []\n", names[i]);
+        put("s.yaml", text);
+        path_of("s.yaml", path);
+        assert_int_equal(ric_study_read(path, &study), RIC_E_INPUT);
+        assert_non_null(strstr(ric_detail(), "s.yaml:2: model.mass: "));
+        assert_non_null(strstr(ric_detail(), says[i]));
+    }
+}
+
+static void study_paths_that_are_no_files(void **state)
+{
+    ric_study *study = NULL;
+    (void)state;
+    assert_int_equal(ric_study_read("/tmp", &study), RIC_E_INPUT);
+    assert_non_null(strstr(ric_detail(), "/tmp: this is a folder"));
+    assert_int_equal(ric_study_read("/nowhere/s.yaml", &study), RIC_E_INPUT);
+    assert_non_null(strstr(ric_detail(), "/nowhere/s.yaml: No such file"));
+    assert_int_equal(ric_study_read("/dev/null", &study), RIC_E_INPUT);
+    assert_non_null(strstr(ric_detail(), "/dev/null:1: model: the study is empty"));
+    assert_int_equal(ric_study_read("/dev/zero", &study), RIC_E_INPUT);
+    assert_non_null(strstr(ric_detail(), "larger than 64 MB"));
+    assert_null(study);
+}
+
+/* The good study with bytes changed at random: any answer will do, as long as there is one. Meant for the sanitizers. */
+static void scrambled_studies_are_survived(void **state)
+{
+    static const char bytes[] = "[]{}:,-&*!|>'\"#%?\n\t 019.eE\xC3\xFF\\~";
+    char *text = with_line(0, NULL);
+    size_t size = strlen(text);
+    unsigned seed = 12345;
+    (void)state;
+    print_message("# seed %u\n", seed);
+    for (int trial = 0; trial < 3000; trial++) {
+        char *copy = malloc(size + 1);
+        ric_study *study = NULL;
+        assert_non_null(copy);
+        memcpy(copy, text, size + 1);
+        for (int i = 0; i < 1 + trial % 4; i++) {
+            seed = seed * 1103515245u + 12345u;
+            copy[(seed >> 8) % size] = bytes[(seed >> 4) % (sizeof bytes - 1)];
+        }
+        ric_status status = ric_study_parse(copy, "s", NULL, &study);
+        assert_true(status == RIC_OK || status == RIC_E_INPUT);
+        assert_true((status == RIC_OK) == (study != NULL));
+        if (status)
+            assert_int_equal(strncmp(ric_detail(), "s:", 2), 0);
+        ric_study_free(study);
+        free(copy);
+    }
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(good_study_is_read),
+        cmocka_unit_test(text_comes_back_bit_for_bit),
+        cmocka_unit_test(override_changes_option_and_text),
+        cmocka_unit_test(locale_does_not_matter),
+        cmocka_unit_test(unknown_keys),
+        cmocka_unit_test(missing_keys),
+        cmocka_unit_test(keys_given_twice),
+        cmocka_unit_test(wrong_shapes),
+        cmocka_unit_test(matrices_not_symmetric),
+        cmocka_unit_test(matrices_not_definite),
+        cmocka_unit_test(wrong_numbers),
+        cmocka_unit_test(normals_of_zeros),
+        cmocka_unit_test(clearances_not_positive),
+        cmocka_unit_test(restitution_out_of_range),
+        cmocka_unit_test(reversed_windows),
+        cmocka_unit_test(wrong_starts),
+        cmocka_unit_test(sides_and_laws),
+        cmocka_unit_test(bilinear_contacts),
+        cmocka_unit_test(power_contacts),
+        cmocka_unit_test(mixed_laws),
+        cmocka_unit_test(broken_yaml),
+        cmocka_unit_test(empty_texts),
+        cmocka_unit_test(texts_that_are_none),
+        cmocka_unit_test(deep_and_bombed),
+        cmocka_unit_test(few_aliases_are_fine),
+        cmocka_unit_test(sizes_are_bounded),
+        cmocka_unit_test(matrices_from_files),
+        cmocka_unit_test(bad_matrix_files),
+        cmocka_unit_test(matrix_paths_that_are_no_files),
+        cmocka_unit_test(study_paths_that_are_no_files),
+        cmocka_unit_test(scrambled_studies_are_survived),
+    };
+    return cmocka_run_group_tests_name("study", tests, make_folder, remove_folder);
+}
