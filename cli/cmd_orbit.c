@@ -102,10 +102,11 @@ static void widen_over_flight(subject *s, double begin, double flight, double hi
         for (int k = 0; k <= n; k++)
             largest = fmax(largest, samples[(size_t)k * n_dof + i]);
         amplitudes[i] = largest;
-        for (int k = 1; k < n; k++) {
-            const double *y = samples + (size_t)k * n_dof + i;
-            if (y[0] >= *(y - n_dof) && y[0] >= y[n_dof] && y[0] > 0.98 * largest)
-                amplitudes[i] = fmax(amplitudes[i], polish(s, (int)i, begin + flight * (k - 1) / n, begin + flight * (k + 1) / n));
+        for (int k = 0; k <= n; k++) { /* at the ends of the flight too: the maximum may lie just inside */
+            int before = k > 0 ? k - 1 : 0, after = k < n ? k + 1 : n;
+            double y = samples[(size_t)k * n_dof + i];
+            if (y >= samples[(size_t)before * n_dof + i] && y >= samples[(size_t)after * n_dof + i] && y > 0.98 * largest)
+                amplitudes[i] = fmax(amplitudes[i], polish(s, (int)i, begin + flight * before / n, begin + flight * after / n));
         }
     }
 }
@@ -267,8 +268,8 @@ typedef struct {
     cli_format format;
 } request;
 
-/* *too_long: a history would have too many rows, and there are none. */
-static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *atlas, bool *too_long)
+/* *found: number of orbits. *too_long: a history would have too many rows, and there are none. */
+static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *atlas, int *found, bool *too_long)
 {
     const ric_model *model = ric_atlas_model(atlas);
     double d = ask->physical ? ric_model_length(model) : 1;
@@ -289,7 +290,22 @@ static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *at
         subject_free(&s);
     }
     ric_orbits_free(n, orbits);
+    *found = n;
     return status;
+}
+
+static int report_none(const request *ask, const ric_atlas *atlas)
+{
+    ric_branch branch;
+    bool energy = ask->at == RIC_AT_ENERGY;
+    ric_status status = ric_atlas_branch(atlas, ask->branch, &branch);
+    if (status)
+        return cli_report(status);
+    double d = ask->physical ? ric_model_length(ric_atlas_model(atlas)) : 1, unit = energy ? d * d : 1;
+    fprintf(stderr, "ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g\n", ask->branch,
+            energy ? "energy" : "frequency", ask->value, unit * (energy ? branch.energy_min : branch.frequency_min),
+            unit * (energy ? branch.energy_max : branch.frequency_max));
+    return CLI_FAILED;
 }
 
 static int print_history(const json_t *rows, cli_format format)
@@ -314,11 +330,13 @@ static int answer(const request *ask)
     json_t *rows = json_array();
     ric_atlas *atlas = NULL;
     bool too_long = false;
-    int code;
+    int code, found = 0;
     ric_status status = ric_atlas_read(ask->path, &atlas);
     if (!status)
-        status = add_rows(rows, ask, atlas, &too_long);
-    if (!status && too_long)
+        status = add_rows(rows, ask, atlas, &found, &too_long);
+    if (!status && !found)
+        code = report_none(ask, atlas);
+    else if (!status && too_long)
         code = cli_wrong("orbit: --history %g gives more than %d rows; choose a larger step", ask->step, STEPS_MAX);
     else if (status)
         code = cli_report(status);

@@ -1,5 +1,4 @@
 /* ricochet simulate STUDY: the motion from a state, found impact by impact. */
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

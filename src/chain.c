@@ -420,16 +420,15 @@ double ric_chain_energy(const ric_chain *c)
     return sum / 2;
 }
 
-double ric_chain_energy_slope(const ric_chain *c, const double *u, const double *du)
+double ric_chain_energy_slope(const ric_chain *c, const double *du)
 {
     int n = c->n;
     double sum = 0;
-    (void)u;
     if (c->start == RIC_MIRROR_CENTRE) return ric_dot(n, c->w + n, du);
     for (int i = 0; i < n; i++)
         if (c->model->stiff[i] != 0) sum += c->w[i] * du[i];
     if (c->start == RIC_MIRROR_NONE) sum += ric_dot(n, c->w + n, du + n);
-    if (c->start == RIC_MIRROR_IMPACT) sum += u[n] * du[n];
+    if (c->start == RIC_MIRROR_IMPACT) sum += c->approach[0] / sqrt(c->model->face[c->face[0]].cc) * du[n];
     return sum;
 }
 

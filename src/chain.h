@@ -60,10 +60,10 @@ void ric_chain_fly(ric_chain *chain, const double *u);
  * alpha (newton = false); du [n_unknown]. The kernel vector has unit norm. */
 void ric_chain_step(const ric_chain *chain, bool newton, double alpha, double *du);
 
-/* Period and energy (scaled frame) at u, and their derivatives along du. */
+/* Period and energy (scaled frame) of the last evaluation, and the derivative of the energy along du. */
 double ric_chain_time(const ric_chain *chain, const double *u);
 double ric_chain_energy(const ric_chain *chain);
-double ric_chain_energy_slope(const ric_chain *chain, const double *u, const double *du);
+double ric_chain_energy_slope(const ric_chain *chain, const double *du);
 
 /* Dense Jacobian of all residuals [n_equation * n_unknown] by propagating one unknown at a time: for tests and junctions only.
  * In the general form the 2n closure rows are unprojected. Returns the number of equations. */

@@ -283,6 +283,16 @@ static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const
     return found;
 }
 
+/* Whether the orbit is one of fewer impacts gone through several times. */
+static bool repeats(const ric_trace *tr, const ric_station *at)
+{
+    ric_chain_fly(tr->chain, at->u);
+    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, at->u);
+    bool result = cycle && ric_cycle_find_symmetries(tr->chain->model, cycle, 1e-5) > 1;
+    ric_cycle_free(cycle);
+    return result;
+}
+
 /* ------------------------------------------------------------------- the step */
 
 static void window_text(ric_trace *tr, int test)
@@ -328,7 +338,12 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
     for (int i = 0; i < RIC_N_TEST; i++) {
         double fa = tr->now.test[i], fb = end[i], x;
         bool zero;
-        if (!(which & 1u << i) || !watched(tr, i) || !(fa * fb < 0 || (fb == 0 && fa != 0))) continue;
+        if (!(which & 1u << i) || !watched(tr, i)) continue;
+        if (fa == 0 && fb * tr->definite[i] < 0) { /* the sign changed where rounding hid it: as near as can be told */
+            roots[(*n)++] = (root){i, 0};
+            continue;
+        }
+        if (!(fa * fb < 0)) continue;
         ric_status status = locate(tr, i, 0, fa, to, fb, h, &x, &zero);
         if (status) return status;
         if (!zero) {
@@ -387,11 +402,14 @@ static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
     crossing_station(tr, &q, at, &tr->mid);
     *arrived = meets_mirror_image(tr, &tr->mid, &tr->now);
     *end = at;
+    bool repeated = repeats(tr, &tr->mid);
     for (int i = 0; i < RIC_N_TEST; i++) {
         if ((terminal & 1u << i) || !watched(tr, i) || !(q.test[0][i] * q.test[3][i] < 0)) continue;
         double x = i == RIC_TEST_DET ? at : crossing_root(&q, i);
         /* what vanishes together with the determinant where a branch meets its image belongs to the arrival */
         if (*arrived && x > at - 1e-3 * h) continue;
+        /* at the duplicate of another branch the kernels of all symmetries open at once, some like a high power of the distance */
+        if (repeated && (singular & 1u << i) && fabs(x - at) < 0.3 * h) continue;
         roots[n++] = (root){i, x};
     }
     qsort(roots, (size_t)n, sizeof *roots, by_place);
@@ -399,6 +417,8 @@ static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
         crossing_station(tr, &q, roots[i].x, &tr->mid);
         status = keep_event(tr, roots[i].test, &tr->mid);
     }
+    for (int i = 0; i < RIC_N_TEST; i++)
+        if (repeated && (singular & 1u << i)) tr->definite[i] = 0;
     if (*arrived && !status) crossing_station(tr, &q, at, &tr->mid);
     free(q.u);
     return status;

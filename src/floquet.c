@@ -281,6 +281,8 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     double size = 0;
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
     size = fmax(size, growth);
+    f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
+    for (int i = 1; i < k; i++) f->det_error *= size;
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size * size, fmin(2 * exponent, 1000)) + 8 * DBL_EPSILON;
     if (k == 1) {
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
@@ -320,6 +322,8 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     for (int i = 0; i < ld; i++) trace += P[i * ld + i];
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
+    f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
+    for (int i = 1; i < ld; i++) f->det_error *= size;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
     memcpy(A, P, (size_t)ld * ld * sizeof *A);
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
@@ -386,7 +390,7 @@ ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
         f->trace_asinh = f->rotation = NAN;
         f->stable = RIC_STABLE_YES;
         f->det_a = f->det_b = f->det_d = 1;
-        f->error = 0;
+        f->error = f->det_error = 0;
         return RIC_OK;
     }
     return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);

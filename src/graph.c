@@ -409,7 +409,7 @@ static bool contains(const ric_graph *g, ric_edge *e, const ric_node *node, doub
             if (!ric_trace_correct(c, u, origin, t, 0, du, &iterations)) break;
             double slope, kernel[size], miss = ric_chain_energy(c) - node->energy;
             ric_trace_tangent(c, t, kernel);
-            slope = ric_chain_energy_slope(c, u, kernel);
+            slope = ric_chain_energy_slope(c, kernel);
             if (fabs(miss) < 1e-13 * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
             for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
         }

@@ -63,7 +63,7 @@ static double evaluate(criterion *q, const double *t, double orientation)
     const ric_chain *c = q->chain;
     switch (q->test) {
     case RIC_TEST_APPROACH: return c->approach[q->impact];
-    case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, NULL, t) / c->scale;
+    case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, t) / c->scale;
     case RIC_TEST_DET: return orientation * c->end_det;
     case RIC_TEST_PERIOD: {
         double sum = 0;

@@ -89,6 +89,11 @@ static bool positive_flights(const ric_chain *c, const double *u)
     return true;
 }
 
+static double definite(double value, double error)
+{
+    return fabs(value) > error ? value : 0;
+}
+
 ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
 {
     ric_chain *c = tr->chain;
@@ -104,10 +109,12 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_APPROACH] = approach;
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u);
     F[RIC_TEST_DET] = orientation * c->end_det;
-    F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->u, p->t) / c->scale;
-    F[RIC_TEST_A] = tr->floquet.det_a;
-    F[RIC_TEST_B] = tr->floquet.det_b;
-    F[RIC_TEST_D] = tr->floquet.det_d;
+    F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->t) / c->scale;
+    /* below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)) */
+    double blur = tr->floquet.det_error * (1 + 1e-2 / c->smallest);
+    F[RIC_TEST_A] = definite(tr->floquet.det_a, blur);
+    F[RIC_TEST_B] = definite(tr->floquet.det_b, blur);
+    F[RIC_TEST_D] = definite(tr->floquet.det_d, blur);
     F[RIC_TEST_PERIOD] = fabs(slope) < FLAT * (1 + 1e-2 / c->smallest) ? 0 : slope;
     F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
     F[RIC_TEST_E_MIN] = energy - lim->energy[0];
@@ -191,6 +198,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     if (regular) sign = ric_trace_tangent(chain, t0, tr->now.t);
     for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
     if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
+    for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->step_max = limits->max_step * chain->scale;
@@ -327,6 +335,8 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
             return RIC_OK;
         }
     }
+    for (int i = 0; i < RIC_N_TEST; i++)
+        if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
     tr->ignore = 0;
     swap_stations(tr);
     return ric_trace_keep(tr, &tr->now);

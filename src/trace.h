@@ -53,6 +53,7 @@ typedef struct {
     ric_floquet floquet;
     ric_station now, next, mid, past;
     bool has_past;
+    double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
     unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */

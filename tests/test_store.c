@@ -566,6 +566,21 @@ static void another_model_is_refused(void **state)
     ric_atlas_free(made);
 }
 
+/* Texts of other versions of the program may write the same model in another way. */
+static void models_are_compared_by_their_numbers(void **state)
+{
+    (void)state;
+    const char *stored = "model:\n  mass:\n    - [2, 1e3]\n  law: rigid\n";
+    assert_int_equal(compare_models("a", stored, "model: \n  mass:\n    - [2.0, 1000]\n  law: rigid"), RIC_OK);
+    assert_int_equal(compare_models("a", stored, "model:\n  mass:\n    - [2, 1000.0000000000001]\n  law: rigid\n"), RIC_E_CONFLICT);
+    assert_int_equal(compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n  law: power\n"), RIC_E_CONFLICT);
+    assert_int_equal(compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n"), RIC_E_CONFLICT);
+    assert_int_equal(compare_models("a", "model: [1]", "model: [1, 2]"), RIC_E_CONFLICT);
+    char *model = model_text("title: \"model:\"\nmodel:\n  mass: 1\n\n# note\n  law: rigid\nexplore:\n  model: 3\n");
+    assert_string_equal(model, "model:\n  mass: 1\n\n# note\n  law: rigid\n");
+    free(model);
+}
+
 static void foreign_files_are_refused(void **state)
 {
     (void)state;
@@ -878,6 +893,28 @@ static void readers_and_a_run_get_on(void **state)
     ric_atlas_free(atlases[1]);
 }
 
+/* Work that waits for its commit is kept in memory, also when it is larger than the cache of SQLite. */
+static void uncommitted_work_blocks_no_reader(void **state)
+{
+    (void)state;
+    ric_atlas *made = random_atlas(pair_text, 3, 2, 2), *read_back = NULL;
+    ric_store *store = NULL;
+    const size_t size = 1 << 20;
+    char *work = calloc(size, 1), key[16];
+    make_file(in_folder("a"), made);
+    assert_done(ric_store_open(in_folder("a"), made->study, &store));
+    for (int i = 0; i < 20; i++) {
+        snprintf(key, sizeof key, "%d", i);
+        assert_done(ric_store_trace_put(store, key, work, size));
+    }
+    assert_done(ric_atlas_read(in_folder("a"), &read_back));
+    assert_true(same_atlas(made, read_back));
+    ric_store_close(store);
+    ric_atlas_free(made);
+    ric_atlas_free(read_back);
+    free(work);
+}
+
 /* Runs `work` where permissions count: as a user who is not root. Returns what it returns. */
 static int as_user(int (*work)(const ric_atlas *), const ric_atlas *atlas)
 {
@@ -1019,6 +1056,7 @@ int main(void)
         TEST(finished_work_is_found_again),
         TEST(other_budgets_continue_the_file),
         TEST(another_model_is_refused),
+        TEST(models_are_compared_by_their_numbers),
         TEST(foreign_files_are_refused),
         TEST(folders_and_devices_are_refused),
         TEST(newer_formats_are_refused),
@@ -1029,6 +1067,7 @@ int main(void)
         TEST(a_second_run_is_told),
         TEST(a_kill_loses_nothing_committed),
         TEST(readers_and_a_run_get_on),
+        TEST(uncommitted_work_blocks_no_reader),
         TEST(read_only_places_can_be_read),
         TEST(a_full_disk_is_reported),
         TEST(every_column_is_documented),
