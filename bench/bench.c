@@ -3,13 +3,16 @@
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
  * Branches are followed by ric_trace_advance, as `ricochet run` does, with every test watched; only the step is held: before each
- * call the next step is set to ARC and the largest step (relative to 1 + |w|) to ARC / (1 + |w|). A row follows its branch again and
- * again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time of this thread, so that other load on
- * the machine disturbs least. */
+ * call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 + |w|). A step that the trace
+ * itself makes shorter (an event, a refusal) stays short and is counted. A row follows its piece of branch again and again until
+ * SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time, so that other load on the machine disturbs least.
+ * Starting a trace is not timed. Shown on the terminal and written to FILE (build/bench.txt). */
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "cycle.h"
 #include "graph.h"
@@ -20,28 +23,47 @@
 #define ARC 0.01       /* step in the norm of the unknowns */
 #define RESIDUAL 1e-13 /* no point above it */
 #define BLOCKS 4
-#define FAR 0.02       /* two flights of a repeated orbit that differ more: the trace has changed branch */
+#define ENERGY 200  /* window of the traces, as in the demo study */
+#define LOWEST 0.2  /* rad/s, of the original orbit */
+#define HIGHEST 10.0
 
-typedef enum { OWN, REVERSIBLE, GENERAL } form;
+typedef enum { OWN, REVERSIBLE, GENERAL } form; /* own: the form that the symmetries allow */
 static const char *const form_text[] = {"own", "reversible", "general"};
 
-/* A piece of a branch: S2-[01] k times over, original frequency `from` to `to` rad/s, or (edge set) the stored points of a trace. */
+/* A piece of a branch: S2-[01] k times over, original frequency `from` to `to` rad/s; or, with `edge`, a trace from its second stored
+ * point to its end. */
 typedef struct {
     const char *name;
     const ric_model *model;
-    const ric_trace *edge;
     int k;
     form form;
-    bool watched; /* false: zeros of the tests that break or cross something are left alone (repeated orbits meet one at each q-tupling) */
     double from, to;
+    const ric_trace *edge;
 } course;
 
 typedef struct {
     int N, n_flight;
-    double rate; /* points per processor second */
-    long points, events, stops, hops, short_steps;
-    double residual, evaluations;
+    double rate; /* points per second of processor time */
+    long points, evaluations, short_steps;
+    double residual;
+    size_t bytes; /* of a stored point */
 } figures;
+
+static FILE *file;
+
+/* To the terminal and to the file. */
+__attribute__((format(printf, 1, 2))) static void say(const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    vprintf(format, list);
+    va_end(list);
+    fflush(stdout);
+    if (!file) return;
+    va_start(list, format);
+    vfprintf(file, format, list);
+    va_end(list);
+}
 
 static double now(void)
 {
@@ -69,34 +91,35 @@ static ric_model *article(void)
 
 /* ------------------------------------------------------------------- orbits */
 
-/* S2-[01] in closed form (docs/theory.md section 11), k times over: all speed lies along the normal at every impact. */
+/* S2-[01] in closed form (docs/theory.md section 11), k times over: at every impact all speed lies along the normal. */
 static ric_cycle *s2_cycle(const ric_model *m, double omega, int k)
 {
+    int n = m->n;
     const ric_face *face = &m->face[0];
-    double half = 0.5 * TWO_PI / (omega / m->omega_ref), sum = 0;
-    ric_cycle *c = ric_cycle_create(m->n, 2 * k);
+    double tau = 0.5 * TWO_PI / omega * m->omega_ref, sum = 0;
+    ric_cycle *c = ric_cycle_create(n, 2 * k);
     need(c, "no memory");
-    for (int i = 0; i < m->n; i++) sum += face->c[i] * face->c[i] * tan(m->omega[i] * half / 2) / m->omega[i];
-    for (int i = 0; i < m->n; i++) {
-        c->w[i] = face->gap / sum * face->c[i] * tan(m->omega[i] * half / 2);
-        c->w[m->n + i] = -face->gap / sum * face->c[i];
+    for (int i = 0; i < n; i++) sum += face->c[i] * face->c[i] * tan(m->omega[i] * tau / 2) / m->omega[i];
+    for (int i = 0; i < n; i++) {
+        c->w[i] = face->gap / sum * face->c[i] * tan(m->omega[i] * tau / 2);
+        c->w[n + i] = -face->gap / sum * face->c[i];
     }
     for (int i = 0; i < 2 * k; i++) {
         c->face[i] = i % 2 ? face->mirror : 0;
-        c->tau[i] = half;
+        c->tau[i] = tau;
     }
     c->half = k % 2 == 1;
-    c->pure = 0; /* impact 0 is a mirror point, and so is impact k */
+    c->pure = 0; /* impacts 0 and k are mirror points */
     return c;
 }
 
-/* The chain of a course at x (frequency, or index of a stored point), in the form asked for. */
+/* The chain of a course at x (frequency, or index of a stored point) in the form asked for, and its unknowns. */
 static double *chain_at(const course *q, double x, ric_chain **chain)
 {
+    const ric_trace *e = q->edge;
     double *u;
     ric_cycle *c;
-    if (q->edge) {
-        const ric_trace *e = q->edge;
+    if (e) {
         const double *at = e->points + (size_t)x * e->stride + sizeof(ric_point) / sizeof(double);
         ric_chain_fly(e->chain, at);
         c = ric_cycle_from_chain(e->chain, at);
@@ -104,7 +127,7 @@ static double *chain_at(const course *q, double x, ric_chain **chain)
     } else c = s2_cycle(q->model, x, q->k);
     if (q->form != OWN) c->half = false;
     if (q->form == GENERAL) c->pure = c->flip = -1;
-    need(!ric_cycle_to_chain(q->model, c, chain, &u), "no chain");
+    need(!ric_cycle_to_chain(q->model, c, chain, &u), "no memory");
     ric_cycle_free(c);
     return u;
 }
@@ -114,11 +137,10 @@ static ric_trace *start(const course *q, double x, ric_limits *limits)
     ric_chain *chain, *other;
     ric_trace *tr;
     double dx = q->edge ? 1 : 1e-7 * x, *u = chain_at(q, x, &chain), *t = chain_at(q, x + dx, &other);
-    for (int i = 0; i < chain->n_unknown; i++) t[i] -= u[i];
-    /* the study's frequencies 0.2 to 10 rad/s for the original orbit, its energies up to 200 */
     double period = TWO_PI * q->model->omega_ref * q->k;
-    *limits = (ric_limits){.energy = {0, 200 / q->model->energy_unit}, .period = {period / 10, period / 0.2}, .max_points = 1 << 28};
-    limits->max_step = ARC;
+    for (int i = 0; i < chain->n_unknown; i++) t[i] -= u[i];
+    *limits = (ric_limits){.energy = {0, ENERGY / q->model->energy_unit}, .period = {period / HIGHEST, period / LOWEST},
+                           .max_step = ARC, .max_points = 1 << 28};
     need(!ric_trace_create(chain, u, t, 0, limits, &tr), "the start of a branch does not converge");
     ric_chain_free(other);
     free(u);
@@ -126,58 +148,46 @@ static ric_trace *start(const course *q, double x, ric_limits *limits)
     return tr;
 }
 
+/* A trace that left for another branch: the impacts of a repeated S2 are equally spaced. */
 static bool hopped(const course *q, const ric_trace *tr)
 {
     const ric_chain *c = tr->chain;
     const double *tau = tr->now.u + c->n_start;
-    if (q->edge) return false;
-    for (int i = 1; i < c->n_flight; i++)
-        if (fabs(tau[i] - tau[0]) > FAR * tau[0]) return true;
+    for (int i = 1; !q->edge && i < c->n_flight; i++)
+        if (fabs(tau[i] - tau[0]) > 1e-9 * tau[0]) return true;
     return false;
 }
 
 /* ------------------------------------------------------------------ measuring */
 
-static const unsigned crossings = 1u << RIC_TEST_DET | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
-
-static bool outside(const course *q, const ric_trace *tr)
-{
-    double omega = tr->now.row.frequency * q->k;
-    return !q->edge && (omega < q->from || omega > q->to);
-}
-
-/* One way along the course, for at most `seconds`. Returns the time used; the frequency reached goes to *x. */
+/* Along the course from *x to its end, or for `seconds`; *x is then where to go on. Returns the time used. */
 static double follow(const course *q, double seconds, double *x, figures *out)
 {
     ric_limits limits;
     ric_trace *tr = start(q, *x, &limits);
     bool done = false;
-    long points = 0;
-    double begin = now(), used = 0, s = tr->now.s;
-    while (!done && !outside(q, tr) && used < seconds) {
+    double used = 0, begin = now();
+    while (!done && (q->edge || *x <= q->to) && used < seconds) {
+        double s = tr->now.s;
         limits.max_step = ARC / tr->chain->scale;
         tr->step = ARC;
-        if (!q->watched) tr->ignore = crossings;
-        need(!ric_trace_advance(tr, &done), "a step failed");
+        need(!ric_trace_advance(tr, &done), ric_detail());
+        out->points++;
         out->residual = fmax(out->residual, tr->now.row.residual);
         out->short_steps += tr->now.s - s < 0.99 * ARC;
-        s = tr->now.s;
-        points++;
-        if (points % 32 == 0) used = now() - begin;
+        *x = tr->now.row.frequency * q->k;
+        if (out->points % 32 == 0) used = now() - begin;
     }
     used = now() - begin;
-    out->N = tr->chain->n_flight * tr->chain->multiple;
+    need(q->edge || (!done && !hopped(q, tr)), "a repeated orbit was not followed to the end");
+    if (q->edge || *x > q->to) *x = q->from;
     out->n_flight = tr->chain->n_flight;
-    out->points += points;
-    out->events += tr->n_event;
-    out->evaluations += (double)tr->evaluations;
-    out->stops += done && !q->edge;
-    out->hops += hopped(q, tr);
-    if (done && getenv("BENCH_STOPS")) fprintf(stderr, "%s N=%d stop %d (%s) test %d arrival %d at %g\n", q->name, 2 * q->k, tr->stop, tr->why, tr->end.test, tr->arrival, tr->now.row.frequency * q->k);
-    *x = tr->now.row.frequency * q->k;
-    /* past the point where a repeated orbit meets a branch; to the start again at the end of the course */
-    if (done && !q->edge) *x += 1e-4 * (q->to - q->from);
-    if (q->edge || outside(q, tr) || *x >= q->to || *x < q->from) *x = q->from;
+    out->evaluations += tr->evaluations;
+    out->bytes = tr->stride * sizeof(double);
+    ric_cycle *c = ric_cycle_from_chain(tr->chain, tr->now.u);
+    need(c, "no memory");
+    out->N = c->N;
+    ric_cycle_free(c);
     ric_trace_free(tr);
     return used;
 }
@@ -195,25 +205,210 @@ static figures measure(const course *q, double seconds)
     return all;
 }
 
+static double aim(int N)
+{
+    return N == 2 ? 350000 : N == 12 ? 50000 : N == 48 ? 10000 : 0;
+}
+
+static void show(const course *q, const figures *f)
+{
+    char goal[32] = "", text[96];
+    if (q->edge) snprintf(text, sizeof text, "%s", q->name);
+    else snprintf(text, sizeof text, "%s on %g..%g", q->name, q->from, q->to);
+    if (aim(f->N) > 0) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
+    say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N, f->rate, goal, 1e6 / f->rate,
+        (double)f->evaluations / (double)f->points, 100 * (double)f->short_steps / (double)f->points, f->residual,
+        f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");
+}
+
+static void show_head(void)
+{
+    say("%-22s %-10s %5s %10s %8s %8s %8s %9s %9s\n", "branch", "form", "N", "points/s", "aim", "us/point", "eval/pt", "shortened",
+        "residual");
+}
+
+/* Slope of log time against log N from `first` on. */
+static double exponent(int n, const int *k, const double *rate, int first)
+{
+    double sx = 0, sy = 0, sxx = 0, sxy = 0, count = 0;
+    for (int i = 0; i < n; i++) {
+        double x = log(2 * k[i]), y = -log(rate[i]);
+        if (2 * k[i] < first) continue;
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+        count++;
+    }
+    return (count * sxy - sx * sy) / (count * sxx - sx * sx);
+}
+
+static void repeated(const ric_model *m, double seconds)
+{
+    static const int k[] = {1, 2, 4, 6, 8, 12, 24, 48, 96, 192, 384, 512};
+    enum { COUNT = sizeof k / sizeof *k };
+    double rate[COUNT], slope[2];
+    say("\nS2-[01] k times over, N = 2k impacts solved as they stand\n");
+    show_head();
+    for (form g = GENERAL; g >= REVERSIBLE; g--) {
+        for (int i = 0; i < COUNT; i++) {
+            course q = {"k S2-[01]", m, k[i], g, 2.2, 2.7, NULL};
+            figures f = measure(&q, seconds);
+            show(&q, &f);
+            rate[i] = f.rate;
+        }
+        slope[g == GENERAL] = exponent(COUNT, k, rate, 48);
+    }
+    say("exponent of the time per point in N, fitted on 48..1024: general %.3f, reversible %.3f (aim at most 1.1)\n", slope[1], slope[0]);
+}
+
+/* -------------------------------------------------------------- nanoseconds */
+
+static volatile double sink;
+
+enum { ROTATION, EVALUATION, ITERATION };
+
+/* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the corrector does them. */
+static double run(int what, int times, ric_chain *c, const double *u, double *du)
+{
+    const ric_model *m = c->model;
+    int n = m->n, flights = c->n_flight;
+    double trig[3 * n], w[2 * n], begin = now();
+    memcpy(w, c->w, sizeof w);
+    for (int i = 0; i < times; i++) {
+        if (what == ROTATION) {
+            ric_flight_trig(m, n, u[c->n_start + i % flights], trig);
+            ric_flight(n, trig, w, w);
+        } else ric_chain_evaluate(c, u);
+        if (what != ITERATION) continue;
+        ric_chain_step(c, true, 0, du);
+        ric_chain_step(c, false, 1, du);
+    }
+    sink = w[0];
+    return now() - begin;
+}
+
+static double fastest(int what, int times, ric_chain *c, const double *u, double *du)
+{
+    double least = HUGE_VAL;
+    for (int b = 0; b < 10; b++) least = fmin(least, run(what, times, c, u, du));
+    return least / times;
+}
+
+static void nanoseconds(const ric_model *m)
+{
+    const int k = 24;
+    double rotation = 0;
+    say("\nnanoseconds per impact, N = %d\n%-12s %12s %20s %20s\n", 2 * k, "form", "evaluation", "Newton iteration", "of a rotation");
+    for (form g = GENERAL; g >= REVERSIBLE; g--) {
+        course q = {"", m, k, g, 2.2, 2.7, NULL};
+        ric_chain *c;
+        double *u = chain_at(&q, 2.4, &c), *du = calloc((size_t)c->n_unknown, sizeof *du);
+        need(du, "no memory");
+        ric_chain_evaluate(c, u);
+        if (rotation == 0) rotation = fastest(ROTATION, 100000, c, u, du);
+        double evaluation = fastest(EVALUATION, 1000, c, u, du) / c->n_flight, iteration = fastest(ITERATION, 1000, c, u, du) / c->n_flight;
+        say("%-12s %12.1f %20.1f %12.2f, %6.2f\n", form_text[g], 1e9 * evaluation, 1e9 * iteration, evaluation / rotation, iteration / rotation);
+        ric_chain_free(c);
+        free(u);
+        free(du);
+    }
+    say("one modal rotation (%d sincos and the products): %.1f ns\n", m->n, 1e9 * rotation);
+}
+
+/* ------------------------------------------------------------- the demo study */
+
+static const ric_trace *find_s6(const ric_graph *g)
+{
+    for (int i = 0; i < g->n_edge; i++) {
+        const ric_trace *tr = g->edges[i].trace;
+        if (tr->n_point < 10 || tr->chain->multiple != 4) continue;
+        ric_chain_fly(tr->chain, tr->now.u);
+        ric_cycle *c = ric_cycle_from_chain(tr->chain, tr->now.u);
+        bool found = c && c->N == 6;
+        for (int k = 0; found && k < 6; k++) found = c->face[k] == c->face[k % 2] && c->face[0] != c->face[1];
+        ric_cycle_free(c);
+        if (found) return tr;
+    }
+    return NULL;
+}
+
+static void explore(ric_study *study, ric_graph **graph, double *seconds)
+{
+    double begin = now();
+    need(!ric_graph_create(study, NULL, graph), ric_detail());
+    need(!ric_graph_explore(*graph, NULL), ric_detail());
+    *seconds = now() - begin;
+}
+
+static void show_demo(const ric_graph *g, const char *path, double seconds)
+{
+    long points = 0, evaluations = 0;
+    for (int i = 0; i < g->n_edge; i++) {
+        points += g->edges[i].trace->n_point;
+        evaluations += g->edges[i].trace->evaluations;
+    }
+    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.2f s (aim 2 s)\n", path, g->n_edge, g->n_node, points, evaluations, seconds);
+}
+
+/* ----------------------------------------------------------------------- main */
+
+static void show_machine(void)
+{
+    char line[256], day[32];
+    time_t t = time(NULL);
+    strftime(day, sizeof day, "%Y-%m-%d", localtime(&t));
+    say("ricochet %s, %s, ", ric_version(), day);
+    FILE *info = fopen("/proc/cpuinfo", "r");
+    bool found = false;
+    while (info && !found && fgets(line, sizeof line, info)) found = !strncmp(line, "model name", 10);
+    if (info) fclose(info);
+    say("%s", found && strchr(line, ':') ? strchr(line, ':') + 2 : "processor unknown\n");
+    say("one core, step %g in the norm of the unknowns, residual at most %.0e, all events watched\n\n", ARC, RESIDUAL);
+}
+
+static void show_memory(int n, const figures *own, const figures *general)
+{
+    say("\nbytes of a stored point, N = %d: %zu (own form), %zu (general form); aim at most %d\n", own->N, own->bytes, general->bytes,
+        8 * (2 * n + own->N) + 64);
+}
+
 int main(int argc, char **argv)
 {
-    ric_model *m = article();
-    double seconds = argc > 1 ? atof(argv[1]) : 0.3;
-    static const int copies[] = {1, 2, 4, 6, 8, 12, 24, 48, 96, 192, 384, 512};
-    course rows[] = {{"S2-[01] 2.2..2.7", m, NULL, 1, OWN, true, 2.2, 2.7}, {"S2-[01] 2.2..2.7", m, NULL, 1, GENERAL, true, 2.2, 2.7},
-                     {"S2-[01] 4..6", m, NULL, 1, OWN, true, 4, 6}, {"S2-[01] 4..6", m, NULL, 1, GENERAL, true, 4, 6}};
-    (void)form_text;
-    for (int i = 0; i < 4; i++) {
-        figures f = measure(&rows[i], seconds);
-        printf("%-20s %-10s %4d %10.0f pts/s  n=%ld ev=%ld stops=%ld hops=%ld short=%ld res=%.2g eval/pt=%.2f\n", rows[i].name, form_text[rows[i].form], f.N, f.rate, f.points, f.events, f.stops, f.hops, f.short_steps, f.residual, f.evaluations / (double)f.points);
+    const char *out = "build/bench.txt", *path = "examples/elementary/study.yaml";
+    double seconds = 0.3, demo;
+    for (int option; (option = getopt(argc, argv, "o:t:")) != -1;) {
+        if (option == 'o') out = optarg;
+        else if (option == 't') seconds = atof(optarg);
+        else return 2;
     }
-    for (int w = 1; w >= 0; w--) for (form g = REVERSIBLE; g <= GENERAL; g++)
-        for (size_t i = 0; i < sizeof copies / sizeof *copies; i++) {
-            course q = {"duplicate", m, NULL, copies[i], g, w, 2.2, 2.7};
-            figures f = measure(&q, seconds);
-            printf("%-20s %-10s %4d %10.0f pts/s  n=%ld ev=%ld stops=%ld hops=%ld short=%ld res=%.2g eval/pt=%.2f %s\n", q.name, form_text[q.form], f.N, f.rate, f.points, f.events, f.stops, f.hops, f.short_steps, f.residual, f.evaluations / (double)f.points, w ? "watched" : "ignored");
-            fflush(stdout);
-        }
+    if (optind < argc) path = argv[optind];
+    ric_study *study;
+    ric_graph *graph;
+    need(!ric_study_read(path, &study), ric_detail());
+    file = fopen(out, "w");
+    need(file, "the output file cannot be written");
+    show_machine();
+    ric_model *m = article();
+    explore(study, &graph, &demo);
+    const ric_trace *s6 = find_s6(graph);
+    course rows[] = {{"S2-[01]", m, 1, OWN, 2.2, 2.7, NULL}, {"S2-[01]", m, 1, GENERAL, 2.2, 2.7, NULL},
+                     {"S2-[01]", m, 1, OWN, 4, 6, NULL},     {"S2-[01]", m, 1, GENERAL, 4, 6, NULL},
+                     {"S6-[010101]", graph->model, 1, OWN, 1, 0, s6}, {"S6-[010101]", graph->model, 1, GENERAL, 1, 0, s6}};
+    figures f[6];
+    show_head();
+    for (int i = 0; i < (s6 ? 6 : 4); i++) {
+        f[i] = measure(&rows[i], seconds);
+        show(&rows[i], &f[i]);
+    }
+    repeated(m, seconds);
+    nanoseconds(m);
+    show_demo(graph, path, demo);
+    show_memory(m->n, &f[0], &f[1]);
+    if (s6) show_memory(m->n, &f[4], &f[5]);
+    ric_graph_free(graph);
+    ric_study_free(study);
     ric_model_free(m);
+    need(!fclose(file), "the output file cannot be written");
     return 0;
 }

@@ -323,10 +323,33 @@ static int print_history(const json_t *rows, cli_format format)
     return code;
 }
 
+/* An orbit is too long for a line: the table has one line per quantity. */
+static int print_orbits(const json_t *orbits, cli_format format)
+{
+    static const char *const across[] = {
+        "word", "state", "flights", "period", "frequency", "energy", "multipliers", "stable", "amplitudes", "impact_speeds", "impulses", NULL};
+    static const char *const down[] = {"orbit", "quantity", "value", NULL};
+    const json_t *orbit;
+    size_t i;
+    if (format != CLI_TEXT)
+        return cli_print_rows(orbits, across, format);
+    json_t *rows = json_array();
+    json_array_foreach(orbits, i, orbit) {
+        for (const char *const *name = across; *name; name++) {
+            json_t *row = json_object();
+            json_object_set_new(row, "orbit", json_integer((json_int_t)i + 1));
+            json_object_set_new(row, "quantity", json_string(*name));
+            json_object_set(row, "value", json_object_get(orbit, *name));
+            json_array_append_new(rows, row);
+        }
+    }
+    int code = cli_print_rows(rows, down, format);
+    json_decref(rows);
+    return code;
+}
+
 static int answer(const request *ask)
 {
-    static const char *const columns[] = {
-        "word", "period", "frequency", "energy", "stable", "multipliers", "amplitudes", "impact_speeds", "impulses", "state", "flights", NULL};
     json_t *rows = json_array();
     ric_atlas *atlas = NULL;
     bool too_long = false;
@@ -341,7 +364,7 @@ static int answer(const request *ask)
     else if (status)
         code = cli_report(status);
     else
-        code = ask->step > 0 ? print_history(rows, ask->format) : cli_print_rows(rows, columns, ask->format);
+        code = ask->step > 0 ? print_history(rows, ask->format) : print_orbits(rows, ask->format);
     json_decref(rows);
     ric_atlas_free(atlas);
     return code;
@@ -408,7 +431,7 @@ const cli_command cli_orbit = {
     .help =
         "usage: ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT] [--physical] [--json | --csv]\n"
         "\n"
-        "Solves every orbit of the branch that fits, to rounding, and shows one row for each.\n"
+        "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line per quantity otherwise.\n"
         "\n"
         "  --point I       stored point I, from 0, as `ricochet points` lists them\n"
         "  --energy E      all orbits of energy E\n"

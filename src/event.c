@@ -10,6 +10,8 @@
 #define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
+/* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
+#define SAME_ORBIT 1e-5
 /* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
 #define ALONG 0.99
 /* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
@@ -240,44 +242,56 @@ static ric_status keep_event(ric_trace *tr, int test, const ric_station *p)
 
 /* ------------------------------------------------------------------- arrivals */
 
+/* Unknowns of a cycle in the convention of ric_cycle_to_chain (a chain may start at either of its mirror points); allocated. */
+static double *unknowns(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL;
+    if (cycle && ric_cycle_to_chain(m, cycle, &chain, &u)) u = NULL;
+    ric_chain_free(chain);
+    return u;
+}
+
+/* Whether the image lies on the branch on the other side of `here`. The operation is no isometry of the unknowns: lengths may differ. */
+static bool opposite(int size, const double *here, const double *near, const double *image)
+{
+    double product = 0, a = 0, b = 0;
+    for (int i = 0; i < size; i++) {
+        double d = near[i] - here[i], e = image[i] - here[i];
+        product += d * e;
+        a += d * d;
+        b += e * e;
+    }
+    return product < -ALONG * sqrt(a * b);
+}
+
 /* At a zero of the bordered determinant: some operation of the symmetry group keeps the orbit there and turns the branch round.
  * Then the branch ends: beyond is its own mirror image. */
 static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const ric_station *beside)
 {
-    ric_chain *c = tr->chain, *chain = NULL;
+    ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
-    double *u = NULL;
     ric_chain_fly(c, at->u);
     ric_cycle *here = ric_cycle_from_chain(c, at->u);
     ric_chain_fly(c, beside->u);
     ric_cycle *near = ric_cycle_from_chain(c, beside->u);
-    double away = 0;
-    for (int i = 0; i < c->n_unknown; i++) away += (beside->u[i] - at->u[i]) * at->t[i];
-    for (int op = 0; here && near && !found && op < (m->symmetric ? 4 : 2); op++)
+    double *u = unknowns(m, here), *v = unknowns(m, near);
+    for (int op = 0; u && v && !found && op < (m->symmetric ? 4 : 2); op++)
         for (int s = 0; s < here->N && !found; s++) {
             if (op == 0 && s == 0) continue;
             ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
-            bool fixed = image && ric_cycle_distance(here, image) < 1e-5 && image->pure == here->pure && image->flip == here->flip;
+            bool fixed = image && image->pure == here->pure && image->flip == here->flip && ric_cycle_distance(here, image) < SAME_ORBIT;
             ric_cycle_free(image);
             if (!fixed) continue;
             image = ric_cycle_transform(m, near, s, op & 1, op & 2);
-            if (image && !ric_cycle_to_chain(m, image, &chain, &u) && chain->n_unknown == c->n_unknown) {
-                double across = 0, length = 0;
-                for (int i = 0; i < c->n_unknown; i++) {
-                    double d = u[i] - at->u[i];
-                    across += d * at->t[i];
-                    length += d * d;
-                }
-                /* on the other side and along the branch: the operation is no isometry of the unknowns, so lengths may differ */
-                found = across * away < 0 && fabs(across) > ALONG * sqrt(length);
-            }
-            ric_chain_free(chain);
-            chain = NULL;
-            free(u);
-            u = NULL;
+            double *w = unknowns(m, image);
+            found = w && opposite(c->n_unknown, u, v, w);
+            free(w);
             ric_cycle_free(image);
         }
+    free(u);
+    free(v);
     ric_cycle_free(here);
     ric_cycle_free(near);
     return found;
@@ -288,7 +302,7 @@ static bool repeats(const ric_trace *tr, const ric_station *at)
 {
     ric_chain_fly(tr->chain, at->u);
     ric_cycle *cycle = ric_cycle_from_chain(tr->chain, at->u);
-    bool result = cycle && ric_cycle_find_symmetries(tr->chain->model, cycle, 1e-5) > 1;
+    bool result = cycle && ric_cycle_find_symmetries(tr->chain->model, cycle, SAME_ORBIT) > 1;
     ric_cycle_free(cycle);
     return result;
 }

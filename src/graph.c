@@ -172,7 +172,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
     ric_cycle *cycle = cycle_at(tr, tr->end.u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     if (tr->arrival) status = ric_node_arrival(g->model, cycle, &node);
-    else if (at_corner(tr)) status = ric_node_corner(g->model, cycle, &node);
+    else if (at_corner(tr) || ric_node_coincident(g->model, cycle)) status = ric_node_corner(g->model, cycle, &node);
     else status = ric_node_grazing(g->model, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
@@ -431,6 +431,10 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
     ric_status status = RIC_OK;
     if (node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, choice) == 0) {
         d->state = RIC_DEPARTURE_KNOWN; /* the linear mode itself */
+        return RIC_OK;
+    }
+    if (node->period < g->limits.period[0] || node->period > g->limits.period[1]) {
+        d->state = RIC_DEPARTURE_OVER_BUDGET; /* the original of a duplicate may lie outside the frequency window */
         return RIC_OK;
     }
     if (node->kind == RIC_KIND_MULTIPLICATION && choice == RIC_SIDE) {

@@ -14,6 +14,7 @@
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4      /* distance, relative, of the point that gives the direction of a side branch */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
+#define COINCIDENT 1e-7 /* two touches closer than this in time are one instant */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
 void ric_node_free(ric_node *node)
@@ -337,12 +338,22 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     return status;
 }
 
+bool ric_node_coincident(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_cycle *full = with_touches(m, cycle, NULL);
+    bool found = false;
+    for (int i = 0; full && i < full->N; i++)
+        found |= full->tau[i] < COINCIDENT && m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
+    ric_cycle_free(full);
+    return found;
+}
+
 ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_CORNER, ric_cycle_canonical(m, cycle));
     if (!node) return no_memory();
-    node->refusal = "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: "
-                    "the impact law does not say what happens";
+    node->refusal = "two contacts close at one instant: unless their normals are orthogonal in the metric of M^-1 the impact law does not "
+                    "say what happens; the branch ends here";
     *out = node;
     return RIC_OK;
 }
@@ -531,7 +542,7 @@ static const char *together(const ric_model *m, const ric_cycle *c)
 {
     for (int i = 0; i < c->N; i++) {
         int f = m->face[c->face[i]].contact, g = m->face[c->face[(i + 1) % c->N]].contact;
-        if (f == g || c->tau[i] > 1e-9) continue;
+        if (f == g || c->tau[i] > COINCIDENT) continue;
         return ric_model_orthogonal(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
                                              : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
                                                "the impact law does not say what happens";

@@ -42,6 +42,8 @@ ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
 /* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure there that the
  * branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
 ric_status ric_node_grazing(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+/* Whether gaps of different contacts touch at one instant of a grazing orbit. */
+bool ric_node_coincident(const ric_model *model, const ric_cycle *cycle);
 ric_status ric_node_corner(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
 ric_status ric_node_interior(const ric_model *model, const ric_cycle *cycle, int test, ric_node **out);

@@ -16,10 +16,15 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <tgmath.h>
 
+#include "simulate.h"
 #include "status.h"
 
-/* Rounding of a sum of modes, relative to the sum of the moduli: a few dozen operations of DBL_EPSILON each. */
+/* Extended where the machine has it, so that the replay of an unstable orbit loses less than its check allows. */
+typedef ric_real real;
+
+/* Gaps that differ by less than this part of the sum of the moduli of their modes are equal to a caller, who has doubles. */
 #define ROUNDING (32 * DBL_EPSILON)
 /* A start may be beyond a stop by this part of the clearance: twelve digits of a state typed by hand leave that much. */
 #define BEYOND 1e-10
@@ -34,36 +39,37 @@
 
 typedef struct {
     int contact, side;
-    double limit;          /* scaled clearance: the face is at side * s = limit */
-    const double *c;       /* [n] modal normal, borrowed from the simulator */
-    double cc;
-    double noise;          /* what the rounding of the given state leaves uncertain in s */
+    real limit;          /* scaled clearance: the face is at side * s = limit */
+    const real *c;       /* [n] modal normal, borrowed from the simulator */
+    real cc;
+    real noise;          /* what the rounding of the given state leaves uncertain in s */
     /* of the present flight */
-    double start;          /* side * s - level at its start; exactly 0 on the face */
-    double level;          /* limit, or a little more if the flight starts beyond it by rounding */
-    double D[5];           /* D[k] bounds the k-th derivative of s; D[0] = infinity if a free mode drifts */
-    double band;           /* rounding of s */
+    real start;          /* side * s - level at its start; exactly 0 on the face */
+    real level;          /* limit, or a little more if the flight starts beyond it by rounding */
+    real D[5];           /* D[k] bounds the k-th derivative of s; D[0] = infinity if a free mode drifts */
+    real band;           /* rounding of s */
 } face_t;
 
 struct ric_simulator {
     int n, n_face;
-    double restitution;
+    real restitution;
     bool started;
-    double *omega;         /* [n] rad/s, 0 for a free mode */
-    double *phi, *mphi;    /* [n * n] row i is mode i: phi_i and M phi_i */
-    double *c;             /* [n_contact * n] */
+    real *omega;         /* [n] rad/s, 0 for a free mode */
+    real *phi, *mphi;    /* [n * n] row i is mode i: phi_i and M phi_i */
+    real *c;             /* [n_contact * n] */
     face_t *face;          /* [n_face] */
-    double *b;             /* [n_contact * n] raw normals */
-    double *q, *p;         /* [n] modal state at the start of the flight */
-    double origin, origin_low; /* time of that, with what rounding dropped from it */
-    double now;            /* present time, from the origin */
-    double known;          /* no impact before this time, from the origin */
-    double scanned;        /* reach is known up to here */
-    double next;           /* time of the next impact, infinite if it is not found yet */
+    real *b;             /* [n_contact * n] raw normals */
+    real *q, *p;         /* [n] modal state at the start of the flight */
+    double *rough;       /* [3n + n_contact n] omega, q, p, c in double, for the search */
+    real origin, origin_low; /* time of that, with what rounding dropped from it */
+    real now;            /* present time, from the origin */
+    real known;          /* no impact before this time, from the origin */
+    real scanned;        /* reach is known up to here */
+    real next;           /* time of the next impact, infinite if it is not found yet */
     int next_face;
     bool examined;         /* the start of the flight has been looked at */
-    double reach;
-    double *store;         /* what the arrays above lie in */
+    real reach;
+    real *store;         /* what the arrays above lie in */
 };
 
 /* A face's gap g = side * s - level and its first two derivatives at one time. */
@@ -72,21 +78,21 @@ typedef struct { double t, g[3]; } sample;
 /* ------------------------------------------------------------------- modes */
 
 /* A = L L' in place; false if A is not positive definite. */
-static bool cholesky(int n, long double *A)
+static bool cholesky(int n, real *A)
 {
     for (int j = 0; j < n; j++) {
         for (int i = j; i < n; i++) {
-            long double sum = A[i * n + j];
+            real sum = A[i * n + j];
             for (int k = 0; k < j; k++) sum -= A[i * n + k] * A[j * n + k];
             if (i == j && !(sum > 0)) return false;
-            A[i * n + j] = i == j ? sqrtl(sum) : sum / A[j * n + j];
+            A[i * n + j] = i == j ? sqrt(sum) : sum / A[j * n + j];
         }
     }
     return true;
 }
 
 /* Rows of X [n * n] each become L^-1 times them. */
-static void solve_rows(int n, const long double *L, long double *X)
+static void solve_rows(int n, const real *L, real *X)
 {
     for (int r = 0; r < n; r++)
         for (int i = 0; i < n; i++) {
@@ -95,31 +101,31 @@ static void solve_rows(int n, const long double *L, long double *X)
         }
 }
 
-static void transpose(int n, long double *A)
+static void transpose(int n, real *A)
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) {
-            long double t = A[i * n + j];
+            real t = A[i * n + j];
             A[i * n + j] = A[j * n + i];
             A[j * n + i] = t;
         }
 }
 
-static void rotate(int n, long double *x, long double *y, long double cosine, long double sine)
+static void rotate(int n, real *x, real *y, real cosine, real sine)
 {
     for (int k = 0; k < n; k++) {
-        long double u = x[k], v = y[k];
+        real u = x[k], v = y[k];
         x[k] = cosine * u - sine * v;
         y[k] = sine * u + cosine * v;
     }
 }
 
 /* One rotation that clears A[i][j] of a symmetric A kept in full; V collects the eigenvectors as rows (Golub and Van Loan, 8.5). */
-static void clear(int n, int i, int j, long double *A, long double *V)
+static void clear(int n, int i, int j, real *A, real *V)
 {
-    long double aij = A[i * n + j], theta = (A[j * n + j] - A[i * n + i]) / (2 * aij);
-    long double t = copysignl(1, theta) / (fabsl(theta) + hypotl(1, theta)), cosine = 1 / hypotl(1, t), sine = t * cosine;
-    long double aii = A[i * n + i] - t * aij, ajj = A[j * n + j] + t * aij;
+    real aij = A[i * n + j], theta = (A[j * n + j] - A[i * n + i]) / (2 * aij);
+    real t = copysign(1, theta) / (fabs(theta) + hypot(1, theta)), cosine = 1 / hypot(1, t), sine = t * cosine;
+    real aii = A[i * n + i] - t * aij, ajj = A[j * n + j] + t * aij;
     rotate(n, A + i * n, A + j * n, cosine, sine);
     for (int k = 0; k < n; k++) {
         A[k * n + i] = A[i * n + k];
@@ -131,15 +137,15 @@ static void clear(int n, int i, int j, long double *A, long double *V)
     rotate(n, V + i * n, V + j * n, cosine, sine);
 }
 
-static bool jacobi(int n, long double *A, long double *V)
+static bool jacobi(int n, real *A, real *V)
 {
     enum { SWEEPS = 60 };
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         bool done = true;
         for (int i = 0; i < n; i++)
             for (int j = i + 1; j < n; j++) {
-                long double scale = sqrtl(fabsl(A[i * n + i] * A[j * n + j])) + LDBL_EPSILON * (fabsl(A[i * n + i]) + fabsl(A[j * n + j]));
-                if (fabsl(A[i * n + j]) <= LDBL_EPSILON * scale) continue;
+                real scale = sqrt(fabs(A[i * n + i] * A[j * n + j])) + LDBL_EPSILON * (fabs(A[i * n + i]) + fabs(A[j * n + j]));
+                if (fabs(A[i * n + j]) <= LDBL_EPSILON * scale) continue;
                 clear(n, i, j, A, V);
                 done = false;
             }
@@ -149,36 +155,36 @@ static bool jacobi(int n, long double *A, long double *V)
 }
 
 /* omega_i of row phi_i. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K themselves. */
-static double frequency(int n, const double *K, const long double *phi)
+static real frequency(int n, const double *K, const real *phi)
 {
-    long double sum = 0, size = 0;
+    real sum = 0, size = 0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
-            long double term = phi[i] * K[i * n + j] * phi[j];
+            real term = phi[i] * K[i * n + j] * phi[j];
             sum += term;
-            size += fabsl(term);
+            size += fabs(term);
         }
-    return sum <= ROUNDING * size ? 0 : (double)sqrtl(sum);
+    return sum <= ROUNDING * size ? 0 : sqrt(sum);
 }
 
-static void store_modes(ric_simulator *sim, const ric_model *model, const long double *phi)
+static void store_modes(ric_simulator *sim, const ric_model *model, const real *phi)
 {
     int n = sim->n;
     const double *M = ric_model_mass(model);
     for (int i = 0; i < n; i++) {
         sim->omega[i] = frequency(n, ric_model_stiffness(model), phi + i * n);
         for (int j = 0; j < n; j++) {
-            long double sum = 0;
+            real sum = 0;
             for (int k = 0; k < n; k++) sum += phi[i * n + k] * M[k * n + j];
-            sim->phi[i * n + j] = (double)phi[i * n + j];
-            sim->mphi[i * n + j] = (double)sum;
+            sim->phi[i * n + j] = phi[i * n + j];
+            sim->mphi[i * n + j] = sum;
         }
     }
     for (int f = 0; f < ric_model_n_contact(model); f++)
         for (int i = 0; i < n; i++) {
-            long double sum = 0;
+            real sum = 0;
             for (int j = 0; j < n; j++) sum += phi[i * n + j] * sim->b[f * n + j];
-            sim->c[f * n + i] = (double)sum;
+            sim->c[f * n + i] = sum;
         }
 }
 
@@ -189,7 +195,7 @@ static ric_status make_modes(ric_simulator *sim, const ric_model *model)
     int n = sim->n;
     size_t nn = (size_t)n * (size_t)n;
     const double *M = ric_model_mass(model), *K = ric_model_stiffness(model);
-    long double *L = calloc(3 * nn, sizeof *L), *A = L + nn, *V = A + nn;
+    real *L = calloc(3 * nn, sizeof *L), *A = L + nn, *V = A + nn;
     if (!L) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", n);
         goto out;
@@ -232,7 +238,7 @@ static ric_status make_faces(ric_simulator *sim, const ric_model *model)
         if (status) return status;
         if (contact.law != RIC_LAW_RIGID)
             return ric_fail(RIC_E_INPUT, "contact %d has no rigid law; the simulator knows rigid stops only", f + 1);
-        memcpy(sim->b + f * n, contact.normal, (size_t)n * sizeof(double));
+        for (int i = 0; i < n; i++) sim->b[f * n + i] = contact.normal[i];
         for (int side = 1; side >= -1; side -= 2) {
             if (contact.sides == (side > 0 ? RIC_SIDES_LOWER : RIC_SIDES_UPPER)) continue;
             sim->face[sim->n_face++] = (face_t){
@@ -242,9 +248,9 @@ static ric_status make_faces(ric_simulator *sim, const ric_model *model)
     return RIC_OK;
 }
 
-static double dot(int n, const double *x, const double *y)
+static real dot(int n, const real *x, const real *y)
 {
-    double sum = 0;
+    real sum = 0;
     for (int i = 0; i < n; i++) sum += x[i] * y[i];
     return sum;
 }
@@ -256,7 +262,8 @@ ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
     size_t nn = (size_t)n * (size_t)n, cn = (size_t)n_contact * (size_t)n;
     ric_simulator *sim = calloc(1, sizeof *sim);
     *out = NULL;
-    if (!sim || !(sim->store = calloc(3 * (size_t)n + 2 * nn + 2 * cn, sizeof(double))) ||
+    if (!sim || !(sim->store = calloc(3 * (size_t)n + 2 * nn + 2 * cn, sizeof(real))) ||
+        !(sim->rough = calloc(3 * (size_t)n + cn, sizeof(double))) ||
         !(sim->face = calloc(2 * (size_t)n_contact + 1, sizeof *sim->face))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a simulator of %d degrees of freedom", n);
         goto out;
@@ -273,6 +280,7 @@ ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
     if ((status = make_faces(sim, model))) goto out;
     if ((status = make_modes(sim, model))) goto out;
     for (int f = 0; f < sim->n_face; f++) sim->face[f].cc = dot(n, sim->face[f].c, sim->face[f].c);
+    for (int i = 0; i < n_contact * n; i++) sim->rough[3 * n + i] = (double)sim->c[i];
     *out = sim;
     sim = NULL;
 out:
@@ -284,52 +292,67 @@ void ric_simulator_free(ric_simulator *sim)
 {
     if (!sim) return;
     free(sim->store);
+    free(sim->rough);
     free(sim->face);
     free(sim);
 }
 
 /* ------------------------------------------------------------------ flight */
 
+/* In double, for the search. */
 static sample look(const ric_simulator *sim, const face_t *face, double t)
 {
+    int n = sim->n;
+    const double *omega = sim->rough, *q = omega + n, *p = q + n, *c = p + n + face->contact * n;
     double s = 0, v = 0, a = 0;
-    for (int i = 0; i < sim->n; i++) {
-        double c = face->c[i], omega = sim->omega[i], q = sim->q[i], p = sim->p[i];
-        if (omega > 0) {
-            double sine = sin(omega * t / 2), cosine = cos(omega * t / 2), both = 2 * sine * cosine, one = 1 - 2 * sine * sine;
-            s += c * 2 * sine * (cosine * p / omega - sine * q);
-            v += c * (p * one - omega * q * both);
-            a -= c * omega * (omega * q * one + p * both);
+    for (int i = 0; i < n; i++) {
+        if (omega[i] > 0) {
+            double sine, cosine;
+            sincos(omega[i] * t / 2, &sine, &cosine);
+            double both = 2 * sine * cosine, one = 1 - 2 * sine * sine, stretch = omega[i] * q[i];
+            s += c[i] * 2 * sine * (cosine * p[i] - sine * stretch) / omega[i];
+            v += c[i] * (p[i] * one - stretch * both);
+            a -= c[i] * omega[i] * (stretch * one + p[i] * both);
         } else {
-            s += c * p * t;
-            v += c * p;
+            s += c[i] * p[i] * t;
+            v += c[i] * p[i];
         }
     }
-    return (sample){t, {face->start + face->side * s, face->side * v, face->side * a}};
+    return (sample){t, {(double)face->start + face->side * s, face->side * v, face->side * a}};
 }
 
-/* Modal state at time t of the flight. */
-static void fly(const ric_simulator *sim, double t, double *q, double *p)
+/* g, g', g'' in full precision. */
+static void look_closely(const ric_simulator *sim, const face_t *face, real t, real *g)
 {
+    real s = 0, v = 0, a = 0;
     for (int i = 0; i < sim->n; i++) {
-        double omega = sim->omega[i], qi = sim->q[i], pi = sim->p[i];
-        if (omega > 0) {
-            double sine = sin(omega * t), cosine = cos(omega * t);
-            q[i] = qi * cosine + pi / omega * sine;
-            p[i] = pi * cosine - omega * qi * sine;
-        } else {
-            q[i] = qi + pi * t;
-            p[i] = pi;
-        }
+        real c = face->c[i], omega = sim->omega[i], q = sim->q[i], p = sim->p[i], sine, cosine;
+        sincosl(omega * t / 2, &sine, &cosine);
+        real both = 2 * sine * cosine, one = 1 - 2 * sine * sine;
+        s += c * (omega > 0 ? 2 * sine * (cosine * p / omega - sine * q) : p * t);
+        v += c * (p * one - omega * q * both);
+        a -= c * omega * (omega * q * one + p * both);
     }
+    g[0] = face->start + face->side * s;
+    g[1] = face->side * v;
+    g[2] = face->side * a;
+}
+
+/* Modal state at time t of the flight; may work in place. */
+static void fly_mode(const ric_simulator *sim, int i, real t, real *q, real *p)
+{
+    real omega = sim->omega[i], qi = sim->q[i], pi = sim->p[i], sine, cosine;
+    sincosl(omega * t, &sine, &cosine);
+    *q = omega > 0 ? qi * cosine + pi / omega * sine : qi + pi * t;
+    *p = pi * cosine - omega * qi * sine;
 }
 
 static void bound_face(const ric_simulator *sim, face_t *face)
 {
-    double s = 0, size = face->limit;
+    real s = 0, size = face->limit;
     memset(face->D, 0, sizeof face->D);
     for (int i = 0; i < sim->n; i++) {
-        double c = fabs(face->c[i]), omega = sim->omega[i], speed = c * hypot(omega * sim->q[i], sim->p[i]);
+        real c = fabs(face->c[i]), omega = sim->omega[i], speed = c * hypot(omega * sim->q[i], sim->p[i]);
         s += face->c[i] * sim->q[i];
         size += omega > 0 ? speed / omega : c * fabs(sim->q[i]);
         face->D[0] += omega > 0 ? speed / omega : speed > 0 ? INFINITY : c * fabs(sim->q[i]);
@@ -344,6 +367,7 @@ static void bound_face(const ric_simulator *sim, face_t *face)
 /* From the modal state in sim->q, sim->p at the present origin on. */
 static void begin_flight(ric_simulator *sim)
 {
+    for (int i = 0; i < 3 * sim->n; i++) sim->rough[i] = (double)sim->omega[i]; /* q and p follow omega in memory */
     for (int f = 0; f < sim->n_face; f++) bound_face(sim, &sim->face[f]);
     sim->now = sim->known = sim->scanned = 0;
     sim->next = INFINITY;
@@ -351,15 +375,15 @@ static void begin_flight(ric_simulator *sim)
     sim->examined = false;
 }
 
-static double time_of(const ric_simulator *sim, double t)
+static double time_of(const ric_simulator *sim, real t)
 {
-    return sim->origin + (sim->origin_low + t);
+    return (double)(sim->origin + (sim->origin_low + t));
 }
 
 /* Moves the origin to time t of the flight; compensated, so that long runs lose no time (Kahan 1965). */
-static void move_origin(ric_simulator *sim, double t)
+static void move_origin(ric_simulator *sim, real t)
 {
-    double step = sim->origin_low + t, sum = sim->origin + step;
+    real step = sim->origin_low + t, sum = sim->origin + step;
     sim->origin_low = step - (sum - sim->origin);
     sim->origin = sum;
 }
@@ -371,10 +395,10 @@ typedef enum { BELOW, RISING, FALLING, CONVEX, CONCAVE, FLAT, UNKNOWN } shape;
 /* What is certain about g on [a, b]; BELOW: g <= level throughout; FLAT: it is a straight line to rounding. */
 static shape classify(const face_t *face, const sample *a, const sample *b, double level)
 {
-    double h = b->t - a->t, D4 = face->D[4], e0 = D4 * h * h * h * h / 384, e1 = D4 * h * h * h * (sqrt(3.0) / 216), e2 = D4 * h * h / 12;
+    double h = b->t - a->t, D4 = (double)face->D[4], e0 = D4 * h * h * h * h / 384, e1 = D4 * h * h * h * (0.5773502691896258 / 72), e2 = D4 * h * h / 12;
     double left = a->g[0] + h * a->g[1] / 3, right = b->g[0] - h * b->g[1] / 3;
     if (fmax(fmax(a->g[0], b->g[0]), fmax(left, right)) + e0 <= level) return BELOW;
-    double noise = face->band / (8 * h);
+    double band = (double)face->band, noise = band / (8 * h);
     double middle = 3 * (right - left) / h;
     if (fmin(fmin(a->g[1], b->g[1]), middle - noise) - e1 > 0) return RISING;
     if (fmax(fmax(a->g[1], b->g[1]), middle + noise) + e1 < 0) return FALLING;
@@ -382,7 +406,7 @@ static shape classify(const face_t *face, const sample *a, const sample *b, doub
     if (fmin(first, last) - noise2 - e2 > 0) return CONVEX;
     if (fmax(first, last) + noise2 + e2 < 0) return CONCAVE;
     double bend = h * h * fmax(fabs(first), fabs(last)) / 8;
-    return e0 + bend <= face->band / 2 ? FLAT : UNKNOWN;
+    return e0 + bend <= band / 2 ? FLAT : UNKNOWN;
 }
 
 /* Zero of g (order 0) or g' (order 1) between lo and hi, where it changes sign: Newton's method kept inside a shrinking bracket. */
@@ -404,18 +428,35 @@ static sample zero(const ric_simulator *sim, const face_t *face, int order, samp
     return x;
 }
 
+/* The last digits of a root t of g that lies in [lo, hi]; t itself where the slope does not tell them. */
+static real refine(const ric_simulator *sim, const face_t *face, double lo, double hi, double t)
+{
+    enum { STEPS = 6 };
+    real x = t;
+    for (int i = 0; i < STEPS; i++) {
+        real g[3], next;
+        look_closely(sim, face, x, g);
+        next = g[1] > 0 ? x - g[0] / g[1] : t;
+        if (!(next >= lo && next <= hi)) return t;
+        if (fabs(next - x) <= LDBL_EPSILON * x) return next;
+        x = next;
+    }
+    return x;
+}
+
 /* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or convex, there. */
-static double rise(const ric_simulator *sim, const face_t *face, sample a, const sample *b)
+static real rise(const ric_simulator *sim, const face_t *face, sample a, const sample *b)
 {
     if (a.g[1] < 0 && b->g[1] > 0) a = zero(sim, face, 1, a, *b);
-    if (a.g[0] >= 0) return fmax(0, a.g[1] > 0 ? a.t - a.g[0] / a.g[1] : a.t);
-    return zero(sim, face, 0, a, *b).t;
+    if (a.g[0] < 0) return refine(sim, face, a.t, b->t, zero(sim, face, 0, a, *b).t);
+    double t = fmax(0, a.g[1] > 0 ? a.t - a.g[0] / a.g[1] : a.t), h = b->t - a.t;
+    return refine(sim, face, fmax(0, t - h), b->t, t);
 }
 
 /* First time in [a, b] at which the face is met, infinite if it is not. */
-static double first_crossing(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b)
+static real first_crossing(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b)
 {
-    shape kind = classify(face, a, b, face->band);
+    shape kind = classify(face, a, b, (double)face->band);
     if (kind == BELOW || kind == FALLING) return INFINITY;
     if (kind == CONCAVE && a->g[1] > 0 && b->g[1] < 0) {
         sample top = zero(sim, face, 1, *a, *b);
@@ -423,14 +464,14 @@ static double first_crossing(const ric_simulator *sim, const face_t *face, const
     }
     if (kind != UNKNOWN) return b->g[0] > face->band ? rise(sim, face, *a, b) : INFINITY;
     sample middle = look(sim, face, a->t + (b->t - a->t) / 2);
-    double t = first_crossing(sim, face, a, &middle);
+    real t = first_crossing(sim, face, a, &middle);
     return t < INFINITY ? t : first_crossing(sim, face, &middle, b);
 }
 
 /* Largest stationary value of g in [a, b], if it is above `best` by more than rounding; else `best`. */
 static double highest(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b, double best)
 {
-    shape kind = classify(face, a, b, best + face->band);
+    shape kind = classify(face, a, b, best + (double)face->band);
     if (kind == CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
     if (kind != UNKNOWN) return best;
     sample middle = look(sim, face, a->t + (b->t - a->t) / 2);
@@ -441,13 +482,14 @@ static double highest(const ric_simulator *sim, const face_t *face, const sample
 /* A first length for which the interpolant is within a few percent of the clearance. */
 static double panel(const face_t *face)
 {
-    return face->D[4] > 0 ? sqrt(sqrt(20 * face->limit / face->D[4])) : INFINITY;
+    return face->D[4] > 0 ? (double)sqrt(sqrt(20 * face->limit / face->D[4])) : INFINITY;
 }
 
-static double search_face(const ric_simulator *sim, const face_t *face, double from, double to)
+static real search_face(const ric_simulator *sim, const face_t *face, double from, double to)
 {
     if (face->D[0] < face->level) return INFINITY;
-    double found = INFINITY, h = panel(face);
+    real found = INFINITY;
+    double h = panel(face);
     sample a = look(sim, face, from);
     while (a.t < to && found == INFINITY) {
         sample b = look(sim, face, fmin(to, a.t + h));
@@ -498,12 +540,12 @@ static void start_reach(ric_simulator *sim)
 double ric_simulator_reach(const ric_simulator *sim)
 {
     double reach = sim->reach;
-    if (!sim->started || sim->now == 0) return reach;
+    if (!sim->started || sim->now == 0) return (double)reach;
     for (int f = 0; f < sim->n_face; f++) {
         sample a = look(sim, &sim->face[f], sim->now);
         if (a.g[1] >= 0) reach = fmax(reach, to_reach(&sim->face[f], a.g[0]));
     }
-    return reach;
+    return (double)reach;
 }
 
 /* ------------------------------------------------------------------ events */
@@ -513,9 +555,10 @@ double ric_simulator_reach(const ric_simulator *sim)
 static ric_status examine_face(ric_simulator *sim, int f)
 {
     const face_t *face = &sim->face[f];
-    sample a = look(sim, face, 0);
-    if (a.g[0] != 0) return RIC_OK;
-    double still = ROUNDING * face->D[1], u = -a.g[1], acceleration = a.g[2], eps = sim->restitution;
+    real g[3];
+    look_closely(sim, face, 0, g);
+    if (g[0] != 0) return RIC_OK;
+    real still = ROUNDING * face->D[1], u = -g[1], acceleration = g[2], eps = sim->restitution;
     if (-u > still) {
         sim->next = 0;
         sim->next_face = f;
@@ -524,19 +567,19 @@ static ric_status examine_face(ric_simulator *sim, int f)
     if (acceleration <= STEADY * face->D[2]) return RIC_OK;
     if (fabs(u) <= still)
         return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
-                        "contact is outside the impact law, so the motion ends here", time_of(sim, 0), f, acceleration);
+                        "contact is outside the impact law, so the motion ends here", time_of(sim, 0), f, (double)acceleration);
     if (eps < 1 && u <= CHATTER * face->D[1] && face->D[3] * 2 * u / (1 - eps) <= acceleration * acceleration / 2)
         return ric_fail(RIC_E_NUMERIC, "impacts on face %d pile up before time %.9g (chatter with restitution %g); the structure comes to rest "
                         "on the stop, which is outside the impact law, so the motion ends here", f,
-                        time_of(sim, 2 * u / acceleration / (1 - eps)), eps);
+                        time_of(sim, 2 * u / acceleration / (1 - eps)), (double)eps);
     return RIC_OK;
 }
 
 /* Finds the next impact, or that there is none up to time `to` of the flight. */
-static ric_status find_next(ric_simulator *sim, double to)
+static ric_status find_next(ric_simulator *sim, real to)
 {
     enum { PANELS = 16 };
-    double chunk = INFINITY;
+    real chunk = INFINITY;
     if (!sim->examined) {
         for (int f = 0; f < sim->n_face; f++) {
             ric_status status = examine_face(sim, f);
@@ -546,29 +589,29 @@ static ric_status find_next(ric_simulator *sim, double to)
     }
     for (int f = 0; f < sim->n_face; f++) chunk = fmin(chunk, PANELS * panel(&sim->face[f]));
     while (sim->next == INFINITY && sim->known < to) {
-        double end = chunk < INFINITY ? sim->known + chunk : to;
+        real end = chunk < INFINITY ? sim->known + chunk : to;
         bool open = false;
         for (int f = 0; f < sim->n_face; f++) {
-            double t = search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
+            real t = search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
             open |= sim->face[f].D[0] >= sim->face[f].level;
             if (t >= sim->next) continue;
             sim->next = t;
             sim->next_face = f;
         }
-        if (end <= sim->known) return ric_fail(RIC_E_NUMERIC, "time %.17g is too long for the fastest motion of the structure", to);
+        if (end <= sim->known) return ric_fail(RIC_E_NUMERIC, "time %.17g is too long for the fastest motion of the structure", (double)to);
         sim->known = open ? end : INFINITY;
     }
     return RIC_OK;
 }
 
 /* Two faces at one instant: only if their normals are orthogonal in M^-1 does the order not matter. */
-static ric_status check_alone(const ric_simulator *sim, int f, double t)
+static ric_status check_alone(const ric_simulator *sim, int f, real t)
 {
     const face_t *face = &sim->face[f];
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (k == f || other->contact == face->contact) continue;
-        double g = look(sim, other, t).g[0];
+        real g = look(sim, other, t).g[0];
         if (fabs(g) > TOGETHER * other->limit + other->band) continue;
         if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
         return ric_fail(RIC_E_NUMERIC, "faces %d and %d are met together at time %.9g and one impact changes the speed at the other: the impact "
@@ -578,13 +621,13 @@ static ric_status check_alone(const ric_simulator *sim, int f, double t)
 }
 
 /* An impact turns the gap coordinates of other contacts back too: a largest value with a kink. */
-static void kink_reach(ric_simulator *sim, const face_t *face, double t, double change)
+static void kink_reach(ric_simulator *sim, const face_t *face, real t, real change)
 {
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (other->contact == face->contact) continue;
         sample a = look(sim, other, t);
-        double after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
+        real after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
         if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, to_reach(other, a.g[0]));
     }
 }
@@ -593,19 +636,23 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
 {
     int n = sim->n, f = sim->next_face;
     const face_t *face = &sim->face[f];
-    double t = sim->next;
+    real t = sim->next;
     scan_reach(sim, t);
     sim->now = t;
     ric_status status = check_alone(sim, f, t);
     if (status) return status;
-    double speed = look(sim, face, t).g[1], change = -(1 + sim->restitution) * speed / face->cc * face->side;
+    real g[3];
+    look_closely(sim, face, t, g);
+    real speed = g[1], change = -(1 + sim->restitution) * speed / face->cc * face->side;
     if (t == 0 && speed <= ROUNDING * face->D[1])
         return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
                         "ends here", time_of(sim, 0), f);
-    if (impact) *impact = (ric_impact){time_of(sim, t), f, speed, fabs(change)};
+    if (impact) *impact = (ric_impact){time_of(sim, t), f, (double)speed, (double)fabs(change)};
     kink_reach(sim, face, t, change);
-    fly(sim, t, sim->q, sim->p);
-    for (int i = 0; i < n; i++) sim->p[i] += change * face->c[i];
+    for (int i = 0; i < n; i++) {
+        fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
+        sim->p[i] += change * face->c[i];
+    }
     move_origin(sim, t);
     begin_flight(sim);
     return RIC_OK;
@@ -622,7 +669,7 @@ static void start_noise(ric_simulator *sim, const double *x, const double *v)
         face->noise = 0;
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) {
-                double size = fabs(x[j]) + (sim->omega[i] > 0 ? fabs(v[j]) / sim->omega[i] : 0);
+                real size = fabs(x[j]) + (sim->omega[i] > 0 ? fabs(v[j]) / sim->omega[i] : 0);
                 face->noise += 2 * DBL_EPSILON * fabs(face->c[i] * sim->mphi[i * n + j]) * size;
             }
     }
@@ -633,14 +680,44 @@ static ric_status check_start(const ric_simulator *sim, const double *x, const d
     for (int i = 0; i < sim->n; i++)
         if (!isfinite(x[i]) || !isfinite(v[i]))
             return ric_fail(RIC_E_INPUT, "state: number %d is not finite", isfinite(x[i]) ? sim->n + i + 1 : i + 1);
+    return RIC_OK;
+}
+
+static ric_status check_inside(const ric_simulator *sim)
+{
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
-        double s = face->side * dot(sim->n, sim->b + face->contact * sim->n, x);
+        real s = face->side * dot(sim->n, face->c, sim->q);
         if (s > face->limit * (1 + BEYOND))
             return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g: its gap coordinate is %.9g and the stop is at %.9g; start on this "
-                            "side of it", f, s - face->limit, face->side * s, face->side * face->limit);
+                            "side of it", f, (double)(s - face->limit), (double)(face->side * s), (double)(face->side * face->limit));
     }
     return RIC_OK;
+}
+
+static ric_status start_here(ric_simulator *sim)
+{
+    ric_status status = check_inside(sim);
+    sim->started = false;
+    if (status) return status;
+    sim->origin = sim->origin_low = 0;
+    sim->reach = 0;
+    begin_flight(sim);
+    start_reach(sim);
+    sim->started = true;
+    return RIC_OK;
+}
+
+void ric_simulator_modal(const ric_simulator *sim, const double *x, const double *v, ric_real *w)
+{
+    int n = sim->n;
+    for (int i = 0; i < n; i++) {
+        w[i] = w[n + i] = 0;
+        for (int j = 0; j < n; j++) {
+            w[i] += sim->mphi[i * n + j] * x[j];
+            w[n + i] += sim->mphi[i * n + j] * v[j];
+        }
+    }
 }
 
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v)
@@ -648,24 +725,23 @@ ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double
     ric_status status = check_start(sim, x, v);
     sim->started = false;
     if (status) return status;
-    for (int i = 0; i < sim->n; i++) {
-        sim->q[i] = dot(sim->n, sim->mphi + i * sim->n, x);
-        sim->p[i] = dot(sim->n, sim->mphi + i * sim->n, v);
-    }
-    sim->origin = sim->origin_low = 0;
-    sim->reach = 0;
+    ric_simulator_modal(sim, x, v, sim->q); /* p follows q in memory */
     start_noise(sim, x, v);
-    begin_flight(sim);
-    start_reach(sim);
-    sim->started = true;
-    return RIC_OK;
+    return start_here(sim);
+}
+
+ric_status ric_simulator_start_modal(ric_simulator *sim, const ric_real *w)
+{
+    memcpy(sim->q, w, 2 * (size_t)sim->n * sizeof *w);
+    for (int f = 0; f < sim->n_face; f++) sim->face[f].noise = 0;
+    return start_here(sim);
 }
 
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact)
 {
     *hit = false;
     if (!sim->started) return ric_fail(RIC_E_INPUT, "the simulator has no state yet; start it first");
-    double to = (t - sim->origin) - sim->origin_low;
+    real to = (t - sim->origin) - sim->origin_low;
     if (!isfinite(t) || to < sim->now - 4 * DBL_EPSILON * fabs(t))
         return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, time_of(sim, sim->now));
     to = fmax(to, sim->now);
@@ -686,16 +762,26 @@ void ric_simulator_state(const ric_simulator *sim, double *time, double *x, doub
     int n = sim->n;
     if (time) *time = time_of(sim, sim->now);
     for (int j = 0; j < n; j++) {
-        if (x) x[j] = 0;
-        if (v) v[j] = 0;
-    }
-    for (int i = 0; i < n; i++) {
-        double omega = sim->omega[i], sine = sin(omega * sim->now), cosine = cos(omega * sim->now);
-        double q = omega > 0 ? sim->q[i] * cosine + sim->p[i] / omega * sine : sim->q[i] + sim->p[i] * sim->now;
-        double p = sim->p[i] * cosine - omega * sim->q[i] * sine;
-        for (int j = 0; j < n; j++) {
-            if (x) x[j] += sim->phi[i * n + j] * q;
-            if (v) v[j] += sim->phi[i * n + j] * p;
+        real sum_x = 0, sum_v = 0;
+        for (int i = 0; i < n; i++) {
+            real q, p;
+            fly_mode(sim, i, sim->now, &q, &p);
+            sum_x += sim->phi[i * n + j] * q;
+            sum_v += sim->phi[i * n + j] * p;
         }
+        if (x) x[j] = (double)sum_x;
+        if (v) v[j] = (double)sum_v;
     }
+}
+
+void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_real *w)
+{
+    if (time) *time = sim->origin + (sim->origin_low + sim->now);
+    for (int i = 0; i < sim->n; i++) fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
+}
+
+void ric_simulator_frame(const ric_simulator *sim, const ric_real **omega, const ric_real **c)
+{
+    *omega = sim->omega;
+    *c = sim->c;
 }

@@ -671,6 +671,7 @@ static void forged_contents_are_refused(void **state)
     (void)state;
     static const char *const changes[] = {
         "UPDATE branch SET to_junction = 99 WHERE id = 1", "UPDATE branch SET impacts = impacts + 1", "UPDATE branch SET word = '9'",
+        "UPDATE branch SET word = replace(word, '1', '2')", "UPDATE point SET state = zeroblob(40)",
         "UPDATE branch SET points = points + 1 WHERE id = 1", "UPDATE branch SET points = 2147483647", "UPDATE branch SET id = 9 WHERE id = 3",
         "UPDATE branch SET stop = 'nowhere'", "UPDATE branch SET energy_min = 'low'", "UPDATE branch SET mode = 3",
         "DELETE FROM branch WHERE id = 3", "UPDATE point SET state = x'00'", "UPDATE point SET flights = 3", "UPDATE point SET stable = 3",

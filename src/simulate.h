@@ -1,0 +1,18 @@
+/* The simulator's own modal frame, for those who check with it. */
+#ifndef RIC_SIMULATE_H
+#define RIC_SIMULATE_H
+
+#include "ricochet.h"
+
+/* It computes in extended precision: an unstable orbit amplifies the last digit of a double beyond what a check may allow. */
+typedef long double ric_real;
+
+/* Borrowed: omega [n_dof] rad/s, 0 for a free mode; modal normals c [n_contact * n_dof]. */
+void ric_simulator_frame(const ric_simulator *sim, const ric_real **omega, const ric_real **c);
+/* w [2 n_dof] = q, p of a scaled state x, v. */
+void ric_simulator_modal(const ric_simulator *sim, const double *x, const double *v, ric_real *w);
+/* As ric_simulator_start, from w; and the present state as w. */
+ric_status ric_simulator_start_modal(ric_simulator *sim, const ric_real *w);
+void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_real *w);
+
+#endif

@@ -1,0 +1,452 @@
+/* The orbit problem: its Jacobian against differences, its structured solve against a dense one, its cost, its residual. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+#include <lapacke.h>
+
+#include "graph.h"
+
+enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 12, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
+
+/* ------------------------------------------------------------------ helpers */
+
+static uint64_t seed_now;
+
+static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
+{
+    uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static int below(int n)
+{
+    int i = (int)uniform(0, n);
+    return i < n ? i : n - 1;
+}
+
+/* A = G G' + shift, G [n * rank]. */
+static void random_definite(int n, int rank, double shift, double *A)
+{
+    double G[MAX_N * MAX_N];
+    for (int i = 0; i < n * rank; i++) G[i] = uniform(-1, 1);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            A[i * n + j] = i == j ? shift : 0;
+            for (int k = 0; k < rank; k++) A[i * n + j] += G[i * rank + k] * G[j * rank + k];
+        }
+}
+
+/* Contacts on both sides, so that centres exist; `floating`: one frequency is zero. */
+static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
+{
+    double M[MAX_N * MAX_N], K[MAX_N * MAX_N], normal[MAX_CONTACT * MAX_N];
+    ric_contact contacts[MAX_CONTACT] = {{0}};
+    ric_model *model = NULL;
+    seed_now = seed;
+    random_definite(n, n, 0.5, M);
+    random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, K);
+    for (int f = 0; f < n_contact; f++) {
+        for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
+        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = RIC_SIDES_BOTH};
+    }
+    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
+    return model;
+}
+
+/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
+enum { N_FORM = 11 };
+
+static ric_chain *random_chain(const ric_model *m, int form, int n_flight, double *u)
+{
+    ric_mirror start = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3);
+    ric_mirror end = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3);
+    int *face = malloc(((size_t)n_flight + 1) * sizeof *face);
+    ric_chain *chain = NULL;
+    assert_non_null(face);
+    for (int k = 0; k <= n_flight; k++) face[k] = below(m->n_face);
+    if (start == RIC_MIRROR_REST || start == RIC_MIRROR_CENTRE) face[0] = -1;
+    if (end == RIC_MIRROR_REST || end == RIC_MIRROR_CENTRE) face[n_flight] = -1;
+    if (form == 0) face[n_flight] = face[0];
+    if (form == 1) face[n_flight] = m->face[face[0]].mirror;
+    assert_int_equal(ric_chain_create(m, start, end, form == 1 ? -1 : 1, n_flight, face, &chain), RIC_OK);
+    free(face);
+    for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-1, 1);
+    for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
+    return chain;
+}
+
+static double largest(int n, const double *x)
+{
+    double top = 0;
+    for (int i = 0; i < n; i++) top = fmax(top, fabs(x[i]));
+    return top;
+}
+
+/* What runs over random chains of every form: n = 1..6, one to three contacts, with and without a zero frequency. */
+typedef void check_chain(ric_chain *chain, const double *u, const char *where);
+
+static void over_random_chains(check_chain *check)
+{
+    double u[MAX_SIZE];
+    for (int n = 1; n <= MAX_N; n++)
+        for (int form = 0; form < N_FORM; form++)
+            for (int trial = 0; trial < 6; trial++) {
+                uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
+                char where[80];
+                ric_model *m = make_random(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3);
+                ric_chain *chain = random_chain(m, form, 1 + below(MAX_FLIGHT), u);
+                snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
+                check(chain, u, where);
+                ric_chain_free(chain);
+                ric_model_free(m);
+            }
+}
+
+/* ----------------------------------------------------------------- Jacobian */
+
+/* Central differences of fourth order: error (h omega)^4, rounding eps / h. */
+static void check_jacobian(ric_chain *chain, const double *u, const char *where)
+{
+    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
+    double J[MAX_SIZE * MAX_SIZE], moved[MAX_SIZE], r[4][MAX_SIZE];
+    double fastest = chain->model->omega[chain->n - 1], h = 1e-3 / fmax(fastest, 1);
+    int unknowns = chain->n_unknown, rows = ric_chain_jacobian(chain, u, J);
+    double top = largest(rows * unknowns, J);
+    for (int j = 0; j < unknowns; j++) {
+        for (int k = 0; k < 4; k++) {
+            memcpy(moved, u, (size_t)unknowns * sizeof *u);
+            moved[j] += offset[k] * h;
+            assert_int_equal(ric_chain_residuals(chain, moved, r[k]), rows);
+        }
+        for (int i = 0; i < rows; i++) {
+            double difference = 0;
+            for (int k = 0; k < 4; k++) difference += weight[k] * r[k][i] / h;
+            if (!(fabs(difference - J[i * unknowns + j]) <= 1e-9 * (1 + top)))
+                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences (largest entry %.3g)", where, i, j,
+                         J[i * unknowns + j], difference, top);
+        }
+    }
+}
+
+static void jacobian_by_differences(void **state)
+{
+    (void)state;
+    over_random_chains(check_jacobian);
+}
+
+/* --------------------------------------------------- structured and dense LQ */
+
+/* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma w_0 (without the positions of zero
+ * modes), to which the closure is perpendicular for any u. A [rows * unknowns], r [rows]. */
+static int dense_equations(ric_chain *chain, const double *u, double *A, double *r)
+{
+    double J[MAX_SIZE * MAX_SIZE], all[MAX_SIZE], h[2 * MAX_N], E[4 * MAX_N * MAX_N];
+    int unknowns = chain->n_unknown, n = chain->n, rows = ric_chain_jacobian(chain, u, J);
+    ric_chain_residuals(chain, u, all);
+    if (chain->start != RIC_MIRROR_NONE) {
+        memcpy(A, J, (size_t)(rows * unknowns) * sizeof *A);
+        memcpy(r, all, (size_t)rows * sizeof *r);
+        return rows;
+    }
+    int gaps = rows - 2 * n;
+    for (int i = 0; i < 2 * n; i++) {
+        bool zero = i < n && chain->model->omega[i] == 0;
+        h[i] = zero ? 0 : chain->w[2 * n * chain->n_flight + i] + chain->sigma * chain->w[i];
+    }
+    ric_complement(2 * n, h, E);
+    memcpy(A, J, (size_t)(gaps * unknowns) * sizeof *A);
+    memcpy(r, all, (size_t)gaps * sizeof *r);
+    double along = 0;
+    for (int i = 0; i < 2 * n; i++) along += h[i] * all[gaps + i];
+    assert_true(fabs(along) <= 1e-13 * (1 + largest(2 * n, h) * largest(2 * n, h)) * 4 * n);
+    for (int i = 0; i < 2 * n - 1; i++) {
+        r[gaps + i] = 0;
+        for (int k = 0; k < 2 * n; k++) r[gaps + i] += E[i * 2 * n + k] * all[gaps + k];
+        for (int j = 0; j < unknowns; j++) {
+            double sum = 0;
+            for (int k = 0; k < 2 * n; k++) sum += E[i * 2 * n + k] * J[(gaps + k) * unknowns + j];
+            A[(gaps + i) * unknowns + j] = sum;
+        }
+    }
+    return rows - 1;
+}
+
+static double distance(int n, const double *a, const double *b, double sign)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += (a[i] - sign * b[i]) * (a[i] - sign * b[i]);
+    return sqrt(sum);
+}
+
+static int ill_conditioned, compared;
+
+static void check_step(ric_chain *chain, const double *u, const char *where)
+{
+    double A[MAX_SIZE * MAX_SIZE], copy[MAX_SIZE * MAX_SIZE], b[MAX_SIZE] = {0}, r[MAX_SIZE], sv[MAX_SIZE], V[MAX_SIZE * MAX_SIZE];
+    double newton[MAX_SIZE], kernel[MAX_SIZE], both[MAX_SIZE], super[MAX_SIZE], one[1];
+    int unknowns = chain->n_unknown, rows = dense_equations(chain, u, A, r);
+    assert_int_equal(rows, unknowns - 1);
+    lapack_int rank;
+    for (int i = 0; i < rows; i++) b[i] = -r[i];
+    memcpy(copy, A, (size_t)(rows * unknowns) * sizeof *A);
+    assert_int_equal(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, unknowns, 1, copy, unknowns, b, 1, sv, 1e-14, &rank), 0);
+    memcpy(copy, A, (size_t)(rows * unknowns) * sizeof *A);
+    assert_int_equal(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, unknowns, copy, unknowns, sv, one, 1, V, unknowns, super), 0);
+    double condition = sv[0] / sv[rows - 1], tolerance = 1e-10 * fmax(1, condition / 1e4);
+    const double *z = V + rows * unknowns;
+
+    ric_chain_evaluate(chain, u);
+    ric_chain_step(chain, true, 0, newton);
+    ric_chain_step(chain, false, 1, kernel);
+    ric_chain_step(chain, true, 0.7, both);
+    if (condition > 1e8) {
+        ill_conditioned++;
+        return;
+    }
+    compared++;
+    double inner = 0, size = 0, norm = 0;
+    for (int i = 0; i < unknowns; i++) {
+        inner += z[i] * kernel[i];
+        size += b[i] * b[i];
+        norm += kernel[i] * kernel[i];
+    }
+    if (!(distance(unknowns, newton, b, 1) <= tolerance * sqrt(size)))
+        fail_msg("%s: step off by %.3g of %.3g, condition %.3g", where, distance(unknowns, newton, b, 1), sqrt(size), condition);
+    if (!(distance(unknowns, kernel, z, inner < 0 ? -1 : 1) <= tolerance) || fabs(norm - 1) > 1e-13 * unknowns)
+        fail_msg("%s: kernel off by %.3g, norm %.17g, condition %.3g", where, distance(unknowns, kernel, z, inner < 0 ? -1 : 1), sqrt(norm), condition);
+    for (int i = 0; i < unknowns; i++) newton[i] += 0.7 * kernel[i];
+    assert_true(distance(unknowns, both, newton, 1) <= 1e-13 * (1 + sqrt(size)) * fmax(1, condition));
+}
+
+static void step_against_dense(void **state)
+{
+    (void)state;
+    ill_conditioned = compared = 0;
+    over_random_chains(check_step);
+    print_message("# %d chains compared, %d with a condition beyond 1e8\n", compared, ill_conditioned);
+    assert_true(ill_conditioned * 10 < compared);
+}
+
+/* Sign of det [A; kernel]. */
+static double bordered_sign(ric_chain *chain, const double *u)
+{
+    double A[MAX_SIZE * MAX_SIZE], r[MAX_SIZE], sign = 1;
+    int unknowns = chain->n_unknown, rows = dense_equations(chain, u, A, r);
+    lapack_int pivot[MAX_SIZE];
+    ric_chain_evaluate(chain, u);
+    ric_chain_step(chain, false, 1, A + rows * unknowns);
+    LAPACKE_dgetrf(LAPACK_ROW_MAJOR, unknowns, unknowns, A, unknowns, pivot);
+    for (int i = 0; i < unknowns; i++) sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
+    return sign;
+}
+
+/* end_det may have any sign that is the same wherever the chain is evaluated. */
+static void check_determinant(ric_chain *chain, const double *u, const char *where)
+{
+    double v[MAX_SIZE], first = 0;
+    for (int i = 0; i < 20; i++) {
+        for (int j = 0; j < chain->n_unknown; j++) v[j] = j < chain->n_start ? uniform(-1, 1) : u[j] + uniform(-0.3, 0.6);
+        double sign = bordered_sign(chain, v) * (chain->end_det < 0 ? -1 : 1);
+        if (first == 0) first = sign;
+        if (sign != first) fail_msg("%s: the sign of the bordered determinant does not follow (sample %d)", where, i);
+    }
+}
+
+static void determinant_sign(void **state)
+{
+    (void)state;
+    over_random_chains(check_determinant);
+}
+
+/* ------------------------------------------------------------ closed forms */
+
+/* Time, energy and slope along any direction against their definitions. */
+static void check_scalars(ric_chain *chain, const double *u, const char *where)
+{
+    double du[MAX_SIZE], v[MAX_SIZE], h = 1e-4, sum = 0;
+    int unknowns = chain->n_unknown, n = chain->n;
+    for (int i = 0; i < unknowns; i++) du[i] = uniform(-1, 1);
+    double energy[2];
+    for (int side = 0; side < 2; side++) {
+        for (int i = 0; i < unknowns; i++) v[i] = u[i] + (side ? h : -h) * du[i];
+        ric_chain_fly(chain, v);
+        energy[side] = ric_chain_energy(chain);
+    }
+    ric_chain_fly(chain, u);
+    double slope = ric_chain_energy_slope(chain, du); /* E is a quadratic form of the start block: central differences are exact */
+    if (fabs(slope - (energy[1] - energy[0]) / (2 * h)) > 1e-10 * (1 + fabs(energy[0])))
+        fail_msg("%s: dE %.12g against %.12g", where, slope, (energy[1] - energy[0]) / (2 * h));
+    for (int i = 0; i < n; i++) {
+        double a = chain->model->omega[i] > 0 ? chain->w[i] : 0, p = chain->w[n + i];
+        sum += (a * a + p * p) / 2;
+    }
+    assert_true(fabs(sum - ric_chain_energy(chain)) <= 1e-14 * (1 + sum) * n);
+    for (int k = 0; k < chain->n_flight; k++) { /* conserved by every flight and impact */
+        double now = 0;
+        for (int i = 0; i < n; i++) {
+            const double *w = chain->w + 2 * n * (k + 1);
+            double a = chain->model->omega[i] > 0 ? w[i] : 0;
+            now += (a * a + w[n + i] * w[n + i]) / 2;
+        }
+        if (fabs(now - sum) > 1e-13 * (1 + sum) * (k + 1)) fail_msg("%s: energy %.15g after flight %d, %.15g before", where, now, k, sum);
+    }
+    double time = 0;
+    for (int i = chain->n_start; i < unknowns; i++) time += u[i];
+    assert_true(fabs(chain->multiple * time - ric_chain_time(chain, u)) <= 1e-14 * 4 * time * chain->n_flight);
+}
+
+static void scalars(void **state)
+{
+    (void)state;
+    over_random_chains(check_scalars);
+}
+
+/* --------------------------------------------------------------------- cost */
+
+static double seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Seconds of one Newton iteration: the fastest of many. */
+static double time_iteration(const ric_model *m, int form, int n_flight)
+{
+    double *u = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *u), *du = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *du), best = HUGE_VAL;
+    assert_non_null(u);
+    assert_non_null(du);
+    ric_chain *chain = random_chain(m, form, n_flight, u);
+    for (int i = 0; i < 30; i++) {
+        int repeat = 4096 / n_flight;
+        double start = seconds();
+        for (int k = 0; k < repeat; k++) {
+            ric_chain_evaluate(chain, u);
+            ric_chain_step(chain, true, 0, du);
+        }
+        best = fmin(best, (seconds() - start) / repeat);
+    }
+    ric_chain_free(chain);
+    free(u);
+    free(du);
+    return best;
+}
+
+static void cost_is_linear(void **state)
+{
+    (void)state;
+    for (int n = 2; n <= MAX_N; n += 4)
+        for (int form = 0; form < 4; form += 3) {
+            ric_model *m = make_random(7, n, 2, false);
+            double exponent = log(time_iteration(m, form, 1024) / time_iteration(m, form, 64)) / log(16);
+            print_message("# n = %d, form %d: cost grows as N^%.2f\n", n, form, exponent);
+            assert_true(exponent > 0.7 && exponent < 1.3);
+            ric_model_free(m);
+        }
+}
+
+/* ----------------------------------------------------------------- residual */
+
+/* Largest residual of a fresh flight from the start block, relative to 1 + |w|: gaps and end conditions. */
+static double residual_at(ric_chain *chain, const double *u)
+{
+    double *r = calloc((size_t)chain->n_unknown + 1, sizeof *r), size = 0;
+    assert_non_null(r);
+    int rows = ric_chain_residuals(chain, u, r);
+    for (int i = 0; i < 2 * chain->n; i++) size += chain->w[i] * chain->w[i];
+    double worst = largest(rows, r) / (1 + sqrt(size));
+    free(r);
+    return worst;
+}
+
+/* Every stored point of an atlas of the article's model solves its problem to rounding. */
+static void residual_of_points(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    ric_graph *graph = NULL;
+    int points = 0;
+    assert_int_equal(ric_study_read("examples/elementary/study.yaml", &study), RIC_OK);
+    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+    assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+    for (int e = 0; e < graph->n_edge; e++) {
+        ric_trace *trace = graph->edges[e].trace;
+        if (!trace || !trace->chain) continue;
+        double tolerance = ric_trace_tolerance(trace->chain);
+        for (int i = 0; i < trace->n_point; i++, points++) {
+            const double *row = trace->points + (size_t)i * trace->stride, *u = row + sizeof(ric_point) / sizeof(double);
+            double again = residual_at(trace->chain, u);
+            if (!(again <= tolerance)) fail_msg("branch %d, point %d: residual %.3g above %.3g", e, i, again, tolerance);
+            assert_true(((const ric_point *)row)->residual <= tolerance * (1 + 1e-6));
+        }
+    }
+    print_message("# %d points\n", points);
+    assert_true(points > 100);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
+/* Newton from a disturbed orbit, in either form, ends at rounding level. S2[01] in closed form: centre to impact over a quarter,
+ * a velocity and one flight; the same orbit in the general form over the half and the whole period. */
+static void residual_of_corrected(void **state)
+{
+    (void)state;
+    int tried = 0;
+    for (uint64_t seed = 1; seed <= 60; seed++) {
+        int n = 1 + (int)(seed % MAX_N);
+        ric_model *m = make_random(seed, n, 1, false);
+        double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE], v[MAX_SIZE], du[MAX_SIZE];
+        /* p_i = J c_i / (2 cos(omega_i tau)) at the centre: the impact takes it to its image; s = sum c_i p_i tan / omega = gap */
+        int faces[3] = {-1, 0, -1}, iterations;
+        for (int i = 0; i < n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * tau) / m->omega[i];
+        for (int i = 0; i < n; i++) u[i] = m->face[0].gap / sum * m->c[i] / cos(m->omega[i] * tau);
+        u[n] = tau;
+        ric_chain *chain = NULL;
+        assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
+        ric_chain_evaluate(chain, u);
+        if (!(chain->residual <= 1e-13)) fail_msg("seed %llu: closed form has residual %.3g", (unsigned long long)seed, chain->residual);
+        for (int i = 0; i <= n; i++) v[i] = u[i] * (1 + uniform(-1e-5, 1e-5));
+        assert_true(ric_trace_correct(chain, v, NULL, NULL, 0, du, &iterations));
+        if (!(chain->residual <= ric_trace_tolerance(chain)))
+            fail_msg("seed %llu: residual %.3g", (unsigned long long)seed, chain->residual);
+        tried++;
+        for (int sigma = -1; sigma <= 1; sigma += 2) {
+            int flights = sigma < 0 ? 1 : 2, word[3] = {0, 1, 0};
+            double start[MAX_SIZE];
+            ric_chain *whole = NULL;
+            assert_int_equal(ric_chain_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma, flights, word, &whole), RIC_OK);
+            for (int i = 0; i < n; i++) {
+                start[i] = chain->w[2 * n + i];
+                start[n + i] = -chain->before[i];
+            }
+            for (int i = 0; i < flights; i++) start[2 * n + i] = 2 * v[n];
+            for (int i = 0; i < whole->n_unknown; i++) start[i] *= 1 + uniform(-1e-6, 1e-6);
+            assert_true(ric_trace_correct(whole, start, NULL, NULL, 0, du, &iterations));
+            if (!(whole->residual <= ric_trace_tolerance(whole)) || !(residual_at(whole, start) <= 2 * ric_trace_tolerance(whole)))
+                fail_msg("seed %llu, sigma %d: residual %.3g", (unsigned long long)seed, sigma, whole->residual);
+            ric_chain_free(whole);
+        }
+        ric_chain_free(chain);
+        ric_model_free(m);
+    }
+    assert_int_equal(tried, 60);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(jacobian_by_differences), cmocka_unit_test(step_against_dense), cmocka_unit_test(determinant_sign),
+        cmocka_unit_test(scalars),                 cmocka_unit_test(cost_is_linear),     cmocka_unit_test(residual_of_points),
+        cmocka_unit_test(residual_of_corrected),
+    };
+    return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
+}
