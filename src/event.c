@@ -421,9 +421,12 @@ static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
         if ((terminal & 1u << i) || !watched(tr, i) || !(q.test[0][i] * q.test[3][i] < 0)) continue;
         double x = i == RIC_TEST_DET ? at : crossing_root(&q, i);
         /* what vanishes together with the determinant where a branch meets its image belongs to the arrival */
-        if (*arrived && x > at - 1e-3 * h) continue;
-        /* at the duplicate of another branch the kernels of all symmetries open at once, some like a high power of the distance */
-        if (repeated && (singular & 1u << i) && fabs(x - at) < 0.3 * h) continue;
+        /* where a branch meets its image, or a duplicate of another branch, dE/ds and dT/ds vanish with the determinant (unless a family of
+         * order three passes through, whose extremum lies aside), and at a duplicate the kernels of all symmetries open at once, like
+         * high powers of the distance: all that belongs to the one junction */
+        bool near = fabs(x - at) < (singular & 1u << i ? 0.3 : 0.05) * h;
+        if (i != RIC_TEST_DET && near && (*arrived || repeated)) continue;
+        if (*arrived && x >= at) continue;
         roots[n++] = (root){i, x};
     }
     qsort(roots, (size_t)n, sizeof *roots, by_place);

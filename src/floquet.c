@@ -281,6 +281,7 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     double size = 0;
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
     size = fmax(size, growth);
+    f->growth = size;
     f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
     for (int i = 1; i < k; i++) f->det_error *= size;
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size * size, fmin(2 * exponent, 1000)) + 8 * DBL_EPSILON;
@@ -322,6 +323,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     for (int i = 0; i < ld; i++) trace += P[i * ld + i];
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
+    f->growth = size;
     f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
     for (int i = 1; i < ld; i++) f->det_error *= size;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
@@ -391,6 +393,7 @@ ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
         f->stable = RIC_STABLE_YES;
         f->det_a = f->det_b = f->det_d = 1;
         f->error = f->det_error = 0;
+        f->growth = 1;
         return RIC_OK;
     }
     return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);

@@ -450,7 +450,7 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
             double where;
             if (!contains(g, &g->edges[i], node, &where)) continue;
             d->state = RIC_DEPARTURE_KNOWN;
-            return attach(&g->edges[i], index, where);
+            return node->kind == RIC_KIND_START ? RIC_OK : attach(&g->edges[i], index, where);
         }
         status = follow_through(g, index, depth);
         node->departures[place].state = RIC_DEPARTURE_TAKEN;
@@ -522,60 +522,60 @@ static ric_status start_modes(ric_graph *g)
     return RIC_OK;
 }
 
-/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing: S2 starts from its closed form at the lower edge of the
- * window (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)), h half a period, A from s(h/2) = d. */
+/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a closed form (docs/theory.md section
+ * 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)) from the centre, h half a period, A from s(h/2) = d. It is scanned over
+ * the frequency window; every stretch of admissible orbits gives a start, from which its branch is followed both ways. */
+static void closed_form(const ric_model *m, const ric_face *f, double omega, double *u)
+{
+    int n = m->n;
+    double sum = 0, quarter = TWO_PI / (4 * omega);
+    for (int k = 0; k < n; k++) {
+        double x = m->omega[k] * quarter;
+        sum += f->c[k] * f->c[k] * (m->omega[k] > 0 ? tan(x) / m->omega[k] : quarter);
+        u[k] = f->c[k] / cos(x);
+    }
+    for (int k = 0; k < n; k++) u[k] *= f->gap / sum;
+    u[n] = quarter;
+}
+
+#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
+
+static ric_status start_stretch(ric_graph *g, ric_chain *chain, const double *u)
+{
+    ric_chain_fly(chain, u);
+    ric_cycle *cycle = ric_cycle_from_chain(chain, u);
+    ric_node *node = NULL;
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a start");
+    ric_status status = ric_node_start(g->model, cycle, &node);
+    ric_cycle_free(cycle);
+    if (status == RIC_E_NUMERIC) return RIC_OK;
+    if (!status && find_or_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    return status;
+}
+
 static ric_status start_loose(ric_graph *g)
 {
     const ric_model *m = g->model;
-    int n = m->n, upper = -1, face[2];
-    bool loose = false;
+    int n = m->n, upper = -1, face[2] = {-1, -1};
+    bool loose = false, inside = false;
     for (int i = 0; i < n; i++) loose |= m->omega[i] == 0;
     for (int f = 0; f < m->n_face && upper < 0; f++)
         if (m->face[f].mirror >= 0 && m->face[f].side > 0) upper = f;
-    if (!loose || upper < 0) return RIC_OK;
-    const ric_face *f = &m->face[upper];
-    double omega = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 0, lowest = HUGE_VAL;
-    for (int i = 0; i < n; i++)
-        if (m->omega[i] > 0) lowest = fmin(lowest, m->omega[i]);
-    /* below the first pole of the closed form the energy grows with omega from zero */
-    double low = fmax(omega, 1e-4), u[n + 1], t[n + 1], sum, energy;
-    for (int i = 0;; i++) {
-        sum = energy = 0;
-        for (int k = 0; k < n; k++) {
-            double x = m->omega[k] * 3.14159265358979323846 / (2 * low);
-            sum += f->c[k] * f->c[k] * (m->omega[k] > 0 ? tan(x) / m->omega[k] : 3.14159265358979323846 / (2 * low));
-            u[k] = f->c[k] / cos(x);
-        }
-        for (int k = 0; k < n; k++) {
-            u[k] *= f->gap / sum;
-            energy += u[k] * u[k] / 2;
-        }
-        if (energy >= g->limits.energy[0] * (1 + 1e-9) || i > 4000) break;
-        low *= 1.002;
-    }
-    u[n] = 3.14159265358979323846 / (2 * low);
-    face[0] = -1;
-    face[1] = upper;
+    if (!loose || upper < 0 || m->n_contact > 1) return RIC_OK;
     ric_chain *chain = NULL;
-    ric_trace *tr = NULL;
+    face[1] = upper;
     ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
-    if (status) return status;
-    for (int i = 0; i < n + 1; i++) t[i] = i == n ? -1 : 0; /* towards higher frequency */
-    const unsigned window = 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MIN;
-    status = ric_trace_create(chain, u, t, window, &g->limits, &tr);
-    if (status == RIC_E_NUMERIC) return RIC_OK;
-    if (status) return status;
-    if (tr->now.test[RIC_TEST_REACH] <= 0 || tr->now.test[RIC_TEST_APPROACH] <= 0) {
-        ric_trace_free(tr);
-        return RIC_OK;
+    double u[n + 1], low = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 1e-3;
+    for (double omega = low; !status && omega < TWO_PI / g->limits.period[0]; omega *= SCAN) {
+        closed_form(m, &m->face[upper], omega, u);
+        ric_chain_fly(chain, u);
+        double energy = ric_chain_energy(chain);
+        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < 1e-9 && chain->approach[1] > 0 &&
+                    ric_reach(chain, u, NULL) < 1;
+        if (good && !inside) status = start_stretch(g, chain, u);
+        inside = good;
     }
-    int to;
-    unsigned arrive;
-    if (!(status = ric_trace_run(tr)) && !(status = end_node(g, tr, 1, &to, &arrive))) {
-        if (to >= 0) mark(g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
-        return finish_edge(g, tr, -1, 0, to, arrive, 1, -1);
-    }
-    ric_trace_free(tr);
+    ric_chain_free(chain);
     return status;
 }
 

@@ -387,6 +387,19 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
     return RIC_OK;
 }
 
+ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node **out)
+{
+    ric_node *node = node_create(m, RIC_KIND_START, ric_cycle_canonical(m, cycle));
+    *out = NULL;
+    if (!node || !add_two(node)) {
+        ric_node_free(node);
+        return no_memory();
+    }
+    node->n_departure = 1; /* only the branch that passes */
+    *out = node;
+    return RIC_OK;
+}
+
 /* p of a q-tupling from the rotation number of the original orbit; 0 if it is not on the unit circle. */
 static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
 {

@@ -47,6 +47,8 @@ bool ric_node_coincident(const ric_model *model, const ric_cycle *cycle);
 ric_status ric_node_corner(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
 ric_status ric_node_interior(const ric_model *model, const ric_cycle *cycle, int test, ric_node **out);
+/* A regular orbit to start from. */
+ric_status ric_node_start(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 /* The symmetric orbit that a branch arrives at. */
 ric_status ric_node_arrival(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 

@@ -15,6 +15,7 @@
 #define LEAVING 1e-3         /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
+#define FLOOR 0.1            /* of the tolerance: where another Newton step changes nothing */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
 
@@ -34,7 +35,8 @@ bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const doub
         *iterations = i;
         ric_chain_evaluate(c, u);
         if (c->singular || !(c->residual < 1e3)) return false;
-        if (c->residual <= tolerance && i > 0) return true;
+        /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
+        if (i > 0 && (c->residual <= FLOOR * tolerance || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
         if (i > 2 && c->residual > 0.5 * last) return c->residual <= 4 * tolerance;
         last = c->residual;
         ric_chain_step(c, true, 0, du);
@@ -110,8 +112,9 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u);
     F[RIC_TEST_DET] = orientation * c->end_det;
     F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->t) / c->scale;
-    /* below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)) */
-    double blur = tr->floquet.det_error * (1 + 1e-2 / c->smallest);
+    /* below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)). The orbit is
+     * known to rounding / pivot, and the map's own derivative is of the size of the map */
+    double blur = tr->floquet.det_error * (1 + tr->floquet.growth * c->scale / c->smallest);
     F[RIC_TEST_A] = definite(tr->floquet.det_a, blur);
     F[RIC_TEST_B] = definite(tr->floquet.det_b, blur);
     F[RIC_TEST_D] = definite(tr->floquet.det_d, blur);

@@ -1,0 +1,413 @@
+/* Closed orbits: from a chain and back in every form, the group that acts on them, symmetries, canonical form, dropped touches. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "graph.h"
+
+enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
+
+/* ------------------------------------------------------------------ helpers */
+
+static uint64_t seed_now;
+
+static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
+{
+    uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static int below(int n)
+{
+    int i = (int)uniform(0, n);
+    return i < n ? i : n - 1;
+}
+
+/* A = G G' + shift, G [n * rank]. */
+static void random_definite(int n, int rank, double shift, double *A)
+{
+    double G[MAX_N * MAX_N];
+    for (int i = 0; i < n * rank; i++) G[i] = uniform(-1, 1);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            A[i * n + j] = i == j ? shift : 0;
+            for (int k = 0; k < rank; k++) A[i * n + j] += G[i * rank + k] * G[j * rank + k];
+        }
+}
+
+/* Contacts on both sides, so that centres exist; `floating`: one frequency is zero. */
+static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
+{
+    double M[MAX_N * MAX_N], K[MAX_N * MAX_N], normal[MAX_CONTACT * MAX_N];
+    ric_contact contacts[MAX_CONTACT] = {{0}};
+    ric_model *model = NULL;
+    seed_now = seed;
+    random_definite(n, n, 0.5, M);
+    random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, K);
+    for (int f = 0; f < n_contact; f++) {
+        for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
+        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = RIC_SIDES_BOTH};
+    }
+    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
+    return model;
+}
+
+/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
+enum { N_FORM = 11 };
+
+/* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here. NULL: none found. */
+static ric_chain *random_orbit(const ric_model *m, int form, int n_flight, double *u)
+{
+    ric_mirror start = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3);
+    ric_mirror end = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3);
+    int face[MAX_FLIGHT + 1], iterations;
+    double du[MAX_SIZE];
+    for (int k = 0; k <= n_flight; k++) face[k] = below(m->n_face);
+    if (start == RIC_MIRROR_REST || start == RIC_MIRROR_CENTRE) face[0] = -1;
+    if (end == RIC_MIRROR_REST || end == RIC_MIRROR_CENTRE) face[n_flight] = -1;
+    if (form == 0) face[n_flight] = face[0];
+    if (form == 1) face[n_flight] = m->face[face[0]].mirror;
+    for (int attempt = 0; attempt < 200; attempt++) {
+        ric_chain *chain = NULL;
+        assert_int_equal(ric_chain_create(m, start, end, form == 1 ? -1 : 1, n_flight, face, &chain), RIC_OK);
+        for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-3, 3);
+        for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
+        bool found = ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
+        for (int i = 0; i < chain->n_unknown; i++) found = found && fabs(u[i]) < 20 && (i < chain->n_start || u[i] > 0.05);
+        ric_chain_fly(chain, u);
+        if (found) return chain;
+        ric_chain_free(chain);
+    }
+    return NULL;
+}
+
+/* Repetitions of a shorter orbit have several names for one symmetry. */
+static bool primitive(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_cycle *copy = ric_cycle_copy(cycle);
+    assert_non_null(copy);
+    int q = ric_cycle_find_symmetries(m, copy, 1e-6);
+    ric_cycle_free(copy);
+    return q == 1;
+}
+
+/* What runs over random orbits of every form. */
+typedef void check_orbit(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where);
+
+static void over_random_orbits(check_orbit *check)
+{
+    double u[MAX_SIZE];
+    int found[N_FORM] = {0};
+    for (int n = 2; n <= 4; n++)
+        for (int form = 0; form < N_FORM; form++)
+            for (int trial = 0; trial < 8; trial++) {
+                uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
+                char where[80];
+                ric_model *m = make_random(seed, n, 1 + trial % 2, trial == 7);
+                ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
+                ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
+                if (cycle && primitive(m, cycle)) {
+                    found[form]++;
+                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
+                    check(m, chain, u, cycle, where);
+                }
+                ric_cycle_free(cycle);
+                ric_chain_free(chain);
+                ric_model_free(m);
+            }
+    for (int form = 0; form < N_FORM; form++)
+        if (found[form] < 8) fail_msg("form %d: only %d orbits found", form, found[form]);
+}
+
+static void check_distance(const ric_cycle *a, const ric_cycle *b, const char *where, const char *what)
+{
+    double distance = a && b ? ric_cycle_distance(a, b) : HUGE_VAL;
+    if (!(distance <= 1e-11)) fail_msg("%s: %s: distance %.3g", where, what, distance);
+}
+
+/* -------------------------------------------------------------- round trip */
+
+static bool same_form(const ric_chain *a, const ric_chain *b)
+{
+    bool as_it_is = a->start == b->start && a->end == b->end, exchanged = a->start == b->end && a->end == b->start;
+    return (as_it_is || exchanged) && a->sigma == b->sigma && a->multiple == b->multiple;
+}
+
+static void check_round_trip(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+{
+    ric_chain *back = NULL;
+    double *v = NULL;
+    int shift, letters = 0;
+    bool reverse, mirror;
+    assert_int_equal(ric_cycle_to_chain(m, cycle, &back, &v), RIC_OK);
+    ric_chain_fly(back, v);
+    if (!same_form(chain, back)) fail_msg("%s: comes back as %d-%d sigma %d", where, back->start, back->end, back->sigma);
+    if (!(back->residual <= 1e-12)) fail_msg("%s: residual %.3g after the round trip", where, back->residual);
+    double T = ric_chain_time(chain, u), E = ric_chain_energy(chain);
+    assert_true(fabs(ric_chain_time(back, v) - T) <= 1e-12 * T && fabs(ric_cycle_period(cycle) - T) <= 1e-12 * T);
+    assert_true(fabs(ric_chain_energy(back) - E) <= 1e-12 * (1 + E) && fabs(ric_cycle_energy(m, cycle) - E) <= 1e-12 * (1 + E));
+    ric_cycle *again = ric_cycle_from_chain(back, v);
+    assert_non_null(again);
+    if (!ric_cycle_match(m, cycle, again, 1e-11, &shift, &reverse, &mirror)) fail_msg("%s: another orbit comes back", where);
+    ric_cycle *image = ric_cycle_transform(m, again, shift, reverse, mirror);
+    check_distance(cycle, image, where, "matched image");
+    if (image->half != cycle->half || image->pure != cycle->pure || image->flip != cycle->flip)
+        fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure, cycle->flip, image->half, image->pure, image->flip);
+    /* impacts per period: those of the chain, each as often as the form repeats it */
+    for (int k = 0; k <= chain->n_flight; k++) {
+        if (chain->face[k] < 0) continue;
+        bool border = k == 0 || k == chain->n_flight;
+        if (chain->start == RIC_MIRROR_NONE) letters += k > 0 ? chain->multiple : 0;
+        else letters += border ? chain->multiple / 2 : chain->multiple;
+    }
+    assert_int_equal(letters, cycle->N);
+    ric_cycle_free(image);
+    ric_cycle_free(again);
+    ric_chain_free(back);
+    free(v);
+}
+
+static void round_trip(void **state)
+{
+    (void)state;
+    over_random_orbits(check_round_trip);
+}
+
+/* The states of a cycle close up: the flight after the last impact leads back to the first. */
+static void check_states(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+{
+    (void)chain;
+    (void)u;
+    double W[4 * MAX_FLIGHT * 2 * MAX_N];
+    ric_cycle_states(m, cycle, W);
+    for (int k = 0; k < cycle->N; k++) {
+        ric_cycle *moved = ric_cycle_transform(m, cycle, k, false, false);
+        for (int i = 0; i < 2 * m->n; i++)
+            if (!(fabs(moved->w[i] - W[2 * m->n * k + i]) <= 1e-12 * 40)) fail_msg("%s: state after impact %d", where, k);
+        const ric_face *f = &m->face[cycle->face[k]];
+        double s = 0;
+        for (int i = 0; i < m->n; i++) s += f->g[i] * W[2 * m->n * k + i];
+        if (!(fabs(s - f->gap) <= 1e-11 * 20)) fail_msg("%s: impact %d is off its face by %.3g", where, k, s - f->gap);
+        ric_cycle_free(moved);
+    }
+    ric_cycle *around = ric_cycle_transform(m, cycle, cycle->N, false, false);
+    check_distance(cycle, around, where, "once around");
+    ric_cycle_free(around);
+}
+
+static void states_close_up(void **state)
+{
+    (void)state;
+    over_random_orbits(check_states);
+}
+
+/* ------------------------------------------------------------------- group */
+
+/* (s, r, m) takes impact i from s + (-1)^r i. Composition, and what becomes of the symmetries. */
+static void check_group(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+{
+    (void)chain;
+    (void)u;
+    int N = cycle->N;
+    for (int trial = 0; trial < 24; trial++) {
+        int s1 = below(N), s2 = below(N), r1 = trial & 1, r2 = trial >> 1 & 1, m1 = trial >> 2 & 1, m2 = below(2);
+        ric_cycle *first = ric_cycle_transform(m, cycle, s1, r1, m1), *both = ric_cycle_transform(m, first, s2, r2, m2);
+        ric_cycle *at_once = ric_cycle_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2, m1 != m2);
+        ric_cycle *undone = ric_cycle_transform(m, first, r1 ? s1 : -s1, r1, m1);
+        check_distance(both, at_once, where, "two operations and their product");
+        check_distance(cycle, undone, where, "an operation undone");
+        if (both->pure != at_once->pure || both->flip != at_once->flip || both->half != at_once->half ||
+            undone->pure != cycle->pure || undone->flip != cycle->flip || undone->half != cycle->half)
+            fail_msg("%s: the symmetries do not follow (%d %d %d)(%d %d %d)", where, s1, r1, m1, s2, r2, m2);
+        for (int kind = 0; kind < 3; kind++) { /* they are symmetries of the image */
+            int place = kind == 0 ? first->pure : kind == 1 ? first->flip : first->half ? N / 2 : -1;
+            if (place < 0) continue;
+            ric_cycle *image = ric_cycle_transform(m, first, place, kind < 2, kind > 0);
+            check_distance(first, image, where, kind == 0 ? "reversal" : kind == 1 ? "reversal with mirror" : "half period");
+            ric_cycle_free(image);
+        }
+        ric_cycle_free(first);
+        ric_cycle_free(both);
+        ric_cycle_free(at_once);
+        ric_cycle_free(undone);
+    }
+}
+
+static void transforms_are_a_group(void **state)
+{
+    (void)state;
+    over_random_orbits(check_group);
+}
+
+/* ------------------------------------------------------------- symmetries */
+
+static ric_cycle *repeat(const ric_cycle *c, int q)
+{
+    ric_cycle *out = ric_cycle_create(c->n, q * c->N);
+    assert_non_null(out);
+    for (int i = 0; i < q * c->N; i++) {
+        out->face[i] = c->face[i % c->N];
+        out->tau[i] = c->tau[i % c->N];
+    }
+    memcpy(out->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    return out;
+}
+
+static void check_symmetries(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+{
+    (void)u;
+    ric_cycle *found = ric_cycle_copy(cycle);
+    found->half = false;
+    found->pure = found->flip = -1;
+    int q = ric_cycle_find_symmetries(m, found, 1e-10);
+    bool lost = (cycle->half && !found->half) || (cycle->pure >= 0 && found->pure < 0) || (cycle->flip >= 0 && found->flip < 0);
+    assert_int_equal(q, 1);
+    if (lost) fail_msg("%s: symmetries %d %d %d, found %d %d %d", where, cycle->half, cycle->pure, cycle->flip, found->half, found->pure, found->flip);
+    if (chain->start != RIC_MIRROR_NONE)
+        assert_true((cycle->pure < 0 || cycle->pure == found->pure) && (cycle->flip < 0 || cycle->flip == found->flip));
+    /* a repeated orbit is recognised and cut back */
+    for (int k = 2; k <= 3; k++) {
+        ric_cycle *longer = repeat(cycle, k);
+        int repetitions = ric_cycle_find_symmetries(m, longer, 1e-10);
+        if (repetitions != k) fail_msg("%s: repeated %d times, found %d", where, k, repetitions);
+        ric_cycle *shorter = ric_cycle_shorten(longer, k);
+        check_distance(cycle, shorter, where, "repeated and cut");
+        ric_cycle_find_symmetries(m, shorter, 1e-10);
+        assert_true(shorter->half == found->half && shorter->pure == found->pure && shorter->flip == found->flip);
+        ric_cycle_free(shorter);
+        ric_cycle_free(longer);
+    }
+    /* a disturbed one has none */
+    found->w[0] += 1e-3;
+    ric_cycle_find_symmetries(m, found, 1e-10);
+    assert_true(!found->half);
+    ric_cycle_free(found);
+}
+
+static void symmetries_are_found(void **state)
+{
+    (void)state;
+    over_random_orbits(check_symmetries);
+}
+
+/* --------------------------------------------------------- canonical form */
+
+static void check_canonical(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+{
+    (void)chain;
+    (void)u;
+    int word[4 * MAX_FLIGHT + 2];
+    ric_cycle *canonical = ric_cycle_canonical(m, cycle);
+    assert_non_null(canonical);
+    assert_int_equal(ric_word_canonical(m, cycle->N, cycle->face, true, word), RIC_OK);
+    assert_memory_equal(canonical->face, word, (size_t)cycle->N * sizeof *word);
+    for (int op = 0; op < 4; op++)
+        for (int s = 0; s < cycle->N; s++) {
+            int shift;
+            bool reverse, mirror;
+            ric_cycle *image = ric_cycle_transform(m, cycle, s, op & 1, op & 2), *again = ric_cycle_canonical(m, image);
+            check_distance(canonical, again, where, "canonical form of an image");
+            if (canonical->half != again->half || canonical->pure != again->pure || canonical->flip != again->flip)
+                fail_msg("%s: canonical forms with other symmetries", where);
+            if (!ric_cycle_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror)) fail_msg("%s: an image is not recognised", where);
+            ric_cycle_free(image);
+            ric_cycle_free(again);
+        }
+    ric_cycle_free(canonical);
+}
+
+static void canonical_is_invariant(void **state)
+{
+    (void)state;
+    over_random_orbits(check_canonical);
+}
+
+/* -------------------------------------------------------------------- keep */
+
+/* Drops touches of zero speed: the same motion with fewer impacts, and the symmetries that the choice leaves. */
+static void check_keep(const ric_model *m, const ric_cycle *cycle, const int *touch, int n_touch, const char *where)
+{
+    for (unsigned choice = 0; choice < 1u << n_touch; choice++) {
+        bool keep[64];
+        int kept = cycle->N;
+        for (int i = 0; i < cycle->N; i++) keep[i] = true;
+        for (int i = 0; i < n_touch; i++)
+            if (!(choice >> i & 1)) {
+                keep[touch[i]] = false;
+                kept--;
+            }
+        if (kept == 0) continue;
+        ric_cycle *out = ric_cycle_keep(m, cycle, keep);
+        ric_chain *chain = NULL;
+        double *u = NULL, T = ric_cycle_period(cycle), E = ric_cycle_energy(m, cycle);
+        assert_non_null(out);
+        assert_int_equal(out->N, kept);
+        assert_true(fabs(ric_cycle_period(out) - T) <= 1e-12 * T && fabs(ric_cycle_energy(m, out) - E) <= 1e-11 * (1 + E));
+        for (int i = 0, j = 0; i < cycle->N; i++)
+            if (keep[i]) assert_int_equal(out->face[j++], cycle->face[i]);
+        assert_int_equal(ric_cycle_to_chain(m, out, &chain, &u), RIC_OK);
+        ric_chain_fly(chain, u);
+        if (!(chain->residual <= 1e-9)) fail_msg("%s, choice %u: residual %.3g", where, choice, chain->residual);
+        ric_cycle *found = ric_cycle_copy(out);
+        int q = ric_cycle_find_symmetries(m, found, 1e-7);
+        if (q == 1 && (found->half != out->half || found->pure != out->pure || found->flip != out->flip))
+            fail_msg("%s, choice %u: symmetries %d %d %d, found %d %d %d", where, choice, out->half, out->pure, out->flip,
+                     found->half, found->pure, found->flip);
+        ric_cycle_free(found);
+        ric_cycle_free(out);
+        ric_chain_free(chain);
+        free(u);
+    }
+}
+
+static void touches_are_dropped(void **state)
+{
+    (void)state;
+    int grazings = 0;
+    char where[64];
+    for (uint64_t seed = 1; seed <= 12; seed++) {
+        int n = 1 + (int)(seed % 6);
+        ric_model *m = make_random(seed, n, 1, false);
+        for (int mode = 0; mode < n; mode++) {
+            ric_node *node = NULL;
+            assert_int_equal(ric_node_linear(m, mode, &node), RIC_OK);
+            assert_non_null(node);
+            snprintf(where, sizeof where, "seed %llu, mode %d", (unsigned long long)seed, mode + 1);
+            check_keep(m, node->cycle, node->touch, node->n_touch, where);
+            ric_node_free(node);
+        }
+        ric_model_free(m);
+    }
+    ric_study *study = NULL;
+    ric_graph *graph = NULL;
+    assert_int_equal(ric_study_read("examples/elementary/study.yaml", &study), RIC_OK);
+    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+    assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+    for (int i = 0; i < graph->n_node; i++) {
+        ric_node *node = graph->nodes[i];
+        if (node->kind != RIC_KIND_GRAZING) continue;
+        snprintf(where, sizeof where, "elementary, grazing at E %.6g", node->energy);
+        check_keep(graph->model, node->cycle, node->touch, node->n_touch, where);
+        grazings++;
+    }
+    assert_true(grazings >= 6);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_trip),           cmocka_unit_test(states_close_up),        cmocka_unit_test(transforms_are_a_group),
+        cmocka_unit_test(symmetries_are_found), cmocka_unit_test(canonical_is_invariant), cmocka_unit_test(touches_are_dropped),
+    };
+    return cmocka_run_group_tests_name("cycle", tests, NULL, NULL);
+}
