@@ -282,7 +282,7 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
     }
     if (!N) r->flights[0] = node->period / m->omega_ref;
     r->row = (ric_junction){.kind = node->kind, .impacts = N, .word = r->word, .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
-                            .multiple = node->kind == RIC_KIND_MULTIPLICATION ? node->multiple : 1, .rotation = {node->rotation[0], node->rotation[1]},
+                            .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]},
                             .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
     r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;
     if (node->kind == RIC_KIND_EXTREMUM || node->kind == RIC_KIND_BRANCH_POINT || node->kind == RIC_KIND_MULTIPLICATION)
@@ -308,7 +308,7 @@ static int mark_order(const void *p, const void *q)
 static bool same_family(const ric_junction *a, const ric_junction *b)
 {
     if (strcmp(letter(a->kind), letter(b->kind))) return false;
-    if (a->kind == RIC_KIND_GRAZING) return a->impacts == b->impacts && a->grazings == b->grazings;
+    if (a->kind == RIC_KIND_GRAZING) return a->impacts * a->multiple == b->impacts * b->multiple && a->grazings * a->multiple == b->grazings * b->multiple;
     return a->a == b->a && a->b == b->b;
 }
 
@@ -320,7 +320,8 @@ static ric_status label_marks(int n, mark *marks)
         int number = 1;
         for (int j = 0; j < i; j++) number += same_family(&marks[j].record.row, &r->row);
         const char *l = letter(r->row.kind);
-        if (r->row.kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, r->row.impacts, r->row.grazings);
+        if (r->row.kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, r->row.impacts * r->row.multiple,
+                                                           r->row.grazings * r->row.multiple);
         else if (*l == 'C' && r->row.a > 0) snprintf(text, sizeof text, "C%d_%d%d", number, r->row.a, r->row.b);
         else snprintf(text, sizeof text, "%s%d", l, number);
         if (!(r->label = strdup(text))) return no_memory();

@@ -183,14 +183,14 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
         if (node->kind == RIC_KIND_CORNER) tr->stop = RIC_STOP_CORNER;
         *index = find_or_add(g, node, depth);
         if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
-        else if (g->nodes[*index]->kind == RIC_KIND_GRAZING) {
+        else if (g->nodes[*index]->kind == RIC_KIND_GRAZING && g->nodes[*index]->multiple == 1) {
             int found = ric_node_choice(g->model, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
                 tr->why = "the branch does not fit the junction at its end";
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else *choice = RIC_SIDE;
+        } else *choice = g->nodes[*index]->kind == RIC_KIND_GRAZING ? 0 : RIC_SIDE;
     }
     ric_cycle_free(cycle);
     return status;
@@ -265,6 +265,12 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     return attach(e, index, event->s);
 }
 
+/* Whether a branch that ends here can be traced from here. */
+static bool departs(const ric_node *node)
+{
+    return node->kind != RIC_KIND_CORNER && node->multiple == 1;
+}
+
 /* Traces again from the far end, so that what is stored does not depend on which end was found first. */
 static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr, bool *turned)
 {
@@ -274,7 +280,7 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     ric_node *a = g->nodes[from], *b = g->nodes[to];
     int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
     *turned = false;
-    if (order <= 0 || b->kind == RIC_KIND_MULTIPLICATION || b->kind == RIC_KIND_CORNER) return RIC_OK;
+    if (order <= 0 || !departs(b)) return RIC_OK;
     ric_status status = trace_departure(g, b, arrive, 1, &back);
     if (status == RIC_E_NUMERIC) return RIC_OK;
     if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
@@ -333,51 +339,63 @@ out:
     return status;
 }
 
+/* Traces from the end of `tr` back along it, to its other end. */
+static ric_status trace_back(ric_graph *g, const ric_trace *tr, ric_trace **out)
+{
+    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
+                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
+                            1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
+    ric_chain *chain = ric_chain_copy(tr->chain);
+    double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
+    *out = NULL;
+    if (!back) {
+        ric_chain_free(chain);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
+    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, &g->limits, out);
+    if (!status) status = ric_trace_run(*out);
+    free(back);
+    if (status) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
 /* The whole of a branch of which an inner point is known: to one end, then from there to the other. */
 static ric_status follow_through(ric_graph *g, int inside, int depth)
 {
-    ric_status status;
-    ric_trace *tr = NULL, *last = NULL;
-    for (int side = 1; side >= -1; side -= 2) {
-        int to;
-        unsigned arrive;
-        if ((status = trace_departure(g, g->nodes[inside], RIC_THROUGH, side, &tr))) return status;
-        if (!tr) return RIC_OK;
-        if ((status = end_node(g, tr, depth, &to, &arrive))) break;
-        if (to >= 0 && g->nodes[to]->kind != RIC_KIND_CORNER && g->nodes[to]->kind != RIC_KIND_MULTIPLICATION) {
-            bool taken;
-            ric_trace_free(tr);
-            ric_trace_free(last);
-            mark(g->nodes[to], arrive, RIC_DEPARTURE_TAKEN);
-            return follow(g, to, arrive, depth, &taken);
+    ric_status status = RIC_OK;
+    ric_trace *tr[2] = {NULL, NULL}, *whole = NULL;
+    int to[2] = {-1, -1};
+    unsigned arrive[2];
+    for (int i = 0; i < 2; i++) {
+        if ((status = trace_departure(g, g->nodes[inside], RIC_THROUGH, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
+        if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
+        if (tr[i]->stop == RIC_STOP_CLOSED) {
+            status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, -1);
+            tr[i] = NULL;
+            goto out;
         }
-        if (tr->stop == RIC_STOP_CLOSED) {
-            ric_trace_free(last);
-            return finish_edge(g, tr, -1, 0, -1, 0, depth, -1);
-        }
-        if (!last) last = tr;
-        else ric_trace_free(tr);
-        tr = NULL;
+        if (to[i] < 0 || !departs(g->nodes[to[i]])) continue;
+        bool taken;
+        mark(g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
+        status = follow(g, to[i], arrive[i], depth, &taken);
+        goto out;
     }
-    /* no junction at either end: start from the end met first */
-    if (!status && last) {
-        ric_chain *chain = ric_chain_copy(last->chain);
-        const double *u = last->end.u, *t = last->end.t;
-        double *back = chain && u ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
-        if (back) {
-            for (int i = 0; i < chain->n_unknown; i++) back[i] = -t[i];
-            const unsigned window = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
-            status = ric_trace_create(chain, u, back, window, &g->limits, &tr);
-            free(back);
-            if (!status) status = ric_trace_run(tr);
-            if (!status) {
-                ric_trace_free(last);
-                return finish_edge(g, tr, -1, 0, -1, 0, depth, -1);
-            }
-        } else ric_chain_free(chain);
-    }
-    ric_trace_free(tr);
-    ric_trace_free(last);
+    /* neither end is a junction that branches depart from */
+    int first = tr[0]->end.u ? 0 : 1, far;
+    unsigned choice;
+    if (!tr[first]->end.u) goto out;
+    if ((status = trace_back(g, tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
+    if (far >= 0) mark(g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
+    status = finish_edge(g, whole, to[first], 0, far, choice, depth, -1);
+    whole = NULL;
+out:
+    ric_trace_free(tr[0]);
+    ric_trace_free(tr[1]);
+    ric_trace_free(whole);
     return status;
 }
 

@@ -11,6 +11,7 @@
 #define TOUCH 1e-7      /* reach within this of 1 at a located event is a touch */
 #define NO_SPEED 1e-6   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
+#define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4      /* distance, relative, of the point that gives the direction of a side branch */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
@@ -157,8 +158,10 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test, 
             if (!canonical) return NULL;
         }
     }
-    /* a chain may start at another impact than the canonical one */
-    canonical = ric_cycle_canonical(m, out);
+    /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
+    int shift;
+    bool reverse, mirror, near = ric_cycle_match(m, cycle, out, FAR, &shift, &reverse, &mirror);
+    canonical = near ? ric_cycle_canonical(m, out) : NULL;
     ric_cycle_free(out);
     return canonical;
 }
@@ -295,7 +298,12 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
     ric_cycle_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     ric_status status = finish_grazing(m, solved, out);
-    if (!status) (*out)->multiple = q;
+    if (!status && q > 1) {
+        /* a duplicate of a grazing of fewer impacts: the ways out through some of its q touches are many and not tried here */
+        (*out)->multiple = q;
+        (*out)->n_departure = 1;
+        (*out)->departures[0] = (ric_departure){.choice = 0, .state = RIC_DEPARTURE_OVER_BUDGET};
+    }
     return status;
 }
 
@@ -428,26 +436,11 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
     return p;
 }
 
-/* Which of the tests that break a symmetry vanishes on the symmetric orbit. */
-static int broken_test(const ric_model *m, const ric_cycle *cycle)
+/* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part` arrives: what is lost tells. */
+static int broken_test(const ric_cycle *whole, const ric_cycle *part)
 {
-    ric_chain *chain = NULL;
-    ric_floquet floquet = {0};
-    double *u = NULL;
-    int test = RIC_TEST_DET;
-    if (!ric_cycle_to_chain(m, cycle, &chain, &u) && !ric_floquet_create(m->n, &floquet)) {
-        ric_chain_evaluate(chain, u);
-        if (!ric_floquet_compute(chain, &floquet)) {
-            double a = fabs(floquet.det_a), b = fabs(floquet.det_b), d = fabs(floquet.det_d);
-            if (chain->multiple == 2 && chain->start != RIC_MIRROR_NONE) test = RIC_TEST_B;
-            else if (chain->multiple == 2) test = RIC_TEST_A;
-            else if (chain->multiple == 4) test = a <= b && a <= d ? RIC_TEST_A : b <= d ? RIC_TEST_B : RIC_TEST_D;
-        }
-    }
-    ric_chain_free(chain);
-    ric_floquet_release(&floquet);
-    free(u);
-    return test;
+    if (!(whole->half && whole->pure >= 0)) return whole->pure >= 0 || whole->flip >= 0 ? RIC_TEST_B : RIC_TEST_A;
+    return part->half ? RIC_TEST_B : part->flip >= 0 ? RIC_TEST_A : RIC_TEST_D;
 }
 
 ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node **out)
@@ -477,7 +470,7 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
         *out = node;
         return RIC_OK;
     }
-    int test = broken_test(m, sym);
+    int test = broken_test(sym, cycle);
     ric_status status = ric_node_interior(m, sym, test, out);
     ric_cycle_free(sym);
     return status;

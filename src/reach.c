@@ -23,8 +23,9 @@ typedef struct {
     int flight, contact, n;
     int upper, lower; /* faces, -1 if none */
     double gap;       /* > 0 */
-    double D4, tau;
+    double D3, D4, tau;
     bool own_start, own_end; /* the flight starts or ends on this contact */
+    double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
     /* outcome */
     double best, threshold;
     ric_touch *touches; /* NULL: only the best is wanted */
@@ -117,6 +118,11 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     double low = fmin(fmin(l.ds, r.ds), slope), high = fmax(fmax(l.ds, r.ds), slope);
     *single = false;
     if (low > error * SLOPE_BOUND || high < -error * SLOPE_BOUND) return false;
+    /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s' itself is off by D3 h^2 / 8 only */
+    double chord = q->D3 * h * h / 8;
+    if (fmin(l.ds, r.ds) > chord || fmax(l.ds, r.ds) < -chord) return false;
+    /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
+    if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
     double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384, reach = -HUGE_VAL;
     if (q->upper >= 0) reach = largest(l.s, b1, b2, r.s);
     if (q->lower >= 0) reach = fmax(reach, largest(-l.s, -b1, -b2, -r.s));
@@ -161,22 +167,30 @@ static void search_contact(search *q)
     int n = q->n, k = q->flight, last = c->n_flight - 1;
     const double *w = c->w + 2 * n * k, *e = c->w + 2 * n * (k + 1), *before = c->before + n * k, *g = m->g + q->contact * n;
     sample l = {0, 0, 0}, r = {q->tau, 0, 0};
-    q->D4 = 0;
+    q->D3 = q->D4 = q->bend_start = q->bend_end = 0;
     for (int i = 0; i < n; i++) {
         double omega = m->omega[i];
         l.s += g[i] * w[i];
         r.s += g[i] * e[i];
         l.ds += g[i] * m->kappa[i] * w[n + i];
         r.ds += g[i] * m->kappa[i] * before[i];
-        if (omega > 0) q->D4 += fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * (omega * omega) * (omega * omega);
+        double third = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega * omega : 0;
+        q->D3 += third;
+        q->D4 += third * omega;
     }
     int f0 = c->face[k], f1 = c->face[k + 1];
     q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
     q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
     /* at rest every gap is stationary */
     if (k == 0 && c->start == RIC_MIRROR_REST) {
-        offer(q, 0, l.s, curvature(q, 0) < 0 ? 1 : -1, false);
+        double bend = curvature(q, 0);
+        offer(q, 0, l.s, bend < 0 ? 1 : -1, false);
+        q->bend_start = fabs(bend);
         l.ds = 0;
+    }
+    if (k == last && c->end == RIC_MIRROR_REST) {
+        q->bend_end = fabs(curvature(q, q->tau));
+        r.ds = 0;
     }
     search_flight(q, l, r);
     if (k == last && c->end == RIC_MIRROR_REST) offer(q, q->tau, r.s, curvature(q, q->tau) < 0 ? 1 : -1, false);

@@ -24,7 +24,10 @@
 double ric_trace_tolerance(const ric_chain *c)
 {
     /* rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured */
-    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+    double phase = c->model->omega[c->n - 1] * 6.283185307179586477 / c->model->omega[c->model->omega[0] > 0 ? 0 : c->n > 1];
+    if (!isfinite(phase)) phase = 0;
+    /* the argument of a sine is rounded like the phase itself; only a small part of the motion is in the fast modes */
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n) * (1 + 0.002 * phase);
 }
 
 bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)

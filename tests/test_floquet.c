@@ -1,0 +1,527 @@
+/* Floquet multipliers: two forms of one orbit, differences of the simulator's motion, determinants, growth near a grazing. */
+#include <complex.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "graph.h"
+#include "motion.h"
+
+enum { MAX_N = 4, MAX_CONTACT = 2, MAX_FLIGHT = 4, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
+
+static const double PI = 3.14159265358979323846;
+
+/* ------------------------------------------------------------------ helpers */
+
+static uint64_t seed_now;
+
+static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
+{
+    uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static int below(int n)
+{
+    int i = (int)uniform(0, n);
+    return i < n ? i : n - 1;
+}
+
+/* A = G G' + shift, G [n * rank]. */
+static void random_definite(int n, int rank, double shift, double *A)
+{
+    double G[MAX_N * MAX_N];
+    for (int i = 0; i < n * rank; i++) G[i] = uniform(-1, 1);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            A[i * n + j] = i == j ? shift : 0;
+            for (int k = 0; k < rank; k++) A[i * n + j] += G[i * rank + k] * G[j * rank + k];
+        }
+}
+
+/* Contacts on both sides, so that centres exist; `floating`: one frequency is zero. */
+static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
+{
+    double M[MAX_N * MAX_N], K[MAX_N * MAX_N], normal[MAX_CONTACT * MAX_N];
+    ric_contact contacts[MAX_CONTACT] = {{0}};
+    ric_model *model = NULL;
+    seed_now = seed;
+    random_definite(n, n, 0.5, M);
+    random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, K);
+    for (int f = 0; f < n_contact; f++) {
+        for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
+        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = RIC_SIDES_BOTH};
+    }
+    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
+    return model;
+}
+
+/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
+enum { N_FORM = 11 };
+
+/* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here. NULL: none found. */
+static ric_chain *random_orbit(const ric_model *m, int form, int n_flight, double *u)
+{
+    ric_mirror start = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3);
+    ric_mirror end = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3);
+    int face[MAX_FLIGHT + 1], iterations;
+    double du[MAX_SIZE];
+    for (int k = 0; k <= n_flight; k++) face[k] = below(m->n_face);
+    if (start == RIC_MIRROR_REST || start == RIC_MIRROR_CENTRE) face[0] = -1;
+    if (end == RIC_MIRROR_REST || end == RIC_MIRROR_CENTRE) face[n_flight] = -1;
+    if (form == 0) face[n_flight] = face[0];
+    if (form == 1) face[n_flight] = m->face[face[0]].mirror;
+    for (int attempt = 0; attempt < 200; attempt++) {
+        ric_chain *chain = NULL;
+        assert_int_equal(ric_chain_create(m, start, end, form == 1 ? -1 : 1, n_flight, face, &chain), RIC_OK);
+        for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-3, 3);
+        for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
+        bool found = ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
+        for (int i = 0; i < chain->n_unknown; i++) found = found && fabs(u[i]) < 20 && (i < chain->n_start || u[i] > 0.05);
+        ric_chain_fly(chain, u);
+        if (found) return chain;
+        ric_chain_free(chain);
+    }
+    return NULL;
+}
+
+/* Repetitions of a shorter orbit have several names for one symmetry. */
+static bool primitive(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_cycle *copy = ric_cycle_copy(cycle);
+    assert_non_null(copy);
+    int q = ric_cycle_find_symmetries(m, copy, 1e-6);
+    ric_cycle_free(copy);
+    return q == 1;
+}
+
+/* ------------------------------------------------------------ two forms agree */
+
+static double slowest(const ric_chain *c)
+{
+    double least = HUGE_VAL;
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0) least = fmin(least, fabs(c->approach[k])); /* ghosts have negative ones */
+    return least;
+}
+
+static ric_floquet multipliers(ric_chain *chain, const double *u)
+{
+    ric_floquet out;
+    assert_int_equal(ric_floquet_create(chain->n, &out), RIC_OK);
+    ric_chain_evaluate(chain, u);
+    if (ric_floquet_compute(chain, &out)) fail_msg("%s", ric_detail());
+    return out;
+}
+
+/* Coefficients e_1..e_k of prod (x - rho_i), which a near-double root does not disturb; they must be real. */
+static void coefficients(const ric_floquet *f, double *e)
+{
+    double complex p[MAX_N] = {1};
+    int k = f->n_pair;
+    for (int i = 0; i < k; i++)
+        for (int j = i + 1; j > 0; j--) p[j] += p[j - 1] * (f->rho[2 * i] + I * f->rho[2 * i + 1]);
+    for (int j = 1; j <= k; j++) {
+        e[j - 1] = creal(p[j]);
+        if (fabs(cimag(p[j])) > 1e-9 * (1 + cabs(p[j]))) fail_msg("rho are not pairs of conjugates: e_%d has %.3g i", j, cimag(p[j]));
+    }
+}
+
+/* The same orbit over the whole or half a period without use of reversibility. */
+static ric_chain *general_form(const ric_model *m, const ric_cycle *cycle, bool half, double **u)
+{
+    ric_cycle *copy = ric_cycle_copy(cycle);
+    ric_chain *chain = NULL;
+    assert_non_null(copy);
+    copy->half = half;
+    copy->pure = copy->flip = -1;
+    assert_int_equal(ric_cycle_to_chain(m, copy, &chain, u), RIC_OK);
+    ric_cycle_free(copy);
+    return chain;
+}
+
+static double size_of(const ric_floquet *f)
+{
+    double size = 1;
+    for (int i = 0; i < f->n_pair; i++) size = fmax(size, hypot(f->rho[2 * i], f->rho[2 * i + 1]));
+    return size;
+}
+
+/* Whether rho are worth comparing: finite, and known to a part of their size. */
+static bool comparable(const ric_floquet *f)
+{
+    for (int i = 0; i < 2 * f->n_pair; i++)
+        if (!isfinite(f->rho[i])) return false;
+    return f->error < 1e-4 * size_of(f);
+}
+
+static int compared;
+
+static void compare(const ric_floquet *a, const ric_floquet *b, const char *where)
+{
+    double x[MAX_N], y[MAX_N];
+    if (!comparable(a) || !comparable(b)) return;
+    compared++;
+    coefficients(a, x);
+    coefficients(b, y);
+    double size = fmax(size_of(a), size_of(b)), tolerance = 4 * (a->error + b->error) + 1e-10 * size; /* and the orbits' own rounding */
+    for (int i = 0; i < a->n_pair; i++, tolerance *= 2 * size)
+        if (!(fabs(x[i] - y[i]) <= tolerance))
+            fail_msg("%s: coefficient %d of rho: %.15g and %.15g, error %.3g allowed", where, i + 1, x[i], y[i], tolerance);
+    if (a->stable != RIC_STABLE_UNDECIDED && b->stable != RIC_STABLE_UNDECIDED && a->stable != b->stable)
+        fail_msg("%s: stable %d and %d, rho %.15g %.15g and %.15g %.15g", where, a->stable, b->stable, a->rho[0], a->rho[1], b->rho[0], b->rho[1]);
+    if (a->n_pair != 1) {
+        assert_true(isnan(a->trace_asinh) && isnan(a->rotation) && isnan(b->trace_asinh) && isnan(b->rotation));
+        return;
+    }
+    assert_true(fabs(sinh(a->trace_asinh) * 2 - a->rho[0]) <= 1e-12 * (1 + fabs(a->rho[0])) * (1 + fabs(a->trace_asinh)));
+    if (fabs(a->rho[0]) < 2 - 2 * a->error && fabs(b->rho[0]) < 2 - 2 * b->error) {
+        double off = fabs(a->rotation - b->rotation), slope = 2 * PI * sqrt(4 - a->rho[0] * a->rho[0]);
+        if (!(fmin(off, 1 - off) <= 4 * (a->error + b->error) / slope + 1e-12))
+            fail_msg("%s: rotation %.12g and %.12g", where, a->rotation, b->rotation);
+        assert_true(fabs(2 * cos(2 * PI * a->rotation) - a->rho[0]) <= 4 * a->error + 1e-12);
+    }
+}
+
+/* The determinants of the struct against rho: only a symplectic map joins them like this. */
+static void check_determinants(const ric_chain *chain, const ric_floquet *f, const char *where)
+{
+    int k = f->n_pair;
+    bool reversible = chain->start != RIC_MIRROR_NONE;
+    double complex product = 1;
+    double full, slope;
+    if (reversible && chain->multiple == 2) { /* prod (rho + 2) = det (4 d'a) */
+        full = pow(4, k) * f->det_a * f->det_d;
+        slope = pow(4, k) * (fabs(f->det_a) + fabs(f->det_d));
+    } else if (k == 1 && (reversible || chain->sigma < 0)) { /* r of the half-period map, rho + 2 = r^2 */
+        double r = (reversible ? 4 * f->det_a * f->det_d : f->det_a) - 2;
+        full = r * r;
+        slope = 2 * fabs(r) * (reversible ? 4 * (fabs(f->det_a) + fabs(f->det_d)) : 1);
+    } else return;
+    for (int i = 0; i < k; i++) product *= f->rho[2 * i] + I * f->rho[2 * i + 1] + 2;
+    double tolerance = 8 * slope * f->det_error + 8 * k * f->error * pow(size_of(f) + 2, k - 1) + 1e-12 * cabs(product);
+    if (!(fabs(full - creal(product)) <= tolerance))
+        fail_msg("%s: prod (rho + 2) = %.15g, from determinants %.15g, error %.3g allowed", where, creal(product), full, tolerance);
+}
+
+static void forms_agree(void **state)
+{
+    (void)state;
+    double u[MAX_SIZE], *v, *w;
+    int stable = 0;
+    char where[96];
+    compared = 0;
+    for (int n = 2; n <= MAX_N; n++)
+        for (int form = 1; form < N_FORM; form++)
+            for (int trial = 0; trial < 16; trial++) {
+                uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
+                ric_model *m = make_random(seed, n, 1 + trial % 2, trial % 8 == 7);
+                ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u); /* at least one impact in every form */
+                ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
+                if (cycle && slowest(chain) > 1e-3 && primitive(m, cycle)) {
+                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
+                    ric_chain *general = general_form(m, cycle, false, &v);
+                    ric_floquet a = multipliers(chain, u), b = multipliers(general, v);
+                    compare(&a, &b, where);
+                    if (comparable(&a)) check_determinants(chain, &a, where);
+                    stable += a.stable == RIC_STABLE_YES;
+                    if (cycle->half && form > 1) {
+                        ric_chain *half = general_form(m, cycle, true, &w);
+                        ric_floquet c = multipliers(half, w);
+                        compare(&a, &c, where);
+                        if (comparable(&c)) check_determinants(half, &c, where);
+                        ric_floquet_release(&c);
+                        ric_chain_free(half);
+                        free(w);
+                    }
+                    ric_floquet_release(&a);
+                    ric_floquet_release(&b);
+                    ric_chain_free(general);
+                    free(v);
+                }
+                ric_cycle_free(cycle);
+                ric_chain_free(chain);
+                ric_model_free(m);
+            }
+    print_message("# %d comparisons, %d stable orbits\n", compared, stable);
+    assert_true(compared > 200 && stable > 10);
+}
+
+/* --------------------------------------------------- the simulator's motion */
+
+static const char *const studies[] = {
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n"
+    "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 6, depth: 2}\n",
+    "model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1.5]]\n  stiffness: [[9, -1, 0], [-1, 2.3, -1.3], [0, -1.3, 1.3]]\n"
+    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, depth: 1}\n",
+    "model:\n  mass: [[1, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 0.8, 0], [0, 0, 0, 1]]\n"
+    "  stiffness: [[3, -1, 0, 0], [-1, 2.4, -1.4, 0], [0, -1.4, 2.1, -0.7], [0, 0, -0.7, 0.9]]\n"
+    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 10], frequency: [0.1, 10], impacts: 4, depth: 1}\n",
+};
+
+/* Motion from (x, v) for `time` seconds, in place. */
+static void simulate(ric_simulator *sim, int n, double time, double *x, double *v)
+{
+    bool hit = true;
+    (void)n;
+    if (ric_simulator_start(sim, x, v)) fail_msg("%s", ric_detail());
+    while (hit)
+        if (ric_simulator_advance(sim, time, &hit, NULL)) fail_msg("%s", ric_detail());
+    ric_simulator_state(sim, NULL, x, v);
+}
+
+/* Derivative of the state (x, v) after one period with respect to the state in the middle of the longest flight: differences of fourth
+ * order. M [2n * 2n]. */
+static void differenced_monodromy(const ric_model *m, const ric_cycle *cycle, double *M)
+{
+    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
+    int n = m->n_dof, longest = 0;
+    double w[2 * MAX_N], trig[3 * MAX_N], z[2 * MAX_N], y[2 * MAX_N], h = 2e-4;
+    ric_simulator *sim = NULL;
+    for (int i = 1; i < cycle->N; i++)
+        if (cycle->tau[i] > cycle->tau[longest]) longest = i;
+    ric_cycle *moved = ric_cycle_transform(m, cycle, longest, false, false);
+    ric_flight_trig(m, m->n, moved->tau[0] / 2, trig);
+    ric_flight(m->n, trig, moved->w, w);
+    ric_model_to_state(m, w, z, z + n);
+    assert_int_equal(ric_simulator_create(m, &sim), RIC_OK);
+    memset(M, 0, 4 * (size_t)(n * n) * sizeof *M);
+    for (int j = 0; j < 2 * n; j++)
+        for (int k = 0; k < 4; k++) {
+            memcpy(y, z, sizeof z);
+            y[j] += offset[k] * h;
+            simulate(sim, n, ric_cycle_period(cycle) / m->omega_ref, y, y + n);
+            for (int i = 0; i < 2 * n; i++) M[i * 2 * n + j] += weight[k] * y[i] / h;
+        }
+    ric_simulator_free(sim);
+    ric_cycle_free(moved);
+}
+
+static void multiply(int n, const double *A, const double *B, double *C)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++) sum += A[i * n + k] * B[k * n + j];
+            C[i * n + j] = sum;
+        }
+}
+
+/* M' S M = S with S = [[0, mass], [-mass, 0]]: what the differences are worth. */
+static double symplectic_error(const ric_model *m, const double *M)
+{
+    int n = m->n_dof;
+    double S[4 * MAX_N * MAX_N] = {0}, T[4 * MAX_N * MAX_N], P[4 * MAX_N * MAX_N], R[4 * MAX_N * MAX_N], worst = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            S[i * 2 * n + n + j] = m->M[i * n + j];
+            S[(n + i) * 2 * n + j] = -m->M[i * n + j];
+        }
+    for (int i = 0; i < 2 * n; i++)
+        for (int j = 0; j < 2 * n; j++) T[i * 2 * n + j] = M[j * 2 * n + i];
+    multiply(2 * n, T, S, P);
+    multiply(2 * n, P, M, R);
+    for (int i = 0; i < 4 * n * n; i++) worst = fmax(worst, fabs(R[i] - S[i]));
+    return worst;
+}
+
+/* Traces of M, M^2, M^3: two trivial multipliers 1, and rho, rho^2 - 2, rho^3 - 3 rho for each pair. */
+static bool check_monodromy(const ric_model *m, const ric_cycle *cycle, const ric_floquet *f, const char *where)
+{
+    int n = m->n_dof;
+    double M[4 * MAX_N * MAX_N], P[4 * MAX_N * MAX_N], Q[4 * MAX_N * MAX_N], top = 1;
+    differenced_monodromy(m, cycle, M);
+    for (int i = 0; i < 4 * n * n; i++) top = fmax(top, fabs(M[i]));
+    double error = symplectic_error(m, M);
+    if (error > 1e-5 * top * top) return false; /* an impact was lost or won within the differences */
+    memcpy(P, M, sizeof M);
+    for (int power = 1; power <= 3; power++) {
+        double trace = -2, sum = 0;
+        for (int i = 0; i < 2 * n; i++) trace += P[i * 2 * n + i];
+        for (int i = 0; i < f->n_pair; i++) {
+            double complex rho = f->rho[2 * i] + I * f->rho[2 * i + 1];
+            sum += creal(power == 1 ? rho : power == 2 ? rho * rho - 2 : rho * rho * rho - 3 * rho);
+        }
+        if (!(fabs(trace - sum) <= 1e-5 * pow(2 * n * top, power - 1) * top))
+            fail_msg("%s: trace of M^%d is %.10g + 2 by differences, %.10g + 2 from rho; largest entry %.3g", where, power, trace, sum, top);
+        multiply(2 * n, M, P, Q);
+        memcpy(P, Q, sizeof Q);
+    }
+    return true;
+}
+
+static void simulator_agrees(void **state)
+{
+    (void)state;
+    for (int s = 0; s < 3; s++) {
+        ric_study *study = NULL;
+        ric_graph *graph = NULL;
+        int done = 0, skipped = 0, stable = 0;
+        if (ric_study_parse(studies[s], "study", ".", &study)) fail_msg("%s", ric_detail());
+        assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+        if (ric_graph_explore(graph, NULL)) fail_msg("%s", ric_detail());
+        const ric_model *m = graph->model;
+        assert_int_equal(m->n, m->n_dof);
+        for (int e = 0; e < graph->n_edge; e++) {
+            ric_trace *trace = graph->edges[e].trace;
+            if (!trace) continue;
+            for (int i = 0; i < trace->n_point; i += 3) {
+                const double *at = trace->points + (size_t)i * trace->stride, *u = at + sizeof(ric_point) / sizeof(double);
+                const ric_point *row = (const ric_point *)at;
+                if (row->approach < 0.1 || row->reach > 0.97) continue;
+                ric_floquet f = multipliers(trace->chain, u);
+                char where[96];
+                snprintf(where, sizeof where, "n = %d, branch %d, point %d, E %.6g", m->n, e, i, row->energy);
+                if (f.stable == RIC_STABLE_YES || (comparable(&f) && size_of(&f) < 50)) {
+                    ric_cycle *cycle = ric_cycle_from_chain(trace->chain, u);
+                    if (check_monodromy(m, cycle, &f, where)) {
+                        done++;
+                        stable += f.stable == RIC_STABLE_YES;
+                    } else skipped++;
+                    ric_cycle_free(cycle);
+                }
+                ric_floquet_release(&f);
+            }
+        }
+        print_message("# n = %d: %d orbits, %d stable, %d left out\n", m->n, done, stable, skipped);
+        assert_true(done >= 10 && stable >= 3 && skipped <= done / 4);
+        ric_graph_free(graph);
+        ric_study_free(study);
+    }
+}
+
+/* -------------------------------------------------------------- near a grazing */
+
+static int count_bits(unsigned x)
+{
+    int bits = 0;
+    for (; x; x &= x - 1) bits++;
+    return bits;
+}
+
+/* From the stored end of a branch inwards: tau2 grows like one over the speed to the power of the touches kept as impacts. */
+static bool check_growth(const ric_trace *trace, bool far, int power, const char *where)
+{
+    ric_chain *c = ric_chain_copy(trace->chain);
+    int size = c->n_unknown, last = trace->n_point - 1, steps;
+    const double *end = trace->points + (size_t)(far ? last : 0) * trace->stride + sizeof(ric_point) / sizeof(double);
+    const double *next = trace->points + (size_t)(far ? last - 1 : 1) * trace->stride + sizeof(ric_point) / sizeof(double);
+    double t[size], u[size], du[size], before[2] = {0, 0};
+    for (int i = 0; i < size; i++) t[i] = next[i] - end[i];
+    ric_chain_evaluate(c, end);
+    memcpy(u, t, sizeof u);
+    ric_trace_tangent(c, u, t);
+    ric_floquet at = multipliers(c, end); /* the very end: speeds at rounding level */
+    if (isnan(at.trace_asinh)) fail_msg("%s: the trace is NaN at the grazing itself, speed %.3g", where, slowest(c));
+    if (!(fabs(slowest(c)) < 1e-7)) fail_msg("%s: slowest impact at the grazing %.3g", where, slowest(c));
+    ric_floquet_release(&at);
+    for (int k = 3; k <= 7; k++) {
+        double s = pow(10, -k);
+        for (int i = 0; i < size; i++) u[i] = end[i] + s * t[i];
+        if (!ric_trace_correct(c, u, end, t, s, du, &steps)) fail_msg("%s: no orbit at distance %.1g", where, s);
+        double v = log(slowest(c));
+        ric_floquet f = multipliers(c, u);
+        double slope = (fabs(f.trace_asinh) - before[1]) / (v - before[0]);
+        if (!isfinite(f.trace_asinh)) fail_msg("%s: trace overflows", where);
+        if (k > 4 && !(slope > -1.05 * power && slope < -0.95 * power))
+            fail_msg("%s: tau2 grows as v^%.3f, not v^-%d, at distance %.1g", where, slope, power, s);
+        if (k > 4) assert_int_equal(f.stable, RIC_STABLE_NO);
+        before[0] = v;
+        before[1] = fabs(f.trace_asinh);
+        ric_floquet_release(&f);
+    }
+    ric_chain_free(c);
+    return true;
+}
+
+static void growth_near_grazing(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    ric_graph *graph = NULL;
+    int seen[5] = {0};
+    assert_int_equal(ric_study_read("examples/elementary/study.yaml", &study), RIC_OK);
+    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+    assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+    for (int e = 0; e < graph->n_edge; e++) {
+        const ric_edge *edge = &graph->edges[e];
+        if (!edge->trace) continue;
+        for (int far = 0; far < 2; far++) {
+            int node = far ? edge->to : edge->from;
+            unsigned choice = far ? edge->arrive : edge->leave;
+            if (node < 0 || graph->nodes[node]->kind != RIC_KIND_GRAZING || graph->nodes[node]->mode >= 0) continue;
+            int power = count_bits(choice);
+            if (power == 0) continue;
+            char where[64];
+            snprintf(where, sizeof where, "branch %d at E %.6g, %d touches", e, graph->nodes[node]->energy * graph->model->energy_unit, power);
+            if (check_growth(edge->trace, far, power, where)) seen[power]++;
+        }
+    }
+    print_message("# ends with 1, 2, 3, 4 touches: %d %d %d %d\n", seen[1], seen[2], seen[3], seen[4]);
+    assert_true(seen[1] && seen[2] && seen[3] && seen[4]);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
+/* k times around an unstable orbit: the multiplier to the power of k, far beyond the range of a double. */
+static void no_overflow(void **state)
+{
+    (void)state;
+    double u[MAX_SIZE], *v, *w;
+    int done = 0;
+    for (uint64_t seed = 1; seed <= 40; seed++) {
+        ric_model *m = make_random(seed, 2, 1, false);
+        ric_chain *chain = random_orbit(m, 0, 3, u);
+        ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
+        if (cycle) {
+            ric_chain *one = general_form(m, cycle, false, &v);
+            ric_floquet a = multipliers(one, v);
+            if (comparable(&a) && fabs(a.rho[0]) > 5) {
+                int k = 3001;
+                ric_cycle *longer = ric_cycle_create(m->n, k * cycle->N);
+                assert_non_null(longer);
+                for (int i = 0; i < k * cycle->N; i++) {
+                    longer->face[i] = cycle->face[i % cycle->N];
+                    longer->tau[i] = cycle->tau[i % cycle->N];
+                }
+                memcpy(longer->w, cycle->w, 2 * (size_t)m->n * sizeof *cycle->w);
+                ric_chain *many = general_form(m, longer, false, &w);
+                ric_floquet b = multipliers(many, w);
+                double expected = k * acosh(fabs(a.rho[0]) / 2), relative = a.error / fabs(a.rho[0]) + 1e-9;
+                if (!(fabs(fabs(b.trace_asinh) - expected) <= 1e-6 * expected + 4 * k * relative) || (b.trace_asinh > 0) != (a.rho[0] > 0))
+                    fail_msg("seed %llu: %d times around: log of tau2 %.12g, expected %.12g (sign of tau2 once: %g)", (unsigned long long)seed, k,
+                             b.trace_asinh, expected, copysign(1, a.rho[0]));
+                assert_int_equal(b.stable, RIC_STABLE_NO);
+                done++;
+                ric_floquet_release(&b);
+                ric_chain_free(many);
+                ric_cycle_free(longer);
+                free(w);
+            }
+            ric_floquet_release(&a);
+            ric_chain_free(one);
+            free(v);
+        }
+        ric_cycle_free(cycle);
+        ric_chain_free(chain);
+        ric_model_free(m);
+    }
+    print_message("# %d orbits taken 3001 times around\n", done);
+    assert_true(done >= 8);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(forms_agree), cmocka_unit_test(simulator_agrees), cmocka_unit_test(growth_near_grazing), cmocka_unit_test(no_overflow),
+    };
+    return cmocka_run_group_tests_name("floquet", tests, NULL, NULL);
+}
