@@ -13,7 +13,7 @@
 /* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
 #define SAME_ORBIT 1e-5
 /* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
-#define ALONG 0.99
+#define ALONG 0.9
 /* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
  * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
  * through four points at good distance, and the junction is solved on its own equations later. */

@@ -11,6 +11,9 @@
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
+#define NO_SPEED 1e-60
+#define TWO_PI 6.283185307179586477
+#define LOG_2 0.693147180559945309
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
 {
@@ -117,6 +120,8 @@ static void saltation(const ric_model *m, int n, int ld, const ric_face *f, cons
         speed += f->c[i] * before[i];
         pull -= f->c[i] * m->stiff[i] * a[i];
     }
+    /* at a touch the kick has no bound: its sign and a size far beyond any regular one are kept, the products are scaled */
+    if (fabs(speed) < NO_SPEED) speed = copysign(NO_SPEED, speed);
     double kick = 2 * pull / (f->cc * speed);
     for (int j = 0; j < ld; j++) {
         double gap = 0, push = 0;
@@ -191,6 +196,8 @@ static double determinant(int k, int ld, const double *A, double *work)
 static bool eigenvalues(int k, double *A, double *out)
 {
     double re[k + 1], im[k + 1];
+    for (int i = 0; i < k * k; i++)
+        if (!isfinite(A[i])) return false;
     if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', k, A, k, re, im, NULL, 1, NULL, 1)) return false;
     for (int i = 0; i < k; i++) {
         out[2 * i] = re[i];
@@ -226,26 +233,24 @@ static void blocks(const ric_chain *c, const double *P, double *a, double *b, do
         }
 }
 
+/* n = 2: everything from the products b c and a d (scaled by 2^(-2 exponent), `error` likewise), without cancellation near rho = +-2. */
 static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent, double error)
 {
-    /* n = 2: everything from the products, without cancellation near rho = +-2 */
     double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent); /* rho - 2, rho + 2 of the chain's map */
-    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2;
-    double angle = 0, full = quarter ? rho * rho - 2 : rho;
-    double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * 0.693147180559945309;
-    f->error = error;
+    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
+    double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
+    f->error = ldexp(error, 2 * exponent);
     f->rho[0] = full;
     f->rho[1] = 0;
     if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
     else f->trace_asinh = asinh(full / 2);
-    bool inside = minus < -error && plus > error, outside = minus > error || plus < -error;
-    if (quarter && fabs(rho) < error) inside = inside && true; /* the full map touches -2 there without crossing */
+    bool inside = 4 * bc < -error && 4 * ad > error, outside = 4 * bc > error || 4 * ad < -error;
     f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
     f->rotation = NAN;
     if (minus <= 0 && plus >= 0) {
-        angle = atan2(sqrt(plus * fmax(-minus, 0)) , rho) / 6.283185307179586477; /* in [0, 1/2] */
+        double angle = atan2(sqrt(-minus * plus), rho) / TWO_PI; /* in [0, 1/2] */
         if (twist > 0) angle = 1 - angle;
-        f->rotation = quarter ? fmod(2 * angle, 1) : fmod(angle, 1);
+        f->rotation = fmod(quarter ? 2 * angle : angle, 1);
     }
 }
 
@@ -284,11 +289,12 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     f->growth = size;
     f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
     for (int i = 1; i < k; i++) f->det_error *= size;
-    double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size * size, fmin(2 * exponent, 1000)) + 8 * DBL_EPSILON;
+    double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
         return RIC_OK;
     }
+    error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
     f->trace_asinh = f->rotation = NAN;
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++) {
@@ -306,6 +312,26 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
 }
 
 /* --------------------------------------------------------------- general */
+
+/* n = 2 from the trace of the map over a period, or over half of one joined with x -> -x; trace and error scaled by 2^(-exponent). */
+static void judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent, double error)
+{
+    double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
+    error += ldexp(8 * DBL_EPSILON, -exponent);
+    f->error = ldexp(error, exponent);
+    f->rho[0] = full;
+    f->rho[1] = 0;
+    if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
+    else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
+    f->stable = fabs(trace) < two - error ? RIC_STABLE_YES : fabs(trace) > two + error ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+    f->rotation = NAN;
+    if (fabs(rho) <= 2) {
+        double angle = acos(rho / 2) / TWO_PI;
+        if (twist > 0) angle = 1 - angle;
+        f->rotation = fmod(half ? 2 * angle : angle, 1);
+    }
+}
+
 
 static ric_status whole(const ric_chain *c, ric_floquet *f)
 {
@@ -331,18 +357,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
     f->det_a = c->sigma < 0 ? determinant(ld, ld, A, tmp) : 1;
     if (k == 1) {
-        double rho = ldexp(trace, exponent), full = c->sigma < 0 ? rho * rho - 2 : rho;
-        f->error = error;
-        f->rho[0] = full;
-        f->rho[1] = 0;
-        f->trace_asinh = fabs(rho) < 0x1p400 ? asinh(full / 2) : copysign((c->sigma < 0 ? 2 : 1) * (log(fabs(trace)) + exponent * 0.693147180559945309), full);
-        f->stable = fabs(rho) < 2 - error ? RIC_STABLE_YES : fabs(rho) > 2 + error ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
-        f->rotation = NAN;
-        if (fabs(rho) <= 2) {
-            double angle = acos(rho / 2) / 6.283185307179586477;
-                if (P[1] > 0) angle = 1 - angle;
-            f->rotation = fmod(c->sigma < 0 ? 2 * angle : angle, 1);
-        }
+        judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size);
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
@@ -360,7 +375,11 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
             A[(k + i) * ld + j] = P[(k + i) * ld + j] - P[(k + j) * ld + i];
             A[(k + i) * ld + k + j] = P[(k + i) * ld + k + j] + P[j * ld + i];
         }
-    if (!eigenvalues(ld, A, all)) return ric_fail(RIC_E_NUMERIC, "the Floquet multipliers could not be computed");
+    if (!eigenvalues(ld, A, all)) {
+        f->stable = RIC_STABLE_NO;
+        for (int i = 0; i < 2 * k; i++) f->rho[i] = NAN;
+        return RIC_OK;
+    }
     bool used[ld];
     memset(used, 0, sizeof used);
     for (int i = 0, out = 0; i < ld && out < k; i++) {

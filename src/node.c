@@ -8,8 +8,8 @@
 #include "motion.h"
 #include "status.h"
 
-#define TOUCH 1e-7      /* reach within this of 1 at a located event is a touch */
-#define NO_SPEED 1e-6   /* approach speed below this (scaled) at a located event is a touch that was kept */
+#define TOUCH 1e-9      /* reach within this of 1 at a located event is a touch */
+#define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
@@ -578,7 +578,8 @@ static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
     *found = 0;
     if (!ric_trace_correct(c, u0, NULL, NULL, 0, t, &iterations))
         return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
-    if (c->smallest < 1e-9) return ric_fail(RIC_E_NUMERIC, "the kernel at the grazing has more than one dimension");
+    if (c->smallest < 1e-9) return ric_fail(RIC_E_NUMERIC, "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
+                                      "together there and no single branch leaves");
     ric_trace_tangent(c, NULL, t);
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;

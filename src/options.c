@@ -27,7 +27,7 @@ static const ric_option RIC_OPTIONS[] = {
      "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
     {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
      "departures from the start along the shortest path; 0 = unlimited"},
-    {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.1, 0}, 0, 10, true, "relative to 1 + norm of the state",
+    {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.03, 0}, 0, 10, true, "relative to 1 + norm of the state",
      "largest arclength step"},
     {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
      "depart only to branches with z(t + T/2) = -z(t)"},

@@ -8,7 +8,7 @@
 #include "motion.h"
 #include "status.h"
 
-#define STEP_ANGLE 0.12      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
+#define STEP_ANGLE 0.08      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
 #define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
 #define FIRST_STEP 1e-3      /* of the largest step */

@@ -9,7 +9,7 @@
  * dt = -(c.dq) / (c.p) and R = I - 2 c c' / (c.c),
  *     dq <- R dq,   dp <- R dp + dt 2 (c.omega^2 q) / (c.c) c        (saltation: Aizerman and Gantmakher 1958).
  * An orbit that multiplies the last digit of its stored doubles beyond what the check allows is first polished: Newton's method on
- * w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. It must stay where it was.
+ * w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. How far it moves counts as an error of the flights.
  *
  * A touch is no impact: where the orbit grazes, the rounding of the state may make it strike with a speed of sqrt(rounding). The replay then
  * goes on as if the face had not been there. Only there, and where impacts are nearly as slow, times are weighed by the speed. */
@@ -533,7 +533,10 @@ static ric_status polish(replay *r)
     }
     for (int k = 0; k < N; k++) moved = fmax(moved, fabs(r->tau[k] - kept[k]) / (r->period / N));
     moved = fmax(moved, distance(r, r->chain, kept + N) / r->norm);
-    if (moved <= FLIGHT) goto out;
+    if (moved <= FLIGHT) {
+        worsen(&r->check->flight_error, (double)moved);
+        goto out;
+    }
     memcpy(r->tau, kept, (size_t)N * sizeof *kept);
     memcpy(r->chain, kept + N, 2 * (size_t)n * sizeof *kept);
     make_chain(r);
@@ -572,13 +575,15 @@ static bool passes(const ric_check *check)
 
 static ric_status check_point(replay *r)
 {
-    ric_status status = check_flights(r);
-    if (status || !r->check->faces_agree) return status;
-    /* the chain closes: nothing of a flight's error is lost between the last and the first */
-    worsen(&r->check->flight_error, part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
+    ric_status status = RIC_OK;
+    bool touches = false;
+    for (int k = 0; k < r->branch.impacts; k++) touches |= is_touch(r, k);
     if (r->branch.impacts && (status = find_condition(r))) return status;
+    if (r->check->condition > DELICATE && !touches && (status = polish(r))) return status;
+    if ((status = check_flights(r)) || !r->check->faces_agree) return status;
+    /* the chain closes: nothing is lost between the last flight and the first */
+    worsen(&r->check->flight_error, part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
     if (r->touched) r->check->condition = fmax(r->check->condition, 1 / BLUNT);
-    if (r->check->condition > DELICATE && !r->touched && !r->corner && (status = polish(r))) return status;
     return check_return(r);
 }
 

@@ -1,0 +1,86 @@
+#!/bin/bash
+# The documentation says what is so: its commands run as printed, every command and option is in it, the files it names exist.
+set -u
+ricochet=${RICOCHET:?the program to test}
+root=$PWD
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+number=0 failed=0
+
+# ok NAME COMMAND...: one test; what the command prints is shown if it fails
+ok() {
+    local name=$1
+    shift
+    number=$((number + 1))
+    if "$@" >"$folder/log" 2>&1; then
+        echo "ok $number - $name"
+    else
+        echo "not ok $number - $name"
+        tail -n 12 "$folder/log" | sed 's/^/# /'
+        failed=$((failed + 1))
+    fi
+}
+
+# blocks FILE LANGUAGE MARK: the code of all blocks that open with ```LANGUAGE MARK
+blocks() { awk -v open="^\`\`\`$2 $3\$" '/^```/ { inside = !inside && $0 ~ open; next } inside' "$root/$1"; }
+
+# each_line FILE MARK: every line of the marked shell blocks is a test of its own, all in one folder
+each_line() {
+    while IFS= read -r line; do
+        ok "$1: $line" bash -euo pipefail -c "$line" </dev/null
+    done < <(blocks "$1" sh "$2")
+}
+
+mkdir "$folder/bin" "$folder/tour" "$folder/commands"
+ln -s "$ricochet" "$folder/bin/ricochet"
+PATH="$folder/bin:$PATH"
+
+cd "$folder/tour" || exit 1
+each_line README.md tour
+if command -v python3 >/dev/null; then
+    blocks README.md python tour >tour.py
+    ok 'README.md: the Python code' python3 tour.py
+    awk '/^```/ { inside = !inside && $0 == "```python"; next } inside' "$root/docs/atlas-format.md" >format.py
+    ok 'docs/atlas-format.md: the Python code' python3 format.py mine/study.ricochet
+fi
+picture() { # the command of the README, with the picture beside the one that is in the tree
+    cd "$root" && "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" \
+        && "$ricochet" plot fep "$folder/e.ricochet" --break 2.2 -o "$folder/e.svg" && grep -q '</svg>' "$folder/e.svg" docs/elementary.svg
+}
+ok 'README.md: the picture' picture
+for target in build demo test; do
+    ok "README.md: make $target is a target" grep -q "^$target:" "$root/Makefile"
+done
+
+cd "$folder/commands" || exit 1
+each_line docs/commands.md run
+
+cd "$root" || exit 1
+commands=$("$ricochet" --help | awk '/^  [a-z]+  / { print $1 }')
+ok 'commands are listed by --help' test "$(wc -w <<<"$commands")" -ge 11
+for command in $commands; do
+    help=$("$ricochet" "$command" --help)
+    ok "docs/commands.md: section $command" grep -qx "## $command" docs/commands.md
+    ok "$command --help has an example" grep -q '^example: ricochet ' <<<"$help"
+    for option in $(grep -oE -e '(^|[[ (])(--[a-z][a-z-]+|-[a-z] [A-Z]+)' <<<"$help" | grep -oE -e '--?[a-z][a-z-]*' | sort -u); do
+        ok "docs/commands.md: $command $option" grep -qE -e "(^|[^a-z-])$option([^a-z-]|\$)" docs/commands.md
+    done
+done
+for option in --version --help; do
+    ok "docs/commands.md: $option" grep -qe "$option" docs/commands.md
+done
+
+for page in README.md CONTRIBUTING.md CHANGELOG.md docs/*.md docs/decisions/*.md; do
+    while IFS= read -r target; do
+        ok "$page: $target exists" test -e "$(dirname "$page")/$target"
+    done < <(grep -oE '\]\([^)#]+\)' "$page" | tr -d ']()' | grep -v '://')
+    while IFS= read -r target; do
+        ok "$page: $target exists" test -e "$target"
+    done < <(grep -oE '`(docs|src|cli|tests|tools|examples|include)/[A-Za-z0-9_./-]+`' "$page" | tr -d '`' | sort -u)
+done
+for study in examples/*/; do
+    ok "README.md: $study" grep -q "(${study}study.yaml)" README.md
+done
+
+echo "1..$number"
+[ "$failed" = 0 ]
