@@ -99,7 +99,8 @@ static bool make_columns(simulation *s)
 static void add_state(simulation *s, double t)
 {
     json_t *row = json_object();
-    ric_simulator_state(s->sim, NULL, s->state, s->state + s->n);
+    if (t > 0) /* the first row is the state as it was given */
+        ric_simulator_state(s->sim, NULL, s->state, s->state + s->n);
     json_object_set_new(row, "t", cli_number(t));
     for (int i = 0; i < 2 * s->n; i++)
         json_object_set_new(row, s->column[i + 1], cli_number(s->state[i] * s->length));

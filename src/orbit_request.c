@@ -87,24 +87,36 @@ static void pair_from_rho(const double *rho, double *out)
     out[3] = cimag(inverse);
 }
 
-/* Everything that leaves, from a converged chain. `like` carries the place of the first impact. */
-static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const ric_cycle *like, const ric_point *stored, ric_orbit **out)
+/* The operation that takes the orbit of a chain to the start and direction in which its branch is stored. */
+typedef struct { int shift; bool reverse, mirror; } turn;
+
+static bool find_turn(const ric_model *m, ric_chain *c, const double *u, const ric_cycle *like, turn *out)
+{
+    ric_chain_fly(c, u);
+    ric_cycle *raw = ric_cycle_from_chain(c, u);
+    bool found = raw && ric_cycle_match(m, like, raw, 1e-6, &out->shift, &out->reverse, &out->mirror);
+    ric_cycle_free(raw);
+    return found;
+}
+
+/* Everything that leaves, from a converged chain. */
+static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const turn *t, const ric_point *stored, ric_orbit **out)
 {
     ric_status status = RIC_OK;
     ric_floquet floquet = {0};
     ric_orbit *o = calloc(1, sizeof *o);
-    int n = m->n, shift;
-    bool reverse, mirror;
+    int n = m->n;
     *out = NULL;
     if (!o) return no_memory();
     if ((status = ric_floquet_create(n, &floquet))) goto out;
     ric_chain_evaluate(c, u);
     if ((status = ric_floquet_compute(c, &floquet))) goto out;
     ric_cycle *raw = ric_cycle_from_chain(c, u);
-    if (raw && ric_cycle_match(m, like, raw, 0.3, &shift, &reverse, &mirror)) o->cycle = ric_cycle_transform(m, raw, shift, reverse, mirror);
+    if (raw) o->cycle = ric_cycle_transform(m, raw, t->shift, t->reverse, t->mirror);
+    int N = raw ? raw->N : 0;
     ric_cycle_free(raw);
     o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
-    o->flights = calloc((size_t)like->N + 1, sizeof *o->flights);
+    o->flights = calloc((size_t)N + 1, sizeof *o->flights);
     o->multipliers = calloc(4 * (size_t)n, sizeof *o->multipliers);
     if (!o->cycle || !o->state || !o->flights || !o->multipliers) {
         status = no_memory();
@@ -129,6 +141,11 @@ out:
     return status;
 }
 
+static ric_status unfit(const ric_branch *b)
+{
+    return ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
+}
+
 static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
@@ -142,7 +159,9 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
         branch_symmetries(m, b, cycle);
         status = ric_cycle_to_chain(m, cycle, &chain, &u);
     }
-    if (!status) status = finish(m, chain, u, cycle, &point, out);
+    turn t;
+    if (!status && !find_turn(m, chain, u, cycle, &t)) status = unfit(b);
+    if (!status) status = finish(m, chain, u, &t, &point, out);
     /* as it is stored: the same numbers, not merely equal ones */
     if (!status) status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
     ric_chain_free(chain);
@@ -207,12 +226,14 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
         status = no_memory();
         goto out;
     }
-    if (!solve_between(m, chain, ua, ub, fa, fb, at, value, u))
+    turn t;
+    if (!find_turn(m, chain, ua, from, &t)) status = unfit(b);
+    else if (!solve_between(m, chain, ua, ub, fa, fb, at, value, u))
         status = ric_fail(RIC_E_NUMERIC, "no orbit converged between points %d and %d of branch %d", i, i + 1, b->id);
     else {
         double x = fa / (fa - fb);
         point.arclength += x * (far.arclength - point.arclength);
-        status = finish(m, chain, u, from, &point, out);
+        status = finish(m, chain, u, &t, &point, out);
     }
 out:
     ric_chain_free(chain);

@@ -1,0 +1,147 @@
+#!/bin/bash
+# Every example runs, has no failed branch, verifies, and shows what its comments say.
+set -u
+ricochet=${RICOCHET:?the program to test}
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+number=0 failed=0
+
+# ok NAME COMMAND...: one test; what the command prints is shown if it fails
+ok() {
+    local name=$1
+    shift
+    number=$((number + 1))
+    if "$@" >"$folder/log" 2>&1; then
+        echo "ok $number - $name"
+    else
+        echo "not ok $number - $name"
+        tail -n 8 "$folder/log" | sed 's/^/# /'
+        failed=$((failed + 1))
+    fi
+}
+
+# Fields of a table by name: rows EXAMPLE branches|junctions FIELD... as lines of `field|field|...`
+rows() {
+    local example=$1 table=$2
+    shift 2
+    "$ricochet" "$table" "$folder/$example.ricochet" --json | python3 -c '
+import json, sys
+for row in json.load(sys.stdin):
+    print("|".join(str(row[name]) for name in sys.argv[1:]))' "$@"
+}
+at_least() { # NUMBER: lines on stdin
+    local found
+    found=$(wc -l)
+    echo "$found found, $1 wanted"
+    [ "$found" -ge "$1" ]
+}
+branches() { rows "$1" branches label stop | at_least "$2"; }          # EXAMPLE LEAST
+with_impacts() { rows "$1" branches impacts | awk -v least="$2" '$1 >= least' | at_least "$3"; } # EXAMPLE IMPACTS LEAST
+labels() { # EXAMPLE LABEL...: there is a branch of each of them
+    local found label example=$1
+    shift
+    found=$(rows "$example" branches label)
+    for label in "$@"; do
+        grep -qxF "$label" <<<"$found" || { echo "no branch $label"; return 1; }
+    done
+}
+not_failed() {
+    rows "$1" branches id label stop why >"$folder/rows"
+    ! grep -E '\|failed\|' "$folder/rows"
+}
+reasons() { # a junction that has refused departures says why
+    rows "$1" junctions id departures refusal | awk -F'|' '$2 !~ /.refused.: 0/ && $3 == "" { print; bad = 1 } END { exit bad }'
+}
+exactly() { # NUMBER PATTERN EXAMPLE TABLE FIELD
+    local found
+    found=$(rows "$3" "$4" "$5" | grep -cE -e "$2")
+    echo "$found found, $1 wanted"
+    [ "$found" = "$1" ]
+}
+has() { rows "$2" "$3" "$4" | grep -E -e "$1"; } # PATTERN EXAMPLE TABLE FIELD
+
+if ! command -v python3 >/dev/null; then
+    echo '1..0 # SKIP python3 is not there to read JSON'
+    exit 77
+fi
+
+# Two at a time; the results do not depend on it.
+examples=$(cd examples && echo */)
+examples=${examples//\//}
+for example in $examples; do
+    echo "$example"
+done | xargs -P 2 -I{} sh -c '"$1" run "examples/$3/study.yaml" -o "$2/$3.ricochet" >"$2/$3.out" 2>&1; echo $? >"$2/$3.code"
+    "$1" verify "$2/$3.ricochet" >"$2/$3.replay" 2>&1; echo $? >>"$2/$3.code"' sh "$ricochet" "$folder" {}
+
+ran() { cat "$folder/$1.out" && [ "$(sed -n 1p "$folder/$1.code")" = 0 ]; }
+verified() { grep -v 'yes *yes$' "$folder/$1.replay"; [ "$(sed -n 2p "$folder/$1.code")" = 0 ]; }
+for example in $examples; do
+    ok "$example: run" ran "$example"
+    ok "$example: no branch failed" not_failed "$example"
+    ok "$example: verify" verified "$example"
+    ok "$example: every refusal has a reason" reasons "$example"
+done
+
+ok 'elementary: branches' branches elementary 14
+
+# The path of symmetric branches, and frequencies that close in on the locked one, 1.6329931618554521, from both sides.
+path='S6[010101] S4[0011] S10[0101010101] S6[000111] S14[01010101010101] S8[00001111] S18[010101010101010101]'
+ok 'symmetric-path: S6, S4, S10, S6, S14, S8, S18' labels symmetric-path $path
+ok 'symmetric-path: branches' branches symmetric-path 30
+only_symmetric() { rows symmetric-path branches label symmetric impacts | awk -F'|' '$2 != "True" { print; bad = 1 } END { exit bad }'; }
+ok 'symmetric-path: symmetric branches only' only_symmetric
+closes_in() { # extreme frequencies of the S(2k)[0..01..1] and of the S(4k+2)[01] branches approach the locked one from below and above
+    rows symmetric-path branches label frequency_min frequency_max energy_max | python3 -c '
+import re, sys
+locked, below, above = 1.6329931618554521, {}, {}
+for line in sys.stdin:
+    label, low, high, energy = line.strip().split("|")
+    word = re.search(r"\[(.*)\]", label)
+    word = word.group(1) if word else ""
+    half = len(word) // 2
+    if half > 1 and word == "0" * half + "1" * half:
+        below[half] = min(below.get(half, 9), float(low))
+    if half > 2 and half % 2 and word == "01" * half:
+        above[half] = max(above.get(half, 0), float(high))
+below = [below[k] for k in sorted(below)]
+above = [above[k] for k in sorted(above)]
+print("below", below, "above", above)
+ok = len(below) >= 4 and len(above) >= 4
+ok = ok and all(a < b < locked for a, b in zip(below, below[1:])) and all(a > b > locked for a, b in zip(above, above[1:]))
+sys.exit(not ok)'
+}
+ok 'symmetric-path: extreme frequencies close in on the locked one' closes_in
+
+# The corner, from an independent prototype, to 1e-8.
+corner() {
+    rows corner junctions kind energy frequency id | awk -F'|' '
+        $1 == "corner" && ($2 / 1.798382934 - 1)^2 < 1e-16 && ($3 / 2.639443043 - 1)^2 < 1e-16 { print $4 }' >"$folder/corner"
+    cat "$folder/corner"
+    [ "$(wc -l <"$folder/corner")" = 1 ] && rows corner branches stop to | grep -qx "corner|$(cat "$folder/corner")"
+}
+ok 'corner: found where it should be, and ends a branch' corner
+ok 'corner: branches' branches corner 12
+
+ok 'three-masses: branches' branches three-masses 10
+ok 'three-masses: impacts on both contacts in one word' has '0.*[12]|[12].*0' three-masses branches word
+ok 'free-pair: two branches' exactly 2 . free-pair branches id
+ok 'free-pair: no branch point' exactly 0 branch-point free-pair junctions kind
+low() { rows loose-mass branches label energy_min | grep -E '^S2.*\|0\.010*$'; }
+ok 'loose-mass: the family of the loose mass starts at the lower edge of the window' low
+ok 'loose-mass: branches' branches loose-mass 10
+ok 'beam-lumped: 50 branches' branches beam-lumped 50
+ok 'beam-lumped: ten of four or more impacts' with_impacts beam-lumped 4 10
+made() { # the matrices are those that the script makes
+    mkdir "$folder/beam" && tools/beam.py "$folder/beam" 10 3 0.5 && cmp "$folder/beam/M.mtx" examples/beam-lumped/M.mtx \
+        && cmp "$folder/beam/K.mtx" examples/beam-lumped/K.mtx
+}
+ok 'beam-lumped: tools/beam.py makes its matrices' made
+unseen() { "$ricochet" check examples/beam-midspan/study.yaml | grep '4 of them seen'; }
+ok 'beam-midspan: half of the modes are unseen' unseen
+ok 'beam-midspan: five linear modes' exactly 5 '^S0' beam-midspan branches label
+ok 'beam-midspan: branches' branches beam-midspan 10
+ok 'symmetric-chain: three linear modes' exactly 3 '^S0' symmetric-chain branches label
+ok 'symmetric-chain: departures that close both stops are refused by name' has 'two contacts close together' symmetric-chain junctions refusal
+
+echo "1..$number"
+[ "$failed" = 0 ]
