@@ -22,7 +22,7 @@
 #define TWO_PI 6.283185307179586477
 #define ARC 0.01       /* step in the norm of the unknowns */
 #define RESIDUAL 1e-13 /* no point above it */
-#define BLOCKS 4
+#define BLOCKS 8
 #define ENERGY 200  /* window of the traces, as in the demo study */
 #define LOWEST 0.2  /* rad/s, of the original orbit */
 #define HIGHEST 10.0
@@ -348,7 +348,7 @@ static void show_demo(const ric_graph *g, const char *path, double seconds)
         points += g->edges[i].trace->n_point;
         evaluations += g->edges[i].trace->evaluations;
     }
-    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.2f s (aim 2 s)\n", path, g->n_edge, g->n_node, points, evaluations, seconds);
+    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path, g->n_edge, g->n_node, points, evaluations, seconds);
 }
 
 /* ----------------------------------------------------------------------- main */
@@ -376,7 +376,7 @@ static void show_memory(int n, const figures *own, const figures *general)
 int main(int argc, char **argv)
 {
     const char *out = "build/bench.txt", *path = "examples/elementary/study.yaml";
-    double seconds = 0.3, demo;
+    double seconds = 0.4, demo;
     for (int option; (option = getopt(argc, argv, "o:t:")) != -1;) {
         if (option == 'o') out = optarg;
         else if (option == 't') seconds = atof(optarg);

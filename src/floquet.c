@@ -180,15 +180,25 @@ static void propagate(const ric_chain *c, double *V, int *exponent, double *grow
 
 /* --------------------------------------------------------- small matrices */
 
-static double determinant(int k, int ld, const double *A, double *work)
+/* *error: of the determinant, when every entry of A may be off by `rounding`: the smallest pivot decides whether it has a sign. */
+static double determinant(int k, int ld, const double *A, double *work, double rounding, double *error)
 {
-    double det = 1;
+    double det = 1, others = 1, least = HUGE_VAL;
+    *error = 0;
     if (k == 0) return 1;
-    if (k == 1) return A[0];
     lapack_int pivot[k];
     for (int i = 0; i < k; i++) memcpy(work + i * k, A + i * ld, (size_t)k * sizeof *work);
-    LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot);
-    for (int i = 0; i < k; i++) det *= pivot[i] == i + 1 ? work[i * k + i] : -work[i * k + i];
+    if (k > 1) LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot);
+    else pivot[0] = 1;
+    for (int i = 0; i < k; i++) {
+        double p = work[i * k + i];
+        det *= pivot[i] == i + 1 ? p : -p;
+        if (fabs(p) < least) {
+            if (least < HUGE_VAL) others *= least;
+            least = fabs(p);
+        } else others *= fabs(p);
+    }
+    *error = k * rounding * others;
     return det;
 }
 
@@ -280,15 +290,14 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     propagate(c, V, &exponent, &growth);
     project(c, c->end == RIC_MIRROR_IMPACT, end, c->face[c->n_flight], E1, V, P);
     blocks(c, P, a, b, cc, d);
-    f->det_a = determinant(k, k, a, tmp);
-    f->det_b = determinant(k, k, b, tmp);
-    f->det_d = determinant(k, k, d, tmp);
     double size = 0;
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
     size = fmax(size, growth);
     f->growth = size;
-    f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
-    for (int i = 1; i < k; i++) f->det_error *= size;
+    double rounding = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
+    f->det_a = determinant(k, k, a, tmp, rounding, &f->error_a);
+    f->det_b = determinant(k, k, b, tmp, rounding, &f->error_b);
+    f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
@@ -350,12 +359,12 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
     f->growth = size;
-    f->det_error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
-    for (int i = 1; i < ld; i++) f->det_error *= size;
+    f->error_a = f->error_b = f->error_d = 0;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
     memcpy(A, P, (size_t)ld * ld * sizeof *A);
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
-    f->det_a = c->sigma < 0 ? determinant(ld, ld, A, tmp) : 1;
+    f->det_a = 1;
+    if (c->sigma < 0) f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size, &f->error_a);
     if (k == 1) {
         judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size);
         return RIC_OK;
@@ -411,7 +420,7 @@ ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
         f->trace_asinh = f->rotation = NAN;
         f->stable = RIC_STABLE_YES;
         f->det_a = f->det_b = f->det_d = 1;
-        f->error = f->det_error = 0;
+        f->error = f->error_a = f->error_b = f->error_d = 0;
         f->growth = 1;
         return RIC_OK;
     }

@@ -18,7 +18,7 @@ typedef struct {
      * det_b  the reversor (or, general form, unused: 1); det_a, det_d  one kind of mirror point is kept and the period of M doubles,
      * which for a quarter chain, and for sigma = -1 (det_a), breaks z(t+T/2) = -z(t). */
     double det_a, det_b, det_d;
-    double det_error;      /* rounding in them */
+    double error_a, error_b, error_d; /* rounding in them */
     double growth;         /* largest entry of the map, scaled likewise */
     double *work;
     size_t n_work;

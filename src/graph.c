@@ -1,5 +1,6 @@
 #include "graph.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <stdio.h>
@@ -10,6 +11,7 @@
 
 #define TWO_PI 6.283185307179586477
 #define MAX_POINTS 200000
+#define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
 
 /* ------------------------------------------------------------------- create */
 
@@ -101,10 +103,10 @@ static void mark(ric_node *node, unsigned choice, ric_departure_state state)
 static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice, int side, char *key, size_t size)
 {
     const ric_limits *l = &g->limits;
-    int used = snprintf(key, size, "%d %a %a %u %d %a %a %a %a %a ", (int)node->kind, node->energy, node->period, choice, side,
-                        l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step);
-    for (int i = 0; i < node->cycle->N && used > 0 && (size_t)used < size; i++)
-        used += snprintf(key + used, size - (size_t)used, "%d.", node->cycle->face[i]);
+    uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
+    for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
+    snprintf(key, size, "%d %d %a %a %u %d %a %a %a %a %a %016" PRIx64, (int)node->kind, node->cycle->N, node->energy, node->period, choice, side,
+             l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, hash);
 }
 
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. */
@@ -597,12 +599,25 @@ static ric_status start_loose(ric_graph *g)
     return status;
 }
 
-static bool stopped(const ric_graph *g, const ric_run_options *run, const struct timespec *start, int open, int depth)
+static double seconds_since(const struct timespec *start)
 {
     struct timespec now;
-    if (!run || !run->progress) return false;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    double seconds = (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
+    return (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
+}
+
+/* Now and then what was traced is made safe against a kill. */
+static ric_status save_now_and_then(ric_graph *g, const struct timespec *start, double *saved)
+{
+    double now = seconds_since(start);
+    if (!g->store || now - *saved < SAVE_EVERY) return RIC_OK;
+    *saved = now;
+    return ric_store_commit(g->store);
+}
+
+static bool stopped(const ric_graph *g, const ric_run_options *run, double seconds, int open, int depth)
+{
+    if (!run || !run->progress) return false;
     ric_progress progress = {.branches = g->n_edge, .junctions = g->n_node, .open = open, .seconds = seconds, .depth = depth};
     return run->progress(&progress, run->user);
 }
@@ -635,18 +650,19 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
         return RIC_OK;
     }
     if ((status = start_loose(g))) return status;
+    double saved = 0;
     int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
     for (int depth = 0; depth < limit && !status; depth++) {
-        int n = 0, done = 0;
+        int n = 0;
         bool deeper = false;
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
             open_departure *list = open_at(g, depth, &n);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
-                if (stopped(g, run, &start, n - i, depth)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+                if (stopped(g, run, seconds_since(&start), n - i, depth)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
                 else status = take(g, list[i].index, list[i].place, depth + 1);
-                done++;
+                if (!status) status = save_now_and_then(g, &start, &saved);
             }
             free(list);
         } while (n && !status);

@@ -162,7 +162,10 @@ static ric_status refine_modes(ric_model *m)
     for (int step = 0; step < 3; step++)
         refine_once(m, n, work, work + square, work + 2 * square, work + 3 * square, work + 4 * square, lambda);
     for (size_t i = 0; i < square; i++) m->Phi[i] = (double)work[i];
-    for (int i = 0; i < n; i++) m->frequency[i] = (double)lambda[i];
+    for (int i = 0; i < n; i++) {
+        m->frequency[i] = (double)lambda[i];
+        m->frequency_low[i] = (double)(lambda[i] - m->frequency[i]);
+    }
     free(work);
     return RIC_OK;
 }
@@ -195,7 +198,9 @@ static ric_status eigenmodes(ric_model *m)
                                            "an unstable structure has no free vibration about this equilibrium", i + 1, lambda);
             goto out;
         }
-        m->frequency[i] = lambda <= rounding ? 0 : sqrt(lambda);
+        long double omega = lambda <= rounding ? 0 : sqrtl((long double)lambda + m->frequency_low[i]);
+        m->frequency[i] = (double)omega;
+        m->frequency_low[i] = (double)(omega - m->frequency[i]); /* of omega, from here on */
     }
 out:
     free(B);
@@ -324,6 +329,8 @@ void ric_complement(int n, const double *h, double *E)
     for (int j = 0; n > 1 && h[0] < 0 && j < n; j++) E[j] = -E[j];
 }
 
+#define FAST 20.0 /* ratio to the lowest frequency */
+
 static void scale_modes(ric_model *m)
 {
     int n = m->n, nd = m->n_dof, k = 0;
@@ -338,7 +345,10 @@ static void scale_modes(ric_model *m)
     m->energy_unit = m->omega_ref * m->omega_ref / cc;
     for (int i = 0; i < n; i++) {
         int mode = m->mode[i];
-        m->omega[i] = m->frequency[mode] / m->omega_ref;
+        long double omega = ((long double)m->frequency[mode] + m->frequency_low[mode]) / m->omega_ref;
+        m->omega[i] = (double)omega;
+        m->omega_low[i] = (double)(omega - m->omega[i]);
+        m->fast |= omega > FAST;
         m->kappa[i] = m->omega[i] > 0 ? m->omega[i] : 1;
         m->stiff[i] = m->omega[i] > 0 ? m->omega[i] : 0;
         for (int f = 0; f < m->n_contact; f++) {
@@ -386,10 +396,11 @@ static ric_status allocate(ric_model *m, int n, int n_contact)
     m->sides = array((size_t)n_contact, sizeof *m->sides);
     m->name = array((size_t)n_contact, sizeof *m->name);
     m->frequency = array((size_t)n, sizeof(double));
+    m->frequency_low = array((size_t)n, sizeof(double));
     m->Phi = array(nn, sizeof(double));
     m->normal = array(fn, sizeof(double));
     m->seen = array((size_t)n, sizeof *m->seen);
-    if (!m->M || !m->K || !m->b || !m->clearance || !m->sides || !m->name || !m->frequency || !m->Phi || !m->normal || !m->seen)
+    if (!m->M || !m->K || !m->b || !m->clearance || !m->sides || !m->name || !m->frequency || !m->frequency_low || !m->Phi || !m->normal || !m->seen)
         return ric_fail(RIC_E_NOMEM, "no memory for a model of %d degrees of freedom", n);
     return RIC_OK;
 }
@@ -399,6 +410,7 @@ static ric_status allocate_scaled(ric_model *m)
     size_t n = (size_t)m->n, f = (size_t)m->n_contact;
     m->mode = array(n, sizeof *m->mode);
     m->omega = array(n, sizeof(double));
+    m->omega_low = array(n, sizeof(double));
     m->kappa = array(n, sizeof(double));
     m->stiff = array(n, sizeof(double));
     m->c = array(f * n, sizeof(double));
@@ -407,7 +419,7 @@ static ric_status allocate_scaled(ric_model *m)
     m->face = array(2 * f, sizeof *m->face);
     m->to_modal = array(n * (size_t)m->n_dof, sizeof(double));
     m->to_space = array(n * (size_t)m->n_dof, sizeof(double));
-    if (!m->mode || !m->omega || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face || !m->to_modal || !m->to_space)
+    if (!m->mode || !m->omega || !m->omega_low || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face || !m->to_modal || !m->to_space)
         return ric_fail(RIC_E_NOMEM, "no memory for %d seen modes", m->n);
     return RIC_OK;
 }
@@ -462,8 +474,8 @@ void ric_model_free(ric_model *m)
 {
     if (!m) return;
     for (int i = 0; m->name && i < m->n_contact; i++) free(m->name[i]);
-    void *owned[] = {m->M, m->K, m->b, m->clearance, m->sides, m->name, m->frequency, m->Phi, m->normal, m->seen, m->mode,
-                     m->omega, m->kappa, m->stiff, m->c, m->g, m->E, m->face, m->to_modal, m->to_space};
+    void *owned[] = {m->M, m->K, m->b, m->clearance, m->sides, m->name, m->frequency, m->frequency_low, m->Phi, m->normal, m->seen, m->mode,
+                     m->omega, m->omega_low, m->kappa, m->stiff, m->c, m->g, m->E, m->face, m->to_modal, m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     free(m);
 }

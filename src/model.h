@@ -29,6 +29,7 @@ struct ric_model {
     double restitution;
     /* all modes */
     double *frequency;  /* [n_dof] rad/s */
+    double *frequency_low; /* [n_dof] what rounding took from it */
     double *Phi;        /* [n_dof^2], column i is mode i, mass-normalised */
     double *normal;     /* [n_contact * n_dof], phi_i . b_f */
     bool *seen;         /* [n_dof] */
@@ -38,6 +39,8 @@ struct ric_model {
     int n;              /* seen modes */
     int *mode;          /* [n] index among all modes */
     double *omega;      /* [n] scaled */
+    double *omega_low;  /* [n] what rounding took from omega */
+    bool fast;          /* some mode turns so often in a period that its phase needs more than a double */
     double *kappa;      /* [n] */
     double *stiff;      /* [n] omega^2 / kappa: dp/dt = -stiff a */
     double *c, *g, *E;  /* [n_contact * n], [n_contact * n], [n_contact * (n-1) * n] */

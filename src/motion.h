@@ -12,7 +12,13 @@ static inline void ric_flight_trig(const ric_model *m, int n, double tau, double
     for (int i = 0; i < n; i++) {
         double s, c;
         if (m->omega[i] > 0) {
-            sincos(m->omega[i] * tau, &s, &c);
+            double phase = m->omega[i] * tau;
+            sincos(phase, &s, &c);
+            if (m->fast) { /* turn by what rounding took from the phase */
+                double low = fma(m->omega[i], tau, -phase) + m->omega_low[i] * tau, t = s;
+                s += low * c;
+                c -= low * t;
+            }
             trig[i] = c;
             trig[n + i] = trig[2 * n + i] = s;
         } else {

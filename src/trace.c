@@ -15,7 +15,7 @@
 #define LEAVING 1e-3         /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
-#define FLOOR 0.1            /* of the tolerance: where another Newton step changes nothing */
+#define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
 
@@ -24,10 +24,7 @@
 double ric_trace_tolerance(const ric_chain *c)
 {
     /* rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured */
-    double phase = c->model->omega[c->n - 1] * 6.283185307179586477 / c->model->omega[c->model->omega[0] > 0 ? 0 : c->n > 1];
-    if (!isfinite(phase)) phase = 0;
-    /* the argument of a sine is rounded like the phase itself; only a small part of the motion is in the fast modes */
-    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n) * (1 + 0.002 * phase);
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
 }
 
 bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)
@@ -117,10 +114,10 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->t) / c->scale;
     /* below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)). The orbit is
      * known to rounding / pivot, and the map's own derivative is of the size of the map */
-    double blur = tr->floquet.det_error * (1 + tr->floquet.growth * c->scale / c->smallest);
-    F[RIC_TEST_A] = definite(tr->floquet.det_a, blur);
-    F[RIC_TEST_B] = definite(tr->floquet.det_b, blur);
-    F[RIC_TEST_D] = definite(tr->floquet.det_d, blur);
+    double blur = 1 + tr->floquet.growth * c->scale / c->smallest;
+    F[RIC_TEST_A] = definite(tr->floquet.det_a, tr->floquet.error_a * blur);
+    F[RIC_TEST_B] = definite(tr->floquet.det_b, tr->floquet.error_b * blur);
+    F[RIC_TEST_D] = definite(tr->floquet.det_d, tr->floquet.error_d * blur);
     F[RIC_TEST_PERIOD] = fabs(slope) < FLAT * (1 + 1e-2 / c->smallest) ? 0 : slope;
     F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
     F[RIC_TEST_E_MIN] = energy - lim->energy[0];

@@ -8,7 +8,7 @@
  * What the return may lose is measured by the largest multiplier, from variational columns that are flown here: at an impact, with
  * dt = -(c.dq) / (c.p) and R = I - 2 c c' / (c.c),
  *     dq <- R dq,   dp <- R dp + dt 2 (c.omega^2 q) / (c.c) c        (saltation: Aizerman and Gantmakher 1958).
- * An orbit that multiplies the last digit of its stored doubles beyond what the check allows is first polished: Newton's method on
+ * The last digit of the stored doubles may be multiplied beyond what the check allows, so the orbit is first polished: Newton's method on
  * w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. How far it moves counts as an error of the flights.
  *
  * A touch is no impact: where the orbit grazes, the rounding of the state may make it strike with a speed of sqrt(rounding). The replay then
@@ -27,7 +27,6 @@
 #define FLIGHT 1e-11   /* largest relative error of a flight, and of the energy */
 #define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define AMPLIFIED 1e-7
-#define DELICATE 1e4   /* multipliers above this call for a polished start */
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
 #define TOUCH 1e-6     /* at or below, an impact is a touch: sqrt of the rounding of a gap, with a margin */
 #define SLOW 1e-3      /* below, the time of the impact is weighed */
@@ -317,14 +316,16 @@ static bool at_corner(const replay *r, const face_t *face, const real *w)
     return false;
 }
 
-/* State and time at the end of flight k against the chain. What a slow impact leaves uncertain is its time, and with it the way along the
- * flow; a touch in the word turns a speed round that is none. */
+/* State and time at the end of flight k against the chain, states at the same time. What a slow impact leaves uncertain is its time, and
+ * with it the pull that it turns round; a touch in the word turns a speed round that is none. */
 static void compare_end(replay *r, int k, real time)
 {
     const real *expected = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
     const face_t *face = end_face(r, k);
-    real late = fabs(time - r->tau[k]), error = distance(r, r->w, expected);
+    real late = fabs(time - r->tau[k]), error;
     real speed = fabs(r->speed[k + 1]), slow = face ? SLOW * fastest(r, face) : 0;
+    fly(r, r->tau[k] - time, r->w, r->w);
+    error = distance(r, r->w, expected);
     if (face && is_touch(r, k)) {
         error = fmax(0, error - 2 * speed / sqrt(face->cc));
     } else if (speed < slow) {
@@ -579,7 +580,8 @@ static ric_status check_point(replay *r)
     bool touches = false;
     for (int k = 0; k < r->branch.impacts; k++) touches |= is_touch(r, k);
     if (r->branch.impacts && (status = find_condition(r))) return status;
-    if (r->check->condition > DELICATE && !touches && (status = polish(r))) return status;
+    /* a slow impact may amplify on the way far more than the multipliers say: polished whatever they are */
+    if (!touches && r->branch.impacts && (status = polish(r))) return status;
     if ((status = check_flights(r)) || !r->check->faces_agree) return status;
     /* the chain closes: nothing is lost between the last flight and the first */
     worsen(&r->check->flight_error, part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
