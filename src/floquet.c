@@ -56,6 +56,13 @@ static void section(const ric_chain *c, ric_mirror mirror, const double *w, int 
     ric_complement(n, h, E);
 }
 
+/* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept, the products are
+ * scaled. */
+static double not_zero(double speed)
+{
+    return fabs(speed) < NO_SPEED ? copysign(NO_SPEED, speed) : speed;
+}
+
 /* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the normal velocity
  * follows from dE = 0. */
 static void section_columns(const ric_chain *c, ric_mirror mirror, const double *w, int face, const double *E, double *V)
@@ -70,7 +77,7 @@ static void section_columns(const ric_chain *c, ric_mirror mirror, const double 
         }
     if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
     const ric_face *f = &m->face[face];
-    double normal = ric_dot(n, f->c, w + n);
+    double normal = not_zero(ric_dot(n, f->c, w + n));
     for (int j = 0; j < ld; j++) {
         double dE = 0;
         for (int i = 0; i < n; i++) {
@@ -91,6 +98,7 @@ static void project(const ric_chain *c, bool on_face, const double *w, int face,
         double flow[2 * n], speed = 0;
         ric_flow(m, n, w, flow);
         for (int i = 0; i < n; i++) speed += f->g[i] * flow[i];
+        speed = not_zero(speed);
         for (int j = 0; j < ld; j++) {
             double gap = 0;
             for (int i = 0; i < n; i++) gap += f->g[i] * V[i * ld + j];
@@ -120,8 +128,7 @@ static void saltation(const ric_model *m, int n, int ld, const ric_face *f, cons
         speed += f->c[i] * before[i];
         pull -= f->c[i] * m->stiff[i] * a[i];
     }
-    /* at a touch the kick has no bound: its sign and a size far beyond any regular one are kept, the products are scaled */
-    if (fabs(speed) < NO_SPEED) speed = copysign(NO_SPEED, speed);
+    speed = not_zero(speed);
     double kick = 2 * pull / (f->cc * speed);
     for (int j = 0; j < ld; j++) {
         double gap = 0, push = 0;

@@ -11,6 +11,7 @@
 
 #define TWO_PI 6.283185307179586477
 #define MAX_POINTS 200000
+#define AT_END 1e-9    /* arclength within which an event belongs to the end of its branch */
 #define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
 
 /* ------------------------------------------------------------------- create */
@@ -248,7 +249,10 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
     ric_node *node = NULL;
+    const double *last = e->trace->points + (size_t)(e->trace->n_point - 1) * e->trace->stride;
     if (!is_junction(e->trace->chain, event->test)) return RIC_OK;
+    /* the ends of a branch are junctions of their own */
+    if (event->s < AT_END || event->s > ((const ric_point *)last)->arclength - AT_END) return RIC_OK;
     ric_cycle *cycle = cycle_at(e->trace, event->u), *free_form = cycle ? ric_cycle_copy(cycle) : NULL;
     if (!free_form) {
         ric_cycle_free(cycle);

@@ -28,13 +28,13 @@
 #define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define AMPLIFIED 1e-7
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
-#define TOUCH 1e-6     /* at or below, an impact is a touch: sqrt of the rounding of a gap, with a margin */
+#define TOUCH 1e-6     /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
 #define SLOW 1e-3      /* below, the time of the impact is weighed */
 #define BLUNT 1e-9     /* no impact amplifies more than one of this speed */
 #define REACH 1e-10    /* a touch shows as reach 1 -+ this */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-#define REGULAR 1e-6   /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
+#define REGULAR 1e-11  /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
 
 typedef ric_real real;
 
@@ -266,8 +266,17 @@ static ric_status pass_touch(replay *r, const ric_impact *impact, real end, even
     return e->time < end ? start_at(r, r->w, e->time) : RIC_OK;
 }
 
-/* Runs to the next impact that is more than a touch, at most to time `end`; r->w is the state there. */
-static ric_status run_to_impact(replay *r, real end, event *e)
+/* Whether a hit is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight k, due at time `due`. */
+static bool is_impact(const replay *r, const ric_impact *impact, real time, int k, real due)
+{
+    const face_t *face = &r->face[impact->face];
+    if (impact->approach > TOUCH * fastest(r, face)) return true;
+    return face == end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
+           fabs(impact->approach - r->speed[k + 1]) <= r->speed[k + 1] / 2;
+}
+
+/* Runs to the next impact, at most to time `end`, and passes touches; flight k ends at time `due`. r->w is the state there. */
+static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
 {
     *e = (event){.time = r->offset};
     while (!e->refused) {
@@ -282,7 +291,7 @@ static ric_status run_to_impact(replay *r, real end, event *e)
         r->reach = fmax(r->reach, ric_simulator_reach(r->sim));
         if (!e->hit) break;
         e->face = impact.face;
-        if (impact.approach > TOUCH * fastest(r, &r->face[impact.face])) break;
+        if (is_impact(r, &impact, e->time, k, due)) break;
         e->hit = false;
         r->touched = true;
         if ((status = pass_touch(r, &impact, end, e))) return status;
@@ -335,15 +344,15 @@ static void compare_end(replay *r, int k, real time)
     worsen(&r->check->flight_error, fmax(part(late, fmax(r->tau[k], r->period / r->n_flight)), part(error, r->norm)));
 }
 
-/* A flight that ends in a touch: no impact on the way, the face reached and not passed. */
+/* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. */
 static ric_status check_touch(replay *r, int k)
 {
     event e;
-    ric_status status = run_to_impact(r, r->tau[k], &e);
+    ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k], &e);
     if (status) return status;
-    r->touched = true;
-    if (e.hit || e.refused || (!e.touches && fabs(r->reach - 1) > REACH)) r->check->faces_agree = false;
-    compare_end(r, k, r->tau[k]);
+    if (e.refused || (e.hit && &r->face[e.face] != end_face(r, k))) r->check->faces_agree = false;
+    if (!e.hit && !e.touches && fabs(r->reach - 1) > REACH) r->check->faces_agree = false;
+    compare_end(r, k, e.hit ? e.time : r->tau[k]);
     return RIC_OK;
 }
 
@@ -351,7 +360,7 @@ static ric_status check_impact(replay *r, int k)
 {
     event e;
     const face_t *face = end_face(r, k);
-    ric_status status = run_to_impact(r, r->tau[k] + LATE * r->period / r->n_flight, &e);
+    ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k] + LATE * r->period / r->n_flight, &e);
     if (status) return status;
     if (e.refused && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) {
         r->corner = true;
@@ -367,7 +376,7 @@ static ric_status check_impact(replay *r, int k)
 static ric_status check_linear(replay *r)
 {
     event e;
-    ric_status status = run_to_impact(r, r->period, &e);
+    ric_status status = run_to_impact(r, 0, r->period, r->period, &e);
     if (status) return status;
     if (e.hit || e.refused || r->reach > 1 + REACH) r->check->faces_agree = false;
     compare_end(r, 0, e.time);
@@ -549,19 +558,20 @@ out:
 
 /* ------------------------------------------------------------------- return */
 
+/* The whole period from one start. A touch of the word may be struck or not. */
 static ric_status check_return(replay *r)
 {
     event e = {0};
-    int strikes = 0, N = r->branch.impacts;
+    real due = 0, mean = r->period / r->n_flight;
     ric_status status = start_at(r, r->chain, 0);
-    if (status || !r->check->faces_agree) return status;
-    for (int k = 0; k < N; k++) strikes += !is_touch(r, k);
-    for (int i = 0; i < strikes; i++) {
-        if ((status = run_to_impact(r, r->period * (1 + LATE / r->n_flight), &e))) return status;
-        if (!e.hit) break;
+    for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
+        bool touch = r->branch.impacts == 0 || is_touch(r, k), last = k + 1 == r->n_flight;
+        real late = !touch ? LATE * mean : last ? 0 : fmin(LATE * mean, r->tau[k + 1] / 2);
+        due += r->tau[k];
+        status = run_to_impact(r, k, due, due + late, &e);
+        if (!e.hit && !touch) break;
     }
-    if (strikes == 0 || (e.hit && is_touch(r, N - 1)))
-        if ((status = run_to_impact(r, r->period, &e))) return status;
+    if (status || !r->check->faces_agree) return status;
     r->check->return_error = e.refused && r->corner ? NAN : part(distance(r, r->w, r->chain), r->norm);
     check_energy(r);
     return RIC_OK;
@@ -577,11 +587,9 @@ static bool passes(const ric_check *check)
 static ric_status check_point(replay *r)
 {
     ric_status status = RIC_OK;
-    bool touches = false;
-    for (int k = 0; k < r->branch.impacts; k++) touches |= is_touch(r, k);
     if (r->branch.impacts && (status = find_condition(r))) return status;
     /* a slow impact may amplify on the way far more than the multipliers say: polished whatever they are */
-    if (!touches && r->branch.impacts && (status = polish(r))) return status;
+    if (r->branch.impacts && (status = polish(r))) return status;
     if ((status = check_flights(r)) || !r->check->faces_agree) return status;
     /* the chain closes: nothing is lost between the last flight and the first */
     worsen(&r->check->flight_error, part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
