@@ -298,7 +298,7 @@ typedef struct {
     int branch, point;
     double flight_error;  /* largest relative error of a flight's time and end state */
     double return_error;  /* relative distance of the replayed state after one period */
-    double condition;     /* largest multiplier modulus that the return was divided by; 1 if stable */
+    double condition;     /* largest factor by which a perturbation grows within or over the period: what the return may lose */
     double energy_error;  /* relative drift of the energy, and of the stored energy */
     bool faces_agree;
     bool passed;

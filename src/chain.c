@@ -147,13 +147,18 @@ static double end_residual(const ric_chain *c, int i)
     }
 }
 
-static void set_residual(ric_chain *c, double largest)
+static void set_residual(ric_chain *c, const double *u, double largest)
 {
     int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
     double sum = 0;
     for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
     for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
     c->scale = 1 + sqrt(sum);
+    double longest = 0, fastest = 0;
+    const double *end = c->w + 2 * n * c->n_flight;
+    for (int k = c->n_start; k < c->n_unknown; k++) longest = fmax(longest, u[k]);
+    for (int i = 0; i < n; i++) fastest = fmax(fastest, c->model->kappa[i] * fmax(fabs(end[i]), fabs(end[n + i])));
+    c->grain = longest * fastest / c->scale;
     c->residual = largest / c->scale;
     if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
 }
@@ -166,7 +171,7 @@ void ric_chain_fly(ric_chain *c, const double *u)
         /* in the general form the last gap follows from the closure */
         if (!(general(c) && k + 1 == c->n_flight)) largest = fmax(largest, gap);
     }
-    set_residual(c, largest);
+    set_residual(c, u, largest);
 }
 
 /* ---------------------------------------------------------- factorisation */
@@ -355,7 +360,7 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
     if (whole) sign *= end_rows_general(c, nz);
     else end_rows_reversible(c, nz);
     eliminate_end(c, nz, sign);
-    set_residual(c, largest);
+    set_residual(c, u, largest);
 }
 
 void ric_chain_evaluate(ric_chain *c, const double *u)

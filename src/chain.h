@@ -33,6 +33,7 @@ typedef struct {
     double *approach;      /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an impact mirror */
     double residual;       /* largest residual relative to 1 + |w| */
     double scale;          /* 1 + |w| */
+    double grain;          /* how far the state moves within the last digit of the longest flight time, relative to scale, over epsilon */
     double end_det;        /* product of the end pivots, signed: with the tangent's orientation, the sign of the bordered determinant */
     double smallest;       /* smallest end pivot in modulus: 0 where the kernel has more than one dimension */
     bool singular;         /* a pivot vanished */

@@ -21,22 +21,28 @@
 
 /* ---------------------------------------------------------------- corrector */
 
+/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
+static double rounding(const ric_chain *c)
+{
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+}
+
 double ric_trace_tolerance(const ric_chain *c)
 {
-    /* rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured */
-    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+    return rounding(c) + DBL_EPSILON * c->grain;
 }
 
 bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)
 {
     int size = c->n_unknown;
-    double tolerance = ric_trace_tolerance(c), last = HUGE_VAL, kernel[size];
+    double floor = FLOOR * rounding(c), last = HUGE_VAL, kernel[size];
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
         ric_chain_evaluate(c, u);
         if (c->singular || !(c->residual < 1e3)) return false;
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
-        if (i > 0 && (c->residual <= FLOOR * tolerance || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
+        double tolerance = ric_trace_tolerance(c);
+        if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
         if (i > 2 && c->residual > 0.5 * last) return c->residual <= 4 * tolerance;
         last = c->residual;
         ric_chain_step(c, true, 0, du);

@@ -34,7 +34,8 @@
 #define REACH 1e-10    /* a touch shows as reach 1 -+ this */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-#define REGULAR 1e-11  /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
+#define SAME 1e-8      /* polishing stays within this of the stored orbit, relative */
+#define REGULAR 1e-6  /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
 
 typedef ric_real real;
 
@@ -60,7 +61,7 @@ typedef struct {
     real *w;                     /* [2n] q, p of the replay */
     double *x;                   /* [2n] scratch: x, v */
     real period, norm, offset;   /* offset: time at which the simulator was started anew behind a touch */
-    double energy, reach;
+    double energy, reach;        /* energy: of the state that is replayed */
     bool corner, touched;
     ric_check *check;
     real *store;
@@ -136,7 +137,7 @@ static const face_t *end_face(const replay *r, int k)
 
 static bool is_touch(const replay *r, int k)
 {
-    return r->speed[k + 1] <= TOUCH * fastest(r, end_face(r, k));
+    return fabs(r->speed[k + 1]) <= TOUCH * fastest(r, end_face(r, k));
 }
 
 /* Expected states behind every impact, from chain[0] and tau. */
@@ -300,11 +301,16 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
     return RIC_OK;
 }
 
-/* Of the simulator's own state, where it has one. */
-static void check_energy(replay *r)
+/* Energy of the simulator's own state, from the raw matrices. */
+static double simulated_energy(replay *r)
 {
     ric_simulator_state(r->sim, NULL, r->x, r->x + r->n);
-    worsen(&r->check->energy_error, part(fabs(ric_model_energy(r->model, r->x, r->x + r->n) - r->energy), r->energy));
+    return ric_model_energy(r->model, r->x, r->x + r->n);
+}
+
+static void check_energy(replay *r)
+{
+    worsen(&r->check->energy_error, part(fabs(simulated_energy(r) - r->energy), r->energy));
 }
 
 /* ------------------------------------------------------------------ flights */
@@ -439,7 +445,7 @@ static ric_status find_condition(replay *r)
     ric_status status = RIC_OK;
     int m = 2 * r->n;
     size_t size = (size_t)m * (size_t)m;
-    real *A = calloc(size, sizeof *A), scale = 0, largest = 0;
+    real *A = calloc(size, sizeof *A), scale = 0, largest = 0, transient = 0;
     double *B = calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL, *im = B ? re + m : NULL;
     if (!A || !B) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the multipliers of %d degrees of freedom", r->n);
@@ -449,6 +455,9 @@ static ric_status find_condition(replay *r)
     for (int k = 0; k < r->branch.impacts; k++) {
         for (int i = 0; i < m; i++) fly_column(r, k, true, A + i * m);
         scale += rescale(size, A);
+        real sum = 0;
+        for (size_t i = 0; i < size; i++) sum += A[i] * A[i];
+        transient = fmax(transient, scale + log(sum) / 2);
     }
     for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
     if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1)) {
@@ -456,7 +465,8 @@ static ric_status find_condition(replay *r)
         goto out;
     }
     for (int i = 0; i < m; i++) largest = fmax(largest, hypot(re[i], im[i]));
-    r->check->condition = (double)fmax(1, exp(fmin(700, scale + log(largest))));
+    /* what a slow impact multiplies on the way is lost even where the rest of the period divides it again */
+    r->check->condition = (double)fmax(1, exp(fmin(700, fmax(transient, scale + log(largest)))));
 out:
     free(A);
     free(B);
@@ -511,6 +521,41 @@ static void jacobian(const replay *r, real *column, double *J)
     }
 }
 
+/* Divides the rows of J [m * m] and F by the norms of the rows, and the columns of the N flight times by theirs: a time then counts as
+ * much as the way that it is flown, singular values compare like with like, and the shortest correction is one of the state. */
+static void equilibrate(int m, int N, double *J, double *F, double *columns)
+{
+    for (int i = 0; i < m; i++) {
+        double sum = 0;
+        for (int j = 0; j < m; j++) sum += J[i * m + j] * J[i * m + j];
+        double scale = sum > 0 ? 1 / sqrt(sum) : 1;
+        for (int j = 0; j < m; j++) J[i * m + j] *= scale;
+        F[i] *= scale;
+    }
+    for (int j = 0; j < m; j++) {
+        double sum = 0;
+        for (int i = 0; i < m; i++) sum += J[i * m + j] * J[i * m + j];
+        columns[j] = sum > 0 && j < N ? 1 / sqrt(sum) : 1;
+        for (int i = 0; i < m; i++) J[i * m + j] *= columns[j];
+    }
+}
+
+/* How far the polished orbit is from the stored one [tau, then w]: times, and the state apart from a shift along the flow, which a slow
+ * impact leaves uncertain and which changes nothing but the time of that impact. */
+static real distance_moved(const replay *r, const real *kept)
+{
+    int n = r->n, N = r->n_flight;
+    const real *w = r->chain, *old = kept + N;
+    real moved = 0, along = 0, square = 0, flow = rate(r, old);
+    for (int k = 0; k < N; k++) moved = fmax(moved, fabs(r->tau[k] - kept[k]) / (r->period / N));
+    for (int i = 0; i < n; i++) {
+        real q = r->kappa[i] * (w[i] - old[i]), p = w[n + i] - old[n + i], omega = r->omega[i];
+        along += (r->kappa[i] * old[n + i] * q - omega * omega * old[i] * p) / flow;
+        square += q * q + p * p;
+    }
+    return fmax(moved, sqrt(fmax(0, square - along * along)) / r->norm);
+}
+
 /* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another orbit. */
 static ric_status polish(replay *r)
 {
@@ -518,7 +563,7 @@ static ric_status polish(replay *r)
     ric_status status = RIC_OK;
     int n = r->n, N = r->n_flight, m = N + 2 * n, rank;
     size_t size = (size_t)m * (size_t)m;
-    double *J = calloc(size + 2 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL;
+    double *J = calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL, *columns = J ? values + m : NULL;
     real *column = calloc(4 * (size_t)n + (size_t)m, sizeof *column), *kept = column ? column + 4 * n : NULL, moved = 0;
     if (!J || !column) {
         status = ric_fail(RIC_E_NOMEM, "no memory to polish an orbit of %d flights", N);
@@ -530,10 +575,12 @@ static ric_status polish(replay *r)
         memset(J, 0, size * sizeof *J);
         jacobian(r, column, J);
         residuals(r, F);
+        equilibrate(m, N, J, F, columns);
         if (LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, m, 1, J, m, F, 1, values, REGULAR, &rank)) {
             status = ric_fail(RIC_E_NUMERIC, "branch %d, point %d could not be polished", r->check->branch, r->check->point);
             goto out;
         }
+        for (int j = 0; j < m; j++) F[j] *= columns[j];
         for (int k = 0; k < N; k++) r->tau[k] -= F[k];
         for (int i = 0; i < n; i++) {
             r->chain[i] -= F[N + i] / r->kappa[i];
@@ -541,9 +588,8 @@ static ric_status polish(replay *r)
         }
         make_chain(r);
     }
-    for (int k = 0; k < N; k++) moved = fmax(moved, fabs(r->tau[k] - kept[k]) / (r->period / N));
-    moved = fmax(moved, distance(r, r->chain, kept + N) / r->norm);
-    if (moved <= FLIGHT) {
+    moved = distance_moved(r, kept);
+    if (moved <= SAME) {
         worsen(&r->check->flight_error, (double)moved);
         goto out;
     }
@@ -590,6 +636,8 @@ static ric_status check_point(replay *r)
     if (r->branch.impacts && (status = find_condition(r))) return status;
     /* a slow impact may amplify on the way far more than the multipliers say: polished whatever they are */
     if (r->branch.impacts && (status = polish(r))) return status;
+    if ((status = start_at(r, r->chain, 0))) return status;
+    if (r->check->faces_agree) r->energy = simulated_energy(r);
     if ((status = check_flights(r)) || !r->check->faces_agree) return status;
     /* the chain closes: nothing is lost between the last flight and the first */
     worsen(&r->check->flight_error, part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));

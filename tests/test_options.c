@@ -46,7 +46,7 @@ static void defaults_are_those_promised(void **state)
     assert_int_equal(o.impacts, 24);
     assert_int_equal(o.multiply, 6);
     assert_int_equal(o.depth, 3);
-    assert_true(o.tolerance == 1e-12 && o.max_step == 0.1);
+    assert_true(o.tolerance == 1e-12 && o.max_step == 0.03);
     assert_false(o.symmetric_only);
     assert_int_equal(o.n_start, 0);
 }
