@@ -380,7 +380,10 @@ int main(int argc, char **argv)
     for (int option; (option = getopt(argc, argv, "o:t:")) != -1;) {
         if (option == 'o') out = optarg;
         else if (option == 't') seconds = atof(optarg);
-        else return 2;
+        else {
+            fprintf(stderr, "usage: ricochet-bench [-o FILE] [-t SECONDS] [STUDY]\n");
+            return 2;
+        }
     }
     if (optind < argc) path = argv[optind];
     ric_study *study;

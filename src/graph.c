@@ -12,6 +12,7 @@
 #define TWO_PI 6.283185307179586477
 #define MAX_POINTS 200000
 #define AT_END 1e-9    /* arclength within which an event belongs to the end of its branch */
+#define NEAR_END 1e-2  /* part of a branch near its end where that end's own junction is not met again */
 #define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
 
 /* ------------------------------------------------------------------- create */
@@ -252,7 +253,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     const double *last = e->trace->points + (size_t)(e->trace->n_point - 1) * e->trace->stride;
     if (!is_junction(e->trace->chain, event->test)) return RIC_OK;
     /* the ends of a branch are junctions of their own */
-    if (event->s < AT_END || event->s > ((const ric_point *)last)->arclength - AT_END) return RIC_OK;
+    double length = ((const ric_point *)last)->arclength;
+    if (event->s < AT_END || event->s > length - AT_END) return RIC_OK;
     ric_cycle *cycle = cycle_at(e->trace, event->u), *free_form = cycle ? ric_cycle_copy(cycle) : NULL;
     if (!free_form) {
         ric_cycle_free(cycle);
@@ -265,6 +267,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (status == RIC_E_NUMERIC || !node) return status == RIC_E_NUMERIC ? RIC_OK : status;
     int index = find_or_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i] == index && fabs(e->inner_at[i] - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
     mark(g->nodes[index], multiplies ? RIC_SIDE : RIC_THROUGH, RIC_DEPARTURE_KNOWN);
@@ -472,7 +475,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
     if (node->kind != RIC_KIND_GRAZING && choice == RIC_THROUGH) {
         for (int i = 0; i < g->n_edge; i++) {
             double where;
-            if (!contains(g, &g->edges[i], node, &where)) continue;
+            /* a branch that ends here has left, it does not pass */
+            if (g->edges[i].from == index || g->edges[i].to == index || !contains(g, &g->edges[i], node, &where)) continue;
             d->state = RIC_DEPARTURE_KNOWN;
             return node->kind == RIC_KIND_START ? RIC_OK : attach(&g->edges[i], index, where);
         }

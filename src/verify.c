@@ -9,7 +9,8 @@
  * dt = -(c.dq) / (c.p) and R = I - 2 c c' / (c.c),
  *     dq <- R dq,   dp <- R dp + dt 2 (c.omega^2 q) / (c.c) c        (saltation: Aizerman and Gantmakher 1958).
  * The last digit of the stored doubles may be multiplied beyond what the check allows, so the orbit is first polished: Newton's method on
- * w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. How far it moves counts as an error of the flights.
+ * w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. The residual of the stored orbit counts as an error
+ * of its flights.
  *
  * A touch is no impact: where the orbit grazes, the rounding of the state may make it strike with a speed of sqrt(rounding). The replay then
  * goes on as if the face had not been there. Only there, and where impacts are nearly as slow, times are weighed by the speed. */
@@ -445,7 +446,7 @@ static ric_status find_condition(replay *r)
     ric_status status = RIC_OK;
     int m = 2 * r->n;
     size_t size = (size_t)m * (size_t)m;
-    real *A = calloc(size, sizeof *A), scale = 0, largest = 0, transient = 0;
+    real *A = calloc(size, sizeof *A), scale = 0, largest = 0;
     double *B = calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL, *im = B ? re + m : NULL;
     if (!A || !B) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the multipliers of %d degrees of freedom", r->n);
@@ -455,9 +456,6 @@ static ric_status find_condition(replay *r)
     for (int k = 0; k < r->branch.impacts; k++) {
         for (int i = 0; i < m; i++) fly_column(r, k, true, A + i * m);
         scale += rescale(size, A);
-        real sum = 0;
-        for (size_t i = 0; i < size; i++) sum += A[i] * A[i];
-        transient = fmax(transient, scale + log(sum) / 2);
     }
     for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
     if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1)) {
@@ -465,8 +463,7 @@ static ric_status find_condition(replay *r)
         goto out;
     }
     for (int i = 0; i < m; i++) largest = fmax(largest, hypot(re[i], im[i]));
-    /* what a slow impact multiplies on the way is lost even where the rest of the period divides it again */
-    r->check->condition = (double)fmax(1, exp(fmin(700, fmax(transient, scale + log(largest)))));
+    r->check->condition = (double)fmax(1, exp(fmin(700, scale + log(largest))));
 out:
     free(A);
     free(B);
@@ -540,20 +537,15 @@ static void equilibrate(int m, int N, double *J, double *F, double *columns)
     }
 }
 
-/* How far the polished orbit is from the stored one [tau, then w]: times, and the state apart from a shift along the flow, which a slow
- * impact leaves uncertain and which changes nothing but the time of that impact. */
-static real distance_moved(const replay *r, const real *kept)
+/* Largest relative residual of the stored orbit: gaps over clearances, closure over the state. */
+static double largest_residual(const replay *r)
 {
-    int n = r->n, N = r->n_flight;
-    const real *w = r->chain, *old = kept + N;
-    real moved = 0, along = 0, square = 0, flow = rate(r, old);
-    for (int k = 0; k < N; k++) moved = fmax(moved, fabs(r->tau[k] - kept[k]) / (r->period / N));
-    for (int i = 0; i < n; i++) {
-        real q = r->kappa[i] * (w[i] - old[i]), p = w[n + i] - old[n + i], omega = r->omega[i];
-        along += (r->kappa[i] * old[n + i] * q - omega * omega * old[i] * p) / flow;
-        square += q * q + p * p;
+    double largest = part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm);
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = end_face(r, k);
+        worsen(&largest, (double)(fabs(gap(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) / face->limit));
     }
-    return fmax(moved, sqrt(fmax(0, square - along * along)) / r->norm);
+    return largest;
 }
 
 /* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another orbit. */
@@ -569,6 +561,7 @@ static ric_status polish(replay *r)
         status = ric_fail(RIC_E_NOMEM, "no memory to polish an orbit of %d flights", N);
         goto out;
     }
+    worsen(&r->check->flight_error, largest_residual(r));
     memcpy(kept, r->tau, (size_t)N * sizeof *kept);
     memcpy(kept + N, r->chain, 2 * (size_t)n * sizeof *kept);
     for (int step = 0; step < STEPS; step++) {
@@ -588,11 +581,9 @@ static ric_status polish(replay *r)
         }
         make_chain(r);
     }
-    moved = distance_moved(r, kept);
-    if (moved <= SAME) {
-        worsen(&r->check->flight_error, (double)moved);
-        goto out;
-    }
+    for (int k = 0; k < N; k++) moved = fmax(moved, fabs(r->tau[k] - kept[k]) / (r->period / N));
+    moved = fmax(moved, distance(r, r->chain, kept + N) / r->norm);
+    if (moved <= SAME) goto out;
     memcpy(r->tau, kept, (size_t)N * sizeof *kept);
     memcpy(r->chain, kept + N, 2 * (size_t)n * sizeof *kept);
     make_chain(r);
@@ -611,13 +602,14 @@ static ric_status check_return(replay *r)
     real due = 0, mean = r->period / r->n_flight;
     ric_status status = start_at(r, r->chain, 0);
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
-        bool touch = r->branch.impacts == 0 || is_touch(r, k), last = k + 1 == r->n_flight;
-        real late = !touch ? LATE * mean : last ? 0 : fmin(LATE * mean, r->tau[k + 1] / 2);
+        bool linear = r->branch.impacts == 0, touch = linear || is_touch(r, k), last = k + 1 == r->n_flight;
+        real late = linear ? 0 : touch && !last ? fmin(LATE * mean, r->tau[k + 1] / 2) : LATE * mean;
         due += r->tau[k];
         status = run_to_impact(r, k, due, due + late, &e);
         if (!e.hit && !touch) break;
     }
     if (status || !r->check->faces_agree) return status;
+    if (!e.hit) fly(r, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
     r->check->return_error = e.refused && r->corner ? NAN : part(distance(r, r->w, r->chain), r->norm);
     check_energy(r);
     return RIC_OK;
