@@ -40,8 +40,8 @@ build: $(BUILD)/build.ninja
 demo: build
 	@mkdir -p $(DEMO)
 	$(BUILD)/ricochet run examples/elementary/study.yaml -o $(DEMO)/elementary.ricochet
-	$(BUILD)/ricochet plot fep $(DEMO)/elementary.ricochet -o $(DEMO)/elementary.svg
-	$(BUILD)/ricochet plot fep $(DEMO)/elementary.ricochet -o $(DEMO)/elementary.png
+	$(BUILD)/ricochet plot fep $(DEMO)/elementary.ricochet --break 2.2 -o $(DEMO)/elementary.svg
+	$(BUILD)/ricochet plot fep $(DEMO)/elementary.ricochet --break 2.2 -o $(DEMO)/elementary.png
 	@echo
 	@$(BUILD)/ricochet junctions $(DEMO)/elementary.ricochet
 	@echo

@@ -372,11 +372,11 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
 /* Arranges for a short step with the crossing in its middle; false when the step is short already. */
 static bool approach_crossing(ric_trace *tr, double h)
 {
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], crossing = CROSSING * tr->chain->scale;
-    if (!watched(tr, RIC_TEST_DET) || fa * fb >= 0 || h <= crossing) return false;
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], length = CROSSING * tr->chain->scale;
+    if (!watched(tr, RIC_TEST_DET) || fa * fb >= 0 || h <= length) return false;
     double x = h * fa / (fa - fb);
-    tr->wanted = x > crossing ? fmin(x - crossing / 2, 0.9 * h) : crossing;
-    tr->after = crossing;
+    tr->wanted = x > length ? fmin(x - length / 2, 0.9 * h) : length;
+    tr->after = length;
     return true;
 }
 
