@@ -28,7 +28,7 @@
 #define FLIGHT 1e-11   /* largest relative error of a flight, and of the energy */
 #define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define AMPLIFIED 1e-7
-#define ROUNDING (16 * LDBL_EPSILON) /* of one flight and impact in the simulator */
+#define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
 #define TOUCH 1e-6     /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
 #define SLOW 1e-3      /* below, the time of the impact is weighed */
@@ -37,7 +37,7 @@
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
 #define SAME 1e-8      /* polishing stays within this of the stored orbit, relative */
-#define REGULAR 1e-6  /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
+#define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
 
 typedef ric_real real;
 
@@ -610,6 +610,15 @@ out:
 
 /* ------------------------------------------------------------------- return */
 
+/* What the simulator's own rounding grows to over a period: the phase omega tau of a flight is known to its last digit, which moves the state
+ * by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than the multiplier says. */
+static real rounding_returned(const replay *r)
+{
+    real way = 1;
+    for (int k = 0; k < r->n_flight; k++) way = fmax(way, rate(r, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
+    return 32 * LDBL_EPSILON * way * exp(fmin(700, r->amplification));
+}
+
 /* The whole period from one start. A touch of the word may be struck or not. */
 static ric_status check_return(replay *r)
 {
@@ -625,18 +634,17 @@ static ric_status check_return(replay *r)
     }
     if (status || !r->check->faces_agree) return status;
     if (!e.hit) fly(r, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
-    r->check->return_error = e.refused && r->corner ? NAN : part(distance(r, r->w, r->chain), r->norm);
+    r->check->return_error = part(distance(r, r->w, r->chain), r->norm);
+    bool lost = rounding_returned(r) > LOST && r->check->return_error > RETURN;
+    if (lost || (e.refused && r->corner)) r->check->return_error = NAN; /* nothing to be said */
     check_energy(r);
     return RIC_OK;
 }
 
-/* Several slow impacts in a row can amplify on the way far more than the multiplier says; below their share of the simulator's own rounding
- * nothing can be asked. */
 static bool passes(const replay *r)
 {
     const ric_check *check = r->check;
-    real floor = ROUNDING * exp(fmin(700, r->amplification));
-    double allowed = (double)fmax(RETURN * fmax(1, AMPLIFIED * check->condition), floor);
+    double allowed = (double)fmax(RETURN * fmax(1, AMPLIFIED * check->condition), rounding_returned(r));
     return check->faces_agree && check->flight_error <= FLIGHT && check->energy_error <= FLIGHT &&
            (isnan(check->return_error) || check->return_error <= allowed);
 }

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Mass and stiffness of a pinned beam with a lumped mass, as Matrix Market files: beam.py FOLDER [ELEMENTS [NODE MASS]]
+"""Mass and stiffness of a beam, pinned or with a lumped mass, as Matrix Market files: beam.py FOLDER [ELEMENTS [NODE MASS SPRING]]
 
 Cubic (Hermite) finite elements of equal length; E elements give 2 E unknowns in the order
     rotation 0, deflection 1, rotation 1, ..., deflection E-1, rotation E-1, rotation E,
 so that the deflection of node k (k = 1 .. E-1) is unknown 2 k. The beam has length 1 and mass 1, its bending stiffness is such
-that the lowest frequency without the lumped mass is 1 rad/s; the exact ones are 1, 4, 9, 16, ...
+that the lowest frequency of the pinned beam is 1 rad/s; the exact ones are 1, 4, 9, 16, ... With a lumped mass the left end is clamped, its
+rotation is no unknown, and the mass, which hangs on a spring at NODE, is the last one.
 """
 import math
 import os
@@ -46,19 +47,31 @@ def write(path, comment, a):
         out.writelines(f"{i} {j} {value!r}\n" for i, j, value in entries)
 
 
+def on_spring(mass, stiffness, node, lump, spring):
+    """Clamps the left end (takes its rotation out) and hangs a mass on a spring at a node; the mass is the last unknown."""
+    mass = [row[1:] + [0.0] for row in mass[1:]] + [[0.0] * (len(mass) - 1) + [lump]]
+    stiffness = [row[1:] + [0.0] for row in stiffness[1:]] + [[0.0] * len(stiffness)]
+    place, last = 2 * node - 2, len(mass) - 1
+    for i, j, sign in ((place, place, 1), (last, last, 1), (place, last, -1), (last, place, -1)):
+        stiffness[i][j] += sign * spring
+    return mass, stiffness
+
+
 def main():
-    if not 2 <= len(sys.argv) <= 5 or len(sys.argv) == 4:
-        sys.exit("usage: beam.py FOLDER [ELEMENTS [NODE MASS]]")
+    if len(sys.argv) not in (2, 3, 6):
+        sys.exit("usage: beam.py FOLDER [ELEMENTS [NODE MASS SPRING]]")
     folder = sys.argv[1]
     n_element = int(sys.argv[2]) if len(sys.argv) > 2 else 10
-    node, lump = (int(sys.argv[3]), float(sys.argv[4])) if len(sys.argv) > 3 else (1, 0.0)
-    if not 1 <= node < n_element:
-        sys.exit(f"beam.py: NODE {node} is not between 1 and {n_element - 1}")
     mass, stiffness = beam(n_element)
-    mass[2 * node - 1][2 * node - 1] += lump
     what = f"pinned beam, {n_element} Hermite elements"
-    write(os.path.join(folder, "M.mtx"), f"{what}, mass, with {lump:g} at node {node}", mass)
-    write(os.path.join(folder, "K.mtx"), f"{what}, stiffness", stiffness)
+    if len(sys.argv) == 6:
+        node, lump, spring = int(sys.argv[3]), float(sys.argv[4]), float(sys.argv[5])
+        if not 1 <= node < n_element:
+            sys.exit(f"beam.py: NODE {node} is not between 1 and {n_element - 1}")
+        mass, stiffness = on_spring(mass, stiffness, node, lump, spring)
+        what = f"clamped and pinned beam, {n_element} Hermite elements, mass {lump:g} on a spring {spring:g} at node {node}"
+    write(os.path.join(folder, "M.mtx"), f"{what}: mass", mass)
+    write(os.path.join(folder, "K.mtx"), f"{what}: stiffness", stiffness)
 
 
 main()
