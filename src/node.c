@@ -621,23 +621,6 @@ static ric_status depart_grazing(const ric_model *m, const ric_node *node, unsig
     return status;
 }
 
-/* The symmetric orbit, read as one of the larger problem, closes to the rounding of other sums: one Newton step of least norm that leaves
- * the kernel alone. */
-static void settle(ric_chain *c, double *u)
-{
-    int size = c->n_unknown, rows = c->n_flight + 2 * c->n + 2, most = rows > size ? rows : size, rank;
-    double *J = calloc((size_t)rows * size, sizeof *J), *r = calloc((size_t)most, sizeof *r), *s = calloc((size_t)most, sizeof *s);
-    if (J && r && s) {
-        ric_chain_jacobian(c, u, J);
-        int equations = ric_chain_residuals(c, u, r);
-        if (!LAPACKE_dgelsd(LAPACK_ROW_MAJOR, equations, size, 1, J, size, r, 1, s, 1e-6, &rank))
-            for (int i = 0; i < size; i++) u[i] -= r[i];
-    }
-    free(J);
-    free(r);
-    free(s);
-}
-
 /* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. */
 static bool plane(ric_chain *c, const double *u, double *kernel)
 {
@@ -745,7 +728,6 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, ric_chai
     if (status) goto out;
     drop_symmetry(cycle, node->test, form);
     if ((status = ric_cycle_to_chain(m, cycle, chain, u0))) goto out;
-    settle(*chain, *u0);
     *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
     t = calloc((size_t)form->n_unknown, sizeof *t);
     if (!*t0 || !t) {

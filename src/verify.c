@@ -619,6 +619,22 @@ static real rounding_returned(const replay *r)
     return 32 * LDBL_EPSILON * way * exp(fmin(700, r->amplification));
 }
 
+static double allowed(const ric_check *check)
+{
+    return RETURN * fmax(1, AMPLIFIED * check->condition);
+}
+
+/* Where the multiplier alone asks more than the simulator's rounding can give, that amplification is what the return is divided by; where
+ * even this leaves nothing to compare, there is no return error. */
+static void allow_rounding(replay *r)
+{
+    ric_check *check = r->check;
+    real rounding = rounding_returned(r);
+    if (!(check->return_error > allowed(check))) return;
+    check->condition = fmax(check->condition, (double)fmin(DBL_MAX, rounding / (RETURN * AMPLIFIED)));
+    if (check->return_error > allowed(check) && rounding > LOST) check->return_error = NAN;
+}
+
 /* The whole period from one start. A touch of the word may be struck or not. */
 static ric_status check_return(replay *r)
 {
@@ -634,19 +650,16 @@ static ric_status check_return(replay *r)
     }
     if (status || !r->check->faces_agree) return status;
     if (!e.hit) fly(r, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
-    r->check->return_error = part(distance(r, r->w, r->chain), r->norm);
-    bool lost = rounding_returned(r) > LOST && r->check->return_error > RETURN;
-    if (lost || (e.refused && r->corner)) r->check->return_error = NAN; /* nothing to be said */
+    r->check->return_error = e.refused && r->corner ? NAN : part(distance(r, r->w, r->chain), r->norm);
+    allow_rounding(r);
     check_energy(r);
     return RIC_OK;
 }
 
-static bool passes(const replay *r)
+static bool passes(const ric_check *check)
 {
-    const ric_check *check = r->check;
-    double allowed = (double)fmax(RETURN * fmax(1, AMPLIFIED * check->condition), rounding_returned(r));
     return check->faces_agree && check->flight_error <= FLIGHT && check->energy_error <= FLIGHT &&
-           (isnan(check->return_error) || check->return_error <= allowed);
+           (isnan(check->return_error) || check->return_error <= allowed(check));
 }
 
 static ric_status check_point(replay *r)
@@ -673,7 +686,7 @@ ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check
     out->energy_error = part(fabs(r.point.energy - r.energy), r.energy);
     if ((status = check_point(&r))) goto out;
     if (!out->faces_agree) worsen(&out->return_error, 1);
-    out->passed = passes(&r);
+    out->passed = passes(out);
 out:
     free_replay(&r);
     return status;
