@@ -18,7 +18,7 @@
 enum {
     APPLICATION_ID = 0x52434854, /* "RCHT" */
     FORMAT_VERSION = 1,
-    READER_WAIT = 10000, /* ms that a reader waits for a run that is just writing */
+    READER_WAIT = 60000, /* ms that a reader waits for a run that is just writing */
     WRITER_WAIT = 60000, /* ms that a run waits for readers */
 };
 

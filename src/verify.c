@@ -37,6 +37,7 @@
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
 #define SAME 1e-8      /* polishing stays within this of the stored orbit, relative */
+#define LAST_DIGITS 1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of their phases */
 #define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
 
 typedef ric_real real;
@@ -60,6 +61,7 @@ typedef struct {
     real *tau;                   /* [n_flight] flight times, polished if need be */
     real *chain;                 /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */
     real *speed;                 /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
+    real *trig;                  /* [n_flight * 2n] cos and sin of omega tau */
     real *w;                     /* [2n] q, p of the replay */
     double *x;                   /* [2n] scratch: x, v */
     real period, norm, offset;   /* offset: time at which the simulator was started anew behind a touch */
@@ -149,6 +151,10 @@ static void make_chain(replay *r)
     size_t step = 2 * (size_t)r->n;
     for (int k = 0; k < r->n_flight; k++) {
         real *w = r->chain + (size_t)k * step;
+        for (int i = 0; i < r->n; i++) {
+            real *cosine = r->trig + (size_t)k * step + i;
+            sincosl(r->omega[i] * r->tau[k], cosine + r->n, cosine);
+        }
         fly(r, r->tau[k], w, w + step);
         if (end_face(r, k)) r->speed[k + 1] = reflect(r, end_face(r, k), w + step);
     }
@@ -184,7 +190,7 @@ static void free_replay(replay *r)
 static ric_status allocate(replay *r)
 {
     size_t n = (size_t)r->n, f = (size_t)r->n_flight;
-    r->store = calloc(3 * n + (f + 1) * (2 * n + 2), sizeof *r->store);
+    r->store = calloc(3 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
     r->stored = calloc(4 * n + f, sizeof *r->stored);
     r->face = calloc((size_t)r->n_face + 1, sizeof *r->face);
     if (!r->store || !r->stored || !r->face) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
@@ -196,6 +202,7 @@ static ric_status allocate(replay *r)
     r->tau = r->w + 2 * n;
     r->speed = r->tau + f + 1;
     r->chain = r->speed + f + 1;
+    r->trig = r->chain + (f + 1) * 2 * n;
     return RIC_OK;
 }
 
@@ -254,19 +261,38 @@ typedef struct {
     int touches;
 } event;
 
-/* Undoes an impact without speed and flies on in closed form until the gap, which falls with its second derivative, is open again. */
-static ric_status pass_touch(replay *r, const ric_impact *impact, real end, event *e)
+/* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that the simulator can tell
+ * them apart. */
+static bool only_touched(const replay *r, bool far, real *wait)
 {
-    const face_t *face = &r->face[impact->face];
-    real fall = 0, dt;
-    reflect(r, face, r->w);
-    for (int i = 0; i < r->n; i++) fall += face->side * face->c[i] * r->omega[i] * r->omega[i] * r->w[i];
+    *wait = 0;
+    for (int f = 0; f < r->n_face; f++) {
+        const face_t *face = &r->face[f];
+        real speed = face->side * dot(r->n, face->c, r->w + r->n), fall = 0;
+        if (gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * fastest(r, face)) continue;
+        for (int i = 0; i < r->n; i++) fall += face->side * face->c[i] * r->omega[i] * r->omega[i] * r->w[i];
+        if (speed > TOUCH * fastest(r, face) || fall <= 0) return false;
+        *wait = fmax(*wait, fmax(3 * fabs(speed) / fall, far ? sqrt(2 * CLOSED * face->limit / fall) : 0));
+    }
+    return *wait > 0;
+}
+
+/* Flies on from a touch in closed form, its impulse undone, until the gap is open again. The simulator cannot do so where two faces are
+ * touched together: it sees impacts that disturb each other, however slow. */
+static ric_status pass_touch(replay *r, const face_t *struck, real end, event *e)
+{
+    real wait;
+    if (struck) reflect(r, struck, r->w);
+    if (!only_touched(r, !struck, &wait)) {
+        e->refused = true;
+        return RIC_OK;
+    }
+    r->touched = true;
+    e->refused = e->hit = false;
     e->touches++;
-    e->refused = fall <= 0;
-    if (e->refused) return RIC_OK;
-    dt = fmin(3 * impact->approach / fall, end - e->time);
-    fly(r, dt, r->w, r->w);
-    e->time += dt;
+    wait = fmin(wait, end - e->time);
+    fly(r, wait, r->w, r->w);
+    e->time += wait;
     return e->time < end ? start_at(r, r->w, e->time) : RIC_OK;
 }
 
@@ -293,12 +319,10 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
         ric_simulator_state_modal(r->sim, &e->time, r->w);
         e->time += r->offset;
         r->reach = fmax(r->reach, ric_simulator_reach(r->sim));
-        if (!e->hit) break;
-        e->face = impact.face;
-        if (is_impact(r, &impact, e->time, k, due)) break;
-        e->hit = false;
-        r->touched = true;
-        if ((status = pass_touch(r, &impact, end, e))) return status;
+        if (!e->hit && !e->refused) break;
+        e->face = e->hit ? impact.face : -1;
+        if (e->hit && is_impact(r, &impact, e->time, k, due)) break;
+        if ((status = pass_touch(r, e->hit ? &r->face[e->face] : NULL, end, e))) return status;
         if (e->time >= end || !r->check->faces_agree) break;
     }
     return RIC_OK;
@@ -359,6 +383,11 @@ static ric_status check_touch(replay *r, int k)
     event e;
     ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k], &e);
     if (status) return status;
+    bool corner = e.refused && at_corner(r, end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
+    if (corner) { /* two gaps touch at one instant: there is nothing to compare */
+        r->corner = true;
+        return RIC_OK;
+    }
     if (e.refused || (e.hit && &r->face[e.face] != end_face(r, k))) r->check->faces_agree = false;
     if (!e.hit && !e.touches && fabs(r->reach - 1) > REACH) r->check->faces_agree = false;
     compare_end(r, k, e.hit ? e.time : r->tau[k]);
@@ -414,10 +443,10 @@ static real fly_column(const replay *r, int k, bool stretch, real *column)
     int n = r->n;
     const face_t *face = end_face(r, k);
     const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
+    const real *trig = r->trig + (size_t)k * 2 * (size_t)n;
     real t = r->tau[k], cq = 0, cp = 0, pull = 0;
     for (int i = 0; i < n; i++) {
-        real omega = r->omega[i], a = column[i], p = column[n + i], sine, cosine;
-        sincosl(omega * t, &sine, &cosine);
+        real omega = r->omega[i], a = column[i], p = column[n + i], cosine = trig[i], sine = trig[n + i];
         column[i] = omega > 0 ? a * cosine + p * sine : a + r->kappa[i] * t * p;
         column[n + i] = omega > 0 ? p * cosine - a * sine : p;
         cq += face->c[i] * column[i] / r->kappa[i];
@@ -611,12 +640,16 @@ out:
 /* ------------------------------------------------------------------- return */
 
 /* What the simulator's own rounding grows to over a period: the phase omega tau of a flight is known to its last digit, which moves the state
- * by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than the multiplier says. */
+ * by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than the multiplier says. At a branch point
+ * the orbit cannot be polished across the branches: what is left open there, if it is no more than the last digits of the stored
+ * doubles, grows likewise. */
 static real rounding_returned(const replay *r)
 {
     real way = 1;
     for (int k = 0; k < r->n_flight; k++) way = fmax(way, rate(r, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
-    return 32 * LDBL_EPSILON * way * exp(fmin(700, r->amplification));
+    real open = distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
+    if (open > LAST_DIGITS) open = 0;
+    return (32 * LDBL_EPSILON * way + open) * exp(fmin(700, r->amplification));
 }
 
 static double allowed(const ric_check *check)

@@ -703,6 +703,15 @@ static void kink(void **state)
     start(sim, x, v);
     assert_true(advance(sim, 1.5, NULL));
     assert_true(ric_simulator_reach(sim) == 0.8);
+    x[0] = -0.9; /* a start that is a largest value, and one that has just left its face and is none */
+    v[0] = 0.5;
+    start(sim, x, v);
+    assert_false(advance(sim, 1, NULL));
+    assert_true(ric_simulator_reach(sim) == 0.9);
+    x[0] = -1;
+    start(sim, x, v);
+    assert_false(advance(sim, 1, NULL));
+    assert_true(ric_simulator_reach(sim) == 0.8);
     ric_simulator_free(sim);
     ric_model_free(model);
 }
