@@ -112,7 +112,7 @@ sys.exit(not ok)'
 }
 ok 'symmetric-path: extreme frequencies close in on the locked one' closes_in
 
-# The corner, from an independent prototype, to 1e-8.
+# The corner, computed independently, to 1e-8.
 corner() {
     rows corner junctions kind energy frequency id | awk -F'|' '
         $1 == "corner" && ($2 / 1.798382934 - 1)^2 < 1e-16 && ($3 / 2.639443043 - 1)^2 < 1e-16 { print $4 }' >"$folder/corner"

@@ -23,7 +23,7 @@ typedef struct {
     int candidates; /* ways out up to symmetry */
 } expected;
 
-/* Independent prototypes in two formulations, 40 digits for many: relative accuracy 1e-9 or better. The candidates are subsets of the
+/* Computed independently in two formulations, many with 40 digits: relative accuracy 1e-9 or better. The candidates are subsets of the
  * touches up to the symmetries of the orbit, counted by hand: two touches that are images of one another give 3, four give 7. */
 static const expected reference[] = {
     {"G1_0,2", RIC_KIND_GRAZING, 0.9287310650464, 0.601588369489, 0, 2, 1, {0, 0}, 0, 0, "", 3},
