@@ -302,7 +302,7 @@ static double end_rows_general(ric_chain *c, int columns)
     return sign;
 }
 
-static void end_rows_reversible(ric_chain *c, int columns)
+static void end_rows_reversible(ric_chain *c)
 {
     int n = c->n, ld = c->ld;
     double *X = c->X;
@@ -318,7 +318,6 @@ static void end_rows_reversible(ric_chain *c, int columns)
             }
     }
     for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, r);
-    (void)columns;
 }
 
 /* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the kernel. */
@@ -358,7 +357,7 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
     }
     nz = c->end == RIC_MIRROR_IMPACT ? n : free_columns + 1;
     if (whole) sign *= end_rows_general(c, nz);
-    else end_rows_reversible(c, nz);
+    else end_rows_reversible(c);
     eliminate_end(c, nz, sign);
     set_residual(c, u, largest);
 }

@@ -155,7 +155,6 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
     ric_branch_record *r = &out->record;
     int n = m->n_dof;
     double omega = m->frequency[mode];
-    bool grazes = node >= 0 || energy <= o->energy[1];
     double top = fmin(energy, o->energy[1]);
     *r = (ric_branch_record){.stride = ric_point_stride(n, 0)};
     r->points = calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
@@ -165,7 +164,6 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
     r->mirror = strdup("centre-rest");
     r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
     if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return no_memory();
-    (void)grazes;
     r->row = (ric_branch){.word = r->word, .symmetric = true, .reversible = true, .mirror = r->mirror, .n_point = LINEAR_POINTS,
                           .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW, .why = r->why, .mode = mode + 1,
                           .junctions = r->junctions, .junction_at = r->junction_at};
@@ -399,7 +397,7 @@ static bool used_by(const ric_graph *g, int node)
     return false;
 }
 
-static ric_status list_branches(mark *k, int n, const sheet *sheets, const int *id)
+static ric_status list_branches(mark *k, int n, const sheet *sheets)
 {
     int count = 0;
     ric_junction_record *r = &k->record;
@@ -410,7 +408,6 @@ static ric_status list_branches(mark *k, int n, const sheet *sheets, const int *
         for (int j = 0; e && j < e->n_inner; j++) meets |= e->inner[j] == k->index;
         if (meets) r->branches[count++] = i + 1;
     }
-    (void)id;
     r->row.branches = r->branches;
     r->row.n_branch = count;
     return RIC_OK;
@@ -454,7 +451,7 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
         id[marks[i].index] = i + 1;
     }
     link_sheets(n_sheet, sheets, id);
-    for (int i = 0; i < n_mark && !status; i++) status = list_branches(&marks[i], n_sheet, sheets, id);
+    for (int i = 0; i < n_mark && !status; i++) status = list_branches(&marks[i], n_sheet, sheets);
     if (!status) status = label_marks(n_mark, marks);
     if (!status) status = name_marks(study, n_mark, marks);
     if (status) goto out;

@@ -240,10 +240,9 @@ static int image(const ric_cycle *c, int element, int i)
     return r < 0 ? -1 : ((r - i) % N + N) % N;
 }
 
-unsigned ric_node_class(const ric_model *m, const ric_node *node, unsigned choice)
+unsigned ric_node_class(const ric_node *node, unsigned choice)
 {
     unsigned best = choice;
-    (void)m;
     for (int e = 1; e < 4; e++) {
         unsigned mapped = 0;
         if (image(node->cycle, e, 0) < 0) continue;
@@ -258,15 +257,15 @@ unsigned ric_node_class(const ric_model *m, const ric_node *node, unsigned choic
     return best;
 }
 
-static bool list_choices(const ric_model *m, ric_node *node)
+static bool list_choices(ric_node *node)
 {
     unsigned all = 1u << node->n_touch;
     int count = 0;
-    for (unsigned choice = 0; choice < all; choice++) count += ric_node_class(m, node, choice) == choice;
+    for (unsigned choice = 0; choice < all; choice++) count += ric_node_class(node, choice) == choice;
     node->departures = calloc((size_t)count, sizeof *node->departures);
     if (!node->departures) return false;
     for (unsigned choice = 0; choice < all; choice++)
-        if (ric_node_class(m, node, choice) == choice) node->departures[node->n_departure++].choice = choice;
+        if (ric_node_class(node, choice) == choice) node->departures[node->n_departure++].choice = choice;
     return true;
 }
 
@@ -274,7 +273,7 @@ static ric_status finish_grazing(const ric_model *m, ric_cycle *full, ric_node *
 {
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
     if (!node) return no_memory();
-    if (!list_touches(m, node) || !list_choices(m, node)) {
+    if (!list_touches(m, node) || !list_choices(node)) {
         ric_node_free(node);
         return no_memory();
     }
@@ -501,7 +500,7 @@ int ric_node_choice(const ric_model *m, const ric_node *node, const ric_cycle *c
             int i = node->touch[t], j = reverse ? ((shift - i) % N + N) % N : (shift + i) % N;
             if (kept[j]) choice |= 1u << t;
         }
-        result = (int)ric_node_class(m, node, choice);
+        result = (int)ric_node_class(node, choice);
     }
 out:
     free(kept);

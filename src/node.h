@@ -57,7 +57,7 @@ bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b)
 /* Which choice at a grazing node a branch is whose end orbit, impacts of no speed included, is `cycle`; -1 if none fits. */
 int ric_node_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
 /* Smallest choice equivalent under the symmetries of the node's orbit. */
-unsigned ric_node_class(const ric_model *model, const ric_node *node, unsigned choice);
+unsigned ric_node_class(const ric_node *node, unsigned choice);
 
 /* Prepares the departure: chain, start u0 and direction t0 (both allocated), bits to ignore in the first step.
  * RIC_OK with *chain = NULL: inadmissible; RIC_E_NUMERIC: refused, the reason in ric_detail(). */
