@@ -10,40 +10,13 @@
 #include <cmocka.h>
 
 #include "reach.h"
+#include "random_models.h"
 
 enum { MAX_N = 8, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1, MAX_TOUCH = 4000 };
 
 static const double PI = 3.14159265358979323846;
 
 /* ------------------------------------------------------------------ helpers */
-
-static uint64_t seed_now;
-
-static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
-{
-    uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static int below(int n)
-{
-    int i = (int)uniform(0, n);
-    return i < n ? i : n - 1;
-}
-
-/* A = G G' + shift, G [n * rank]. */
-static void random_definite(int n, int rank, double shift, double *A)
-{
-    double G[MAX_N * MAX_N];
-    for (int i = 0; i < n * rank; i++) G[i] = uniform(-1, 1);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            A[i * n + j] = i == j ? shift : 0;
-            for (int k = 0; k < rank; k++) A[i * n + j] += G[i * rank + k] * G[j * rank + k];
-        }
-}
 
 /* Contacts with both sides, the upper or the lower one only; `floating`: one frequency is zero. */
 static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
