@@ -136,7 +136,7 @@ static ric_status make_sheet(const ric_model *m, const ric_edge *e, sheet *out)
     ric_cycle_free(cycle);
     ric_cycle_free(turned);
     if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return no_memory();
-    memcpy(r->junction_at, e->inner_at, (size_t)e->n_inner * sizeof *r->junction_at);
+    if (e->n_inner) memcpy(r->junction_at, e->inner_at, (size_t)e->n_inner * sizeof *r->junction_at);
     r->row.junctions = r->junctions;
     r->row.junction_at = r->junction_at;
     if (!(r->label = branch_label(m, &r->row))) return no_memory();
