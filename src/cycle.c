@@ -434,8 +434,7 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
     return q;
 }
 
-/* Lexicographic: faces, then state with a tolerance, then flight times. */
-static int compare(const ric_cycle *a, const ric_cycle *b)
+int ric_cycle_compare(const ric_cycle *a, const ric_cycle *b)
 {
     double size = size_of(a);
     for (int i = 0; i < a->N; i++)
@@ -453,7 +452,7 @@ ric_cycle *ric_cycle_canonical(const ric_model *m, const ric_cycle *c)
     for (int op = 0; best && op < (m->symmetric ? 4 : 2); op++)
         for (int s = 0; s < c->N; s++) {
             ric_cycle *image = ric_cycle_transform(m, c, s, op & 1, op & 2);
-            if (image && compare(image, best) < 0) {
+            if (image && ric_cycle_compare(image, best) < 0) {
                 ric_cycle *swap = best;
                 best = image;
                 image = swap;

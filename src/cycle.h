@@ -45,6 +45,8 @@ double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
 bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
 int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
+/* Lexicographic: faces, then state with a tolerance, then flight times. */
+int ric_cycle_compare(const ric_cycle *a, const ric_cycle *b);
 /* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as equal). */
 ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
 

@@ -380,9 +380,9 @@ static bool approach_crossing(ric_trace *tr, double h)
     return true;
 }
 
-/* The far end of the branch, if one of the functions that end it vanishes in this step: its test, or -1, and its distance. `limit` holds
+/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and its distance. `limit` holds
  * the test functions there, the singular ones a little before. */
-static ric_status find_end(ric_trace *tr, double h, int *test, double *end, double *limit, bool *retry)
+static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, double *limit, bool *retry)
 {
     root roots[RIC_N_TEST];
     int n = 0;
@@ -390,7 +390,7 @@ static ric_status find_end(ric_trace *tr, double h, int *test, double *end, doub
     *test = -1;
     *end = h;
     memcpy(limit, tr->next.test, sizeof tr->next.test);
-    ric_status status = find_roots(tr, terminal, h, limit, h, roots, &n, retry);
+    ric_status status = find_roots(tr, which, h, limit, h, roots, &n, retry);
     if (status || *retry || !n) return status;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     *test = roots[0].test;
@@ -403,18 +403,31 @@ static ric_status find_end(ric_trace *tr, double h, int *test, double *end, doub
     return RIC_OK;
 }
 
-/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *arrived: the branch ends there, at *end. */
-static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
+/* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay together crosses. */
+static bool meets_corner(const ric_trace *tr, const crossing *q, double h, double *at)
+{
+    if (!watched(tr, RIC_TEST_FLIGHT) || !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0)) return false;
+    double x = crossing_root(q, RIC_TEST_FLIGHT);
+    if (x > *at + 0.05 * h) return false;
+    *at = x;
+    return true;
+}
+
+/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch ends there, at *end:
+ * DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
+static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
 {
     crossing q;
     root roots[RIC_N_TEST];
     int n = 0;
     ric_status status = crossing_create(tr, h, &q);
-    *arrived = false;
+    *end_test = -1;
     if (status) return status;
     double at = crossing_root(&q, RIC_TEST_DET);
+    if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     crossing_station(tr, &q, at, &tr->mid);
-    *arrived = meets_mirror_image(tr, &tr->mid, &tr->now);
+    if (*end_test < 0 && meets_mirror_image(tr, &tr->mid, &tr->now)) *end_test = RIC_TEST_DET;
+    bool arrived = *end_test >= 0;
     *end = at;
     bool repeated = repeats(tr, &tr->mid);
     for (int i = 0; i < RIC_N_TEST; i++) {
@@ -425,8 +438,8 @@ static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
          * order three passes through, whose extremum lies aside), and at a duplicate the kernels of all symmetries open at once, like
          * high powers of the distance: all that belongs to the one junction */
         bool near = fabs(x - at) < (singular & 1u << i ? 0.3 : 0.05) * h;
-        if (i != RIC_TEST_DET && near && (*arrived || repeated)) continue;
-        if (*arrived && x >= at) continue;
+        if ((i != RIC_TEST_DET || *end_test == RIC_TEST_FLIGHT) && near && (arrived || repeated)) continue;
+        if (arrived && x >= at) continue;
         roots[n++] = (root){i, x};
     }
     qsort(roots, (size_t)n, sizeof *roots, by_place);
@@ -436,7 +449,7 @@ static ric_status cross(ric_trace *tr, double h, bool *arrived, double *end)
     }
     for (int i = 0; i < RIC_N_TEST; i++)
         if (repeated && (singular & 1u << i)) tr->definite[i] = 0;
-    if (*arrived && !status) crossing_station(tr, &q, at, &tr->mid);
+    if (arrived && !status) crossing_station(tr, &q, at, &tr->mid);
     free(q.u);
     return status;
 }
@@ -475,19 +488,23 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
     bool closed = closes(tr, h);
-    ric_status status = find_end(tr, h, &test, &end, limit, retry);
+    /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
+    double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
+    unsigned which = crossed && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT) : terminal;
+    ric_status status = find_end(tr, which, h, &test, &end, limit, retry);
     if (status || *retry) return status;
     if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;
-    if (crossed) status = cross(tr, h, &tr->arrival, &end);
+    int read = -1; /* the end, read off cubics */
+    if (crossed) status = cross(tr, h, &read, &end);
     else status = inner_events(tr, h, test >= 0, end, limit, retry);
     if (status || *retry) return status;
-    if (test < 0 && !closed && !tr->arrival) return RIC_OK;
+    if (test < 0 && !closed && read < 0) return RIC_OK;
     *done = true;
-    if (tr->arrival) {
-        tr->stop = RIC_STOP_JUNCTION;
-        tr->why = "";
+    if (read >= 0) {
+        test = read;
+        tr->arrival = read == RIC_TEST_DET;
+        window_text(tr, test);
         complete_row(tr, &tr->mid);
-        test = RIC_TEST_DET;
     } else if (test < 0) {
         tr->stop = RIC_STOP_CLOSED;
         tr->why = "back at its start";

@@ -165,6 +165,12 @@ static bool at_corner(const ric_trace *tr)
     return touch.face >= 0 && touch.kink;
 }
 
+/* Whether a branch that ends here can be traced from here. */
+static bool departs(const ric_node *node)
+{
+    return !(node->kind == RIC_KIND_CORNER && node->refusal) && node->multiple == 1;
+}
+
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
 static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
 {
@@ -184,17 +190,17 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
         status = RIC_OK;
     }
     if (node) {
-        if (node->kind == RIC_KIND_CORNER) tr->stop = RIC_STOP_CORNER;
+        if (node->kind == RIC_KIND_CORNER && node->refusal) tr->stop = RIC_STOP_CORNER;
         *index = find_or_add(g, node, depth);
         if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
-        else if (g->nodes[*index]->kind == RIC_KIND_GRAZING && g->nodes[*index]->multiple == 1) {
+        else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
             int found = ric_node_choice(g->model, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
                 tr->why = "the branch does not fit the junction at its end";
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else *choice = g->nodes[*index]->kind == RIC_KIND_GRAZING ? 0 : RIC_SIDE;
+        } else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : RIC_SIDE;
     }
     ric_cycle_free(cycle);
     return status;
@@ -274,12 +280,6 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     return attach(e, index, event->s);
 }
 
-/* Whether a branch that ends here can be traced from here. */
-static bool departs(const ric_node *node)
-{
-    return node->kind != RIC_KIND_CORNER && node->multiple == 1;
-}
-
 /* Traces again from the far end, so that what is stored does not depend on which end was found first. */
 static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr, bool *turned)
 {
@@ -294,7 +294,7 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     if (status == RIC_E_NUMERIC) return RIC_OK;
     if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
     if (status) return status;
-    if (!back || home != from || (a->kind == RIC_KIND_GRAZING && choice != leave)) {
+    if (!back || home != from || (ric_node_chooses(a) && choice != leave)) {
         (*tr)->stop = RIC_STOP_FAILED;
         (*tr)->why = "the way back does not lead home";
         ric_trace_free(back);
@@ -472,7 +472,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
-    if (node->kind != RIC_KIND_GRAZING && choice == RIC_THROUGH) {
+    if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
+    if (!ric_node_chooses(node) && choice == RIC_THROUGH) {
         for (int i = 0; i < g->n_edge; i++) {
             double where;
             /* a branch that ends here has left, it does not pass */
@@ -509,8 +510,9 @@ static int departure_order(const void *a, const void *b)
     return p->index != q->index ? p->index - q->index : p->place - q->place;
 }
 
-/* Open departures of nodes at `depth`, sorted; NULL with *n = 0 when there is none. */
-static open_departure *open_at(ric_graph *g, int depth, int *n)
+/* Open departures of nodes at `depth`, sorted; NULL with *n = 0 when there is none. At the last depth of the budget only corners: what goes
+ * on there is the same branch. */
+static open_departure *open_at(ric_graph *g, int depth, bool last, int *n)
 {
     int count = 0;
     for (int pass = 0;; pass++) {
@@ -519,6 +521,7 @@ static open_departure *open_at(ric_graph *g, int depth, int *n)
         for (int i = 0; i < g->n_node; i++)
             for (int j = 0; j < g->nodes[i]->n_departure; j++) {
                 if (g->nodes[i]->depth != depth || g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN) continue;
+                if (last && g->nodes[i]->kind != RIC_KIND_CORNER) continue;
                 if (list) list[k] = (open_departure){i, j, g->nodes[i]};
                 k++;
             }
@@ -660,12 +663,12 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     if ((status = start_loose(g))) return status;
     double saved = 0;
     int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
-    for (int depth = 0; depth < limit && !status; depth++) {
+    for (int depth = 0; depth <= limit && !status; depth++) {
         int n = 0;
         bool deeper = false;
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
-            open_departure *list = open_at(g, depth, &n);
+            open_departure *list = open_at(g, depth, depth == limit, &n);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
                 if (stopped(g, run, seconds_since(&start), n - i, depth)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");

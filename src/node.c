@@ -5,17 +5,18 @@
 
 #include <lapacke.h>
 
+#include "corner.h"
 #include "motion.h"
 #include "status.h"
 
 #define TOUCH 1e-9      /* reach within this of 1 at a located event is a touch */
 #define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
+#define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4      /* distance, relative, of the point that gives the direction of a side branch */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
-#define COINCIDENT 1e-7 /* two touches closer than this in time are one instant */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
 void ric_node_free(ric_node *node)
@@ -56,7 +57,8 @@ typedef struct {
     ric_chain *chain;
     ric_floquet floquet;
     int test;
-    int impact;    /* of the chain, for an approach speed */
+    int place;     /* in the chain, of the impact or flight in question */
+    const double *u;
     double target; /* lambda + 1/lambda, for a q-tupling */
 } criterion;
 
@@ -64,9 +66,10 @@ static double evaluate(criterion *q, const double *t, double orientation)
 {
     const ric_chain *c = q->chain;
     switch (q->test) {
-    case RIC_TEST_APPROACH: return c->approach[q->impact];
+    case RIC_TEST_APPROACH: return c->approach[q->place];
     case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, t) / c->scale;
     case RIC_TEST_DET: return orientation * c->end_det;
+    case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
     case RIC_TEST_PERIOD: {
         double sum = 0;
         for (int k = c->n_start; k < c->n_unknown; k++) sum += t[k];
@@ -92,6 +95,7 @@ static bool solve_criterion(criterion *q, double *u)
     int size = c->n_unknown, iterations;
     double du[size], origin[size], normal[size], t[size], best[size];
     double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL;
+    q->u = u;
     if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
     ric_trace_tangent(c, NULL, normal);
@@ -127,6 +131,19 @@ static int slowest(const ric_chain *c)
     return best;
 }
 
+/* Flight of the chain between different contacts that is shortest. */
+static int shortest(const ric_chain *c, const double *u)
+{
+    const ric_model *m = c->model;
+    int best = -1;
+    for (int k = 0; k < c->n_flight; k++) {
+        int f = c->face[k], g = c->face[k + 1];
+        if (f < 0 || g < 0 || m->face[f].contact == m->face[g].contact) continue;
+        if (best < 0 || u[c->n_start + k] < u[c->n_start + best]) best = k;
+    }
+    return best;
+}
+
 /* Re-solves `cycle` (with its symmetries) on the defining equation of `test`: canonical start, unknowns rounded, solved again.
  * Returns the new cycle or NULL. */
 static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test, double target)
@@ -139,7 +156,8 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test, 
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
         if (good) {
             ric_chain_evaluate(q.chain, u);
-            if (test == RIC_TEST_APPROACH) q.impact = slowest(q.chain);
+            if (test == RIC_TEST_APPROACH) q.place = slowest(q.chain);
+            if (test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             if (pass)
                 for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
             good = solve_criterion(&q, u);
@@ -243,12 +261,14 @@ static int image(const ric_cycle *c, int element, int i)
 unsigned ric_node_class(const ric_node *node, unsigned choice)
 {
     unsigned best = choice;
+    /* at a corner a bit stands for an impact and the next one, which a reversal exchanges */
+    int next = node->kind == RIC_KIND_CORNER;
     for (int e = 1; e < 4; e++) {
         unsigned mapped = 0;
         if (image(node->cycle, e, 0) < 0) continue;
         for (int i = 0; i < node->n_touch; i++) {
             if (!(choice & 1u << i)) continue;
-            int place = image(node->cycle, e, node->touch[i]);
+            int place = image(node->cycle, e, node->touch[i] + (e > 1 ? next : 0));
             for (int j = 0; j < node->n_touch; j++)
                 if (node->touch[j] == place) mapped |= 1u << j;
         }
@@ -350,17 +370,49 @@ bool ric_node_coincident(const ric_model *m, const ric_cycle *cycle)
     ric_cycle *full = with_touches(m, cycle, NULL);
     bool found = false;
     for (int i = 0; full && i < full->N; i++)
-        found |= full->tau[i] < COINCIDENT && m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
+        found |= full->tau[i] < RIC_COINCIDENT && m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
     ric_cycle_free(full);
     return found;
 }
 
+/* With orthogonal normals the reflections commute: each pair of impacts at one instant may go on in either order, and every choice of
+ * orders is a way out. */
+static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int n_pair, const int *pairs, ric_node **out)
+{
+    ric_cycle *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
+    if (!least) return no_memory();
+    solved = resolve(m, least, RIC_TEST_FLIGHT, 0);
+    ric_cycle_free(least);
+    if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
+    ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
+    if (!node) return no_memory();
+    node->n_touch = ric_corner_pairs(m, solved, NO_SPEED, RIC_MAX_TOUCHES, node->touch);
+    if (node->n_touch != n_pair || !list_choices(node)) {
+        bool moved = node->n_touch != n_pair;
+        ric_node_free(node);
+        return moved ? ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N) : no_memory();
+    }
+    *out = node;
+    return RIC_OK;
+}
+
 ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node **out)
 {
+    int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
+    ric_cycle *full = with_touches(m, cycle, NULL);
+    *out = NULL;
+    if (!full) return no_memory();
+    n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
+    if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, FIXED))) n_pair = RIC_CORNER_TOGETHER;
+    ric_cycle_free(full);
+    if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_node *node = node_create(m, RIC_KIND_CORNER, ric_cycle_canonical(m, cycle));
     if (!node) return no_memory();
-    node->refusal = "two contacts close at one instant: unless their normals are orthogonal in the metric of M^-1 the impact law does not "
-                    "say what happens; the branch ends here";
+    node->refusal = n_pair == RIC_CORNER_TOGETHER
+                        ? "two contacts with orthogonal normals close at one instant, and on the branches that go on they do so for good; such "
+                          "branches are not followed by this version"
+                        : "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: the impact law does "
+                          "not say what happens; the branch ends here";
     *out = node;
     return RIC_OK;
 }
@@ -477,6 +529,11 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
 
 /* ------------------------------------------------------------------ identity */
 
+bool ric_node_chooses(const ric_node *node)
+{
+    return node->kind == RIC_KIND_GRAZING || node->kind == RIC_KIND_CORNER;
+}
+
 bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 {
     int shift;
@@ -486,8 +543,23 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
     return ric_cycle_match(m, a->cycle, b->cycle, 10 * SAME, &shift, &reverse, &mirror);
 }
 
+/* The order of pairs at a corner that is the word of `cycle`. */
+static int corner_choice(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
+{
+    int result = -1, shift;
+    bool reverse, mirror;
+    for (int i = 0; i < node->n_departure && result < 0; i++) {
+        unsigned choice = node->departures[i].choice;
+        ric_cycle *swapped = ric_corner_swap(m, node->cycle, node->n_touch, node->touch, choice, SAME);
+        if (swapped && ric_cycle_match(m, swapped, cycle, 1e-4, &shift, &reverse, &mirror)) result = (int)choice;
+        ric_cycle_free(swapped);
+    }
+    return result;
+}
+
 int ric_node_choice(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
 {
+    if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
     int result = -1, shift;
     bool reverse, mirror;
     bool *kept = NULL;
@@ -515,6 +587,7 @@ static ric_cycle *chosen(const ric_model *m, const ric_node *node, unsigned choi
     int N = node->cycle->N;
     bool keep[N];
     int kept = 0;
+    if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, node->n_touch, node->touch, choice, SAME);
     for (int i = 0; i < N; i++) keep[i] = true;
     for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = choice & 1u << i;
     for (int i = 0; i < N; i++) kept += keep[i];
@@ -536,8 +609,9 @@ int ric_node_impacts(const ric_node *node, unsigned choice)
 
 bool ric_node_half(const ric_model *m, const ric_node *node, unsigned choice)
 {
-    ric_cycle *c = node->kind == RIC_KIND_GRAZING ? chosen(m, node, choice) : ric_cycle_copy(node->cycle);
-    bool half = c && c->half && !(node->kind != RIC_KIND_GRAZING && choice == RIC_SIDE && node->test != RIC_TEST_B);
+    bool subsets = ric_node_chooses(node);
+    ric_cycle *c = subsets ? chosen(m, node, choice) : ric_cycle_copy(node->cycle);
+    bool half = c && c->half && !(!subsets && choice == RIC_SIDE && node->test != RIC_TEST_B);
     ric_cycle_free(c);
     return half;
 }
@@ -547,7 +621,7 @@ static const char *together(const ric_model *m, const ric_cycle *c)
 {
     for (int i = 0; i < c->N; i++) {
         int f = m->face[c->face[i]].contact, g = m->face[c->face[(i + 1) % c->N]].contact;
-        if (f == g || c->tau[i] > COINCIDENT) continue;
+        if (f == g || c->tau[i] > RIC_COINCIDENT) continue;
         return ric_model_orthogonal(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
                                              : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
                                                "the impact law does not say what happens";
@@ -605,12 +679,13 @@ static void drop(ric_chain **chain, double **u0, double **t0)
     *u0 = *t0 = NULL;
 }
 
-static ric_status depart_grazing(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
+/* From a grazing or a corner. */
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
 {
     ric_cycle *cycle = chosen(m, node, choice);
     int found = 0;
     if (!cycle) return no_memory();
-    const char *refused = together(m, cycle);
+    const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
     ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_cycle_to_chain(m, cycle, chain, u0);
     ric_cycle_free(cycle);
     if (status) return status;
@@ -768,7 +843,11 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
     *u0 = *t0 = NULL;
     if (node->kind == RIC_KIND_GRAZING) {
         *ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
-        return depart_grazing(m, node, choice, chain, u0, t0);
+        return depart_subset(m, node, choice, chain, u0, t0);
+    }
+    if (node->kind == RIC_KIND_CORNER) {
+        *ignore = 1u << RIC_TEST_FLIGHT;
+        return depart_subset(m, node, choice, chain, u0, t0);
     }
     *ignore = breaks | 1u << RIC_TEST_DET;
     if (choice == RIC_THROUGH) return depart_through(m, node, chain, u0, t0);

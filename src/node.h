@@ -10,8 +10,8 @@
 typedef enum { RIC_DEPARTURE_OPEN, RIC_DEPARTURE_TAKEN, RIC_DEPARTURE_KNOWN, RIC_DEPARTURE_INADMISSIBLE, RIC_DEPARTURE_OVER_BUDGET,
                RIC_DEPARTURE_REFUSED, RIC_DEPARTURE_LATER } ric_departure_state;
 
-/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a branch point the branch that passes (THROUGH) or
- * the one that leaves (SIDE). */
+/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the pairs of impacts whose order is exchanged
+ * (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves (SIDE). */
 enum { RIC_THROUGH = 0, RIC_SIDE = 1 };
 typedef struct {
     unsigned choice;
@@ -23,7 +23,7 @@ typedef struct {
     ric_kind kind;
     ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed */
     int n_touch;
-    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle */
+    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; at a corner of the first impact of each pair */
     int test;            /* which test function vanishes on the branch that passes; -1 */
     int multiple, rotation[2];
     int a, b;
@@ -52,9 +52,11 @@ ric_status ric_node_start(const ric_model *model, const ric_cycle *cycle, ric_no
 /* The symmetric orbit that a branch arrives at. */
 ric_status ric_node_arrival(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 
+/* Whether the ways out are subsets: of touches, or of pairs of impacts. */
+bool ric_node_chooses(const ric_node *node);
 /* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
 bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
-/* Which choice at a grazing node a branch is whose end orbit, impacts of no speed included, is `cycle`; -1 if none fits. */
+/* Which choice at a grazing or a corner a branch is whose end orbit, impacts of no speed included, is `cycle`; -1 if none fits. */
 int ric_node_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
 /* Smallest choice equivalent under the symmetries of the node's orbit. */
 unsigned ric_node_class(const ric_node *node, unsigned choice);

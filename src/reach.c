@@ -13,6 +13,7 @@
 #define LEVELS 48
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
+#define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
 
 typedef struct {
     double t, s, ds;
@@ -79,6 +80,14 @@ static void offer(search *q, double t, double s, int side, bool kink)
     if (value < q->threshold) return;
     if (q->count < q->capacity) q->touches[q->count] = (ric_touch){value, q->flight, face, t, kink};
     q->count++;
+}
+
+/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal: then only a maximum that happens to fall
+ * on the impact must not be lost between the flights before and after. */
+static void offer_impact(search *q, int other, sample at)
+{
+    bool kink = !ric_model_orthogonal(q->chain->model, q->contact, other);
+    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau) offer(q, at.t, at.s, at.s > 0 ? 1 : -1, kink);
 }
 
 static double largest(double a, double b, double c, double d)
@@ -194,10 +203,9 @@ static void search_contact(search *q)
     }
     search_flight(q, l, r);
     if (k == last && c->end == RIC_MIRROR_REST) offer(q, q->tau, r.s, curvature(q, q->tau) < 0 ? 1 : -1, false);
-    /* an impact of another contact puts a kink into this gap; the start of the chain counts for the end in the general form */
-    bool kink_start = k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start;
-    if (kink_start) offer(q, 0, l.s, l.s > 0 ? 1 : -1, true);
-    if (f1 >= 0 && !q->own_end) offer(q, q->tau, r.s, r.s > 0 ? 1 : -1, true);
+    /* the start of the chain counts for the end in the general form */
+    if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, m->face[f0].contact, l);
+    if (f1 >= 0 && !q->own_end) offer_impact(q, m->face[f1].contact, r);
 }
 
 static void search_all(search *q, const double *u)

@@ -17,6 +17,7 @@
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
+#define MARGIN 1e-11         /* margins that count as rounding */
 #define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
 
 /* ---------------------------------------------------------------- corrector */
@@ -294,6 +295,13 @@ static void adapt(ric_trace *tr, double h, double angle, int iterations)
     tr->after = 0;
 }
 
+/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out on the right side. */
+static bool margins_hold(const ric_station *p, unsigned ignored)
+{
+    double apart = ignored & 1u << RIC_TEST_FLIGHT ? MARGIN : -MARGIN; /* contacts that stay together are no way out of a corner */
+    return p->test[RIC_TEST_REACH] > -MARGIN && p->test[RIC_TEST_APPROACH] > -MARGIN && p->test[RIC_TEST_FLIGHT] > apart;
+}
+
 static void swap_stations(ric_trace *tr)
 {
     ric_station old = tr->past;
@@ -346,6 +354,9 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     }
     for (int i = 0; i < RIC_N_TEST; i++)
         if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
+    if (!tr->limits->ghost && !margins_hold(&tr->next, tr->ignore))
+        return ric_fail(RIC_E_NUMERIC, "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
+                        tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
     tr->ignore = 0;
     swap_stations(tr);
     return ric_trace_keep(tr, &tr->now);

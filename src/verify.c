@@ -358,6 +358,19 @@ static bool at_corner(const replay *r, const face_t *face, const real *w)
     return false;
 }
 
+/* At a corner that is passed two impacts with orthogonal normals fall on one instant and their order says nothing. Where the simulator has
+ * struck the other face first, r->w becomes the state behind the expected one. */
+static void accept_order(const replay *r, int k, event *e)
+{
+    const face_t *expected = end_face(r, k), *struck = e->hit ? &r->face[e->face] : NULL;
+    if (!struck || !expected || struck == expected || !orthogonal(r, struck, expected)) return;
+    bool closing = expected->side * dot(r->n, expected->c, r->w + r->n) > 0;
+    if (!closing || fabs(gap(r, expected, r->w)) > CLOSED * expected->limit) return;
+    reflect(r, struck, r->w);
+    reflect(r, expected, r->w);
+    e->face = (int)(expected - r->face);
+}
+
 /* State and time at the end of flight k against the chain, states at the same time. What a slow impact leaves uncertain is its time, and
  * with it the pull that it turns round; a touch in the word turns a speed round that is none. */
 static void compare_end(replay *r, int k, real time)
@@ -400,6 +413,7 @@ static ric_status check_impact(replay *r, int k)
     const face_t *face = end_face(r, k);
     ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k] + LATE * r->period / r->n_flight, &e);
     if (status) return status;
+    accept_order(r, k, &e);
     if (e.refused && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) {
         r->corner = true;
         reflect(r, face, r->w);
@@ -682,6 +696,7 @@ static ric_status check_return(replay *r)
         if (!e.hit && !touch) break;
     }
     if (status || !r->check->faces_agree) return status;
+    accept_order(r, r->n_flight - 1, &e);
     if (!e.hit) fly(r, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
     r->check->return_error = e.refused && r->corner ? NAN : part(distance(r, r->w, r->chain), r->norm);
     allow_rounding(r);

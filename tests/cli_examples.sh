@@ -52,11 +52,12 @@ not_failed() {
 reasons() { # a junction that has refused departures says why
     rows "$1" junctions id departures refusal | awk -F'|' '$2 !~ /.refused.: 0/ && $3 == "" { print; bad = 1 } END { exit bad }'
 }
-exactly() { # NUMBER PATTERN EXAMPLE TABLE FIELD
-    local found
-    found=$(rows "$3" "$4" "$5" | grep -cE -e "$2")
-    echo "$found found, $1 wanted"
-    [ "$found" = "$1" ]
+exactly() { # NUMBER PATTERN EXAMPLE TABLE FIELD...
+    local found number=$1 pattern=$2
+    shift 2
+    found=$(rows "$@" | grep -cE -e "$pattern")
+    echo "$found found, $number wanted"
+    [ "$found" = "$number" ]
 }
 has() { rows "$2" "$3" "$4" | grep -E -e "$1"; } # PATTERN EXAMPLE TABLE FIELD
 
@@ -122,6 +123,10 @@ corner() {
 ok 'corner: found where it should be, and ends a branch' corner
 ok 'corner: branches' branches corner 12
 
+# Corners of orthogonal normals: both sides are branches, with two letters exchanged.
+ok 'two-walls: a corner without a way on says why' exactly 1 '^corner.*for good' two-walls junctions kind refusal
+ok 'two-walls: three corners are passed' exactly 3 "^corner.*'taken': 1, 'known': 1, .*'over_budget': 0, 'refused': 0" two-walls junctions kind departures
+ok 'two-walls: a path through two corners' labels two-walls 'A6[020212]' 'A6[010222]'
 ok 'three-masses: branches' branches three-masses 10
 ok 'three-masses: impacts on both contacts in one word' has '0.*[12]|[12].*0' three-masses branches word
 ok 'free-pair: two branches' exactly 2 . free-pair branches id
