@@ -1,0 +1,288 @@
+/* Whether a file is an atlas of ours, whole, and of the model of a study. A foreign, damaged or newer one is refused and left as it is. */
+#include "store_parts.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "status.h"
+
+/* ---------------------------------------------------------------- identity */
+
+ric_status ric_store_look(const char *path, bool *exists, bool *empty)
+{
+    struct stat found;
+    *exists = *empty = false;
+    if (stat(path, &found))
+        return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
+    if (!S_ISREG(found.st_mode))
+        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path, S_ISDIR(found.st_mode) ? "a folder" : "a device");
+    *exists = true;
+    *empty = found.st_size == 0;
+    return RIC_OK;
+}
+
+/* An address that makes SQLite read the file as it lies there, without locks, journals or changes. */
+static char *immutable_uri(const char *path)
+{
+    char *uri = malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;
+    if (!uri)
+        return NULL;
+    out += sprintf(out, "file:");
+    for (const char *c = path; *c; c++)
+        out += strchr("?#%", *c) ? sprintf(out, "%%%02X", (unsigned)*c) : sprintf(out, "%c", *c);
+    strcpy(out, "?immutable=1");
+    return uri;
+}
+
+/* Damage is left for the full check to find, because what looks like it may be a transaction that opening the file will undo. */
+ric_status ric_store_check_identity(const char *path)
+{
+    ric_database file = {NULL, path};
+    sqlite3_int64 application = 0, version = 0;
+    ric_status status;
+    char *uri = immutable_uri(path);
+    if (!uri)
+        return ric_store_fail_memory();
+    status = ric_database_open(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, 0, &file);
+    file.path = path;
+    if (status) {
+        status = ric_fail(status, "%s: cannot be read; check its permissions", path);
+        goto out;
+    }
+    int code = ric_database_ask(file.db, "PRAGMA application_id", &application);
+    if (!code)
+        code = ric_database_ask(file.db, "PRAGMA user_version", &version);
+    if (code)
+        status = (code & 0xff) == SQLITE_CORRUPT ? RIC_OK : ric_database_fail(file, code);
+    else if (application != RIC_APPLICATION_ID)
+        status = ric_store_fail_foreign(path);
+    else if (version > RIC_FORMAT_VERSION)
+        status = ric_fail(RIC_E_FORMAT, "%s: atlas of format %lld, and ricochet %s knows formats up to %d; use a newer ricochet", path,
+                          (long long)version, ric_version(), RIC_FORMAT_VERSION);
+    else if (version < 1)
+        status = ric_store_fail_damaged(path, "its format has no number");
+out:
+    sqlite3_close(file.db);
+    free(uri);
+    return status;
+}
+
+/* ------------------------------------------------------- digest of contents */
+
+static const uint64_t digest_start = 0xcbf29ce484222325u;
+
+static uint64_t digest_bytes(uint64_t digest, const void *bytes, size_t n)
+{
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < n; i++)
+        digest = (digest ^ byte[i]) * 0x100000001b3u;
+    return digest;
+}
+
+uint64_t ric_store_digest(const void *bytes, size_t n)
+{
+    return digest_bytes(digest_start, bytes, n);
+}
+
+static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
+{
+    unsigned char type = (unsigned char)sqlite3_column_type(row, column);
+    unsigned char bits[8] = {0};
+    uint64_t integer = 0;
+    const void *bytes = bits;
+    size_t n = sizeof bits;
+    if (type == SQLITE_FLOAT)
+        ric_store_put_float64(bits, 1, &(double){sqlite3_column_double(row, column)});
+    else if (type == SQLITE_INTEGER)
+        integer = (uint64_t)sqlite3_column_int64(row, column);
+    else if (type != SQLITE_NULL) {
+        bytes = sqlite3_column_blob(row, column);
+        integer = n = (size_t)sqlite3_column_bytes(row, column);
+    }
+    digest = digest_bytes(digest, &type, 1);
+    for (int k = 0; k < 8; k++)
+        digest = digest_bytes(digest, &(unsigned char){(unsigned char)(integer >> 8 * k)}, 1);
+    return digest_bytes(digest, bytes, n);
+}
+
+/* Over every value that a reader may rely on, derived columns included. */
+static ric_status digest_contents(ric_database file, uint64_t *digest)
+{
+    static const char *const queries[] = {
+        "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",
+        "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id",
+        "SELECT " BRANCH_JUNCTION_COLUMNS " FROM branch_junction ORDER BY branch, position",
+        "SELECT " POINT_COLUMNS " FROM point ORDER BY branch, point",
+        "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id",
+        "SELECT " JUNCTION_BRANCH_COLUMNS " FROM junction_branch ORDER BY junction, branch",
+    };
+    *digest = digest_start;
+    for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
+        sqlite3_stmt *query = NULL;
+        bool row = true;
+        ric_status status = ric_database_prepare(file, queries[i], &query);
+        while (!status && row) {
+            status = ric_database_step(file, query, &row);
+            for (int k = 0; !status && row && k < sqlite3_column_count(query); k++)
+                *digest = digest_column(*digest, query, k);
+        }
+        sqlite3_finalize(query);
+        if (status)
+            return status;
+    }
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- meta */
+
+ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
+{
+    sqlite3_stmt *query = NULL;
+    bool row = false;
+    *value = NULL;
+    ric_status status = ric_database_prepare(file, "SELECT value FROM meta WHERE key = ?", &query);
+    if (!status) {
+        sqlite3_bind_text(query, 1, key, -1, SQLITE_STATIC);
+        status = ric_database_step(file, query, &row);
+    }
+    if (!status && row) {
+        const char *text = (const char *)sqlite3_column_text(query, 0);
+        *value = text ? strdup(text) : NULL;
+        if (!*value)
+            status = ric_store_fail_memory();
+    }
+    sqlite3_finalize(query);
+    return status;
+}
+
+ric_status ric_store_put_meta(ric_database file, const char *key, const char *value)
+{
+    sqlite3_stmt *insert = NULL;
+    bool row;
+    ric_status status = ric_database_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)", &insert);
+    if (!status) {
+        int code = sqlite3_bind_text(insert, 1, key, -1, SQLITE_STATIC) | sqlite3_bind_text(insert, 2, value, -1, SQLITE_STATIC);
+        status = code ? ric_store_fail_memory() : ric_database_step(file, insert, &row);
+    }
+    sqlite3_finalize(insert);
+    return status;
+}
+
+/* ---------------------------------------------------------------- contents */
+
+ric_status ric_store_put_digest(ric_database file)
+{
+    uint64_t digest;
+    char text[17];
+    ric_status status = digest_contents(file, &digest);
+    if (status)
+        return status;
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)digest);
+    return ric_store_put_meta(file, "digest", text);
+}
+
+static ric_status check_digest(ric_database file)
+{
+    uint64_t digest;
+    char text[17], *stored = NULL;
+    ric_status status = digest_contents(file, &digest);
+    if (!status)
+        status = ric_store_get_meta(file, "digest", &stored);
+    if (!status) {
+        snprintf(text, sizeof text, "%016llx", (unsigned long long)digest);
+        if (!stored || strcmp(stored, text))
+            status = ric_store_fail_damaged(file.path, "the contents do not match their digest");
+    }
+    free(stored);
+    return status;
+}
+
+ric_status ric_store_check_contents(ric_database file)
+{
+    sqlite3_stmt *query = NULL;
+    sqlite3_int64 tables = 0;
+    bool row = false;
+    ric_status status = ric_database_prepare(file, "PRAGMA quick_check(1)", &query);
+    if (!status)
+        status = ric_database_step(file, query, &row);
+    if (!status && row) {
+        const char *answer = (const char *)sqlite3_column_text(query, 0);
+        if (!answer || strcmp(answer, "ok"))
+            status = ric_store_fail_damaged(file.path, answer ? answer : "it cannot be checked");
+    }
+    sqlite3_finalize(query);
+    if (status)
+        return status;
+    int code = ric_database_ask(file.db, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
+                               "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')", &tables);
+    if (code)
+        return ric_database_fail(file, code);
+    return tables == 7 ? check_digest(file) : ric_store_fail_damaged(file.path, "a table is missing");
+}
+
+/* ---------------------------------------------------------- model identity */
+
+char *ric_store_model_text(const char *study)
+{
+    const char *begin = NULL, *line = study;
+    while (line && *line) {
+        const char *next = strchr(line, '\n');
+        if (!begin && !strncmp(line, "model:", 6))
+            begin = line;
+        else if (begin && !strchr(" \t\r\n#-]}", *line))
+            break;
+        line = next ? next + 1 : line + strlen(line);
+    }
+    return begin ? strndup(begin, (size_t)(line - begin)) : strdup("");
+}
+
+/* Next run of characters that carries meaning; returns its length, 0 at the end. */
+static size_t next_token(const char **text)
+{
+    static const char separators[] = " \t\r\n,[]{}";
+    *text += strspn(*text, separators);
+    return strcspn(*text, separators);
+}
+
+static bool same_token(const char *a, size_t n_a, const char *b, size_t n_b)
+{
+    char *end_a, *end_b;
+    if (n_a == n_b && !memcmp(a, b, n_a))
+        return true;
+    double x = strtod(a, &end_a), y = strtod(b, &end_b);
+    return n_a && n_b && end_a == a + n_a && end_b == b + n_b && x == y;
+}
+
+ric_status ric_store_compare_models(const char *path, const char *stored, const char *given)
+{
+    for (;;) {
+        size_t n_a = next_token(&stored), n_b = next_token(&given);
+        if (!same_token(stored, n_a, given, n_b))
+            return ric_fail(RIC_E_CONFLICT, "%s: the atlas of another model (it has `%.*s` where the study has `%.*s`); "
+                            "choose another file with -o", path, (int)(n_a > 40 ? 40 : n_a), stored, (int)(n_b > 40 ? 40 : n_b), given);
+        if (!n_a)
+            return RIC_OK;
+        stored += n_a;
+        given += n_b;
+    }
+}
+
+ric_status ric_store_check_model(ric_database file, const ric_study *study)
+{
+    char *stored = NULL, *given = NULL;
+    ric_status status = ric_store_get_meta(file, "model", &stored);
+    if (status)
+        goto out;
+    given = ric_store_model_text(ric_study_text(study));
+    if (!given)
+        status = ric_store_fail_memory();
+    else
+        status = stored ? ric_store_compare_models(file.path, stored, given) : ric_store_fail_damaged(file.path, "its model is missing");
+out:
+    free(stored);
+    free(given);
+    return status;
+}

@@ -1,0 +1,474 @@
+/* The rows of branches, points and junctions, in: a file that may come from anyone to an atlas. */
+#include "store_parts.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "status.h"
+
+enum { READER_WAIT = 60000 }; /* ms that a reader waits for a run that is just writing */
+
+/* Takes the values of one row from left to right. A value of the wrong type, range or size makes the row `wrong`, once and for all. */
+typedef struct {
+    sqlite3_stmt *query;
+    int column;
+    bool wrong, no_memory;
+} row_reader;
+
+static int take_integer(row_reader *row, int min, int max)
+{
+    int column = row->column++;
+    sqlite3_int64 value = sqlite3_column_int64(row->query, column);
+    if (sqlite3_column_type(row->query, column) == SQLITE_INTEGER && value >= min && value <= max)
+        return (int)value;
+    row->wrong = true;
+    return min;
+}
+
+static double take_real(row_reader *row)
+{
+    int column = row->column++, type = sqlite3_column_type(row->query, column);
+    if (type == SQLITE_FLOAT)
+        return sqlite3_column_double(row->query, column);
+    row->wrong |= type != SQLITE_NULL;
+    return NAN;
+}
+
+static int take_id(row_reader *row, int max)
+{
+    if (sqlite3_column_type(row->query, row->column) != SQLITE_NULL)
+        return take_integer(row, 1, max);
+    row->column++;
+    return 0;
+}
+
+static char *take_text(row_reader *row)
+{
+    int column = row->column++;
+    const char *text = sqlite3_column_type(row->query, column) == SQLITE_TEXT ? (const char *)sqlite3_column_text(row->query, column) : NULL;
+    char *copy = strdup(text ? text : "");
+    row->wrong |= !text;
+    row->no_memory |= !copy;
+    return copy;
+}
+
+/* One of the n texts of an enumeration. */
+static int take_choice(row_reader *row, int n, const char *(*text_of)(int))
+{
+    char *text = take_text(row);
+    int choice = 0;
+    while (text && choice < n && strcmp(text, text_of(choice)))
+        choice++;
+    free(text);
+    row->wrong |= choice == n;
+    return choice;
+}
+
+static void take_float64s(row_reader *row, size_t n, double *values)
+{
+    int column = row->column++;
+    const void *blob = sqlite3_column_type(row->query, column) == SQLITE_BLOB ? sqlite3_column_blob(row->query, column) : NULL;
+    if (values && blob && (size_t)sqlite3_column_bytes(row->query, column) == 8 * n)
+        ric_store_take_float64(blob, n, values);
+    else
+        row->wrong = true;
+}
+
+static int letter_value(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'z' ? c - 'a' + 10 : INT_MAX;
+}
+
+/* The inverse of ric_word_format. False unless the text is exactly n faces of the model. */
+static bool parse_word(const ric_model *model, const char *text, int n, int *word)
+{
+    int n_face = ric_model_n_face(model);
+    for (int i = 0; i < n; i++) {
+        if (n_face <= 36) {
+            word[i] = letter_value(*text);
+            text += *text != '\0';
+        } else {
+            char *end;
+            if ((i > 0 && *text++ != '.') || *text < '0' || *text > '9')
+                return false;
+            long face = strtol(text, &end, 10);
+            word[i] = face < n_face ? (int)face : INT_MAX;
+            text = end;
+        }
+        if (word[i] >= n_face)
+            return false;
+    }
+    return *text == '\0';
+}
+
+static int *take_word(row_reader *row, const ric_model *model, int n)
+{
+    char *text = take_text(row);
+    int *word = NULL;
+    if (text && strlen(text) >= (size_t)n)
+        word = calloc((size_t)n + 1, sizeof *word);
+    else
+        row->wrong = true;
+    if (word)
+        row->wrong |= !parse_word(model, text, n, word);
+    else
+        row->no_memory |= !row->wrong;
+    free(text);
+    return word;
+}
+
+static ric_status reader_status(const row_reader *row, ric_database file, const char *table)
+{
+    char what[64];
+    if (row->no_memory)
+        return ric_store_fail_memory();
+    if (!row->wrong)
+        return RIC_OK;
+    snprintf(what, sizeof what, "a row of table %s is inconsistent", table);
+    return ric_store_fail_damaged(file.path, what);
+}
+
+/* A table, or what one branch or junction owns of it; the queries then take its id. */
+typedef struct {
+    const char *table, *count, *rows;
+} listing;
+
+static const listing branches = {"branch", "SELECT count(*) FROM branch", "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id"};
+static const listing junctions = {"junction", "SELECT count(*) FROM junction", "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id"};
+static const listing points_of_branch = {
+    "point", "SELECT count(*) FROM point WHERE branch = ?", "SELECT " POINT_COLUMNS " FROM point WHERE branch = ? ORDER BY point"};
+static const listing junctions_of_branch = {
+    "branch_junction", "SELECT count(*) FROM branch_junction WHERE branch = ?",
+    "SELECT " BRANCH_JUNCTION_COLUMNS " FROM branch_junction WHERE branch = ? ORDER BY position"};
+static const listing branches_of_junction = {
+    "junction_branch", "SELECT count(*) FROM junction_branch WHERE junction = ?",
+    "SELECT " JUNCTION_BRANCH_COLUMNS " FROM junction_branch WHERE junction = ? ORDER BY branch"};
+
+/* Owner 0 stands for the whole table. */
+static ric_status prepare_listing(ric_database file, const char *sql, int owner, sqlite3_stmt **query)
+{
+    ric_status status = ric_database_prepare(file, sql, query);
+    if (!status && owner)
+        sqlite3_bind_int(*query, 1, owner);
+    return status;
+}
+
+static ric_status count_rows(ric_database file, const listing *list, int owner, int *n)
+{
+    sqlite3_stmt *query = NULL;
+    bool row = false;
+    ric_status status = prepare_listing(file, list->count, owner, &query);
+    if (!status)
+        status = ric_database_step(file, query, &row);
+    sqlite3_int64 count = !status && row ? sqlite3_column_int64(query, 0) : 0;
+    sqlite3_finalize(query);
+    *n = (int)(count <= INT_MAX ? count : 0);
+    return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows") : status;
+}
+
+/* Where the rows go to. */
+typedef struct {
+    ric_atlas *atlas;
+    ric_branch_record *branch;
+    ric_junction_record *junction;
+} target;
+
+/* Takes n rows, as many as were counted; a row is the i-th of its list. */
+static ric_status take_rows(ric_database file, const listing *list, int owner, int n, void (*take)(row_reader *, int i, target *), target *to)
+{
+    row_reader row = {0};
+    bool more = true;
+    ric_status status = prepare_listing(file, list->rows, owner, &row.query);
+    for (int i = 0; !status && more; i++) {
+        status = ric_database_step(file, row.query, &more);
+        row.column = 0;
+        if (!status && more && i < n) {
+            take(&row, i, to);
+            status = reader_status(&row, file, list->table);
+        }
+    }
+    sqlite3_finalize(row.query);
+    return status;
+}
+
+static const char *stop_text(int stop)
+{
+    return ric_stop_text((ric_stop)stop);
+}
+
+static const char *kind_text(int kind)
+{
+    return ric_kind_text((ric_kind)kind);
+}
+
+static void take_branch(row_reader *row, int i, target *to)
+{
+    const ric_model *model = ric_atlas_model(to->atlas);
+    ric_branch_record *record = &to->atlas->branches[i];
+    ric_branch *branch = &record->row;
+    branch->id = take_integer(row, i + 1, i + 1);
+    branch->label = record->label = take_text(row);
+    branch->impacts = take_integer(row, 0, INT_MAX / 2);
+    branch->word = record->word = take_word(row, model, branch->impacts);
+    branch->symmetric = take_integer(row, 0, 1);
+    branch->reversible = take_integer(row, 0, 1);
+    branch->mirror = record->mirror = take_text(row);
+    branch->stable_fraction = take_real(row);
+    branch->n_point = take_integer(row, 0, INT_MAX);
+    branch->energy_min = take_real(row);
+    branch->energy_max = take_real(row);
+    branch->frequency_min = take_real(row);
+    branch->frequency_max = take_real(row);
+    branch->from = take_id(row, to->atlas->n_junction);
+    branch->to = take_id(row, to->atlas->n_junction);
+    branch->stop = (ric_stop)take_choice(row, RIC_STOP_FAILED + 1, stop_text);
+    branch->why = record->why = take_text(row);
+    branch->depth = take_integer(row, 0, INT_MAX);
+    branch->mode = take_integer(row, 0, ric_model_n_dof(model));
+    record->stride = ric_point_stride(ric_model_n_dof(model), branch->impacts);
+}
+
+static void take_point(row_reader *row, int i, target *to)
+{
+    const ric_branch *branch = &to->branch->row;
+    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(to->atlas));
+    double *at = to->branch->points + (size_t)i * to->branch->stride;
+    ric_point point;
+    take_integer(row, branch->id, branch->id);
+    take_integer(row, i, i);
+    point.arclength = take_real(row);
+    point.energy = take_real(row);
+    point.frequency = take_real(row);
+    point.trace = take_real(row);
+    point.rotation = take_real(row);
+    point.stable = take_integer(row, RIC_STABLE_NO, RIC_STABLE_UNDECIDED);
+    point.reach = take_real(row);
+    point.approach = take_real(row);
+    point.residual = (float)take_real(row);
+    memcpy(at, &point, sizeof point);
+    at += sizeof point / sizeof *at;
+    take_float64s(row, n_state, at);
+    take_float64s(row, branch->impacts > 0 ? (size_t)branch->impacts : 1, at + n_state);
+}
+
+static void take_branch_junction(row_reader *row, int i, target *to)
+{
+    take_integer(row, to->branch->row.id, to->branch->row.id);
+    take_integer(row, i, i);
+    to->branch->junctions[i] = take_integer(row, 1, to->atlas->n_junction);
+    to->branch->junction_at[i] = take_real(row);
+}
+
+static ric_status read_points(ric_database file, target *to)
+{
+    ric_branch_record *record = to->branch;
+    int n = 0;
+    ric_status status = count_rows(file, &points_of_branch, record->row.id, &n);
+    if (status)
+        return status;
+    if (n != record->row.n_point)
+        return ric_store_fail_damaged(file.path, "points of a branch are missing");
+    record->points = calloc((size_t)n + 1, record->stride * sizeof *record->points);
+    return record->points ? take_rows(file, &points_of_branch, record->row.id, n, take_point, to) : ric_store_fail_memory();
+}
+
+static ric_status read_branch_junctions(ric_database file, target *to)
+{
+    ric_branch_record *record = to->branch;
+    int n = 0;
+    ric_status status = count_rows(file, &junctions_of_branch, record->row.id, &n);
+    if (status)
+        return status;
+    record->row.n_junction = n;
+    record->row.junctions = record->junctions = calloc((size_t)n + 1, sizeof *record->junctions);
+    record->row.junction_at = record->junction_at = calloc((size_t)n + 1, sizeof *record->junction_at);
+    if (!record->junctions || !record->junction_at)
+        return ric_store_fail_memory();
+    return take_rows(file, &junctions_of_branch, record->row.id, n, take_branch_junction, to);
+}
+
+static ric_status read_branches(ric_database file, ric_atlas *atlas)
+{
+    target to = {.atlas = atlas};
+    ric_status status = take_rows(file, &branches, 0, atlas->n_branch, take_branch, &to);
+    for (int i = 0; !status && i < atlas->n_branch; i++) {
+        to.branch = &atlas->branches[i];
+        status = read_points(file, &to);
+        if (!status)
+            status = read_branch_junctions(file, &to);
+    }
+    return status;
+}
+
+static void take_junction(row_reader *row, int i, target *to)
+{
+    const ric_model *model = ric_atlas_model(to->atlas);
+    ric_junction_record *record = &to->atlas->junctions[i];
+    ric_junction *junction = &record->row;
+    ric_departures *count = &junction->departures;
+    size_t n_state = 2 * (size_t)ric_model_n_dof(model), n_flight;
+    junction->id = take_integer(row, i + 1, i + 1);
+    junction->kind = (ric_kind)take_choice(row, RIC_KIND_USER + 1, kind_text);
+    junction->label = record->label = take_text(row);
+    junction->name = record->name = take_text(row);
+    junction->impacts = take_integer(row, 0, INT_MAX / 2);
+    junction->word = record->word = take_word(row, model, junction->impacts);
+    junction->grazings = take_integer(row, 0, INT_MAX);
+    junction->multiple = take_integer(row, 1, INT_MAX);
+    junction->rotation[0] = take_integer(row, INT_MIN, INT_MAX);
+    junction->rotation[1] = take_integer(row, 0, INT_MAX);
+    junction->a = take_integer(row, 0, INT_MAX);
+    junction->b = take_integer(row, 0, INT_MAX);
+    junction->energy = take_real(row);
+    junction->frequency = take_real(row);
+    n_flight = junction->impacts > 0 && !row->wrong ? (size_t)junction->impacts : 1;
+    junction->state = record->state = calloc(n_state, sizeof *record->state);
+    junction->flights = record->flights = calloc(n_flight, sizeof *record->flights);
+    row->no_memory |= !record->state || !record->flights;
+    take_float64s(row, n_state, record->state);
+    take_float64s(row, n_flight, record->flights);
+    count->taken = take_integer(row, 0, INT_MAX);
+    count->known = take_integer(row, 0, INT_MAX);
+    count->inadmissible = take_integer(row, 0, INT_MAX);
+    count->over_budget = take_integer(row, 0, INT_MAX);
+    count->refused = take_integer(row, 0, INT_MAX);
+    junction->refusal = record->refusal = take_text(row);
+}
+
+static void take_junction_branch(row_reader *row, int i, target *to)
+{
+    take_integer(row, to->junction->row.id, to->junction->row.id);
+    to->junction->branches[i] = take_integer(row, 1, to->atlas->n_branch);
+}
+
+static ric_status read_junction_branches(ric_database file, target *to)
+{
+    ric_junction_record *record = to->junction;
+    int n = 0;
+    ric_status status = count_rows(file, &branches_of_junction, record->row.id, &n);
+    if (status)
+        return status;
+    record->row.n_branch = n;
+    record->row.branches = record->branches = calloc((size_t)n + 1, sizeof *record->branches);
+    return record->branches ? take_rows(file, &branches_of_junction, record->row.id, n, take_junction_branch, to) : ric_store_fail_memory();
+}
+
+static ric_status read_junctions(ric_database file, ric_atlas *atlas)
+{
+    target to = {.atlas = atlas};
+    ric_status status = take_rows(file, &junctions, 0, atlas->n_junction, take_junction, &to);
+    for (int i = 0; !status && i < atlas->n_junction; i++) {
+        to.junction = &atlas->junctions[i];
+        status = read_junction_branches(file, &to);
+    }
+    return status;
+}
+
+/* Rows that no branch or junction owns. */
+static ric_status check_orphans(ric_database file)
+{
+    sqlite3_int64 n = 0;
+    int code = ric_database_ask(file.db,
+        "SELECT (SELECT count(*) FROM point WHERE branch NOT IN (SELECT id FROM branch))"
+        " + (SELECT count(*) FROM branch_junction WHERE branch NOT IN (SELECT id FROM branch))"
+        " + (SELECT count(*) FROM junction_branch WHERE junction NOT IN (SELECT id FROM junction))", &n);
+    if (code)
+        return ric_database_fail(file, code);
+    return n ? ric_store_fail_damaged(file.path, "rows belong to no branch or junction") : RIC_OK;
+}
+
+static ric_status read_study(ric_database file, ric_atlas *atlas)
+{
+    char *study = NULL, *finished = NULL;
+    ric_status status = ric_store_get_meta(file, "study", &study);
+    if (!status)
+        status = ric_store_get_meta(file, "finished", &finished);
+    if (!status && (!study || !finished))
+        status = ric_store_fail_damaged(file.path, "its study is missing");
+    if (status)
+        goto out;
+    atlas->finished = !strcmp(finished, "1");
+    status = ric_study_parse(study, file.path, ".", &atlas->study);
+    if (status && status != RIC_E_NOMEM)
+        status = ric_store_fail_damaged(file.path, "its study cannot be read");
+out:
+    free(study);
+    free(finished);
+    return status;
+}
+
+static ric_status read_atlas(ric_database file, ric_atlas *atlas)
+{
+    int n_branch = 0, n_junction = 0;
+    ric_status status = read_study(file, atlas);
+    if (!status)
+        status = count_rows(file, &branches, 0, &n_branch);
+    if (!status)
+        status = count_rows(file, &junctions, 0, &n_junction);
+    if (status)
+        return status;
+    atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
+    atlas->junctions = calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
+    if (!atlas->branches || !atlas->junctions)
+        return ric_store_fail_memory();
+    atlas->n_branch = n_branch;
+    atlas->n_junction = n_junction;
+    status = check_orphans(file);
+    if (!status)
+        status = read_branches(file, atlas);
+    if (!status)
+        status = read_junctions(file, atlas);
+    return status;
+}
+
+/* Read-only, unless a killed run has left a transaction that has to be undone first. */
+static ric_status open_reader(const char *path, ric_database *file)
+{
+    static const char begin[] = "BEGIN; SELECT count(*) FROM sqlite_master";
+    ric_status status = ric_database_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
+    if (status)
+        return status;
+    int code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
+    if (code == SQLITE_READONLY_ROLLBACK) {
+        sqlite3_close(file->db);
+        status = ric_database_open(path, SQLITE_OPEN_READWRITE, READER_WAIT, file);
+        if (status)
+            return status;
+        code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
+    }
+    return code ? ric_database_fail(*file, code) : RIC_OK;
+}
+
+ric_status ric_store_read(const char *path, ric_atlas **out)
+{
+    ric_database file = {NULL, path};
+    ric_atlas *atlas = NULL;
+    bool exists, empty;
+    ric_status status;
+    *out = NULL;
+    status = ric_store_look(path, &exists, &empty);
+    if (!status && !exists)
+        status = ric_fail(RIC_E_IO, "%s: no such file; make an atlas with `ricochet run`", path);
+    else if (!status && empty)
+        status = ric_fail(RIC_E_FORMAT, "%s: the file is empty; make an atlas with `ricochet run`", path);
+    if (!status)
+        status = ric_store_check_identity(path);
+    if (!status)
+        status = open_reader(path, &file);
+    if (!status)
+        status = ric_store_check_contents(file);
+    if (status)
+        goto out;
+    atlas = calloc(1, sizeof *atlas);
+    status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
+out:
+    sqlite3_close(file.db);
+    if (status)
+        ric_atlas_free(atlas);
+    else
+        *out = atlas;
+    return status;
+}
