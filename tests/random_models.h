@@ -6,22 +6,27 @@
 
 static uint64_t seed_now;
 
-static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
+static inline uint64_t random_bits(void) /* splitmix64 (Steele, Lea, Flood 2014) */
 {
     uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    return z ^ (z >> 31);
 }
 
-static int below(int n)
+static inline double uniform(double lo, double hi)
+{
+    return lo + (hi - lo) * (double)(random_bits() >> 11) * 0x1p-53;
+}
+
+static inline int below(int n)
 {
     int i = (int)uniform(0, n);
     return i < n ? i : n - 1;
 }
 
 /* A = G G' + shift, G [n * rank]. */
-static void random_definite(int n, int rank, double shift, double *A)
+static inline void random_definite(int n, int rank, double shift, double *A)
 {
     double G[n * rank + 1];
     for (int i = 0; i < n * rank; i++) G[i] = uniform(-1, 1);

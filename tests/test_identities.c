@@ -16,22 +16,13 @@
 #include <lapacke.h>
 
 #include "chart.h"
+#include "random_models.h"
 
 enum { MAX_N = 12 };
 
 static const double PI = 3.14159265358979323846;
 
 /* ------------------------------------------------------------------ helpers */
-
-static uint64_t seed_now;
-
-static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
-{
-    uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 /* A structure with one contact, and its modes. */
 typedef struct {
@@ -81,20 +72,13 @@ static structure random_structure(uint64_t seed, int n)
     structure s = {.n = n};
     seed_now = seed;
     for (;;) {
-        double G[MAX_N * MAX_N], H[MAX_N * MAX_N];
+        random_definite(n, n, n / 0.3, s.M);
+        random_definite(n, n, 0, s.K);
         for (int i = 0; i < n * n; i++) {
-            G[i] = uniform(-1, 1);
-            H[i] = uniform(-1, 1);
+            s.M[i] *= 0.3 / n;
+            s.K[i] /= n;
         }
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++) {
-                s.M[i * n + j] = i == j;
-                s.K[i * n + j] = i == j ? 0.5 + i : 0;
-                for (int k = 0; k < n; k++) {
-                    s.M[i * n + j] += 0.3 / n * G[i * n + k] * G[j * n + k];
-                    s.K[i * n + j] += 1.0 / n * H[i * n + k] * H[j * n + k];
-                }
-            }
+        for (int i = 0; i < n; i++) s.K[i * n + i] += 0.5 + i;
         for (int i = 0; i < n; i++) s.b[i] = uniform(-1, 1);
         s.clearance = uniform(0.3, 3);
         solve_modes(&s);

@@ -17,20 +17,11 @@
 #include <lapacke.h>
 
 #include "chart.h"
+#include "random_models.h"
 
 enum { MAX_N = 6, MAX_CONTACT = 2, MAX_IMPACT = 32 };
 
 /* ------------------------------------------------------------------ helpers */
-
-static uint64_t seed_now;
-
-static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea, Flood 2014) */
-{
-    uint64_t z = seed_now += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return lo + (hi - lo) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 /* Modes from the raw matrices; lengths in units of the first clearance, as in the atlas. */
 typedef struct {
@@ -118,9 +109,9 @@ static void equations(const modes *m, const impulses *o, int N, double T, int si
             turn = sign;
         }
         for (int i = 0; i < m->n; i++) {
-            double w = m->omega[i], x = w * (s - T / 2), below = sign > 0 ? sin(w * T / 2) : cos(w * T / 2);
-            double factor = turn * o->J[k] * m->c[o->contact[j] * m->n + i] * m->c[o->contact[k] * m->n + i] / (2 * below);
-            double G = sign > 0 ? cos(x) : sin(x), D = sign > 0 ? -sin(x) : cos(x), spread = 1 + w * T * (1 + 1 / fabs(below));
+            double w = m->omega[i], x = w * (s - T / 2), denominator = sign > 0 ? sin(w * T / 2) : cos(w * T / 2);
+            double factor = turn * o->J[k] * m->c[o->contact[j] * m->n + i] * m->c[o->contact[k] * m->n + i] / (2 * denominator);
+            double G = sign > 0 ? cos(x) : sin(x), D = sign > 0 ? -sin(x) : cos(x), spread = 1 + w * T * (1 + 1 / fabs(denominator));
             *gap += factor * G / w;
             *scale += fabs(factor) / w * spread;
             *slope_scale += fabs(factor) * spread;

@@ -1,0 +1,223 @@
+/* The verification of atlas points: what is right passes, what is a little wrong does not. */
+#include "simulated_models.h"
+
+#include "atlas.h"
+
+/* An atlas of one branch with the points given: `states` [n_point * 4], `flights` [n_point * max(impacts, 1)]. */
+typedef struct {
+    ric_atlas atlas;
+    ric_branch_record record;
+} one_branch;
+
+static void make_atlas(one_branch *a, int impacts, const int *word, int n_point, const double *states, const double *flights)
+{
+    static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                               "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
+    size_t n_flight = impacts ? (size_t)impacts : 1, stride = ric_point_stride(2, impacts);
+    memset(a, 0, sizeof *a);
+    if (ric_study_parse(text, "text", ".", &a->atlas.study)) fail_msg("%s", ric_detail());
+    a->record.stride = stride;
+    a->record.word = malloc(n_flight * sizeof *word);
+    a->record.points = calloc((size_t)n_point * stride, sizeof(double));
+    if (impacts) memcpy(a->record.word, word, n_flight * sizeof *word);
+    a->record.row = (ric_branch){.id = 1, .label = "", .impacts = impacts, .word = a->record.word, .n_point = n_point};
+    for (int i = 0; i < n_point; i++) {
+        double *at = a->record.points + (size_t)i * stride;
+        const double *state = states + 4 * i;
+        ric_point point = {.energy = ric_model_energy(ric_study_model(a->atlas.study), state, state + 2)};
+        memcpy(at, &point, sizeof point);
+        memcpy(at + sizeof point / sizeof *at, state, 4 * sizeof *at);
+        memcpy(at + sizeof point / sizeof *at + 4, flights + (size_t)i * n_flight, n_flight * sizeof *at);
+    }
+    a->atlas.n_branch = 1;
+    a->atlas.branches = &a->record;
+}
+
+static void free_atlas(one_branch *a)
+{
+    free(a->record.word);
+    free(a->record.points);
+    ric_study_free(a->atlas.study);
+}
+
+static ric_check verify(const one_branch *a, int i)
+{
+    ric_check check;
+    if (ric_verify_point(&a->atlas, 1, i, &check)) fail_msg("%s", ric_detail());
+    return check;
+}
+
+static void expect(const one_branch *a, int i, bool passed)
+{
+    ric_check c = verify(a, i);
+    if (c.passed == passed) return;
+    fail_msg("point %d: flight %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", i, c.flight_error, c.return_error, c.condition,
+             c.energy_error, c.faces_agree);
+}
+
+/* What is right passes; a state, a time, a face or an energy that is a little wrong does not. */
+static void verify_s2(void **state)
+{
+    (void)state;
+    enum { POINTS = 40 };
+    double states[4 * POINTS], flights[2 * POINTS];
+    ric_model *model = make_two();
+    modal m = make_modal(model);
+    int n_point = 0, word[] = {0, 1}, wrong[] = {0, 0};
+    one_branch a;
+    for (int i = 0; i < POINTS; i++) {
+        double h = PI / (i < POINTS / 2 ? 0.95 + 0.035 * i : 2.2 + 0.3 * (i - 20));
+        if (!s2_orbit(&m, h, states + 4 * n_point, states + 4 * n_point + 2)) continue;
+        flights[2 * n_point] = flights[2 * n_point + 1] = h;
+        n_point++;
+    }
+    assert_true(n_point > 30);
+    make_atlas(&a, 2, word, n_point, states, flights);
+    for (int i = 0; i < n_point; i++) {
+        ric_check check = verify(&a, i);
+        double *at = a.record.points + (size_t)i * a.record.stride, *x = at + sizeof(ric_point) / sizeof *at, *tau = x + 4, kept;
+        expect(&a, i, true);
+        assert_true(check.flight_error < 1e-12 && check.energy_error < 1e-13);
+        kept = x[1], x[1] += 1e-9, expect(&a, i, false), x[1] = kept;
+        kept = x[2], x[2] *= 1 + 1e-9, expect(&a, i, false), x[2] = kept;
+        kept = tau[1], tau[1] *= 1 + 1e-10, expect(&a, i, false), tau[1] = kept;
+        ((ric_point *)(void *)at)->energy *= 1 + 1e-10, expect(&a, i, false);
+    }
+    free_atlas(&a);
+    make_atlas(&a, 2, wrong, n_point, states, flights);
+    for (int i = 0; i < n_point; i++) expect(&a, i, false);
+    free_atlas(&a);
+    ric_model_free(model);
+}
+
+/* The multiplier against the growth of a small error from one period to the next, on unstable pieces of S2+. */
+static void verify_condition(void **state)
+{
+    (void)state;
+    double x[4], flights[2];
+    ric_model *model = make_two();
+    modal m = make_modal(model);
+    int word[] = {0, 1};
+    one_branch a;
+    for (int i = 0; i < 2; i++) {
+        double omega = i ? 0.95 : 1.5; /* before the extremum at 0.96156, behind the branch point at 1.382 */
+        flights[0] = flights[1] = PI / omega;
+        assert_true(s2_orbit(&m, PI / omega, x, x + 2));
+        make_atlas(&a, 2, word, 1, x, flights);
+        ric_check check = verify(&a, 0);
+        ric_simulator *sim = simulator(model);
+        double y[2][4], moved = 0, before = 0;
+        x[2] *= 1 + 1e-10;
+        x[3] *= 1 + 1e-10;
+        start(sim, x, x + 2);
+        memcpy(y[0], x, sizeof x);
+        for (int k = 1; moved < 1e-5 && k < 40; k++) {
+            assert_true(advance(sim, 1e9, NULL) && advance(sim, 1e9, NULL));
+            ric_simulator_state(sim, NULL, y[k % 2], y[k % 2] + 2);
+            before = moved;
+            moved = distance(4, y[0], y[1]);
+        }
+        check_close(check.condition, moved / before, 1e-3, "multiplier");
+        ric_simulator_free(sim);
+        free_atlas(&a);
+    }
+    ric_model_free(model);
+}
+
+/* S0 up to the energy at which it touches, where either no impact or one without speed is right; beyond, it is wrong. */
+static void verify_linear(void **state)
+{
+    (void)state;
+    double states[4 * 8], flights[8];
+    ric_model *model = make_two();
+    modal m = make_modal(model);
+    one_branch a;
+    for (int mode = 0; mode < 2; mode++) {
+        for (int i = 0; i < 8; i++) {
+            double A = (double[]){0, 1e-3, 0.5, 0.9, 0.999999, 1, 1, 1.0001}[i] / fabs(m.c[mode]), q[2] = {0}, p[2] = {0};
+            q[mode] = i == 6 ? 0 : A;
+            p[mode] = i == 6 ? A * m.omega[mode] : 0;
+            to_space(&m, q, states + 4 * i);
+            to_space(&m, p, states + 4 * i + 2);
+            flights[i] = 2 * PI / m.omega[mode];
+        }
+        make_atlas(&a, 0, NULL, 8, states, flights);
+        for (int i = 0; i < 8; i++) expect(&a, i, i < 7);
+        free_atlas(&a);
+    }
+    ric_model_free(model);
+}
+
+/* S2+ ends at G1_2,4, where each flight touches both faces: with the touches left out, as impacts, and some of them. */
+static void verify_touches(void **state)
+{
+    (void)state;
+    double omega = 1.6667902994358654, h = PI / omega, x[4], q[2], p[2], touch_time[2], qt[2], pt[2];
+    int n_touch = 0, face[2];
+    ric_model *model = make_two();
+    modal m = make_modal(model);
+    double sum = 0;
+    for (int i = 0; i < 2; i++) sum += m.c[i] * m.c[i] * tan(m.omega[i] * h / 2) / m.omega[i];
+    for (int i = 0; i < 2; i++) {
+        q[i] = m.c[i] * tan(m.omega[i] * h / 2) / (m.omega[i] * sum);
+        p[i] = -m.c[i] / sum;
+    }
+    to_space(&m, q, x);
+    to_space(&m, p, x + 2);
+    for (double t = 1e-3; t < h - 1e-3; t += 1e-3) { /* stationary gaps of the flight */
+        double lo = t, hi = t + 1e-3, ds[2];
+        for (int i = 0; i < 60; i++) {
+            double at[] = {lo, (lo + hi) / 2};
+            for (int k = 0; k < 2; k++) {
+                modal_flight(&m, at[k], q, p, qt, pt);
+                ds[k] = m.c[0] * pt[0] + m.c[1] * pt[1];
+            }
+            if (i == 0) {
+                double end = hi;
+                modal_flight(&m, end, q, p, qt, pt);
+                if (ds[0] * (m.c[0] * pt[0] + m.c[1] * pt[1]) > 0) break;
+            }
+            if (ds[0] * ds[1] > 0) lo = at[1];
+            else hi = at[1];
+        }
+        if (hi - lo > 1e-9) continue;
+        double s = modal_gap(&m, 0, lo, q, p);
+        assert_true(fabs(fabs(s) - 1) < 1e-9);
+        assert_true(n_touch < 2);
+        face[n_touch] = s < 0;
+        touch_time[n_touch++] = lo;
+    }
+    assert_int_equal(n_touch, 2);
+    for (int kept = 0; kept < 16; kept++) { /* which of the four touches of a period are letters of the word */
+        int word[8] = {0}, n = 0;
+        double flights[8], last = 0;
+        for (int half = 0; half < 2; half++) {
+            word[n++] = half;
+            for (int k = 0; k < 2; k++) {
+                if (!(kept >> (2 * half + k) & 1)) continue;
+                double t = half * h + touch_time[k];
+                flights[n - 1] = t - last;
+                last = t;
+                word[n++] = half ? 1 - face[k] : face[k];
+            }
+            flights[n - 1] = (half + 1) * h - last;
+            last = (half + 1) * h;
+        }
+        one_branch a;
+        make_atlas(&a, n, word, 1, x, flights);
+        expect(&a, 0, true);
+        free_atlas(&a);
+    }
+    ric_model_free(model);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(verify_s2),
+        cmocka_unit_test(verify_condition),
+        cmocka_unit_test(verify_linear),
+        cmocka_unit_test(verify_touches),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
