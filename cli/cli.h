@@ -27,6 +27,20 @@ typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format);
 /* A JSON number, or null if not finite. */
 json_t *cli_number(double value);
+/* The letters of a word. */
+json_t *cli_word(const ric_model *model, int n, const int *word);
+
+/* A command that lists what an atlas has n of: `row` fills an empty object for one of them, d the unit of lengths, 1 or the clearance
+ * for physical ones. */
+typedef struct {
+    const cli_command *command;
+    int (*count)(const ric_atlas *atlas);
+    ric_status (*row)(const ric_atlas *atlas, int id, double d, json_t *row);
+    const char *const *all, *const *few; /* columns of CSV and of the table */
+} cli_listing;
+
+/* Takes `ATLAS [--physical] [--json | --csv]`, prints the rows and returns an exit code. */
+int cli_list(const cli_listing *listing, int argc, char **argv);
 
 /* Takes --json or --csv out of argv; false (with a message) when both are given. */
 bool cli_take_format(int *argc, char **argv, cli_format *format);

@@ -1,41 +1,34 @@
 /* ricochet branches ATLAS: one row per branch. */
-#include <stdlib.h>
-
 #include "cli.h"
-
-static json_t *word_text(const ric_model *model, int n, const int *word)
-{
-    size_t size = 12 * (size_t)n + 1;
-    char *text = calloc(size, 1);
-    json_t *value = text && (n == 0 || !ric_word_format(model, n, word, size, text)) ? json_string(text) : NULL;
-    free(text);
-    return value;
-}
 
 static json_t *id_or_null(int id)
 {
     return id ? json_integer(id) : json_null();
 }
 
-/* `energy` is the unit of energies: 1, or d^2 for physical ones. */
-static json_t *branch_row(const ric_model *model, const ric_branch *branch, double energy)
+static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
-    json_t *row = json_object(), *inner = json_array(), *at = json_array();
+    const ric_model *model = ric_atlas_model(atlas);
+    ric_branch found, *branch = &found;
+    ric_status status = ric_atlas_branch(atlas, id, branch);
+    if (status)
+        return status;
+    json_t *inner = json_array(), *at = json_array();
     for (int i = 0; i < branch->n_junction; i++) {
         json_array_append_new(inner, json_integer(branch->junctions[i]));
         json_array_append_new(at, cli_number(branch->junction_at[i]));
     }
     json_object_set_new(row, "id", json_integer(branch->id));
     json_object_set_new(row, "label", json_string(branch->label));
-    json_object_set_new(row, "word", word_text(model, branch->impacts, branch->word));
+    json_object_set_new(row, "word", cli_word(model, branch->impacts, branch->word));
     json_object_set_new(row, "impacts", json_integer(branch->impacts));
     json_object_set_new(row, "symmetric", json_boolean(branch->symmetric));
     json_object_set_new(row, "reversible", json_boolean(branch->reversible));
     json_object_set_new(row, "mirror", json_string(branch->mirror));
     json_object_set_new(row, "stable_fraction", cli_number(branch->stable_fraction));
     json_object_set_new(row, "points", json_integer(branch->n_point));
-    json_object_set_new(row, "energy_min", cli_number(energy * branch->energy_min));
-    json_object_set_new(row, "energy_max", cli_number(energy * branch->energy_max));
+    json_object_set_new(row, "energy_min", cli_number(d * d * branch->energy_min));
+    json_object_set_new(row, "energy_max", cli_number(d * d * branch->energy_max));
     json_object_set_new(row, "frequency_min", cli_number(branch->frequency_min));
     json_object_set_new(row, "frequency_max", cli_number(branch->frequency_max));
     json_object_set_new(row, "from", id_or_null(branch->from));
@@ -46,20 +39,6 @@ static json_t *branch_row(const ric_model *model, const ric_branch *branch, doub
     json_object_set_new(row, "junction_arclengths", at);
     json_object_set_new(row, "depth", json_integer(branch->depth));
     json_object_set_new(row, "mode", id_or_null(branch->mode));
-    return row;
-}
-
-static ric_status add_rows(json_t *rows, const ric_atlas *atlas, bool physical)
-{
-    const ric_model *model = ric_atlas_model(atlas);
-    double d = physical ? ric_model_length(model) : 1;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
-        ric_branch branch;
-        ric_status status = ric_atlas_branch(atlas, id, &branch);
-        if (status)
-            return status;
-        json_array_append_new(rows, branch_row(model, &branch, d * d));
-    }
     return RIC_OK;
 }
 
@@ -71,21 +50,8 @@ static int run(int argc, char **argv)
     static const char *const few[] = {
         "id", "label", "impacts", "symmetric", "reversible", "stable_fraction", "points", "energy_min", "energy_max", "frequency_min",
         "frequency_max", "from", "to", "stop", "junctions", "depth", NULL};
-    cli_format format;
-    ric_atlas *atlas = NULL;
-    json_t *rows = json_array();
-    int code = CLI_WRONG;
-    bool physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_branches, argc, argv, 1))
-        goto out;
-    ric_status status = ric_atlas_read(argv[1], &atlas);
-    if (!status)
-        status = add_rows(rows, atlas, physical);
-    code = status ? cli_report(status) : cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
-out:
-    json_decref(rows);
-    ric_atlas_free(atlas);
-    return code;
+    static const cli_listing listing = {&cli_branches, ric_atlas_n_branch, make_row, all, few};
+    return cli_list(&listing, argc, argv);
 }
 
 const cli_command cli_branches = {

@@ -1,16 +1,5 @@
 /* ricochet junctions ATLAS: one row per junction. */
-#include <stdlib.h>
-
 #include "cli.h"
-
-static json_t *word_text(const ric_model *model, int n, const int *word)
-{
-    size_t size = 12 * (size_t)n + 1;
-    char *text = calloc(size, 1);
-    json_t *value = text && (n == 0 || !ric_word_format(model, n, word, size, text)) ? json_string(text) : NULL;
-    free(text);
-    return value;
-}
 
 static json_t *numbers(int n, const double *values, double unit)
 {
@@ -45,15 +34,18 @@ static json_t *multiplicity(const ric_junction *junction, int value)
     return junction->a || junction->b ? json_integer(value) : json_null();
 }
 
-/* `d` is the unit of lengths: 1, or the clearance for physical ones. */
-static json_t *junction_row(const ric_model *model, const ric_junction *junction, double d)
+static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
-    json_t *row = json_object();
+    const ric_model *model = ric_atlas_model(atlas);
+    ric_junction found, *junction = &found;
+    ric_status status = ric_atlas_junction(atlas, id, junction);
+    if (status)
+        return status;
     json_object_set_new(row, "id", json_integer(junction->id));
     json_object_set_new(row, "kind", json_string(ric_kind_text(junction->kind)));
     json_object_set_new(row, "label", json_string(junction->label));
     json_object_set_new(row, "name", json_string(junction->name));
-    json_object_set_new(row, "word", word_text(model, junction->impacts, junction->word));
+    json_object_set_new(row, "word", cli_word(model, junction->impacts, junction->word));
     json_object_set_new(row, "impacts", json_integer(junction->impacts));
     json_object_set_new(row, "grazings", json_integer(junction->grazings));
     json_object_set_new(row, "multiple", json_integer(junction->multiple));
@@ -67,20 +59,6 @@ static json_t *junction_row(const ric_model *model, const ric_junction *junction
     json_object_set_new(row, "branches", integers(junction->n_branch, junction->branches));
     json_object_set_new(row, "departures", departures(&junction->departures));
     json_object_set_new(row, "refusal", json_string(junction->refusal));
-    return row;
-}
-
-static ric_status add_rows(json_t *rows, const ric_atlas *atlas, bool physical)
-{
-    const ric_model *model = ric_atlas_model(atlas);
-    double d = physical ? ric_model_length(model) : 1;
-    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
-        ric_junction junction;
-        ric_status status = ric_atlas_junction(atlas, id, &junction);
-        if (status)
-            return status;
-        json_array_append_new(rows, junction_row(model, &junction, d));
-    }
     return RIC_OK;
 }
 
@@ -91,21 +69,8 @@ static int run(int argc, char **argv)
         "flights", "branches", "departures", "refusal", NULL};
     static const char *const few[] = {
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
-    cli_format format;
-    ric_atlas *atlas = NULL;
-    json_t *rows = json_array();
-    int code = CLI_WRONG;
-    bool physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_junctions, argc, argv, 1))
-        goto out;
-    ric_status status = ric_atlas_read(argv[1], &atlas);
-    if (!status)
-        status = add_rows(rows, atlas, physical);
-    code = status ? cli_report(status) : cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
-out:
-    json_decref(rows);
-    ric_atlas_free(atlas);
-    return code;
+    static const cli_listing listing = {&cli_junctions, ric_atlas_n_junction, make_row, all, few};
+    return cli_list(&listing, argc, argv);
 }
 
 const cli_command cli_junctions = {

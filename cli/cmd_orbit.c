@@ -184,15 +184,6 @@ static json_t *numbers(int n, const double *values, double unit)
     return array;
 }
 
-static json_t *word_text(const subject *s)
-{
-    size_t size = 12 * (size_t)s->n_impact + 1;
-    char *text = calloc(size, 1);
-    json_t *value = text && (!s->n_impact || !ric_word_format(s->model, s->n_impact, s->word, size, text)) ? json_string(text) : NULL;
-    free(text);
-    return value;
-}
-
 static json_t *multiplier_pairs(subject *s)
 {
     int n = 2 * (ric_model_n_mode(s->model) - 1);
@@ -213,7 +204,7 @@ static ric_status add_orbit(json_t *rows, subject *s)
     double *amplitudes = calloc((size_t)s->n_dof, sizeof *amplitudes);
     ric_status status = amplitudes && find_amplitudes(s, amplitudes) ? RIC_OK : RIC_E_NOMEM;
     json_array_append_new(rows, row);
-    json_object_set_new(row, "word", word_text(s));
+    json_object_set_new(row, "word", cli_word(s->model, s->n_impact, s->word));
     json_object_set_new(row, "state", numbers(2 * s->n_dof, s->state, s->d));
     json_object_set_new(row, "flights", numbers(s->n_impact > 0 ? s->n_impact : 1, s->flights, 1));
     json_object_set_new(row, "period", cli_number(s->period));

@@ -12,6 +12,15 @@ json_t *cli_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+json_t *cli_word(const ric_model *model, int n, const int *word)
+{
+    size_t size = 12 * (size_t)n + 1;
+    char *text = calloc(size, 1);
+    json_t *value = text && (n == 0 || !ric_word_format(model, n, word, size, text)) ? json_string(text) : NULL;
+    free(text);
+    return value;
+}
+
 /* ------------------------------------------------------------------- cells */
 
 /* A growing text; `failed` once memory has run out. */
@@ -251,4 +260,36 @@ int cli_print_rows(const json_t *rows, const char *const *columns, cli_format fo
         return CLI_FAILED;
     }
     return CLI_DONE;
+}
+
+static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
+{
+    const double d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    for (int id = 1; id <= listing->count(atlas); id++) {
+        json_t *row = json_object();
+        ric_status status = listing->row(atlas, id, d, row);
+        json_array_append_new(rows, row);
+        if (status)
+            return status;
+    }
+    return RIC_OK;
+}
+
+int cli_list(const cli_listing *listing, int argc, char **argv)
+{
+    cli_format format;
+    ric_atlas *atlas = NULL;
+    json_t *rows = json_array();
+    int code = CLI_WRONG;
+    bool physical = cli_take_flag(&argc, argv, "--physical");
+    if (!cli_take_format(&argc, argv, &format) || !cli_operands(listing->command, argc, argv, 1))
+        goto out;
+    ric_status status = ric_atlas_read(argv[1], &atlas);
+    if (!status)
+        status = add_rows(rows, listing, atlas, physical);
+    code = status ? cli_report(status) : cli_print_rows(rows, format == CLI_TEXT ? listing->few : listing->all, format);
+out:
+    json_decref(rows);
+    ric_atlas_free(atlas);
+    return code;
 }
