@@ -52,8 +52,8 @@ void plot_range_widen(bool logarithmic, double part, double *lo, double *hi)
 }
 
 typedef struct {
-    double at; /* pixels */
-    bool major;
+    double at, from, to; /* pixels; from..to is what a label that is shown covers */
+    bool major, shown;
     char text[64];
 } tick;
 
@@ -135,12 +135,13 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
         }
 }
 
-/* The trace on the scale asinh(trace / 2), which shows its sign and all its orders of magnitude. */
+/* The trace on the scale asinh(trace / 2), which shows its sign and all its orders of magnitude; what is to be labelled first comes first. */
 static void asinh_ticks(tick_list *list, double pixels)
 {
     const int orders = (int)ceil(fmax(fabs(list->low), fabs(list->high)) / log(10));
     const int every = (int)fmax(1, ceil(orders * 60 / pixels));
     char text[64];
+    add_tick(list, 0, "0");
     for (int sign = -1; sign <= 1; sign += 2) {
         add_tick(list, sign * asinh(1), sign > 0 ? "2" : "-2");
         for (int e = every; e <= orders; e += every) {
@@ -148,7 +149,6 @@ static void asinh_ticks(tick_list *list, double pixels)
             add_tick(list, sign * (e < 15 ? asinh(pow(10, e) / 2) : e * log(10)), text);
         }
     }
-    add_tick(list, 0, "0");
 }
 
 static void axis_ticks(tick_list *list, const plot_axis *axis, double spacing)
@@ -193,20 +193,29 @@ static void draw_segment(plot_page *page, plot_stroke stroke, double x0, double 
     plot_page_line(page, stroke, 2, (plot_point[]){{x0, y0}, {x1, y1}});
 }
 
+/* Whether the label of tick i, `half` to both sides of it, stays `gap` away from those shown before. */
+static bool show_label(tick_list *list, int i, double half, double gap)
+{
+    tick *t = &list->ticks[i];
+    t->from = t->at - half;
+    t->to = t->at + half;
+    t->shown = t->major;
+    for (int k = 0; k < i && t->shown; k++)
+        t->shown = !list->ticks[k].shown || t->from > list->ticks[k].to + gap || t->to < list->ticks[k].from - gap;
+    return t->shown;
+}
+
 static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
 {
     tick_list list;
-    double last = -far_away;
     axis_ticks(&list, axis, 62);
     for (int i = 0; i < list.n; i++) {
         const tick *t = &list.ticks[i];
-        const double length = t->major ? 6 : 3, half = plot_text_width(t->text, type) / 2;
+        const double length = t->major ? 6 : 3;
         draw_segment(page, PLOT_FRAME, t->at, box->bottom, t->at, box->bottom + length);
         draw_segment(page, PLOT_FRAME, t->at, box->top, t->at, box->top - length);
-        if (title && t->major && t->at - half > last + 6) {
+        if (title && show_label(&list, i, plot_text_width(t->text, type) / 2, 6))
             plot_page_text(page, (plot_point){t->at, box->bottom - 12}, PLOT_CENTRE, type, "#222222", false, t->text);
-            last = t->at + half;
-        }
     }
     if (title && *title)
         plot_page_text(page, (plot_point){(box->left + box->right) / 2, box->bottom - 31}, PLOT_CENTRE, type + 1, "#222222", false, title);
@@ -215,17 +224,16 @@ static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *a
 static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
 {
     tick_list list;
-    double widest = 0, last = -far_away;
+    double widest = 0;
     axis_ticks(&list, axis, 42);
     for (int i = 0; i < list.n; i++) {
         const tick *t = &list.ticks[i];
         const double length = t->major ? 6 : 3;
         draw_segment(page, PLOT_FRAME, box->left, t->at, box->left + length, t->at);
         draw_segment(page, PLOT_FRAME, box->right, t->at, box->right - length, t->at);
-        if (title && t->major && fabs(t->at - last) > 1.2 * type) {
+        if (title && show_label(&list, i, 0.6 * type, 0)) {
             plot_page_text(page, (plot_point){box->left - 10, t->at}, PLOT_RIGHT, type, "#222222", false, t->text);
             widest = fmax(widest, plot_text_width(t->text, type));
-            last = t->at;
         }
     }
     if (!title || !*title)
