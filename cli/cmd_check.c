@@ -159,16 +159,16 @@ static void print_modes(const facts *f)
 {
     printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen", "first touch at scaled energy");
     for (int i = 0; i < f->n; i++) {
-        printf("%5d  %14.10g  ", i + 1, f->frequency[i]);
+        printf("%5d  %#14.10g  ", i + 1, f->frequency[i]);
         if (f->frequency[i] > 0)
-            printf("%14.8g  ", 2 * acos(-1) / f->frequency[i]);
+            printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
         else
             printf("%14s  ", "-");
         printf("%-6s ", f->seen[i] ? "yes" : "no");
         if (f->contact[i] >= 0)
-            printf("%.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
+            printf("%16.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
         else
-            puts(f->frequency[i] == 0 ? "never, rigid motion" : "never");
+            printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
     }
 }
 
@@ -189,11 +189,11 @@ static void print_contact(const facts *f, int contact)
            about.name ? "'" : "", sides[about.sides], about.clearance, faces);
     printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
     for (int i = 0; i < f->n; i++) {
-        printf("%5d  %16.9g  %16.9g  ", i + 1, f->face_normal[(size_t)f->face[contact] * n + (size_t)i], f->compliance[k * n + (size_t)i]);
+        printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->face_normal[(size_t)f->face[contact] * n + (size_t)i], f->compliance[k * n + (size_t)i]);
         if (i + 1 < f->n)
-            printf("%16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
+            printf("%#16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
         else
-            printf("%16s\n", "");
+            printf("%16s\n", "-");
     }
     if (grows(f, contact))
         printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a truncated continuum,\n"
