@@ -681,12 +681,12 @@ const cli_command cli_plot = {
         "curves   any unknowns against each other: arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..\n"
         "  --branch ID         only this branch; may be repeated\n"
         "  --log x|y|xy        logarithmic axes\n"
-        "floquet  multipliers along a branch: the trace and rotation number of two masses, moduli and angles of more\n"
+        "floquet  multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses, moduli and angles of more\n"
         "  --x NAME            against arclength (usual), energy or frequency\n"
         "all\n"
         "  --title TEXT        instead of the title of the study\n"
         "  --size WxH          pixels (1/96 inch in PDF)\n"
         "\n"
-        "example: ricochet plot fep two-masses.atlas --break 2.2 -o two-masses.svg\n",
+        "example: ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
     .run = run,
 };

@@ -29,7 +29,7 @@ model:
     - {normal: [-1, 1], clearance: 1.0, sides: both, law: rigid}
 explore: {energy: [0, 5], frequency: [0.5, 4], impacts: 2, multiply: 1, depth: 1}
 END
-    ATLAS=$work/small.atlas
+    ATLAS=$work/small.ricochet
     if ! "$RICOCHET" run study.yaml -o "$ATLAS" >run.out 2>&1; then
         cat run.out
         echo "cli_plot.sh: the atlas to draw could not be made"
@@ -144,7 +144,7 @@ leaves_nothing 2 plot floquet "$ATLAS" -o empty/a.svg
 
 # What could not be done: 1.
 echo "this is no atlas" >foreign
-leaves_nothing 1 plot fep missing.atlas -o empty/a.svg
+leaves_nothing 1 plot fep missing.ricochet -o empty/a.svg
 leaves_nothing 1 plot fep foreign -o empty/a.svg
 leaves_nothing 1 plot fep "$ATLAS" --energy 1e300:1e301 -o empty/a.svg
 leaves_nothing 1 plot fep "$ATLAS" -o empty/no-such-folder/a.svg
