@@ -64,7 +64,10 @@ static const char *last_part(char *name)
 
 static int fail(const char *path)
 {
-    fprintf(stderr, "ricochet: new: %s: %s\n", path, strerror(errno));
+    const int reason = errno;
+    if (reason == ENOENT || reason == ENOTDIR)
+        return cli_wrong("new: %s: %s; make the folder that it is to lie in first, or choose another name", path, strerror(reason));
+    fprintf(stderr, "ricochet: new: %s: %s; choose another name\n", path, strerror(reason));
     return CLI_FAILED;
 }
 
@@ -106,10 +109,10 @@ out:
 
 static int run(int argc, char **argv)
 {
+    if (argc == 2 && !argv[1][0])
+        return cli_wrong("new: the name is empty; for example: ricochet new two-masses");
     if (!cli_operands(&cli_new, argc, argv, 1))
         return CLI_WRONG;
-    if (!argv[1][0])
-        return cli_wrong("new: the name is empty; for example: ricochet new two-masses");
     const char *title = last_part(argv[1]);
     return create(argv[1], title);
 }

@@ -33,15 +33,23 @@ static bool take_state(int *argc, char **argv, int *count, const char **texts)
 {
     int at = 1;
     *count = 0;
-    while (at < *argc && strcmp(argv[at], "--state"))
+    while (at < *argc && strncmp(argv[at], "--state", 7))
         at++;
-    if (at == *argc) {
+    if (at < *argc && argv[at][7] == '=') {
+        cli_wrong("simulate: %s: the numbers follow after a blank, for example --state 0 0 1 -1", argv[at]);
+        return false;
+    }
+    if (at == *argc || argv[at][7]) {
         cli_wrong("simulate: --state is missing; give the displacements and then the velocities, for example --state 0 0 1 -1");
         return false;
     }
     int next = at + 1;
     while (next < *argc && is_number(argv[next]))
         texts[(*count)++] = argv[next++];
+    if (next < *argc && argv[next][0] != '-' && *argc - (next - at) > 2) { /* more than the study is left */
+        cli_wrong("simulate: '%s' after --state is not a number; give displacements, then velocities, with blanks between", argv[next]);
+        return false;
+    }
     memmove(argv + at, argv + next, (size_t)(*argc - next + 1) * sizeof *argv);
     *argc -= next - at;
     return true;

@@ -105,6 +105,11 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n)
             cli_wrong("%s: option '%s' is unknown or given twice\n%.*s", command->name, argv[i], usage, command->help);
             return false;
         }
+    for (int i = 1; i < argc; i++)
+        if (!argv[i][0]) {
+            cli_wrong("%s: argument %d is empty; it must name something\n%.*s", command->name, i, usage, command->help);
+            return false;
+        }
     if (argc - 1 == n)
         return true;
     if (argc - 1 > n)

@@ -3,9 +3,11 @@
 
 #include "study_parts.h"
 
+#include <errno.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "matrix_market.h"
 #include "options.h"
@@ -301,10 +303,15 @@ ric_status ric_study_parse(const char *text, const char *label, const char *base
 
 ric_status ric_study_read(const char *path, ric_study **out)
 {
+    static const char sqlite[] = "SQLite format 3"; /* how every atlas starts */
     char *text = NULL, *base = NULL;
     size_t size = 0;
     *out = NULL;
     ric_status status = ric_file_read(path, FILE_MAX, false, &text, &size);
+    if (status == RIC_E_INPUT && access(path, F_OK))
+        status = ric_fail(RIC_E_INPUT, "%.200s: %s; `ricochet new NAME` writes a study to start from", path, strerror(errno));
+    if (!status && size >= strlen(sqlite) && !memcmp(text, sqlite, strlen(sqlite)))
+        status = ric_fail(RIC_E_INPUT, "%.200s: this is an atlas; name the study that it was made from", path);
     if (status)
         goto out;
     base = strdup(path);

@@ -93,9 +93,14 @@ expect 2 "unknown command 'braches'; did you mean 'branches'" braches
 expect 2 "unknown command 'xyzzy'" xyzzy
 expect 2 'argument is missing' check
 expect 2 'one argument too many' check s.yaml s.yaml
+expect 2 'argument 1 is empty' check ''
 expect 2 "option '--jsno' is unknown" check s.yaml --jsno
 expect 2 'choose one' check s.yaml --json --csv
-expect 2 'absent.yaml: No such file' check absent.yaml
+expect 2 'absent.yaml: No such file.*ricochet new' check absent.yaml
+expect 2 'absent/x: No such file.*make the folder' new absent/x
+expect 2 "'x' after --state is not a number" simulate s.yaml --state 0 0 0 x --time 1
+expect 2 "'0,0,0,1' after --state is not a number" simulate --time 1 --state 0,0,0,1 s.yaml
+expect 2 'after a blank' simulate s.yaml --state=0 0 0 1 --time 1
 expect 2 'this is a folder' run .
 expect 2 '-o needs a value' run s.yaml -o
 expect 2 "-j '0' is not a whole number from 1" run s.yaml -j 0
@@ -106,6 +111,11 @@ expect 2 "N '0' is not a whole number" words 0
 expect 2 "N 'six' is not a whole number" words six
 expect 2 'the name is empty' new ''
 [ "$(ls "$folder")" = s.yaml ] || complain "files left behind: $(ls "$folder")"
+
+# An atlas in the place of a study.
+printf 'SQLite format 3\0' >"$folder/a.ricochet"
+expect 2 'this is an atlas' check a.ricochet
+rm "$folder/a.ricochet"
 
 # `new` keeps what is there.
 mkdir "$folder/old"
