@@ -7,6 +7,7 @@
 #include "motion.h"
 #include "multiplicity.h"
 #include "status.h"
+#include "stored.h"
 
 #define TWO_PI 6.283185307179586477
 #define LINEAR_POINTS 9
@@ -25,9 +26,7 @@ typedef struct {
 } sheet;
 
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
-typedef struct { int shift; bool reverse, mirror; } turn;
-
-static bool canonical_turn(const ric_model *m, const ric_edge *e, turn *out)
+static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
 {
     const ric_trace *tr = e->trace;
     const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride + sizeof(ric_point) / sizeof(double);
@@ -90,36 +89,28 @@ static void summarise(ric_branch_record *r)
     b->stable_fraction = length > 0 ? stable / length : 0;
 }
 
-static ric_status fill_points(const ric_model *m, const ric_edge *e, const turn *t, ric_branch_record *r)
+static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t, ric_branch_record *r)
 {
     const ric_trace *tr = e->trace;
-    int N = r->row.impacts;
-    for (int i = 0; i < tr->n_point; i++) {
+    ric_status status = RIC_OK;
+    for (int i = 0; i < tr->n_point && !status; i++) {
         const double *in = tr->points + (size_t)i * tr->stride;
-        const double *u = in + sizeof(ric_point) / sizeof(double);
         double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double), *v = x + m->n_dof;
-        ric_chain_fly(tr->chain, u);
-        ric_cycle *raw = ric_cycle_from_chain(tr->chain, u);
-        ric_cycle *cycle = raw ? ric_cycle_transform(m, raw, t->shift, t->reverse, t->mirror) : NULL;
-        ric_cycle_free(raw);
-        if (!cycle) return no_memory();
         memcpy(out, in, sizeof(ric_point));
-        ric_model_to_state(m, cycle->w, x, v);
-        for (int k = 0; k < N; k++) v[m->n_dof + k] = cycle->tau[k] / m->omega_ref;
-        ric_cycle_free(cycle);
+        status = ric_turn_write(m, tr->chain, in + sizeof(ric_point) / sizeof(double), t, x, v, v + m->n_dof);
     }
-    return RIC_OK;
+    return status;
 }
 
 static ric_status make_sheet(const ric_model *m, const ric_edge *e, sheet *out)
 {
     const ric_trace *tr = e->trace;
     ric_branch_record *r = &out->record;
-    turn t;
+    ric_turn t;
     ric_chain_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
     ric_cycle *cycle = ric_cycle_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)), *turned = NULL;
     if (!cycle) return no_memory();
-    if (!canonical_turn(m, e, &t)) t = (turn){0, false, false};
+    if (!canonical_turn(m, e, &t)) t = (ric_turn){0, false, false};
     turned = ric_cycle_transform(m, cycle, t.shift, t.reverse, t.mirror);
     int N = cycle->N;
     *r = (ric_branch_record){.stride = ric_point_stride(m->n_dof, N)};

@@ -1,5 +1,6 @@
 #include "floquet.h"
 
+#include <complex.h>
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -432,4 +433,21 @@ ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
         return RIC_OK;
     }
     return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
+}
+
+/* The large one first: the other is its inverse, without cancellation. */
+static void pair_from_rho(const double *rho, double *out)
+{
+    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
+    if (cabs(lambda) < 1) lambda = (r - root) / 2;
+    double complex inverse = 1 / lambda;
+    out[0] = creal(lambda);
+    out[1] = cimag(lambda);
+    out[2] = creal(inverse);
+    out[3] = cimag(inverse);
+}
+
+void ric_floquet_multipliers(const ric_floquet *f, double *out)
+{
+    for (int i = 0; i < f->n_pair; i++) pair_from_rho(f->rho + 2 * i, out + 4 * i);
 }

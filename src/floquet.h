@@ -28,5 +28,7 @@ ric_status ric_floquet_create(int n, ric_floquet *out);
 void ric_floquet_release(ric_floquet *floquet);
 /* From the states of the chain's last evaluation. */
 ric_status ric_floquet_compute(const ric_chain *chain, ric_floquet *out);
+/* The multipliers of what was computed: 2 n_pair complex numbers as re, im pairs. */
+void ric_floquet_multipliers(const ric_floquet *floquet, double *out);
 
 #endif

@@ -1,4 +1,3 @@
-#include <complex.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,6 +7,7 @@
 #include "motion.h"
 #include "reach.h"
 #include "status.h"
+#include "stored.h"
 #include "trace.h"
 
 /* Orbits of a stored branch, solved again at the very point that is asked for. */
@@ -43,64 +43,10 @@ static ric_status no_memory(void)
     return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
 }
 
-/* ------------------------------------------------------------ stored points */
-
-/* Point i of a branch as a cycle without symmetries. */
-static ric_status stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_point *point, ric_cycle **out)
-{
-    const ric_model *m = ric_atlas_model(a);
-    int n = m->n_dof, N = b->impacts;
-    double *state = calloc(2 * (size_t)n, sizeof *state), *flights = calloc((size_t)N + 1, sizeof *flights);
-    ric_status status = state && flights ? ric_atlas_point(a, b->id, i, point, state, flights) : no_memory();
-    *out = NULL;
-    if (!status && !(*out = ric_cycle_create(m->n, N))) status = no_memory();
-    if (!status) {
-        memcpy((*out)->face, b->word, (size_t)N * sizeof *b->word);
-        for (int k = 0; k < N; k++) (*out)->tau[k] = flights[k] * m->omega_ref;
-        ric_model_from_state(m, state, state + n, (*out)->w);
-    }
-    free(state);
-    free(flights);
-    return status;
-}
-
-/* The symmetries that the branch has as a whole, with their places in the cycle; found at a stored point, which is converged. */
-static void branch_symmetries(const ric_model *m, const ric_branch *b, ric_cycle *c)
-{
-    bool centre = strstr(b->mirror, "centre"), other = strstr(b->mirror, "rest") || strstr(b->mirror, "impact");
-    ric_cycle_find_symmetries(m, c, 1e-8);
-    if (!b->symmetric) c->half = false;
-    if (!b->reversible || !other) c->pure = -1;
-    if (!b->reversible || !centre) c->flip = -1;
-}
-
 /* -------------------------------------------------------------- one orbit */
 
-static void pair_from_rho(const double *rho, double *out)
-{
-    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
-    if (cabs(lambda) < 1) lambda = (r - root) / 2; /* the large one first: the other is its inverse, without cancellation */
-    double complex inverse = 1 / lambda;
-    out[0] = creal(lambda);
-    out[1] = cimag(lambda);
-    out[2] = creal(inverse);
-    out[3] = cimag(inverse);
-}
-
-/* The operation that takes the orbit of a chain to the start and direction in which its branch is stored. */
-typedef struct { int shift; bool reverse, mirror; } turn;
-
-static bool find_turn(const ric_model *m, ric_chain *c, const double *u, const ric_cycle *like, turn *out)
-{
-    ric_chain_fly(c, u);
-    ric_cycle *raw = ric_cycle_from_chain(c, u);
-    bool found = raw && ric_cycle_match(m, like, raw, 1e-6, &out->shift, &out->reverse, &out->mirror);
-    ric_cycle_free(raw);
-    return found;
-}
-
 /* Everything that leaves, from a converged chain. */
-static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const turn *t, const ric_point *stored, ric_orbit **out)
+static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, const ric_point *stored, ric_orbit **out)
 {
     ric_status status = RIC_OK;
     ric_floquet floquet = {0};
@@ -111,10 +57,8 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     if ((status = ric_floquet_create(n, &floquet))) goto out;
     ric_chain_evaluate(c, u);
     if ((status = ric_floquet_compute(c, &floquet))) goto out;
-    ric_cycle *raw = ric_cycle_from_chain(c, u);
-    if (raw) o->cycle = ric_cycle_transform(m, raw, t->shift, t->reverse, t->mirror);
-    int N = raw ? raw->N : 0;
-    ric_cycle_free(raw);
+    o->cycle = ric_turn_cycle(m, c, u, t);
+    int N = o->cycle ? o->cycle->N : 0;
     o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
     o->flights = calloc((size_t)N + 1, sizeof *o->flights);
     o->multipliers = calloc(4 * (size_t)n, sizeof *o->multipliers);
@@ -125,7 +69,7 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     o->model = m;
     ric_model_to_state(m, o->cycle->w, o->state, o->state + m->n_dof);
     for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
-    for (int i = 0; i < n - 1; i++) pair_from_rho(floquet.rho + 2 * i, o->multipliers + 4 * i);
+    ric_floquet_multipliers(&floquet, o->multipliers);
     double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] >= 0) approach = fmin(approach, c->approach[k]);
@@ -154,13 +98,13 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
     ric_point point;
     double *u = NULL;
     *out = NULL;
-    ric_status status = stored_cycle(a, b, i, &point, &cycle);
+    ric_status status = ric_stored_cycle(a, b, i, &point, &cycle);
     if (!status) {
-        branch_symmetries(m, b, cycle);
+        ric_stored_symmetries(m, b, cycle);
         status = ric_cycle_to_chain(m, cycle, &chain, &u);
     }
-    turn t;
-    if (!status && !find_turn(m, chain, u, cycle, &t)) status = unfit(b);
+    ric_turn t;
+    if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
     if (!status) status = finish(m, chain, u, &t, &point, out);
     /* as it is stored: the same numbers, not merely equal ones */
     if (!status) status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
@@ -214,10 +158,10 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     double *ua = NULL, *ub = NULL, *u = NULL;
     ric_point point, far;
     *out = NULL;
-    ric_status status = stored_cycle(a, b, i, &point, &from);
-    if (!status) status = stored_cycle(a, b, i + 1, &far, &to);
+    ric_status status = ric_stored_cycle(a, b, i, &point, &from);
+    if (!status) status = ric_stored_cycle(a, b, i + 1, &far, &to);
     if (status) goto out;
-    branch_symmetries(m, b, from);
+    ric_stored_symmetries(m, b, from);
     to->half = from->half;
     to->pure = from->pure;
     to->flip = from->flip;
@@ -226,8 +170,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
         status = no_memory();
         goto out;
     }
-    turn t;
-    if (!find_turn(m, chain, ua, from, &t)) status = unfit(b);
+    ric_turn t;
+    if (!ric_turn_find(m, chain, ua, from, &t)) status = unfit(b);
     else if (!solve_between(m, chain, ua, ub, fa, fb, at, value, u))
         status = ric_fail(RIC_E_NUMERIC, "no orbit converged between points %d and %d of branch %d", i, i + 1, b->id);
     else {
