@@ -1,6 +1,6 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
- * Reading order: status, model, study, words, motion (simulator), branch, atlas, explore, verify, version.
+ * Reading order: status, model, study, words, motion (simulator), branch, atlas, orbits and ghosts on request, explore, verify, version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by d^2,
  * times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -274,6 +274,42 @@ void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, dou
 ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
 /* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
+
+/* ------------------------------------------------------- ghosts on request */
+
+/* Beyond a grazing or a corner where a branch ends its equations still have solutions, which are no motions: a gap is penetrated, or an
+ * impact has the wrong direction of approach. Such a ghost is computed from the atlas when it is asked for and never stored. */
+typedef struct ric_ghost ric_ghost;
+typedef enum { RIC_END_FROM, RIC_END_TO } ric_end; /* the end of the branch that the ghost extends: its first or its last point */
+
+typedef struct {
+    double energy[2];     /* window, scaled */
+    double frequency[2];  /* window, rad/s */
+    int max_points;       /* of each ghost */
+} ric_ghost_limits;
+
+/* The windows of the study and the largest number of points that a listing should have. */
+void ric_ghost_limits_init(const ric_atlas *atlas, ric_ghost_limits *limits);
+/* The ghosts of a branch, one for each end at a grazing or a corner inside the windows: *n is 0 for a branch without such an end, and for
+ * a linear mode. out [*n] is allocated, each ghost and the array released by ric_ghosts_free. */
+ric_status ric_ghost_find(const ric_atlas *atlas, int branch, const ric_ghost_limits *limits, int *n, ric_ghost ***out);
+void ric_ghosts_free(int n, ric_ghost **ghosts);
+
+typedef struct {
+    ric_end end;
+    int n_point;          /* point 0 is the end of the branch itself */
+    int again;            /* first point where all margins are positive again, -1 if there is none */
+    ric_stop stop;        /* why the ghost is not followed further */
+    const char *why;      /* the same as a sentence */
+} ric_ghost_data;
+
+void ric_ghost_describe(const ric_ghost *ghost, ric_ghost_data *out);
+/* Point i as ric_atlas_point gives it, outwards; the arclength goes on from that of the branch. Any pointer may be NULL. */
+ric_status ric_ghost_point(const ric_ghost *ghost, int i, ric_point *point, double *state, double *flights);
+/* Multipliers at point i as ric_orbit_multipliers gives them. */
+ric_status ric_ghost_multipliers(const ric_ghost *ghost, int i, double *out);
+/* Whether the margins of a point are those of a motion: no gap penetrated, no impact from the wrong side, and no touch. */
+bool ric_point_admissible(const ric_point *point);
 
 /* ----------------------------------------------------------------- explore */
 

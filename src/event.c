@@ -23,13 +23,14 @@ static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH 
                                  1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
 /* Functions that grow without bound where an impact loses its speed. */
 static const unsigned singular = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
-/* What ghosts are allowed to do. */
-static const unsigned margins = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT;
+/* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them passes through zero
+ * the singular functions change sign without a zero. */
+static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
 
 static bool watched(const ric_trace *tr, int test)
 {
     if (tr->ignore & 1u << test) return false;
-    return !(tr->limits->ghost && (margins & 1u << test));
+    return !(tr->limits->ghost && (free_of_ghosts & 1u << test));
 }
 
 bool ric_event_suspicious(const ric_trace *tr, double h)

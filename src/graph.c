@@ -27,10 +27,7 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->model = m;
     g->options = o;
     g->store = store;
-    g->limits = (ric_limits){.energy = {o->energy[0] / m->energy_unit, o->energy[1] / m->energy_unit},
-                             .period = {TWO_PI / o->frequency[1] * m->omega_ref,
-                                        o->frequency[0] > 0 ? TWO_PI / o->frequency[0] * m->omega_ref : HUGE_VAL},
-                             .max_step = o->max_step, .max_points = MAX_POINTS};
+    g->limits = ric_trace_limits(m, o->energy, o->frequency, o->max_step, MAX_POINTS);
     *out = g;
     return RIC_OK;
 }

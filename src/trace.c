@@ -8,6 +8,7 @@
 #include "motion.h"
 #include "status.h"
 
+#define TWO_PI 6.283185307179586477
 #define STEP_ANGLE 0.08      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
 #define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
@@ -18,7 +19,16 @@
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define MARGIN 1e-11         /* margins that count as rounding */
+#define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
 #define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
+
+ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)
+{
+    return (ric_limits){.energy = {energy[0] / m->energy_unit, energy[1] / m->energy_unit},
+                        .period = {TWO_PI / frequency[1] * m->omega_ref,
+                                   frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL},
+                        .max_step = max_step, .max_points = max_points};
+}
 
 /* ---------------------------------------------------------------- corrector */
 
@@ -78,15 +88,16 @@ static double smallest_approach(const ric_chain *c)
     return least;
 }
 
-/* Flights between different contacts; between mirror points in flight there is no such thing. */
-static double smallest_flight(const ric_chain *c, const double *u)
+/* Flights between different contacts; between mirror points in flight there is no such thing. Two impacts on one contact cannot come
+ * together without losing their speed, which ends a branch; a ghost goes on without, so that there all flights count. */
+static double smallest_flight(const ric_chain *c, const double *u, bool ghost)
 {
     const ric_model *m = c->model;
     double least = HUGE_VAL;
     for (int k = 0; k < c->n_flight; k++) {
         int f = c->face[k], g = c->face[k + 1];
         double tau = u[c->n_start + k];
-        if (f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
+        if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
     }
     return least;
 }
@@ -116,7 +127,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     double *F = p->test;
     F[RIC_TEST_REACH] = 1 - reach;
     F[RIC_TEST_APPROACH] = approach;
-    F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u);
+    F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
     F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->t) / c->scale;
     /* below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)). The orbit is
@@ -130,7 +141,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_E_MIN] = energy - lim->energy[0];
     F[RIC_TEST_F_MAX] = time - lim->period[0];
     F[RIC_TEST_F_MIN] = lim->period[1] - time;
-    p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit, .frequency = 6.283185307179586477 / time * m->omega_ref,
+    p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit, .frequency = TWO_PI / time * m->omega_ref,
                          .trace = tr->floquet.trace_asinh, .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
                          .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN, .residual = (float)c->residual,
                          .stable = tr->floquet.stable};

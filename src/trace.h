@@ -11,7 +11,7 @@
 enum {
     RIC_TEST_REACH,    /* 1 - reach */
     RIC_TEST_APPROACH, /* smallest approach speed */
-    RIC_TEST_FLIGHT,   /* smallest flight time between different contacts */
+    RIC_TEST_FLIGHT,   /* smallest flight time between different contacts; on a ghost, of all */
     RIC_TEST_DET,      /* bordered determinant */
     RIC_TEST_SLOPE,    /* dE/ds */
     RIC_TEST_A,        /* kernels that break a symmetry of the form (floquet.h) */
@@ -44,8 +44,11 @@ typedef struct {
     double period[2];    /* smallest and largest period, internal units */
     double max_step;     /* relative to the size of the unknowns */
     int max_points;
-    bool ghost;          /* go on past inadmissible points */
+    bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
 } ric_limits;
+
+/* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
+ric_limits ric_trace_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step, int max_points);
 
 typedef struct {
     ric_chain *chain;    /* owned */
