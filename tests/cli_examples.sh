@@ -74,6 +74,19 @@ for example in $examples; do
 done | xargs -P 2 -I{} sh -c '"$1" run "examples/$3/study.yaml" -o "$2/$3.ricochet" >"$2/$3.out" 2>&1; echo $? >"$2/$3.code"
     "$1" verify "$2/$3.ricochet" >"$2/$3.replay" 2>&1; echo $? >>"$2/$3.code"' sh "$ricochet" "$folder" {}
 
+# Ghosts of every branch that has one: they all end for a reason, with every point solved.
+ghosts() { # EXAMPLE
+    local id
+    rows "$1" branches id >"$folder/ids"
+    while IFS= read -r id; do
+        "$ricochet" points "$folder/$1.ricochet" --branch "$id" --ghost --csv 2>&1 | awk -v id="$id" -F, '
+            /stopped: failed/ || /not fit|not converge/ { print "branch " id ": " $0; bad = 1 }
+            $1 == "end" { for (i = 1; i <= NF; i++) if ($i == "residual") column = i }
+            ($1 == "from" || $1 == "to") && !($column < 1e-12) { print "branch " id ": " $0; bad = 1 }
+            END { exit bad }' || return 1
+    done <"$folder/ids"
+}
+
 ran() { cat "$folder/$1.out" && [ "$(sed -n 1p "$folder/$1.code")" = 0 ]; }
 verified() { grep -v 'yes *yes$' "$folder/$1.replay"; [ "$(sed -n 2p "$folder/$1.code")" = 0 ]; }
 for example in $examples; do
@@ -81,6 +94,7 @@ for example in $examples; do
     ok "$example: no branch failed" not_failed "$example"
     ok "$example: verify" verified "$example"
     ok "$example: every refusal has a reason" reasons "$example"
+    ok "$example: ghosts" ghosts "$example"
 done
 
 ok 'elementary: branches' branches elementary 14

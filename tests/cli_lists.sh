@@ -108,6 +108,8 @@ agree "id label word impacts symmetric reversible mirror stable_fraction points 
     branches "$atlas"
 agree "id kind label name word impacts grazings multiple rotation a b energy frequency state flights branches departures" junctions "$atlas"
 agree "arclength energy frequency period trace log_trace rotation stable reach approach residual" points "$atlas" --branch "$branch"
+agree "end point arclength energy frequency period trace log_trace rotation stable reach approach residual admissible" \
+    points "$atlas" --branch "$branch" --ghost
 agree "word state flights period energy multipliers stable amplitudes impact_speeds impulses" orbit "$atlas" --branch "$branch" --point 1
 agree "t x1 x2 v1 v2" orbit "$atlas" --branch "$branch" --point 1 --history 0.05
 
@@ -118,6 +120,8 @@ for command in branches junctions; do
 done
 "$program" points "$atlas" --branch "$branch" --json >"$folder/points.json"
 "$program" points "$atlas" --branch "$branch" --json --physical >"$folder/points.physical.json"
+"$program" points "$atlas" --branch "$branch" --ghost --json >"$folder/ghost.json" 2>"$folder/ghost.said"
+"$program" points "$atlas" --branch "$branch" --ghost --json --physical >"$folder/ghost.physical.json" 2>>"$folder/said"
 "$program" orbit "$atlas" --branch "$branch" --point 1 --json >"$folder/orbit.json"
 "$program" orbit "$atlas" --branch "$branch" --point 1 --json --physical >"$folder/orbit.physical.json"
 "$program" orbit "$atlas" --branch "$branch" --point 1 --history 0.001 --json >"$folder/history.json"
@@ -125,7 +129,8 @@ python3 - "$folder" "$branch" <<'PY' 2>"$folder/said"
 import json, math, sys
 
 folder, branch = sys.argv[1], int(sys.argv[2])
-branches, junctions, points, orbit, history = (json.load(open(f"{folder}/{name}.json")) for name in ("branches", "junctions", "points", "orbit", "history"))
+branches, junctions, points, ghost, orbit, history = (
+    json.load(open(f"{folder}/{name}.json")) for name in ("branches", "junctions", "points", "ghost", "orbit", "history"))
 assert [row["id"] for row in branches] == list(range(1, len(branches) + 1))
 assert [row["id"] for row in junctions] == list(range(1, len(junctions) + 1))
 for row in branches:
@@ -143,6 +148,22 @@ assert min(p["energy"] for p in points) == mine["energy_min"] and max(p["frequen
 assert all(a["arclength"] <= b["arclength"] for a, b in zip(points, points[1:]))
 assert all(math.isclose(p["period"] * p["frequency"], 2 * math.pi, rel_tol=1e-15) for p in points)
 assert all(math.isclose(p["log_trace"], math.log(abs(p["trace"])), abs_tol=1e-9) for p in points if p["trace"])
+
+# a ghost goes on where the branch ends at a grazing, with negative margins, and only when it is asked for
+assert set(ghost[0]) - set(points[0]) == {"end", "admissible"} and not set(points[0]) - set(ghost[0])
+for end, tip, sign in (("from", points[0], -1), ("to", points[-1], 1)):
+    rows = [row for row in ghost if row["end"] == end]
+    grazes = mine[end] is not None and junctions[mine[end] - 1]["kind"] == "grazing"
+    assert bool(rows) == grazes, (end, mine[end])
+    if not rows:
+        continue
+    assert [row["point"] for row in rows] == list(range(len(rows)))
+    assert rows[0]["arclength"] == tip["arclength"] and math.isclose(rows[0]["energy"], tip["energy"], rel_tol=1e-9)
+    assert all(sign * (b["arclength"] - a["arclength"]) > 0 for a, b in zip(rows, rows[1:]))
+    assert all(row["approach"] < 0 or row["reach"] > 1 for row in rows[1:]) and not any(row["admissible"] for row in rows)
+    assert all(row["residual"] < 1e-13 and row["energy"] <= 6 * (1 + 1e-12) for row in rows)
+    assert f"beyond '{end}': {len(rows)} points; stopped: window" in open(f"{folder}/ghost.said").read()
+assert ghost
 
 o = orbit[0]
 assert math.isclose(o["energy"], points[1]["energy"], rel_tol=1e-9) and math.isclose(sum(o["flights"]), o["period"], rel_tol=1e-12)
@@ -162,6 +183,7 @@ d = 2.0
 for name, plain, scales in (("branches", branches, {"energy_min": d * d, "energy_max": d * d, "frequency_min": 1}),
                             ("junctions", junctions, {"energy": d * d, "frequency": 1}),
                             ("points", points, {"energy": d * d, "approach": d, "period": 1, "reach": 1}),
+                            ("ghost", ghost, {"energy": d * d, "approach": d, "period": 1, "reach": 1}),
                             ("orbit", orbit, {"energy": d * d, "period": 1})):
     physical = json.load(open(f"{folder}/{name}.physical.json"))
     for a, b in zip(plain, physical):
@@ -208,6 +230,18 @@ for command in points orbit; do
     expect 2 "$command with a branch that is no number" "$program" $command "$atlas" --branch first
 done
 expect 1 "points of a branch that is not there" "$program" points "$atlas" --branch 9999
+expect 1 "ghosts of a branch that is not there" "$program" points "$atlas" --branch 9999 --ghost
+expect 1 "ghosts of a linear mode" "$program" points "$atlas" --branch 1 --ghost
+grep -q 'linear mode' "$folder/said" && [ ! -s "$folder/out" ]
+report $? "a linear mode says why it has no ghost"
+sed 's/energy: \[0, 6\]/energy: [0, 2.2]/; s/depth: 1/depth: 2/' "$study" >"$folder/low.yaml"
+"$program" run "$folder/low.yaml" -o "$folder/low.ricochet" >"$folder/out" 2>"$folder/said"
+cut=$("$program" branches "$folder/low.ricochet" --json | python3 -c '
+import json, sys
+print(next(b["id"] for b in json.load(sys.stdin) if b["label"] == "A2[01]"))')
+expect 1 "ghosts of a branch from a branch point to the window" "$program" points "$folder/low.ricochet" --branch "$cut" --ghost
+grep -q 'branch-point C1_32' "$folder/said" && grep -q 'upper end of the energy window' "$folder/said"
+report $? "a branch without a grazing end says what its ends are"
 expect 1 "an orbit of a branch that is not there" "$program" orbit "$atlas" --branch 9999 --point 0
 expect 1 "an orbit at a point that is not there" "$program" orbit "$atlas" --branch "$branch" --point 999999
 expect 1 "an orbit at an energy that is not there" "$program" orbit "$atlas" --branch "$branch" --energy 1e9
