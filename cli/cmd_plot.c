@@ -659,7 +659,7 @@ const cli_command cli_plot = {
     .name = "plot",
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
     .help =
-        "usage: ricochet plot fep ATLAS [--linear] [--energy A:B] [--frequency A:B] [--break F] [--labels all|named|none] -o FILE\n"
+        "usage: ricochet plot fep ATLAS [--linear] [--energy A:B] [--frequency A:B] [--break F] [--labels all|named|none] [--ghosts] -o FILE\n"
         "       ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K] [--coordinates 1,2] -o FILE\n"
         "       ricochet plot orbit ATLAS --junction ID [--coordinates 1,2] -o FILE\n"
         "       ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log x|y|xy] -o FILE\n"
@@ -674,6 +674,7 @@ const cli_command cli_plot = {
         "  --frequency A:B     window of the frequency, rad/s\n"
         "  --break F           broken frequency axis: logarithmic and compressed above F\n"
         "  --labels WHAT       all: every junction that finds room; named: those with a name in the study; none. Without it: named and main ones\n"
+        "  --ghosts            red: how the equations of the branches shown go on beyond grazings and corners, where they give no motion\n"
         "orbit    displacements and gaps over one period with impacts and touches, and phase portraits\n"
         "  --branch ID         with --point I (from 0), --energy E or --frequency F; --which K if several orbits fit (from 1)\n"
         "  --junction ID       the original orbit of a junction\n"

@@ -28,6 +28,7 @@ static const struct {
     [PLOT_GRID] = {"#dddddd", "grid", 0.6, {0}},
     [PLOT_NATURAL] = {"#808080", "natural frequency", 0.8, {12, 4, 1, 4}},
     [PLOT_LOCKED] = {"#808080", "frequency with a contact locked", 0.8, {5, 4}},
+    [PLOT_GHOST] = {"#e3122d", "ghost", 0.7, {0}},
     [PLOT_LINEAR + RIC_STABLE_NO] = {"#b4b4b4", "linear, unstable", 0.9, {0}},
     [PLOT_LINEAR + RIC_STABLE_YES] = {"#b4b4b4", "linear, stable", 2.8, {0}},
     [PLOT_LINEAR + RIC_STABLE_UNDECIDED] = {"#b4b4b4", "linear, stability undecided", 2.2, {0.1, 4.4}},

@@ -17,7 +17,7 @@ typedef struct { double left, bottom, right, top; } plot_box;
 
 /* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
 typedef enum {
-    PLOT_GRID, PLOT_NATURAL, PLOT_LOCKED,
+    PLOT_GRID, PLOT_NATURAL, PLOT_LOCKED, PLOT_GHOST,
     PLOT_LINEAR, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,

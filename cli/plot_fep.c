@@ -16,7 +16,7 @@ typedef enum { LABELS_MAIN, LABELS_ALL, LABELS_NAMED, LABELS_NONE } label_choice
 
 typedef struct {
     const plot_options *common;
-    bool linear, has_energy, has_frequency, has_break;
+    bool linear, has_energy, has_frequency, has_break, ghosts;
     double energy[2], frequency[2], knee;
     label_choice labels;
 } fep_options;
@@ -29,6 +29,8 @@ typedef struct {
     plot_panel panel;
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
     unsigned stability;
+    struct { int n; ric_ghost **list; } *ghosts; /* [n_branch], or NULL: not asked for */
+    bool ghost;    /* one was drawn */
     plot_tag *tags;
     int n_tag, room, n_group;
     int no_margin; /* reference labels without a place */
@@ -38,6 +40,7 @@ static int parse_options(int *argc, char **argv, fep_options *o)
 {
     const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL;
     o->linear = cli_take_flag(argc, argv, "--linear");
+    o->ghosts = cli_take_flag(argc, argv, "--ghosts");
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency)
         || !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels))
         return CLI_WRONG;
@@ -221,6 +224,93 @@ static ric_status draw_branch(fep *f, int id)
         tag_branch(f, &branch, &t);
     }
     plot_track_free(&t);
+    return status;
+}
+
+/* ------------------------------------------------------------------- ghosts */
+
+/* The window in which the ghosts of a branch are followed: what the panel shows and, since a ghost may come in from outside, its start. */
+static ric_status ghost_window(const fep *f, const ric_branch *branch, bool *shown, ric_ghost_limits *limits)
+{
+    span energy = {f->panel.x.lo, f->panel.x.hi}, frequency = {f->panel.y.lo, f->panel.y.hi};
+    ric_status status = RIC_OK;
+    *shown = false;
+    ric_ghost_limits_init(f->atlas, limits);
+    for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
+        ric_point p;
+        status = ric_atlas_point(f->atlas, branch->id, i, &p, NULL, NULL);
+        *shown |= status == RIC_OK && plot_panel_inside(&f->panel, (plot_point){p.energy, p.frequency});
+        if (status == RIC_OK && (i == 0 || i == branch->n_point - 1)) {
+            span_add(&energy, p.energy);
+            span_add(&frequency, p.frequency);
+        }
+    }
+    limits->energy[0] = energy.lo;
+    limits->energy[1] = energy.hi;
+    limits->frequency[0] = frequency.lo;
+    limits->frequency[1] = frequency.hi;
+    return status;
+}
+
+/* Ghosts of the branches that the panel shows. */
+static ric_status find_ghosts(fep *f)
+{
+    const int total = ric_atlas_n_branch(f->atlas);
+    int failed = 0;
+    ric_status status = (f->ghosts = calloc((size_t)total + 1, sizeof *f->ghosts)) ? RIC_OK : RIC_E_NOMEM;
+    for (int id = 1; status == RIC_OK && id <= total; id++) {
+        ric_branch branch;
+        ric_ghost_limits limits;
+        bool shown;
+        status = ric_atlas_branch(f->atlas, id, &branch);
+        if (status != RIC_OK || (status = ghost_window(f, &branch, &shown, &limits)) != RIC_OK || !shown)
+            continue;
+        status = ric_ghost_find(f->atlas, id, &limits, &f->ghosts[id - 1].n, &f->ghosts[id - 1].list);
+        if (status == RIC_E_NUMERIC) { /* one missing ghost is no reason to have no picture */
+            failed++;
+            status = RIC_OK;
+        }
+    }
+    if (failed)
+        fprintf(stderr, "ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n", failed, failed == 1 ? "" : "es");
+    return status;
+}
+
+static void free_ghosts(fep *f)
+{
+    for (int i = 0; f->ghosts && i < ric_atlas_n_branch(f->atlas); i++)
+        ric_ghosts_free(f->ghosts[i].n, f->ghosts[i].list);
+    free(f->ghosts);
+}
+
+static ric_status draw_ghost(fep *f, const ric_ghost *ghost)
+{
+    ric_ghost_data data;
+    ric_status status = RIC_OK;
+    ric_ghost_describe(ghost, &data);
+    plot_point *curve = malloc(((size_t)data.n_point + 1) * sizeof *curve);
+    if (!curve)
+        return RIC_E_NOMEM;
+    for (int i = 0; status == RIC_OK && i < data.n_point; i++) {
+        ric_point p;
+        status = ric_ghost_point(ghost, i, &p, NULL, NULL);
+        if (status != RIC_OK)
+            break;
+        curve[i] = (plot_point){p.energy, ric_point_admissible(&p) ? NAN : p.frequency}; /* where it is a motion again it is no ghost */
+        f->ghost |= i > 0 && plot_panel_inside(&f->panel, curve[i]);
+    }
+    if (status == RIC_OK)
+        plot_panel_curve(f->page, &f->panel, PLOT_GHOST, data.n_point, curve);
+    free(curve);
+    return status;
+}
+
+static ric_status draw_ghosts(fep *f)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; f->ghosts && i < ric_atlas_n_branch(f->atlas); i++)
+        for (int k = 0; status == RIC_OK && k < f->ghosts[i].n; k++)
+            status = draw_ghost(f, f->ghosts[i].list[k]);
     return status;
 }
 
@@ -444,6 +534,8 @@ out:
 static int legend_entries(const fep *f, plot_legend_entry *out)
 {
     int n = plot_legend_entries(f->family, f->stability, NULL, out);
+    if (f->ghost)
+        out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
     if (f->natural)
         out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked)
@@ -468,6 +560,8 @@ static ric_status draw_data(fep *f, double legend)
     ric_status status = draw_references(f);
     for (int id = 1; status == RIC_OK && id <= ric_atlas_n_branch(f->atlas); id++)
         status = draw_branch(f, id);
+    if (status == RIC_OK)
+        status = draw_ghosts(f);
     return status == RIC_OK ? draw_junctions(f) : status;
 }
 
@@ -514,7 +608,10 @@ static int draw_page(fep *f)
     set_axes(f, energy, frequency);
     if (f->options->has_break && !(f->options->knee > f->panel.y.lo && f->options->knee < f->panel.y.hi))
         return cli_wrong("--break %g: must lie inside the frequencies shown, %g to %g", f->options->knee, f->panel.y.lo, f->panel.y.hi);
-    status = draw(f);
+    if (f->options->ghosts)
+        status = find_ghosts(f);
+    if (status == RIC_OK)
+        status = draw(f);
     return status == RIC_OK ? plot_page_write(f->page, common->out) : cli_report(status);
 }
 
@@ -531,6 +628,7 @@ int plot_fep(int argc, char **argv, const plot_options *common)
     f.model = ric_atlas_model(f.atlas);
     code = draw_page(&f);
     plot_page_free(f.page);
+    free_ghosts(&f);
     ric_atlas_free(f.atlas);
     free(f.tags);
     return code;

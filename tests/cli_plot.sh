@@ -92,6 +92,12 @@ leaves_nothing() {
 draws fep plot fep "$ATLAS"
 draws fep-linear plot fep "$ATLAS" --linear --size 700x500 --labels all
 draws fep-plain plot fep "$ATLAS" --labels none --title "it's a_{test} <&> \"quoted\" ~ \\ @ 100%"
+draws fep-ghosts plot fep "$ATLAS" --ghosts
+red='#[eE]3122[dD]\|rgb( *227, *18, *45)' # only ghosts have it
+note "ghosts are not in the picture" "$(grep -q "$red" fep-ghosts.svg && grep -q 'ghost' fep-ghosts.svg; echo $?)"
+note "there are ghosts that nobody asked for" "$(! grep -q "$red" fep.svg; echo $?)"
+exits 0 plot fep "$ATLAS" --ghosts --energy 1.8:4 --frequency 2.5:4 -o away.svg
+note "ghosts outside of the window" "$(! grep -q 'ghost: no motion' away.svg; echo $?)"
 draws orbit plot orbit "$ATLAS" --branch 1 --point 0
 draws junction plot orbit "$ATLAS" --junction 1 --coordinates 1
 draws curves plot curves "$ATLAS" --x energy --y frequency
