@@ -306,11 +306,14 @@ static void adapt(ric_trace *tr, double h, double angle, int iterations)
     tr->after = 0;
 }
 
-/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out on the right side. */
+/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out on the right side,
+ * and not stay at zero: contacts that stay together, or impacts that stay without speed, are no branch. */
 static bool margins_hold(const ric_station *p, unsigned ignored)
 {
-    double apart = ignored & 1u << RIC_TEST_FLIGHT ? MARGIN : -MARGIN; /* contacts that stay together are no way out of a corner */
-    return p->test[RIC_TEST_REACH] > -MARGIN && p->test[RIC_TEST_APPROACH] > -MARGIN && p->test[RIC_TEST_FLIGHT] > apart;
+    static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
+    for (int i = 0; i < 3; i++)
+        if (!(p->test[margins[i]] > (ignored & 1u << margins[i] ? MARGIN : -MARGIN))) return false;
+    return true;
 }
 
 static void swap_stations(ric_trace *tr)
