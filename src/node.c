@@ -60,9 +60,46 @@ typedef struct {
     int place;     /* in the chain, of the impact or flight in question */
     const double *u;
     double target; /* lambda + 1/lambda, for a q-tupling */
+    double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
 } criterion;
 
-static double evaluate(criterion *q, const double *t, double orientation)
+/* Takes from a cycle the symmetries that a kernel of the given type breaks; `form` is its chain with all of them. */
+static void drop_symmetry(ric_cycle *c, int test, const ric_chain *form)
+{
+    if (form->multiple == 4) {
+        /* a quarter starts at a centre: kernels of type a keep it, of type d keep the other mirror, of type b only z(t+T/2) = -z(t) */
+        if (test == RIC_TEST_A) c->pure = -1, c->half = false;
+        else if (test == RIC_TEST_D) c->flip = -1, c->half = false;
+        else c->pure = c->flip = -1;
+    } else {
+        c->pure = c->flip = -1;
+        c->half = false;
+    }
+}
+
+/* Bordered determinant of the problem without the symmetry that breaks, at the symmetric orbit u: it vanishes where the factors of section 5
+ * do, but does not divide by impact speeds and keeps its digits however unstable the orbit is. */
+static double broken_determinant(criterion *q, const double *u)
+{
+    ric_chain *large = NULL;
+    double *v = NULL, value = NAN;
+    ric_cycle *cycle = ric_cycle_from_chain(q->chain, u);
+    if (!cycle) return NAN;
+    drop_symmetry(cycle, q->test, q->chain);
+    if (!ric_cycle_to_chain(q->chain->model, cycle, &large, &v)) {
+        double t[large->n_unknown];
+        ric_chain_evaluate(large, v);
+        double sign = ric_trace_tangent(large, q->along, t);
+        value = sign * large->end_det;
+        if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
+    }
+    ric_chain_free(large);
+    ric_cycle_free(cycle);
+    free(v);
+    return value;
+}
+
+static double evaluate(criterion *q, const double *u, const double *t, double orientation)
 {
     const ric_chain *c = q->chain;
     switch (q->test) {
@@ -82,9 +119,7 @@ static double evaluate(criterion *q, const double *t, double orientation)
             if (fabs(q->floquet.rho[2 * i] - q->target) < fabs(nearest)) nearest = q->floquet.rho[2 * i] - q->target;
         return nearest;
     }
-    default:
-        if (ric_floquet_compute(c, &q->floquet)) return NAN;
-        return q->test == RIC_TEST_A ? q->floquet.det_a : q->test == RIC_TEST_B ? q->floquet.det_b : q->floquet.det_d;
+    default: return broken_determinant(q, u);
     }
 }
 
@@ -99,7 +134,7 @@ static bool solve_criterion(criterion *q, double *u)
     if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
     ric_trace_tangent(c, NULL, normal);
-    f1 = evaluate(q, normal, 1);
+    f1 = evaluate(q, u, normal, 1);
     for (int i = 0; i < 30; i++) {
         if (fabs(f1) < least) {
             least = fabs(f1);
@@ -114,7 +149,7 @@ static bool solve_criterion(criterion *q, double *u)
         for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
         if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) return false;
         double sign = ric_trace_tangent(c, normal, t);
-        f1 = evaluate(q, t, sign);
+        f1 = evaluate(q, u, t, sign);
         if (x1 == x0) break;
     }
     memcpy(u, best, sizeof best);
@@ -166,6 +201,7 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test, 
         ric_cycle_free(source);
         ric_chain_free(q.chain);
         ric_floquet_release(&q.floquet);
+        free(q.along);
         free(u);
         canonical = NULL;
         if (!out) return NULL;
@@ -716,19 +752,6 @@ static bool plane(ric_chain *c, const double *u, double *kernel)
     free(super);
     free(V);
     return found;
-}
-
-static void drop_symmetry(ric_cycle *c, int test, const ric_chain *form)
-{
-    if (form->multiple == 4) {
-        /* a quarter starts at a centre: kernels of type a keep it, of type d keep the other mirror, of type b only z(t+T/2) = -z(t) */
-        if (test == RIC_TEST_A) c->pure = -1, c->half = false;
-        else if (test == RIC_TEST_D) c->flip = -1, c->half = false;
-        else c->pure = c->flip = -1;
-    } else {
-        c->pure = c->flip = -1;
-        c->half = false;
-    }
 }
 
 /* A neighbour of the node on its symmetric branch, at distance h, as unknowns of the problem that `like` (less symmetric) poses. */
