@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lapacke.h>
+
 #include "motion.h"
 #include "status.h"
 
@@ -18,6 +20,9 @@
  * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
  * through four points at good distance, and the junction is solved on its own equations later. */
 #define CROSSING 1e-3
+
+#define SETTLE_STEPS 3
+#define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
                                  1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
@@ -471,7 +476,36 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     return status;
 }
 
-/* Energy, frequency and residual of an end that was read off and not solved. */
+/* Newton's method onto the curve from a point read off cubics at a branch point, where the kernel has more dimensions than one: the
+ * shortest correction, without the directions that singular values below SINGULAR leave undetermined. u stays where it was if that does
+ * not bring it to rounding level close by. */
+static ric_status settle(ric_chain *c, double *u)
+{
+    ric_status status = RIC_OK;
+    int columns = c->n_unknown, capacity = c->n_flight + 2 * c->n + 2, m = capacity > columns ? capacity : columns, rank;
+    double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
+    double values[m], v[m], moved = 0;
+    if (!J || !r) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+        goto out;
+    }
+    memcpy(v, u, (size_t)columns * sizeof *u);
+    for (int i = 0; i < SETTLE_STEPS; i++) {
+        int rows = ric_chain_jacobian(c, v, J);
+        ric_chain_residuals(c, v, r);
+        if (!rows || LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, SINGULAR, &rank)) goto out;
+        for (int j = 0; j < columns; j++) v[j] -= r[j];
+    }
+    ric_chain_fly(c, v);
+    for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
+    if (c->residual <= ric_trace_tolerance(c) && moved <= SAME_ORBIT * c->scale) memcpy(u, v, (size_t)columns * sizeof *u);
+out:
+    free(J);
+    free(r);
+    return status;
+}
+
+/* Energy, frequency and residual of an end that was not solved as a station. */
 static void complete_row(ric_trace *tr, ric_station *p)
 {
     const ric_model *m = tr->chain->model;
@@ -505,6 +539,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
         test = read;
         tr->arrival = read == RIC_TEST_DET;
         window_text(tr, test);
+        if (tr->arrival && (status = settle(tr->chain, tr->mid.u))) return status;
         complete_row(tr, &tr->mid);
     } else if (test < 0) {
         tr->stop = RIC_STOP_CLOSED;
