@@ -358,6 +358,18 @@ ric_cycle *ric_cycle_shorten(const ric_cycle *c, int q)
     return out;
 }
 
+ric_cycle *ric_cycle_repeat(const ric_cycle *c, int q)
+{
+    ric_cycle *out = ric_cycle_create(c->n, c->N * q);
+    if (!out) return NULL;
+    memcpy(out->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    for (int i = 0; i < out->N; i++) {
+        out->face[i] = c->face[i % c->N];
+        out->tau[i] = c->tau[i % c->N];
+    }
+    return out;
+}
+
 /* ------------------------------------------------------------- comparison */
 
 static double size_of(const ric_cycle *c)

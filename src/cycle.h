@@ -39,6 +39,9 @@ ric_cycle *ric_cycle_keep(const ric_model *model, const ric_cycle *cycle, const 
 /* The first N/q impacts of a cycle that repeats itself q times. */
 ric_cycle *ric_cycle_shorten(const ric_cycle *cycle, int q);
 
+/* The cycle gone through q times; no symmetries are set. */
+ric_cycle *ric_cycle_repeat(const ric_cycle *cycle, int q);
+
 /* Relative distance of two cycles as they stand (same faces needed, else infinity). */
 double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
 /* The operation that takes b to a within `tolerance`: found or not. */

@@ -23,8 +23,9 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     out->n_pair = n - 1;
     out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn;
     out->rho = calloc(2 * k, sizeof(double));
+    out->own = calloc(2 * k, sizeof(double));
     out->work = calloc(out->n_work, sizeof(double));
-    if (!out->rho || !out->work) {
+    if (!out->rho || !out->own || !out->work) {
         ric_floquet_release(out);
         return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
     }
@@ -34,8 +35,9 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
 void ric_floquet_release(ric_floquet *f)
 {
     free(f->rho);
+    free(f->own);
     free(f->work);
-    f->rho = f->work = NULL;
+    f->rho = f->own = f->work = NULL;
 }
 
 /* ---------------------------------------------------------------- sections */
@@ -258,8 +260,9 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
     double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
     f->error = ldexp(error, 2 * exponent);
+    f->own[0] = rho;
     f->rho[0] = full;
-    f->rho[1] = 0;
+    f->own[1] = f->rho[1] = 0;
     if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
     else f->trace_asinh = asinh(full / 2);
     bool inside = 4 * bc < -error && 4 * ad > error, outside = 4 * bc > error || 4 * ad < -error;
@@ -280,6 +283,7 @@ static void judge_pairs(ric_floquet *f, bool quarter, double error)
         double split = sqrt(error / size) * size; /* a double eigenvalue splits like the square root of the error */
         if (fabs(r[1]) > split || fabs(r[0]) - 2 > error) unstable = true;
         else if (fabs(r[1]) > 0 || fabs(r[0]) > 2 - error) undecided = true;
+        memcpy(f->own + 2 * i, r, 2 * sizeof *r);
         if (quarter) square(r);
     }
     f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
@@ -321,7 +325,7 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
         }
     if (!isfinite(error) || !eigenvalues(k, A, f->rho)) {
         f->stable = RIC_STABLE_NO; /* beyond the range of a double: some multiplier is astronomically large */
-        for (int i = 0; i < 2 * k; i++) f->rho[i] = NAN;
+        for (int i = 0; i < 2 * k; i++) f->rho[i] = f->own[i] = NAN;
         return RIC_OK;
     }
     judge_pairs(f, quarter, error);
@@ -336,8 +340,9 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
     double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
     error += ldexp(8 * DBL_EPSILON, -exponent);
     f->error = ldexp(error, exponent);
+    f->own[0] = rho;
     f->rho[0] = full;
-    f->rho[1] = 0;
+    f->own[1] = f->rho[1] = 0;
     if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
     else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
     f->stable = fabs(trace) < two - error ? RIC_STABLE_YES : fabs(trace) > two + error ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
@@ -380,7 +385,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     f->trace_asinh = f->rotation = NAN;
     if (!isfinite(error) || exponent) {
         f->stable = RIC_STABLE_NO;
-        for (int i = 0; i < 2 * k; i++) f->rho[i] = NAN;
+        for (int i = 0; i < 2 * k; i++) f->rho[i] = f->own[i] = NAN;
         return RIC_OK;
     }
     /* M + M^-1 with M^-1 = -J M' J: every eigenvalue rho is double; sorted, they pair up */
@@ -394,7 +399,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
         }
     if (!eigenvalues(ld, A, all)) {
         f->stable = RIC_STABLE_NO;
-        for (int i = 0; i < 2 * k; i++) f->rho[i] = NAN;
+        for (int i = 0; i < 2 * k; i++) f->rho[i] = f->own[i] = NAN;
         return RIC_OK;
     }
     bool used[ld];

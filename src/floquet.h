@@ -10,6 +10,7 @@
 typedef struct {
     int n_pair;            /* n - 1 */
     double *rho;           /* [2 * n_pair] re, im of lambda + 1/lambda over the full period */
+    double *own;           /* [2 * n_pair] the same of the chain's own map, of which the full period may be the square */
     double error;          /* of rho, absolute, from rounding */
     double trace_asinh;    /* asinh(tau2 / 2), n = 2 only, else NaN */
     double rotation;       /* gamma, n = 2 on the unit circle, else NaN */

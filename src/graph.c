@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <time.h>
 
+#include "depart.h"
 #include "motion.h"
 #include "status.h"
 
@@ -104,7 +105,8 @@ static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice,
     const ric_limits *l = &g->limits;
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
-    snprintf(key, size, "%d %d %a %a %u %d %a %a %a %a %a %016" PRIx64, (int)node->kind, node->cycle->N, node->energy, node->period, choice, side,
+    snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
+             node->energy, node->period, choice, side,
              l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, hash);
 }
 
@@ -165,7 +167,7 @@ static bool at_corner(const ric_trace *tr)
 /* Whether a branch that ends here can be traced from here. */
 static bool departs(const ric_node *node)
 {
-    return !(node->kind == RIC_KIND_CORNER && node->refusal) && node->multiple == 1;
+    return node->kind == RIC_KIND_CORNER ? !node->refusal : node->kind != RIC_KIND_GRAZING || node->multiple == 1;
 }
 
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
@@ -197,7 +199,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
                 tr->why = "the branch does not fit the junction at its end";
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : RIC_SIDE;
+        } else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
     ric_cycle_free(cycle);
     return status;
@@ -369,15 +371,15 @@ static ric_status trace_back(ric_graph *g, const ric_trace *tr, ric_trace **out)
     return status;
 }
 
-/* The whole of a branch of which an inner point is known: to one end, then from there to the other. */
-static ric_status follow_through(ric_graph *g, int inside, int depth)
+/* The whole of a branch that passes through a junction: to one end, then from there to the other. */
+static ric_status follow_through(ric_graph *g, int inside, unsigned through, int depth)
 {
     ric_status status = RIC_OK;
     ric_trace *tr[2] = {NULL, NULL}, *whole = NULL;
     int to[2] = {-1, -1};
     unsigned arrive[2];
     for (int i = 0; i < 2; i++) {
-        if ((status = trace_departure(g, g->nodes[inside], RIC_THROUGH, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
+        if ((status = trace_departure(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
         if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
         if (tr[i]->stop == RIC_STOP_CLOSED) {
             status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, -1);
@@ -461,7 +463,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         d->state = RIC_DEPARTURE_OVER_BUDGET; /* the original of a duplicate may lie outside the frequency window */
         return RIC_OK;
     }
-    if (node->kind == RIC_KIND_MULTIPLICATION && choice == RIC_SIDE) {
+    if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH &&
+        (node->multiple > g->options->multiply || node->multiple * node->period > g->limits.period[1])) {
         d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
@@ -470,15 +473,15 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         return RIC_OK;
     }
     if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
-    if (!ric_node_chooses(node) && choice == RIC_THROUGH) {
-        for (int i = 0; i < g->n_edge; i++) {
+    if (ric_node_passes(node, choice)) {
+        for (int i = 0; choice == RIC_THROUGH && i < g->n_edge; i++) {
             double where;
             /* a branch that ends here has left, it does not pass */
             if (g->edges[i].from == index || g->edges[i].to == index || !contains(g, &g->edges[i], node, &where)) continue;
             d->state = RIC_DEPARTURE_KNOWN;
             return node->kind == RIC_KIND_START ? RIC_OK : attach(&g->edges[i], index, where);
         }
-        status = follow_through(g, index, depth);
+        status = follow_through(g, index, choice, depth);
         node->departures[place].state = RIC_DEPARTURE_TAKEN;
     } else {
         bool taken = false;

@@ -3,10 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
 #include "corner.h"
 #include "motion.h"
+#include "problem.h"
 #include "status.h"
 
 #define TOUCH 1e-9      /* reach within this of 1 at a located event is a touch */
@@ -14,8 +13,6 @@
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
-#define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
-#define SECANT 1e-4      /* distance, relative, of the point that gives the direction of a side branch */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
@@ -59,34 +56,32 @@ typedef struct {
     int test;
     int place;     /* in the chain, of the impact or flight in question */
     const double *u;
-    double target; /* lambda + 1/lambda, for a q-tupling */
+    int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used */
     double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
 } criterion;
 
-/* Takes from a cycle the symmetries that a kernel of the given type breaks; `form` is its chain with all of them. */
-static void drop_symmetry(ric_cycle *c, int test, const ric_chain *form)
+/* The problem with fewer symmetries whose determinant vanishes at the junction. */
+static ric_problem smaller_problem(const criterion *q, const ric_cycle *cycle)
 {
-    if (form->multiple == 4) {
-        /* a quarter starts at a centre: kernels of type a keep it, of type d keep the other mirror, of type b only z(t+T/2) = -z(t) */
-        if (test == RIC_TEST_A) c->pure = -1, c->half = false;
-        else if (test == RIC_TEST_D) c->flip = -1, c->half = false;
-        else c->pure = c->flip = -1;
-    } else {
-        c->pure = c->flip = -1;
-        c->half = false;
-    }
+    ric_problem problems[2];
+    if (q->test != TEST_ROTATION) return ric_problem_breaking(cycle, q->test);
+    ric_problem_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
+    return problems[q->choice];
 }
 
-/* Bordered determinant of the problem without the symmetry that breaks, at the symmetric orbit u: it vanishes where the factors of section 5
- * do, but does not divide by impact speeds and keeps its digits however unstable the orbit is. */
-static double broken_determinant(criterion *q, const double *u)
+/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where the factors of
+ * section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and keeps its digits however unstable
+ * the orbit is. */
+static double larger_determinant(criterion *q, const double *u)
 {
     ric_chain *large = NULL;
     double *v = NULL, value = NAN;
-    ric_cycle *cycle = ric_cycle_from_chain(q->chain, u);
-    if (!cycle) return NAN;
-    drop_symmetry(cycle, q->test, q->chain);
-    if (!ric_cycle_to_chain(q->chain->model, cycle, &large, &v)) {
+    ric_cycle *here = ric_cycle_from_chain(q->chain, u), *cycle = NULL;
+    if (here) {
+        ric_problem problem = smaller_problem(q, here);
+        cycle = ric_problem_cycle(here, &problem);
+    }
+    if (cycle && !ric_cycle_to_chain(q->chain->model, cycle, &large, &v)) {
         double t[large->n_unknown];
         ric_chain_evaluate(large, v);
         double sign = ric_trace_tangent(large, q->along, t);
@@ -94,9 +89,24 @@ static double broken_determinant(criterion *q, const double *u)
         if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
     }
     ric_chain_free(large);
+    ric_cycle_free(here);
     ric_cycle_free(cycle);
     free(v);
     return value;
+}
+
+/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the period is its square, that
+ * of the period only touches -2. */
+static double off_rotation(criterion *q)
+{
+    const ric_chain *c = q->chain;
+    if (ric_floquet_compute(c, &q->floquet)) return NAN;
+    double nearest = HUGE_VAL, target = ric_problem_rho(c->multiple == 4 || c->sigma < 0, q->rotation[0], q->rotation[1]);
+    for (int i = 0; i < q->floquet.n_pair; i++) {
+        double off = q->floquet.own[2 * i] - target;
+        if (fabs(off) < fabs(nearest)) nearest = off;
+    }
+    return nearest;
 }
 
 static double evaluate(criterion *q, const double *u, const double *t, double orientation)
@@ -112,14 +122,8 @@ static double evaluate(criterion *q, const double *u, const double *t, double or
         for (int k = c->n_start; k < c->n_unknown; k++) sum += t[k];
         return sum;
     }
-    case TEST_ROTATION: {
-        if (ric_floquet_compute(c, &q->floquet)) return NAN;
-        double nearest = HUGE_VAL;
-        for (int i = 0; i < q->floquet.n_pair; i++)
-            if (fabs(q->floquet.rho[2 * i] - q->target) < fabs(nearest)) nearest = q->floquet.rho[2 * i] - q->target;
-        return nearest;
-    }
-    default: return broken_determinant(q, u);
+    case TEST_ROTATION: return c->start == RIC_MIRROR_NONE ? off_rotation(q) : larger_determinant(q, u);
+    default: return larger_determinant(q, u);
     }
 }
 
@@ -179,20 +183,20 @@ static int shortest(const ric_chain *c, const double *u)
     return best;
 }
 
-/* Re-solves `cycle` (with its symmetries) on the defining equation of `test`: canonical start, unknowns rounded, solved again.
+/* Re-solves `cycle` (with its symmetries) on its defining equation `what`: canonical start, unknowns rounded, solved again.
  * Returns the new cycle or NULL. */
-static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, int test, double target)
+static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion what)
 {
     ric_cycle *canonical = NULL, *out = NULL;
     for (int pass = 0; pass < 2; pass++) {
-        criterion q = {.test = test, .target = target};
+        criterion q = what;
         double *u = NULL;
         ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
         if (good) {
             ric_chain_evaluate(q.chain, u);
-            if (test == RIC_TEST_APPROACH) q.place = slowest(q.chain);
-            if (test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
+            if (q.test == RIC_TEST_APPROACH) q.place = slowest(q.chain);
+            if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             if (pass)
                 for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
             good = solve_criterion(&q, u);
@@ -349,7 +353,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
         if (!(full = shorter)) return no_memory();
         ric_cycle_find_symmetries(m, full, SAME);
     }
-    solved = resolve(m, full, RIC_TEST_APPROACH, 0);
+    solved = resolve(m, full, (criterion){.test = RIC_TEST_APPROACH});
     ric_cycle_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     ric_status status = finish_grazing(m, solved, out);
@@ -417,7 +421,7 @@ static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int 
 {
     ric_cycle *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
     if (!least) return no_memory();
-    solved = resolve(m, least, RIC_TEST_FLIGHT, 0);
+    solved = resolve(m, least, (criterion){.test = RIC_TEST_FLIGHT});
     ric_cycle_free(least);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
@@ -455,13 +459,13 @@ ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node 
 
 /* ------------------------------------------------------------- branch points */
 
-static bool add_two(ric_node *node)
+/* The branch that passes, and up to two that leave. */
+static bool add_departures(ric_node *node, int count)
 {
-    node->departures = calloc(2, sizeof *node->departures);
+    node->departures = calloc((size_t)count, sizeof *node->departures);
     if (!node->departures) return false;
-    node->departures[0].choice = RIC_THROUGH;
-    node->departures[1].choice = RIC_SIDE;
-    node->n_departure = 2;
+    for (int i = 0; i < count; i++) node->departures[i].choice = RIC_THROUGH + (unsigned)i;
+    node->n_departure = count;
     return true;
 }
 
@@ -469,12 +473,12 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
 {
     ric_kind kind = test == RIC_TEST_SLOPE ? RIC_KIND_EXTREMUM : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM : RIC_KIND_BRANCH_POINT;
     *out = NULL;
-    ric_cycle *solved = resolve(m, cycle, test, 0);
+    ric_cycle *solved = resolve(m, cycle, (criterion){.test = test});
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, kind, solved);
     if (!node) return no_memory();
     node->test = test;
-    if (kind == RIC_KIND_BRANCH_POINT && !add_two(node)) {
+    if (kind == RIC_KIND_BRANCH_POINT && !add_departures(node, 2)) {
         ric_node_free(node);
         return no_memory();
     }
@@ -486,30 +490,30 @@ ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node *
 {
     ric_node *node = node_create(m, RIC_KIND_START, ric_cycle_canonical(m, cycle));
     *out = NULL;
-    if (!node || !add_two(node)) {
+    if (!node || !add_departures(node, 1)) {
         ric_node_free(node);
         return no_memory();
     }
-    node->n_departure = 1; /* only the branch that passes */
     *out = node;
     return RIC_OK;
 }
 
-/* p of a q-tupling from the rotation number of the original orbit; 0 if it is not on the unit circle. */
+/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. rho alone does not tell p from q - p unless it is that of half a
+ * period: then the smaller one. */
 static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
 {
     ric_chain *chain = NULL;
     ric_floquet floquet = {0};
-    double *u = NULL;
+    double *u = NULL, best = 1e-3;
     int p = 0;
     if (!ric_cycle_to_chain(m, cycle, &chain, &u) && !ric_floquet_create(m->n, &floquet)) {
+        bool half = chain->multiple == 4 || chain->sigma < 0;
         ric_chain_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
             if (isfinite(floquet.rotation)) p = (int)lrint(q * floquet.rotation);
-            double best = 1e-3;
-            for (int i = 0; p == 0 && m->n > 2 && i < floquet.n_pair; i++)
-                for (int k = 1; k < q; k++) {
-                    double off = fabs(floquet.rho[2 * i] - 2 * cos(6.283185307179586477 * k / q)) + fabs(floquet.rho[2 * i + 1]);
+            for (int i = 0; p == 0 && i < floquet.n_pair; i++)
+                for (int k = 1; k <= (half ? q - 1 : q / 2); k++) {
+                    double off = hypot(floquet.own[2 * i] - ric_problem_rho(half, k, q), floquet.own[2 * i + 1]);
                     if (off < best) {
                         best = off;
                         p = k;
@@ -521,6 +525,51 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
     ric_floquet_release(&floquet);
     free(u);
     return p;
+}
+
+/* Of the two problems of a doubling only one has a kernel. */
+static int singular_problem(const ric_model *m, const ric_cycle *cycle, const ric_problem problems[2])
+{
+    double smallest[2] = {HUGE_VAL, HUGE_VAL};
+    for (int i = 0; i < 2; i++) {
+        ric_chain *chain = NULL;
+        double *u = NULL;
+        ric_cycle *repeated = ric_problem_cycle(cycle, &problems[i]);
+        if (repeated && !ric_cycle_to_chain(m, repeated, &chain, &u)) {
+            ric_chain_evaluate(chain, u);
+            smallest[i] = chain->smallest;
+        }
+        ric_chain_free(chain);
+        ric_cycle_free(repeated);
+        free(u);
+    }
+    return smallest[1] < smallest[0];
+}
+
+ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, int p, int q, ric_node **out)
+{
+    criterion what = {.test = TEST_ROTATION, .rotation = {p, q}};
+    ric_problem problems[2];
+    int count = ric_problem_multiplying(cycle, p, q, problems), order = ric_problem_order(cycle, p, q);
+    *out = NULL;
+    if (count == 2 && order == 2) what.choice = singular_problem(m, cycle, problems);
+    ric_cycle *solved = resolve(m, cycle, what);
+    if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
+    ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
+    if (!node || !add_departures(node, 3)) {
+        ric_node_free(node);
+        return no_memory();
+    }
+    node->multiple = q;
+    node->rotation[0] = p;
+    node->rotation[1] = q;
+    if (order == 2) { /* the canonical orbit may start elsewhere: mirror points are counted anew */
+        ric_problem_multiplying(solved, p, q, problems);
+        node->departures[1].choice = RIC_SIDE + (unsigned)(count == 2 ? singular_problem(m, solved, problems) : 0);
+        node->n_departure = 2;
+    } else if (order % 2) node->n_departure = 2; /* one family, which passes */
+    *out = node;
+    return RIC_OK;
 }
 
 /* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part` arrives: what is lost tells. */
@@ -541,21 +590,11 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
         ric_cycle_free(sym);
         if (!(sym = shorter)) return no_memory();
         ric_cycle_find_symmetries(m, sym, 1e-5);
-        ric_cycle *solved = NULL;
         int p = rotation_of(m, sym, q);
-        if (p > 0) solved = resolve(m, sym, TEST_ROTATION, 2 * cos(6.283185307179586477 * p / q));
+        ric_status status = p > 0 ? ric_node_multiplication(m, sym, p, q, out)
+                                  : ric_fail(RIC_E_NUMERIC, "an orbit gone through %d times has no multiplier of that order", q);
         ric_cycle_free(sym);
-        if (!(sym = solved)) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication does not converge");
-        ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, sym);
-        if (!node || !add_two(node)) {
-            ric_node_free(node);
-            return no_memory();
-        }
-        node->multiple = q;
-        node->rotation[0] = p;
-        node->rotation[1] = q;
-        *out = node;
-        return RIC_OK;
+        return status;
     }
     int test = broken_test(sym, cycle);
     ric_status status = ric_node_interior(m, sym, test, out);
@@ -574,7 +613,7 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 {
     int shift;
     bool reverse, mirror;
-    if (a->kind != b->kind || a->multiple != b->multiple || a->cycle->N != b->cycle->N) return false;
+    if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] || a->cycle->N != b->cycle->N) return false;
     if (fabs(a->energy - b->energy) > 1e-6 * (1e-3 + fabs(a->energy)) || fabs(a->period - b->period) > 1e-6 * a->period) return false;
     return ric_cycle_match(m, a->cycle, b->cycle, 10 * SAME, &shift, &reverse, &mirror);
 }
@@ -616,9 +655,28 @@ out:
     return result;
 }
 
-/* ---------------------------------------------------------------- departures */
+unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
+{
+    unsigned result = RIC_SIDE;
+    int shift;
+    bool reverse, mirror;
+    ric_cycle *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_cycle_repeat(node->cycle, node->multiple) : NULL, *home = NULL;
+    if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
+    if (ric_cycle_match(m, repeated, cycle, 1e-3, &shift, &reverse, &mirror)) home = ric_cycle_transform(m, cycle, shift, reverse, mirror);
+    ric_problem other = ric_node_problem(node, RIC_OTHER_SIDE);
+    /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those a period (2N half positions) apart are
+     * the same, those half a period apart are not */
+    int r = !home ? -1 : home->pure >= 0 ? home->pure : home->flip, other_r = other.pure >= 0 ? other.pure : other.flip;
+    bool reversal = home && (home->flip >= 0) == (other.flip >= 0);
+    if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0)) result = RIC_OTHER_SIDE;
+    ric_cycle_free(repeated);
+    ric_cycle_free(home);
+    return result;
+}
 
-static ric_cycle *chosen(const ric_model *m, const ric_node *node, unsigned choice)
+/* ------------------------------------------------------------- the ways out */
+
+ric_cycle *ric_node_chosen(const ric_model *m, const ric_node *node, unsigned choice)
 {
     int N = node->cycle->N;
     bool keep[N];
@@ -632,12 +690,13 @@ static ric_cycle *chosen(const ric_model *m, const ric_node *node, unsigned choi
 
 ric_cycle *ric_node_regular(const ric_model *m, const ric_node *node)
 {
-    return node->kind == RIC_KIND_GRAZING ? chosen(m, node, 0) : ric_cycle_copy(node->cycle);
+    return node->kind == RIC_KIND_GRAZING ? ric_node_chosen(m, node, 0) : ric_cycle_copy(node->cycle);
 }
 
 int ric_node_impacts(const ric_node *node, unsigned choice)
 {
     int count = node->cycle->N;
+    if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH) return count * node->multiple;
     if (node->kind != RIC_KIND_GRAZING) return count;
     for (int i = 0; i < node->n_touch; i++) count -= !(choice & 1u << i);
     return count;
@@ -645,239 +704,31 @@ int ric_node_impacts(const ric_node *node, unsigned choice)
 
 bool ric_node_half(const ric_model *m, const ric_node *node, unsigned choice)
 {
-    bool subsets = ric_node_chooses(node);
-    ric_cycle *c = subsets ? chosen(m, node, choice) : ric_cycle_copy(node->cycle);
-    bool half = c && c->half && !(!subsets && choice == RIC_SIDE && node->test != RIC_TEST_B);
+    ric_cycle *c = ric_node_chooses(node) ? ric_node_chosen(m, node, choice) : ric_cycle_copy(node->cycle);
+    bool half = c && c->half && !ric_node_leaves(node, choice);
     ric_cycle_free(c);
-    return half;
+    return ric_node_leaves(node, choice) ? ric_node_problem(node, choice).half : half;
 }
 
-/* Two contacts of a kept word that close at one instant. */
-static const char *together(const ric_model *m, const ric_cycle *c)
+bool ric_node_leaves(const ric_node *node, unsigned choice)
 {
-    for (int i = 0; i < c->N; i++) {
-        int f = m->face[c->face[i]].contact, g = m->face[c->face[(i + 1) % c->N]].contact;
-        if (f == g || c->tau[i] > RIC_COINCIDENT) continue;
-        return ric_model_orthogonal(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
-                                             : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
-                                               "the impact law does not say what happens";
+    return !ric_node_chooses(node) && choice != RIC_THROUGH;
+}
+
+ric_problem ric_node_problem(const ric_node *node, unsigned choice)
+{
+    const ric_cycle *c = node->cycle;
+    ric_problem problems[2] = {{.copies = 1, .half = c->half, .pure = c->pure, .flip = c->flip}};
+    if (node->kind == RIC_KIND_MULTIPLICATION) {
+        ric_problem_multiplying(c, node->rotation[0], node->rotation[1], problems);
+        return problems[choice - RIC_SIDE];
     }
-    return NULL;
+    return node->test == RIC_TEST_DET ? problems[0] : ric_problem_breaking(c, node->test);
 }
 
-/* Admissible at distance h along t from u0? Strictly: every margin has its sign. */
-static int admissible(ric_chain *c, const double *u0, const double *t, double h)
+bool ric_node_passes(const ric_node *node, unsigned choice)
 {
-    int size = c->n_unknown, iterations;
-    double u[size], du[size];
-    for (int i = 0; i < size; i++) u[i] = u0[i] + h * t[i];
-    if (!ric_trace_correct(c, u, u0, t, h, du, &iterations)) return -1;
-    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0 && !(c->approach[k] > 0)) return 0;
-    for (int k = 0; k < c->n_flight; k++)
-        if (!(u[c->n_start + k] > 0)) return 0;
-    return ric_reach(c, u, NULL) < 1;
-}
-
-/* The side of the kernel vector on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
-static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
-{
-    double t[c->n_unknown];
-    int iterations;
-    *found = 0;
-    if (!ric_trace_correct(c, u0, NULL, NULL, 0, t, &iterations))
-        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
-    if (c->smallest < 1e-9) return ric_fail(RIC_E_NUMERIC, "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
-                                      "together there and no single branch leaves");
-    ric_trace_tangent(c, NULL, t);
-    for (int side = 1; side >= -1; side -= 2) {
-        double h = side * TRIAL * c->scale;
-        int first = 0, second = 1;
-        for (int i = 0; i < 6 && first != second; i++, h /= 10) {
-            first = admissible(c, u0, t, h);
-            second = admissible(c, u0, t, h / 10);
-        }
-        if (first != second || first < 0) return ric_fail(RIC_E_NUMERIC, "whether the departure is admissible is lost in rounding");
-        if (first != 1) continue;
-        if (*found) return ric_fail(RIC_E_NUMERIC, "the departure is admissible both ways: the touch does not end it");
-        *found = side;
-        for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
-    }
-    return RIC_OK;
-}
-
-static void drop(ric_chain **chain, double **u0, double **t0)
-{
-    ric_chain_free(*chain);
-    free(*u0);
-    free(*t0);
-    *chain = NULL;
-    *u0 = *t0 = NULL;
-}
-
-/* From a grazing or a corner. */
-static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
-{
-    ric_cycle *cycle = chosen(m, node, choice);
-    int found = 0;
-    if (!cycle) return no_memory();
-    const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
-    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_cycle_to_chain(m, cycle, chain, u0);
-    ric_cycle_free(cycle);
-    if (status) return status;
-    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    status = *t0 ? find_side(*chain, *u0, *t0, &found) : no_memory();
-    if (status || !found) drop(chain, u0, t0);
-    return status;
-}
-
-/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. */
-static bool plane(ric_chain *c, const double *u, double *kernel)
-{
-    int size = c->n_unknown, rows = c->n_flight + 2 * c->n + 2, k = rows < size ? rows : size;
-    double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s), *super = calloc((size_t)k, sizeof *super);
-    double *V = calloc((size_t)size * size, sizeof *V);
-    bool found = false;
-    if (J && s && super && V) {
-        int equations = ric_chain_jacobian(c, u, J);
-        if (!LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super)) {
-            int rank = 0, least = equations < size ? equations : size;
-            for (int i = 0; i < least; i++) rank += s[i] > 1e-6 * s[0];
-            found = size - rank == 2;
-            memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
-        }
-    }
-    free(J);
-    free(s);
-    free(super);
-    free(V);
-    return found;
-}
-
-/* A neighbour of the node on its symmetric branch, at distance h, as unknowns of the problem that `like` (less symmetric) poses. */
-static ric_status neighbour(const ric_model *m, const ric_node *node, ric_chain *form, const double *v, const double *t, double h,
-                            const ric_cycle *like, double **u)
-{
-    double point[form->n_unknown];
-    int shift;
-    bool reverse, mirror;
-    ric_chain *chain = NULL;
-    ric_cycle *home = NULL;
-    ric_status status;
-    for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
-    ric_chain_fly(form, point);
-    ric_cycle *near = ric_cycle_from_chain(form, point);
-    /* the cycle of a chain may start elsewhere than the canonical one */
-    if (near && ric_cycle_match(m, node->cycle, near, 1e-2, &shift, &reverse, &mirror))
-        home = ric_cycle_transform(m, near, shift, reverse, mirror);
-    ric_cycle_free(near);
-    if (!home) return ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
-    home->half = like->half;
-    home->pure = like->pure;
-    home->flip = like->flip;
-    status = ric_cycle_to_chain(m, home, &chain, u);
-    ric_chain_free(chain);
-    ric_cycle_free(home);
-    return status;
-}
-
-/* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component positive. */
-static ric_status side_direction(ric_chain *c, const double *u0, const double *before, const double *after, double *t0)
-{
-    int size = c->n_unknown, largest = 0;
-    double kernel[2 * size], p = 0, q = 0;
-    ric_chain_fly(c, u0);
-    if (!plane(c, u0, kernel)) return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
-    for (int i = 0; i < size; i++) {
-        p += kernel[i] * (after[i] - before[i]);
-        q += kernel[size + i] * (after[i] - before[i]);
-    }
-    for (int i = 0; i < size; i++) t0[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
-    for (int i = 1; i < size; i++)
-        if (fabs(t0[i]) > fabs(t0[largest]) * (1 + 1e-6)) largest = i;
-    if (t0[largest] < 0)
-        for (int i = 0; i < size; i++) t0[i] = -t0[i];
-    return RIC_OK;
-}
-
-/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that of a point on it.
- * The symmetric branch has no point in the plane that is solved in. */
-static bool secant_direction(ric_chain *c, const double *u0, double *t0)
-{
-    int size = c->n_unknown, iterations;
-    double u[size], du[size], h = SECANT * c->scale;
-    for (int pass = 0; pass < 2; pass++) {
-        double norm = 0;
-        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
-        if (!ric_trace_correct(c, u, u0, t0, h, du, &iterations)) return false;
-        for (int i = 0; i < size; i++) norm += (u[i] - u0[i]) * (u[i] - u0[i]);
-        for (int i = 0; i < size; i++) t0[i] = (u[i] - u0[i]) / sqrt(norm);
-    }
-    return true;
-}
-
-static ric_status depart_side(const ric_model *m, const ric_node *node, ric_chain **chain, double **u0, double **t0)
-{
-    ric_chain *form = NULL;
-    double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
-    ric_cycle *cycle = ric_cycle_copy(node->cycle);
-    ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v) : no_memory();
-    if (status) goto out;
-    drop_symmetry(cycle, node->test, form);
-    if ((status = ric_cycle_to_chain(m, cycle, chain, u0))) goto out;
-    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    t = calloc((size_t)form->n_unknown, sizeof *t);
-    if (!*t0 || !t) {
-        status = no_memory();
-        goto out;
-    }
-    ric_chain_evaluate(form, v);
-    ric_trace_tangent(form, NULL, t);
-    if ((status = neighbour(m, node, form, v, t, -1e-5 * form->scale, cycle, &before))) goto out;
-    if ((status = neighbour(m, node, form, v, t, 1e-5 * form->scale, cycle, &after))) goto out;
-    if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
-    if (!secant_direction(*chain, *u0, *t0)) status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
-out:
-    if (status) drop(chain, u0, t0);
-    ric_chain_free(form);
-    ric_cycle_free(cycle);
-    free(v);
-    free(before);
-    free(after);
-    free(t);
-    return status;
-}
-
-static ric_status depart_through(const ric_model *m, const ric_node *node, ric_chain **chain, double **u0, double **t0)
-{
-    ric_status status = ric_cycle_to_chain(m, node->cycle, chain, u0);
-    if (status) return status;
-    if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0))) return no_memory();
-    ric_chain_evaluate(*chain, *u0);
-    ric_trace_tangent(*chain, NULL, *t0);
-    return RIC_OK;
-}
-
-ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
-                           unsigned *ignore)
-{
-    const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
-    *chain = NULL;
-    *u0 = *t0 = NULL;
-    if (node->kind == RIC_KIND_GRAZING) {
-        *ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
-        return depart_subset(m, node, choice, chain, u0, t0);
-    }
-    if (node->kind == RIC_KIND_CORNER) {
-        *ignore = 1u << RIC_TEST_FLIGHT;
-        return depart_subset(m, node, choice, chain, u0, t0);
-    }
-    *ignore = breaks | 1u << RIC_TEST_DET;
-    if (choice == RIC_THROUGH) return depart_through(m, node, chain, u0, t0);
-    if (node->kind == RIC_KIND_MULTIPLICATION)
-        return ric_fail(RIC_E_NUMERIC, "branches that leave at a multiplication are not followed by this version");
-    if (node->test == RIC_TEST_DET)
-        return ric_fail(RIC_E_NUMERIC, "branches cross here without a symmetry that tells them apart; the other one is not followed");
-    *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
-    return depart_side(m, node, chain, u0, t0);
+    if (!ric_node_leaves(node, choice)) return !ric_node_chooses(node);
+    if (node->kind == RIC_KIND_MULTIPLICATION) return ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2;
+    return node->test == RIC_TEST_DET;
 }

@@ -3,6 +3,7 @@
 #define RIC_NODE_H
 
 #include "cycle.h"
+#include "problem.h"
 #include "trace.h"
 
 #define RIC_MAX_TOUCHES 16
@@ -11,8 +12,9 @@ typedef enum { RIC_DEPARTURE_OPEN, RIC_DEPARTURE_TAKEN, RIC_DEPARTURE_KNOWN, RIC
                RIC_DEPARTURE_REFUSED, RIC_DEPARTURE_LATER } ric_departure_state;
 
 /* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the pairs of impacts whose order is exchanged
- * (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves (SIDE). */
-enum { RIC_THROUGH = 0, RIC_SIDE = 1 };
+ * (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves (SIDE; at
+ * a multiplication of even order there are two, with other mirror points: SIDE and OTHER_SIDE). */
+enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2 };
 typedef struct {
     unsigned choice;
     ric_departure_state state;
@@ -54,21 +56,29 @@ ric_status ric_node_arrival(const ric_model *model, const ric_cycle *cycle, ric_
 
 /* Whether the ways out are subsets: of touches, or of pairs of impacts. */
 bool ric_node_chooses(const ric_node *node);
+/* Where the rotation number of the orbit passes p / q. */
+ric_status ric_node_multiplication(const ric_model *model, const ric_cycle *cycle, int p, int q, ric_node **out);
+
+/* Whether the way out leads away from the branch that passes; the problem it is solved in; and whether it goes on on the other side. */
+bool ric_node_leaves(const ric_node *node, unsigned choice);
+ric_problem ric_node_problem(const ric_node *node, unsigned choice);
+bool ric_node_passes(const ric_node *node, unsigned choice);
+
 /* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
 bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
 /* Which choice at a grazing or a corner a branch is whose end orbit, impacts of no speed included, is `cycle`; -1 if none fits. */
 int ric_node_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
+/* The same at a branch point or multiplication, for a branch that arrives with `cycle`. */
+unsigned ric_node_arrived(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
 /* Smallest choice equivalent under the symmetries of the node's orbit. */
 unsigned ric_node_class(const ric_node *node, unsigned choice);
 
-/* Prepares the departure: chain, start u0 and direction t0 (both allocated), bits to ignore in the first step.
- * RIC_OK with *chain = NULL: inadmissible; RIC_E_NUMERIC: refused, the reason in ric_detail(). */
-ric_status ric_node_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
-                           unsigned *ignore);
 /* Impacts of the branch that leaves by `choice`. */
 int ric_node_impacts(const ric_node *node, unsigned choice);
 /* Whether that branch has z(t+T/2) = -z(t). */
 bool ric_node_half(const ric_model *model, const ric_node *node, unsigned choice);
+/* The orbit of a grazing or a corner as the branch that leaves by `choice` sees it (NULL with no impact left, or no memory). */
+ric_cycle *ric_node_chosen(const ric_model *model, const ric_node *node, unsigned choice);
 /* Regular orbit of a node: a grazing without its touches (NULL with no impact left). */
 ric_cycle *ric_node_regular(const ric_model *model, const ric_node *node);
 

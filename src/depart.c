@@ -1,0 +1,238 @@
+#include "depart.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "corner.h"
+#include "motion.h"
+#include "status.h"
+
+#define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
+#define SECANT 1e-4     /* distance, relative, of the point that gives the direction of a side branch */
+
+/* Two contacts of a kept word that close at one instant. */
+static const char *together(const ric_model *m, const ric_cycle *c)
+{
+    for (int i = 0; i < c->N; i++) {
+        int f = m->face[c->face[i]].contact, g = m->face[c->face[(i + 1) % c->N]].contact;
+        if (f == g || c->tau[i] > RIC_COINCIDENT) continue;
+        return ric_model_orthogonal(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
+                                             : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
+                                               "the impact law does not say what happens";
+    }
+    return NULL;
+}
+
+/* Admissible at distance h along t from u0? Strictly: every margin has its sign. */
+static int admissible(ric_chain *c, const double *u0, const double *t, double h)
+{
+    int size = c->n_unknown, iterations;
+    double u[size], du[size];
+    for (int i = 0; i < size; i++) u[i] = u0[i] + h * t[i];
+    if (!ric_trace_correct(c, u, u0, t, h, du, &iterations)) return -1;
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0 && !(c->approach[k] > 0)) return 0;
+    for (int k = 0; k < c->n_flight; k++)
+        if (!(u[c->n_start + k] > 0)) return 0;
+    return ric_reach(c, u, NULL) < 1;
+}
+
+/* The side of the kernel vector on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
+static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
+{
+    double t[c->n_unknown];
+    int iterations;
+    *found = 0;
+    if (!ric_trace_correct(c, u0, NULL, NULL, 0, t, &iterations))
+        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
+    if (c->smallest < 1e-9) return ric_fail(RIC_E_NUMERIC, "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
+                                      "together there and no single branch leaves");
+    ric_trace_tangent(c, NULL, t);
+    for (int side = 1; side >= -1; side -= 2) {
+        double h = side * TRIAL * c->scale;
+        int first = 0, second = 1;
+        for (int i = 0; i < 6 && first != second; i++, h /= 10) {
+            first = admissible(c, u0, t, h);
+            second = admissible(c, u0, t, h / 10);
+        }
+        if (first != second || first < 0) return ric_fail(RIC_E_NUMERIC, "whether the departure is admissible is lost in rounding");
+        if (first != 1) continue;
+        if (*found) return ric_fail(RIC_E_NUMERIC, "the departure is admissible both ways: the touch does not end it");
+        *found = side;
+        for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
+    }
+    return RIC_OK;
+}
+
+static void drop(ric_chain **chain, double **u0, double **t0)
+{
+    ric_chain_free(*chain);
+    free(*u0);
+    free(*t0);
+    *chain = NULL;
+    *u0 = *t0 = NULL;
+}
+
+/* From a grazing or a corner. */
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
+{
+    ric_cycle *cycle = ric_node_chosen(m, node, choice);
+    int found = 0;
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
+    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_cycle_to_chain(m, cycle, chain, u0);
+    ric_cycle_free(cycle);
+    if (status) return status;
+    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    status = *t0 ? find_side(*chain, *u0, *t0, &found) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (status || !found) drop(chain, u0, t0);
+    return status;
+}
+
+/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. */
+static bool plane(ric_chain *c, const double *u, double *kernel)
+{
+    int size = c->n_unknown, rows = c->n_flight + 2 * c->n + 2, k = rows < size ? rows : size;
+    double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s), *super = calloc((size_t)k, sizeof *super);
+    double *V = calloc((size_t)size * size, sizeof *V);
+    bool found = false;
+    if (J && s && super && V) {
+        int equations = ric_chain_jacobian(c, u, J);
+        if (!LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super)) {
+            int rank = 0, least = equations < size ? equations : size;
+            for (int i = 0; i < least; i++) rank += s[i] > 1e-6 * s[0];
+            found = size - rank == 2;
+            memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
+        }
+    }
+    free(J);
+    free(s);
+    free(super);
+    free(V);
+    return found;
+}
+
+/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one leaves. */
+static ric_status neighbour(const ric_model *m, const ric_node *node, ric_chain *form, const double *v, const double *t, double h,
+                            const ric_problem *problem, double **u)
+{
+    double point[form->n_unknown];
+    int shift;
+    bool reverse, mirror;
+    ric_chain *chain = NULL;
+    ric_cycle *home = NULL, *repeated = NULL;
+    ric_status status;
+    for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
+    ric_chain_fly(form, point);
+    ric_cycle *near = ric_cycle_from_chain(form, point);
+    /* the cycle of a chain may start elsewhere than the canonical one */
+    if (near && ric_cycle_match(m, node->cycle, near, 1e-2, &shift, &reverse, &mirror))
+        home = ric_cycle_transform(m, near, shift, reverse, mirror);
+    ric_cycle_free(near);
+    if (!home) return ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
+    repeated = ric_problem_cycle(home, problem);
+    status = repeated ? ric_cycle_to_chain(m, repeated, &chain, u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_chain_free(chain);
+    ric_cycle_free(home);
+    ric_cycle_free(repeated);
+    return status;
+}
+
+/* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component positive. */
+static ric_status side_direction(ric_chain *c, const double *u0, const double *before, const double *after, double *t0)
+{
+    int size = c->n_unknown, largest = 0;
+    double kernel[2 * size], p = 0, q = 0;
+    ric_chain_fly(c, u0);
+    if (!plane(c, u0, kernel)) return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
+    for (int i = 0; i < size; i++) {
+        p += kernel[i] * (after[i] - before[i]);
+        q += kernel[size + i] * (after[i] - before[i]);
+    }
+    for (int i = 0; i < size; i++) t0[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
+    for (int i = 1; i < size; i++)
+        if (fabs(t0[i]) > fabs(t0[largest]) * (1 + 1e-6)) largest = i;
+    if (t0[largest] < 0)
+        for (int i = 0; i < size; i++) t0[i] = -t0[i];
+    return RIC_OK;
+}
+
+/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that of a point on it.
+ * The symmetric branch has no point in the plane that is solved in. */
+static bool secant_direction(ric_chain *c, const double *u0, double *t0)
+{
+    int size = c->n_unknown, iterations;
+    double u[size], du[size], h = SECANT * c->scale;
+    for (int pass = 0; pass < 2; pass++) {
+        double norm = 0;
+        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
+        if (!ric_trace_correct(c, u, u0, t0, h, du, &iterations)) return false;
+        for (int i = 0; i < size; i++) norm += (u[i] - u0[i]) * (u[i] - u0[i]);
+        for (int i = 0; i < size; i++) t0[i] = (u[i] - u0[i]) / sqrt(norm);
+    }
+    return true;
+}
+
+static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
+{
+    ric_problem problem = ric_node_problem(node, choice);
+    ric_chain *form = NULL;
+    double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
+    ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
+    ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (status) goto out;
+    if ((status = ric_cycle_to_chain(m, cycle, chain, u0))) goto out;
+    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    t = calloc((size_t)form->n_unknown, sizeof *t);
+    if (!*t0 || !t) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        goto out;
+    }
+    ric_chain_evaluate(form, v);
+    ric_trace_tangent(form, NULL, t);
+    if ((status = neighbour(m, node, form, v, t, -1e-5 * form->scale, &problem, &before))) goto out;
+    if ((status = neighbour(m, node, form, v, t, 1e-5 * form->scale, &problem, &after))) goto out;
+    if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
+    if (!secant_direction(*chain, *u0, *t0)) status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+out:
+    if (status) drop(chain, u0, t0);
+    ric_chain_free(form);
+    ric_cycle_free(cycle);
+    free(v);
+    free(before);
+    free(after);
+    free(t);
+    return status;
+}
+
+static ric_status depart_through(const ric_model *m, const ric_node *node, ric_chain **chain, double **u0, double **t0)
+{
+    ric_status status = ric_cycle_to_chain(m, node->cycle, chain, u0);
+    if (status) return status;
+    if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0))) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_chain_evaluate(*chain, *u0);
+    ric_trace_tangent(*chain, NULL, *t0);
+    return RIC_OK;
+}
+
+ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
+                           unsigned *ignore)
+{
+    const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+    *chain = NULL;
+    *u0 = *t0 = NULL;
+    if (node->kind == RIC_KIND_GRAZING) {
+        *ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
+        return depart_subset(m, node, choice, chain, u0, t0);
+    }
+    if (node->kind == RIC_KIND_CORNER) {
+        *ignore = 1u << RIC_TEST_FLIGHT;
+        return depart_subset(m, node, choice, chain, u0, t0);
+    }
+    *ignore = breaks | 1u << RIC_TEST_DET;
+    if (choice == RIC_THROUGH) return depart_through(m, node, chain, u0, t0);
+    *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
+    return depart_side(m, node, choice, chain, u0, t0);
+}
