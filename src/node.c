@@ -13,6 +13,7 @@
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
+#define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a pole */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
@@ -127,19 +128,25 @@ static double evaluate(criterion *q, const double *u, const double *t, double or
     }
 }
 
-/* Secant iteration along the curve from u to the zero of the criterion. u is moved there. */
+static bool breaks_symmetry(int test)
+{
+    return test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
+/* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
 static bool solve_criterion(criterion *q, double *u)
 {
     ric_chain *c = q->chain;
     int size = c->n_unknown, iterations;
     double du[size], origin[size], normal[size], t[size], best[size];
-    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL;
+    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0;
     q->u = u;
     if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
     ric_trace_tangent(c, NULL, normal);
     f1 = evaluate(q, u, normal, 1);
     for (int i = 0; i < 30; i++) {
+        if (fabs(x1 - x0) > 1e-3 * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
         if (fabs(f1) < least) {
             least = fabs(f1);
             memcpy(best, u, sizeof best);
@@ -158,7 +165,7 @@ static bool solve_criterion(criterion *q, double *u)
     }
     memcpy(u, best, sizeof best);
     ric_chain_evaluate(c, u);
-    return true;
+    return !breaks_symmetry(q->test) || least <= AT_ZERO * c->scale * slope;
 }
 
 /* Impact of the chain (index into approach) whose speed is smallest. */
