@@ -91,7 +91,8 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
     return status;
 }
 
-/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. */
+/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is that of a flight time,
+ * hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
 static bool plane(ric_chain *c, const double *u, double *kernel)
 {
     int size = c->n_unknown, rows = c->n_flight + 2 * c->n + 2, k = rows < size ? rows : size;
@@ -101,9 +102,8 @@ static bool plane(ric_chain *c, const double *u, double *kernel)
     if (J && s && super && V) {
         int equations = ric_chain_jacobian(c, u, J);
         if (!LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super)) {
-            int rank = 0, least = equations < size ? equations : size;
-            for (int i = 0; i < least; i++) rank += s[i] > 1e-6 * s[0];
-            found = size - rank == 2;
+            double second = size - 2 < equations ? s[size - 2] : 0;
+            found = size > 2 && second <= 1e-8 * s[0] && second <= 1e-3 * s[size - 3];
             memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
         }
     }
@@ -233,6 +233,6 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
     }
     *ignore = breaks | 1u << RIC_TEST_DET;
     if (choice == RIC_THROUGH) return depart_through(m, node, chain, u0, t0);
-    *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
+    *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
     return depart_side(m, node, choice, chain, u0, t0);
 }

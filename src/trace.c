@@ -209,8 +209,9 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     if ((status = ric_floquet_create(chain->n, &tr->floquet))) goto out;
     memcpy(tr->now.u, u0, size * sizeof *u0);
     ric_chain_evaluate(chain, u0);
-    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the caller's */
-    bool regular = chain->smallest > BRANCH_POINT;
+    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the caller's. The smallest pivot
+     * does not always show it */
+    bool regular = chain->smallest > BRANCH_POINT && !(ignore & RIC_SINGULAR_START);
     if (regular && !ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
         status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
         goto out;

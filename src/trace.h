@@ -24,6 +24,7 @@ enum {
     RIC_TEST_F_MIN,
     RIC_N_TEST,
 };
+#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is */
 
 /* One solved point of a branch. */
 typedef struct {
@@ -74,7 +75,8 @@ typedef struct {
     long evaluations;
 } ric_trace;
 
-/* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the kernel there). */
+/* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the kernel there, but for a
+ * singular start). */
 ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore, const ric_limits *limits, ric_trace **out);
 void ric_trace_free(ric_trace *trace);
 
