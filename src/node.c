@@ -603,8 +603,18 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
         ric_cycle_free(sym);
         return status;
     }
-    int test = broken_test(sym, cycle);
-    ric_status status = ric_node_interior(m, sym, test, out);
+    ric_status status = ric_node_interior(m, sym, broken_test(sym, cycle), out);
+    if (status == RIC_E_NUMERIC && sym->half && sym->pure >= 0) {
+        /* two branch points so close that the orbit of one seems to have the symmetry of the other: one symmetry is gained at a time */
+        ric_cycle less = *sym;
+        for (int i = 0; i < 3 && status == RIC_E_NUMERIC; i++) {
+            less.half = i == 0;
+            less.pure = i == 1 ? sym->pure : -1;
+            less.flip = i == 2 ? sym->flip : -1;
+            if (less.half == cycle->half && less.pure == cycle->pure && less.flip == cycle->flip) continue;
+            status = ric_node_interior(m, &less, broken_test(&less, cycle), out);
+        }
+    }
     ric_cycle_free(sym);
     return status;
 }
