@@ -324,6 +324,23 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     return status;
 }
 
+/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind, stuck on the way,
+ * is a part of it. */
+static void supersede(ric_graph *g)
+{
+    ric_edge *last = &g->edges[g->n_edge - 1];
+    if (last->trace->stop == RIC_STOP_FAILED || last->from < 0 || last->to < 0) return;
+    for (int i = 0; i < g->n_edge - 1; i++) {
+        ric_edge *e = &g->edges[i];
+        bool same = (e->from == last->from && e->leave == last->leave) || (e->from == last->to && e->leave == last->arrive);
+        if (e->trace->stop != RIC_STOP_FAILED || e->to >= 0 || !same) continue;
+        edge_release(e);
+        memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);
+        g->n_edge--;
+        return;
+    }
+}
+
 /* A branch with a real end: from departure `choice` of node `from`. *taken = false when inadmissible. */
 static ric_status follow(ric_graph *g, int from, unsigned choice, int depth, bool *taken)
 {
@@ -340,8 +357,10 @@ static ric_status follow(ric_graph *g, int from, unsigned choice, int depth, boo
         if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;
     }
     int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
-    if (turned) return finish_edge(g, tr, to, arrive, from, choice, depth, mode);
-    return finish_edge(g, tr, from, choice, to, arrive, depth, mode);
+    if (turned) status = finish_edge(g, tr, to, arrive, from, choice, depth, mode);
+    else status = finish_edge(g, tr, from, choice, to, arrive, depth, mode);
+    if (!status) supersede(g);
+    return status;
 out:
     ric_trace_free(tr);
     return status;
