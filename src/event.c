@@ -412,7 +412,7 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay together crosses. */
 static bool meets_corner(const ric_trace *tr, const crossing *q, double h, double *at)
 {
-    if (!watched(tr, RIC_TEST_FLIGHT) || !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0)) return false;
+    if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) || !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0)) return false;
     double x = crossing_root(q, RIC_TEST_FLIGHT);
     if (x > *at + 0.05 * h) return false;
     *at = x;
@@ -525,7 +525,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     bool closed = closes(tr, h);
     /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
-    unsigned which = crossed && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT) : terminal;
+    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT) : terminal;
     ric_status status = find_end(tr, which, h, &test, &end, limit, retry);
     if (status || *retry) return status;
     if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;
