@@ -16,6 +16,8 @@
 #define SAME_ORBIT 1e-5
 /* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
 #define ALONG 0.9
+/* Part of the largest step within which two pairs that pass a resonance count as one event. */
+#define TOGETHER 1e-6
 /* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
  * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
  * through four points at good distance, and the junction is solved on its own equations later. */
@@ -38,11 +40,28 @@ static bool watched(const ric_trace *tr, int test)
     return !(tr->limits->ghost && (free_of_ghosts & 1u << test));
 }
 
+static int resonances_below(const ric_trace *tr, double rho)
+{
+    return ric_resonance_below(tr->resonances, tr->n_resonance, rho);
+}
+
+/* Whether the parabola through three values of rho passes a resonance within the last step and comes back. */
+static bool turns_at_resonance(const ric_trace *tr, double f0, double f1, double f2, double x0, double x2)
+{
+    double C = ((f2 - f1) / x2 - (f0 - f1) / x0) / (x2 - x0), B = (f2 - f1) / x2 - C * x2, vertex = -B / (2 * C);
+    if (!isfinite(f0 + f1 + f2) || !(vertex > 0 && vertex < x2)) return false;
+    double extreme = f1 + B * vertex / 2, end = fabs(f1 - extreme) < fabs(f2 - extreme) ? f1 : f2;
+    extreme += 0.4 * (extreme - end); /* what the cubic term may add */
+    return resonances_below(tr, extreme) != resonances_below(tr, end);
+}
+
 bool ric_event_suspicious(const ric_trace *tr, double h)
 {
     const ric_station *p = &tr->past, *a = &tr->now, *b = &tr->next;
     if (!tr->has_past || h < 1e-5 * tr->step_max) return false;
     double x0 = p->s - a->s, x2 = b->s - a->s;
+    for (int i = 0; i < tr->floquet.n_pair; i++)
+        if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;
     for (int i = 0; i < RIC_N_TEST; i++) {
         double f0 = p->test[i], f1 = a->test[i], f2 = b->test[i];
         if (!watched(tr, i) || f1 * f2 <= 0 || !isfinite(f0 + f1 + f2)) continue;
@@ -73,6 +92,13 @@ static ric_status station_at(ric_trace *tr, double x, double h, ric_station *out
     double sign = ric_trace_tangent(c, a->t, out->t);
     out->s = a->s + H * y;
     return ric_trace_examine(tr, out, sign);
+}
+
+/* Value of a test function, or of one of the resonances beyond them. */
+static double value_of(const ric_trace *tr, int test, const ric_station *p)
+{
+    if (test < RIC_N_TEST) return p->test[test];
+    return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
 }
 
 /* Brent's method on the distance from `now`; the result is left in tr->mid. *zero: a true zero was found. */
@@ -117,11 +143,11 @@ static ric_status locate(ric_trace *tr, int test, double xa, double fa, double x
         b += fabs(d) > tolerance ? d : copysign(tolerance, m);
         if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
         if (!good) return RIC_OK;
-        fb = tr->mid.test[test];
+        fb = value_of(tr, test, &tr->mid);
     }
     if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
     *where = b;
-    *zero = good && fabs(tr->mid.test[test]) <= TRUE_ZERO * size;
+    *zero = good && fabs(value_of(tr, test, &tr->mid)) <= TRUE_ZERO * size;
     return RIC_OK;
 }
 
@@ -460,14 +486,49 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     return status;
 }
 
+/* All resonances that a pair passes up to distance `to`, where the pairs are those of `end`; roots has room for every one. */
+static ric_status find_resonances(ric_trace *tr, double to, const double *end, double h, root *roots, int *n, bool *retry)
+{
+    const double *start = tr->now.own;
+    int n_pair = tr->floquet.n_pair, known = *n;
+    for (int i = 0; i < n_pair; i++) {
+        if (!isfinite(start[2 * i] + end[2 * i])) continue;
+        int a = resonances_below(tr, start[2 * i]), b = resonances_below(tr, end[2 * i]);
+        for (int k = a < b ? a : b; k < (a < b ? b : a); k++) {
+            double value = tr->resonances[k].rho, x;
+            double fa = ric_resonance_test(start, n_pair, value), fb = ric_resonance_test(end, n_pair, value);
+            bool zero, listed = false;
+            for (int j = known; j < *n; j++) listed |= roots[j].test == RIC_N_TEST + k;
+            if (listed) continue;
+            if (!(fa * fb < 0)) { /* two pairs pass the same one: a step for each, if any step tells them apart */
+                *retry = start[2 * i + 1] == 0 && end[2 * i + 1] == 0 && h > TOGETHER * tr->step_max;
+                if (*retry) return RIC_OK;
+                continue;
+            }
+            ric_status status = locate(tr, RIC_N_TEST + k, 0, fa, to, fb, h, &x, &zero);
+            if (status) return status;
+            if (!zero) {
+                *retry = true;
+                return RIC_OK;
+            }
+            roots[(*n)++] = (root){RIC_N_TEST + k, x};
+        }
+    }
+    return RIC_OK;
+}
+
 static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, bool *retry)
 {
-    root roots[2 * RIC_N_TEST];
-    int n = 0;
+    int n = 0, size = 2 * tr->floquet.n_pair;
+    root roots[RIC_N_TEST + tr->n_resonance];
+    double own[size + 1];
     bool good;
+    /* at an end the last look was a little before it */
+    memcpy(own, ends ? tr->mid.own : tr->next.own, (size_t)size * sizeof *own);
     unsigned inner = ~terminal & ((1u << RIC_N_TEST) - 1);
     ric_status status = find_roots(tr, inner & ~singular, to, limit, h, roots, &n, retry);
     if (!status && !*retry) status = find_roots(tr, inner & singular, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
+    if (!status && !*retry) status = find_resonances(tr, ends ? to * BEFORE : to, own, h, roots, &n, retry);
     if (status || *retry) return status;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++)

@@ -567,6 +567,8 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
         ric_node_free(node);
         return no_memory();
     }
+    int measured = rotation_of(m, solved, q); /* p or q - p: rho does not tell */
+    if (measured == q - p) p = measured;
     node->multiple = q;
     node->rotation[0] = p;
     node->rotation[1] = q;

@@ -66,13 +66,14 @@ static bool take(const char **from, size_t *left, void *to, size_t size)
     return true;
 }
 
-static bool read_event(const char **from, size_t *left, int size, ric_event *e)
+static bool read_event(const char **from, size_t *left, int size, int n_resonance, ric_event *e)
 {
     int32_t test;
     size_t bytes = (size_t)size * sizeof(double);
     if (!take(from, left, &test, sizeof test)) return false;
     e->test = test;
     if (test < 0) return true;
+    if (test >= RIC_N_TEST + n_resonance) return false;
     e->u = malloc(bytes);
     e->t = malloc(bytes);
     return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) && take(from, left, e->t, bytes);
@@ -113,6 +114,7 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
         face[i] = f;
     }
     if ((status = ric_chain_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face, &tr->chain))) goto out;
+    if (!ric_trace_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
     size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);
     if (bytes > size || !(tr->points = malloc(bytes ? bytes : 1))) goto damaged;
@@ -121,9 +123,9 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     if (!(tr->events = calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
     for (int i = 0; i < h.n_event; i++) {
         tr->n_event = i + 1;
-        if (!read_event(&from, &size, tr->chain->n_unknown, &tr->events[i])) goto damaged;
+        if (!read_event(&from, &size, tr->chain->n_unknown, tr->n_resonance, &tr->events[i])) goto damaged;
     }
-    if (!read_event(&from, &size, tr->chain->n_unknown, &tr->end) || !take(&from, &size, why, sizeof why)) goto damaged;
+    if (!read_event(&from, &size, tr->chain->n_unknown, tr->n_resonance, &tr->end) || !take(&from, &size, why, sizeof why)) goto damaged;
     why[sizeof why - 1] = 0;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;

@@ -109,6 +109,23 @@ static bool positive_flights(const ric_chain *c, const double *u)
     return true;
 }
 
+/* Pairs in ascending order, so that each is continuous as long as they do not meet. */
+static void sort_pairs(int n_pair, const double *rho, double *out)
+{
+    for (int i = 0; i < n_pair; i++) {
+        int place = i;
+        for (; place > 0 && out[2 * place - 2] > rho[2 * i]; place--) memcpy(out + 2 * place, out + 2 * place - 2, 2 * sizeof *out);
+        memcpy(out + 2 * place, rho + 2 * i, 2 * sizeof *out);
+    }
+}
+
+bool ric_trace_resonances(ric_trace *tr)
+{
+    bool half = tr->chain->multiple == 4 || tr->chain->sigma < 0;
+    tr->resonances = ric_resonance_list(half, tr->limits->multiply, &tr->n_resonance);
+    return tr->n_resonance >= 0;
+}
+
 static double definite(double value, double error)
 {
     return fabs(value) > error ? value : 0;
@@ -125,6 +142,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     double energy = ric_chain_energy(c), slope = 0;
     for (int k = c->n_start; k < c->n_unknown; k++) slope += p->t[k];
     double *F = p->test;
+    sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
     F[RIC_TEST_REACH] = 1 - reach;
     F[RIC_TEST_APPROACH] = approach;
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
@@ -148,17 +166,19 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     return RIC_OK;
 }
 
-static bool station_create(ric_station *p, int size)
+static bool station_create(ric_station *p, int size, int n_pair)
 {
+    p->own = calloc(2 * (size_t)n_pair + 1, sizeof(double));
     p->u = calloc((size_t)size, sizeof(double));
     p->t = calloc((size_t)size, sizeof(double));
-    return p->u && p->t;
+    return p->u && p->t && p->own;
 }
 
 static void station_free(ric_station *p)
 {
     free(p->u);
     free(p->t);
+    free(p->own);
 }
 
 /* ------------------------------------------------------------------- points */
@@ -185,7 +205,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
     ric_trace *tr = calloc(1, sizeof *tr);
-    int iterations;
+    int iterations, n_pair = chain->n - 1;
     *out = NULL;
     if (!tr) {
         ric_chain_free(chain);
@@ -200,9 +220,9 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     tr->guess = calloc(size, sizeof(double));
     tr->start_u = calloc(size, sizeof(double));
     tr->start_t = calloc(size, sizeof(double));
-    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, chain->n_unknown) ||
-        !station_create(&tr->next, chain->n_unknown) || !station_create(&tr->mid, chain->n_unknown) ||
-        !station_create(&tr->past, chain->n_unknown)) {
+    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, (int)size, n_pair) ||
+        !station_create(&tr->next, (int)size, n_pair) || !station_create(&tr->mid, (int)size, n_pair) ||
+        !station_create(&tr->past, (int)size, n_pair) || !ric_trace_resonances(tr)) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
         goto out;
     }
@@ -247,6 +267,7 @@ void ric_trace_free(ric_trace *tr)
         free(tr->events[i].t);
     }
     free(tr->events);
+    free(tr->resonances);
     free(tr->end.u);
     free(tr->end.t);
     free(tr->points);

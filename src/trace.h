@@ -6,6 +6,7 @@
 #include "cycle.h"
 #include "floquet.h"
 #include "reach.h"
+#include "resonance.h"
 
 /* Test functions; an event is a zero of one of them. */
 enum {
@@ -22,7 +23,7 @@ enum {
     RIC_TEST_E_MIN,
     RIC_TEST_F_MAX,
     RIC_TEST_F_MIN,
-    RIC_N_TEST,
+    RIC_N_TEST,        /* and beyond it, one for every resonance of the trace */
 };
 #define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is */
 
@@ -31,6 +32,7 @@ typedef struct {
     double s;
     double *u, *t;       /* [n_unknown] unknowns and unit tangent */
     double test[RIC_N_TEST];
+    double *own;         /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
 } ric_station;
 
@@ -45,6 +47,7 @@ typedef struct {
     double period[2];    /* smallest and largest period, internal units */
     double max_step;     /* relative to the size of the unknowns */
     int max_points;
+    int multiply;        /* largest q of a q-tupling that is looked for; below 2 none */
     bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
 } ric_limits;
 
@@ -55,6 +58,8 @@ typedef struct {
     ric_chain *chain;    /* owned */
     const ric_limits *limits;
     ric_floquet floquet;
+    int n_resonance;
+    ric_resonance *resonances;
     ric_station now, next, mid, past;
     bool has_past;
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
@@ -84,6 +89,9 @@ void ric_trace_free(ric_trace *trace);
 ric_status ric_trace_advance(ric_trace *trace, bool *done);
 /* Steps to the end. */
 ric_status ric_trace_run(ric_trace *trace);
+
+/* The resonances that are watched on chains like this one; false: no memory. */
+bool ric_trace_resonances(ric_trace *trace);
 
 /* Stores a point of the branch. */
 ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
