@@ -60,7 +60,7 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
     const ric_station *p = &tr->past, *a = &tr->now, *b = &tr->next;
     if (!tr->has_past || h < 1e-5 * tr->step_max) return false;
     double x0 = p->s - a->s, x2 = b->s - a->s;
-    for (int i = 0; i < tr->floquet.n_pair; i++)
+    for (int i = 0; i < tr->floquet.n_pair && !(tr->ignore & singular); i++)
         if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;
     for (int i = 0; i < RIC_N_TEST; i++) {
         double f0 = p->test[i], f1 = a->test[i], f2 = b->test[i];
@@ -491,6 +491,7 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
 {
     const double *start = tr->now.own;
     int n_pair = tr->floquet.n_pair, known = *n;
+    if (tr->ignore & singular) return RIC_OK; /* at a grazing the multipliers have no bound */
     for (int i = 0; i < n_pair; i++) {
         if (!isfinite(start[2 * i] + end[2 * i])) continue;
         int a = resonances_below(tr, start[2 * i]), b = resonances_below(tr, end[2 * i]);
