@@ -7,6 +7,7 @@
 
 #include "corner.h"
 #include "motion.h"
+#include "subset.h"
 #include "status.h"
 
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
@@ -78,7 +79,7 @@ static void drop(ric_chain **chain, double **u0, double **t0)
 /* From a grazing or a corner. */
 static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
 {
-    ric_cycle *cycle = ric_node_chosen(m, node, choice);
+    ric_cycle *cycle = ric_subset_cycle(m, node, choice);
     int found = 0;
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
     const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;

@@ -8,6 +8,7 @@
 
 #include "depart.h"
 #include "motion.h"
+#include "subset.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
@@ -169,7 +170,7 @@ static bool at_corner(const ric_trace *tr)
 /* Whether a branch that ends here can be traced from here. */
 static bool departs(const ric_node *node)
 {
-    return node->kind == RIC_KIND_CORNER ? !node->refusal : node->kind != RIC_KIND_GRAZING || node->multiple == 1;
+    return !(ric_node_chooses(node) && node->refusal);
 }
 
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
@@ -195,7 +196,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
         *index = find_or_add(g, node, depth);
         if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
         else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
-            int found = ric_node_choice(g->model, g->nodes[*index], cycle);
+            int found = ric_subset_choice(g->model, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
                 tr->why = "the branch does not fit the junction at its end";
@@ -483,13 +484,9 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         d->state = RIC_DEPARTURE_KNOWN; /* the linear mode itself */
         return RIC_OK;
     }
-    if (node->period < g->limits.period[0] || node->period > g->limits.period[1]) {
+    double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
+    if (period < g->limits.period[0] || period > g->limits.period[1] || (choice != RIC_THROUGH && node->multiple > g->options->multiply)) {
         d->state = RIC_DEPARTURE_OVER_BUDGET; /* the original of a duplicate may lie outside the frequency window */
-        return RIC_OK;
-    }
-    if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH &&
-        (node->multiple > g->options->multiply || node->multiple * node->period > g->limits.period[1])) {
-        d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
     if (ric_node_impacts(node, choice) > g->options->impacts || (g->options->symmetric_only && !ric_node_half(g->model, node, choice))) {
@@ -555,6 +552,25 @@ static open_departure *open_at(ric_graph *g, int depth, bool last, int *n)
         if (list) qsort(list, (size_t)count, sizeof *list, departure_order);
         return list;
     }
+}
+
+/* Grazings at `depth` gone through several times are junctions, too: those from which some branch can leave within the budgets. */
+static ric_status list_duplicates(ric_graph *g, int depth)
+{
+    for (int i = 0; i < g->n_node; i++) {
+        ric_node *node = g->nodes[i];
+        if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded || node->refusal) continue;
+        node->expanded = true;
+        int flown = node->cycle->N - node->n_touch;
+        for (int k = 2; k <= g->options->multiply && k * flown < g->options->impacts && k * node->period <= g->limits.period[1]; k++) {
+            ric_node *duplicate = NULL;
+            ric_status status = ric_node_duplicate(g->model, node, k, &duplicate);
+            if (status) return status;
+            if (find_or_add(g, duplicate, depth) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+            node = g->nodes[i];
+        }
+    }
+    return RIC_OK;
 }
 
 static ric_status start_modes(ric_graph *g)
@@ -692,6 +708,7 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
         bool deeper = false;
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
+            if (depth < limit && (status = list_duplicates(g, depth))) break;
             open_departure *list = open_at(g, depth, depth == limit, &n);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;

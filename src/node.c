@@ -6,9 +6,9 @@
 #include "corner.h"
 #include "motion.h"
 #include "problem.h"
+#include "subset.h"
 #include "status.h"
 
-#define TOUCH 1e-9      /* reach within this of 1 at a located event is a touch */
 #define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
@@ -239,42 +239,6 @@ static double impact_speed(const ric_model *m, const ric_cycle *c, const double 
     return -f->side * ric_dot(c->n, f->c, W + 2 * c->n * i + c->n);
 }
 
-/* All gaps that touch in flight become impacts of no speed; kept [allocated, may be NULL] marks those that were impacts before. */
-static ric_cycle *with_touches(const ric_model *m, const ric_cycle *cycle, bool **kept)
-{
-    ric_cycle *plain = ric_cycle_copy(cycle), *out = NULL;
-    ric_chain *chain = NULL;
-    ric_touch touches[4 * RIC_MAX_TOUCHES];
-    double *u = NULL;
-    int n = cycle->n, count, k = 0;
-    if (!plain) return NULL;
-    plain->half = false;
-    plain->pure = plain->flip = -1;
-    if (ric_cycle_to_chain(m, plain, &chain, &u)) goto out;
-    ric_chain_fly(chain, u);
-    count = ric_reach_all(chain, u, 1 - TOUCH, 4 * RIC_MAX_TOUCHES, touches);
-    if (count > 4 * RIC_MAX_TOUCHES || !(out = ric_cycle_create(n, cycle->N + count))) goto out;
-    memcpy(out->w, cycle->w, 2 * (size_t)n * sizeof *out->w);
-    if (kept && !(*kept = calloc((size_t)out->N, sizeof **kept))) goto out;
-    for (int i = 0, j = 0; i < cycle->N; i++) {
-        double left = cycle->tau[i], past = 0;
-        if (kept) (*kept)[k] = true;
-        out->face[k] = cycle->face[i];
-        for (; j < count && touches[j].flight == i; j++) {
-            out->tau[k++] = touches[j].time - past;
-            left = cycle->tau[i] - touches[j].time;
-            past = touches[j].time;
-            out->face[k] = touches[j].face;
-        }
-        out->tau[k++] = left;
-    }
-out:
-    ric_chain_free(chain);
-    ric_cycle_free(plain);
-    free(u);
-    return out;
-}
-
 static bool list_touches(const ric_model *m, ric_node *node)
 {
     const ric_cycle *c = node->cycle;
@@ -288,59 +252,16 @@ static bool list_touches(const ric_model *m, ric_node *node)
         else fits = false;
     }
     free(W);
-    if (!fits) node->refusal = "more touches at once than are enumerated";
+    if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES) node->refusal = "more touches at once than are enumerated";
     return true;
 }
 
-/* Image of impact i under element e of the orbit's own group (0 identity, 1 half period, 2 reversal, 3 both). */
-static int image(const ric_cycle *c, int element, int i)
-{
-    int N = c->N, r;
-    switch (element) {
-    case 1: return c->half ? (i + N / 2) % N : -1;
-    case 2: r = c->pure; break;
-    case 3: r = c->flip; break;
-    default: return i;
-    }
-    return r < 0 ? -1 : ((r - i) % N + N) % N;
-}
-
-unsigned ric_node_class(const ric_node *node, unsigned choice)
-{
-    unsigned best = choice;
-    /* at a corner a bit stands for an impact and the next one, which a reversal exchanges */
-    int next = node->kind == RIC_KIND_CORNER;
-    for (int e = 1; e < 4; e++) {
-        unsigned mapped = 0;
-        if (image(node->cycle, e, 0) < 0) continue;
-        for (int i = 0; i < node->n_touch; i++) {
-            if (!(choice & 1u << i)) continue;
-            int place = image(node->cycle, e, node->touch[i] + (e > 1 ? next : 0));
-            for (int j = 0; j < node->n_touch; j++)
-                if (node->touch[j] == place) mapped |= 1u << j;
-        }
-        if (mapped < best) best = mapped;
-    }
-    return best;
-}
-
-static bool list_choices(ric_node *node)
-{
-    unsigned all = 1u << node->n_touch;
-    int count = 0;
-    for (unsigned choice = 0; choice < all; choice++) count += ric_node_class(node, choice) == choice;
-    node->departures = calloc((size_t)count, sizeof *node->departures);
-    if (!node->departures) return false;
-    for (unsigned choice = 0; choice < all; choice++)
-        if (ric_node_class(node, choice) == choice) node->departures[node->n_departure++].choice = choice;
-    return true;
-}
-
-static ric_status finish_grazing(const ric_model *m, ric_cycle *full, ric_node **out)
+static ric_status finish_grazing(const ric_model *m, ric_cycle *full, int multiple, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
     if (!node) return no_memory();
-    if (!list_touches(m, node) || !list_choices(node)) {
+    node->multiple = multiple;
+    if (!list_touches(m, node) || !ric_subset_list(node)) {
         ric_node_free(node);
         return no_memory();
     }
@@ -350,7 +271,7 @@ static ric_status finish_grazing(const ric_model *m, ric_cycle *full, ric_node *
 
 ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node **out)
 {
-    ric_cycle *full = with_touches(m, cycle, NULL), *solved = NULL;
+    ric_cycle *full = ric_subset_touches(m, cycle, NULL), *solved = NULL;
     *out = NULL;
     if (!full) return no_memory();
     int q = ric_cycle_find_symmetries(m, full, SAME);
@@ -363,13 +284,14 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
     solved = resolve(m, full, (criterion){.test = RIC_TEST_APPROACH});
     ric_cycle_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
-    ric_status status = finish_grazing(m, solved, out);
-    if (!status && q > 1) {
-        /* a duplicate of a grazing of fewer impacts: the ways out through some of its q touches are many and not tried here */
-        (*out)->multiple = q;
-        (*out)->n_departure = 1;
-        (*out)->departures[0] = (ric_departure){.choice = 0, .state = RIC_DEPARTURE_OVER_BUDGET};
-    }
+    return finish_grazing(m, solved, q, out);
+}
+
+ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple, ric_node **out)
+{
+    *out = NULL;
+    ric_status status = finish_grazing(m, ric_cycle_copy(node->cycle), multiple, out);
+    if (!status) (*out)->mode = node->mode;
     return status;
 }
 
@@ -407,14 +329,14 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     ric_cycle *canonical = ric_cycle_canonical(m, c);
     ric_cycle_free(c);
     if (!canonical) return no_memory();
-    ric_status status = finish_grazing(m, canonical, out);
+    ric_status status = finish_grazing(m, canonical, 1, out);
     if (!status) (*out)->mode = mode;
     return status;
 }
 
 bool ric_node_coincident(const ric_model *m, const ric_cycle *cycle)
 {
-    ric_cycle *full = with_touches(m, cycle, NULL);
+    ric_cycle *full = ric_subset_touches(m, cycle, NULL);
     bool found = false;
     for (int i = 0; full && i < full->N; i++)
         found |= full->tau[i] < RIC_COINCIDENT && m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
@@ -434,7 +356,7 @@ static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int 
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
     if (!node) return no_memory();
     node->n_touch = ric_corner_pairs(m, solved, NO_SPEED, RIC_MAX_TOUCHES, node->touch);
-    if (node->n_touch != n_pair || !list_choices(node)) {
+    if (node->n_touch != n_pair || !ric_subset_list(node)) {
         bool moved = node->n_touch != n_pair;
         ric_node_free(node);
         return moved ? ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N) : no_memory();
@@ -446,7 +368,7 @@ static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int 
 ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node **out)
 {
     int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
-    ric_cycle *full = with_touches(m, cycle, NULL);
+    ric_cycle *full = ric_subset_touches(m, cycle, NULL);
     *out = NULL;
     if (!full) return no_memory();
     n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
@@ -637,43 +559,6 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
     return ric_cycle_match(m, a->cycle, b->cycle, 10 * SAME, &shift, &reverse, &mirror);
 }
 
-/* The order of pairs at a corner that is the word of `cycle`. */
-static int corner_choice(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
-{
-    int result = -1, shift;
-    bool reverse, mirror;
-    for (int i = 0; i < node->n_departure && result < 0; i++) {
-        unsigned choice = node->departures[i].choice;
-        ric_cycle *swapped = ric_corner_swap(m, node->cycle, node->n_touch, node->touch, choice, SAME);
-        if (swapped && ric_cycle_match(m, swapped, cycle, 1e-4, &shift, &reverse, &mirror)) result = (int)choice;
-        ric_cycle_free(swapped);
-    }
-    return result;
-}
-
-int ric_node_choice(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
-{
-    if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
-    int result = -1, shift;
-    bool reverse, mirror;
-    bool *kept = NULL;
-    ric_cycle *full = with_touches(m, cycle, &kept);
-    int N = full ? full->N : 0;
-    if (!full || !kept) goto out;
-    if (N == node->cycle->N && ric_cycle_match(m, node->cycle, full, 1e-4, &shift, &reverse, &mirror)) {
-        unsigned choice = 0;
-        for (int t = 0; t < node->n_touch; t++) {
-            int i = node->touch[t], j = reverse ? ((shift - i) % N + N) % N : (shift + i) % N;
-            if (kept[j]) choice |= 1u << t;
-        }
-        result = (int)ric_node_class(node, choice);
-    }
-out:
-    free(kept);
-    ric_cycle_free(full);
-    return result;
-}
-
 unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
 {
     unsigned result = RIC_SIDE;
@@ -695,21 +580,9 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cy
 
 /* ------------------------------------------------------------- the ways out */
 
-ric_cycle *ric_node_chosen(const ric_model *m, const ric_node *node, unsigned choice)
-{
-    int N = node->cycle->N;
-    bool keep[N];
-    int kept = 0;
-    if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, node->n_touch, node->touch, choice, SAME);
-    for (int i = 0; i < N; i++) keep[i] = true;
-    for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = choice & 1u << i;
-    for (int i = 0; i < N; i++) kept += keep[i];
-    return kept ? ric_cycle_keep(m, node->cycle, keep) : NULL;
-}
-
 ric_cycle *ric_node_regular(const ric_model *m, const ric_node *node)
 {
-    return node->kind == RIC_KIND_GRAZING ? ric_node_chosen(m, node, 0) : ric_cycle_copy(node->cycle);
+    return node->kind == RIC_KIND_GRAZING ? ric_subset_cycle(m, node, 0) : ric_cycle_copy(node->cycle);
 }
 
 int ric_node_impacts(const ric_node *node, unsigned choice)
@@ -717,13 +590,13 @@ int ric_node_impacts(const ric_node *node, unsigned choice)
     int count = node->cycle->N;
     if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH) return count * node->multiple;
     if (node->kind != RIC_KIND_GRAZING) return count;
-    for (int i = 0; i < node->n_touch; i++) count -= !(choice & 1u << i);
-    return count;
+    for (int i = 0; i < node->n_touch * node->multiple; i++) count -= !(choice & 1u << i);
+    return count + (node->multiple - 1) * node->cycle->N;
 }
 
 bool ric_node_half(const ric_model *m, const ric_node *node, unsigned choice)
 {
-    ric_cycle *c = ric_node_chooses(node) ? ric_node_chosen(m, node, choice) : ric_cycle_copy(node->cycle);
+    ric_cycle *c = ric_node_chooses(node) ? ric_subset_cycle(m, node, choice) : ric_cycle_copy(node->cycle);
     bool half = c && c->half && !ric_node_leaves(node, choice);
     ric_cycle_free(c);
     return ric_node_leaves(node, choice) ? ric_node_problem(node, choice).half : half;

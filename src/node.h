@@ -35,12 +35,15 @@ typedef struct {
     const char *refusal;
     int mode;            /* linear mode that grazes here, from 0; -1 */
     int depth;
+    bool expanded;       /* its duplicates are listed */
 } ric_node;
 
 void ric_node_free(ric_node *node);
 
 /* The grazing of linear mode `mode` (index among seen modes). *out = NULL if it has none (zero frequency). */
 ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
+/* The same grazing gone through `multiple` times. */
+ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int multiple, ric_node **out);
 /* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure there that the
  * branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
 ric_status ric_node_grazing(const ric_model *model, const ric_cycle *cycle, ric_node **out);
@@ -66,19 +69,12 @@ bool ric_node_passes(const ric_node *node, unsigned choice);
 
 /* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
 bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
-/* Which choice at a grazing or a corner a branch is whose end orbit, impacts of no speed included, is `cycle`; -1 if none fits. */
-int ric_node_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
-/* The same at a branch point or multiplication, for a branch that arrives with `cycle`. */
+/* Which way out of a branch point or multiplication a branch is that arrives with `cycle`. */
 unsigned ric_node_arrived(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
-/* Smallest choice equivalent under the symmetries of the node's orbit. */
-unsigned ric_node_class(const ric_node *node, unsigned choice);
-
 /* Impacts of the branch that leaves by `choice`. */
 int ric_node_impacts(const ric_node *node, unsigned choice);
 /* Whether that branch has z(t+T/2) = -z(t). */
 bool ric_node_half(const ric_model *model, const ric_node *node, unsigned choice);
-/* The orbit of a grazing or a corner as the branch that leaves by `choice` sees it (NULL with no impact left, or no memory). */
-ric_cycle *ric_node_chosen(const ric_model *model, const ric_node *node, unsigned choice);
 /* Regular orbit of a node: a grazing without its touches (NULL with no impact left). */
 ric_cycle *ric_node_regular(const ric_model *model, const ric_node *node);
 
