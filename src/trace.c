@@ -347,22 +347,10 @@ static void swap_stations(ric_trace *tr)
     tr->has_past = true;
 }
 
-/* No step may land beside a zero of the bordered determinant: at distance x from a branch point an orbit is known to rounding / x, and
- * nothing can be followed from there. Where the zero that the last two points promise lies near the end of a short step (longer ones
- * are shortened by events), at distance r, the step goes half the way to it or as far beyond. */
-static double keep_off(const ric_trace *tr, double h)
-{
-    double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET];
-    if (h > LEAVING * tr->chain->scale || !tr->has_past || tr->ignore & 1u << RIC_TEST_DET || f0 * f1 <= 0 || fabs(f1) >= fabs(f0)) return h;
-    double r = (tr->now.s - tr->past.s) * f1 / (f0 - f1);
-    if (h < 0.5 * r || h > 1.6 * r) return h;
-    return h < 0.7 * r ? 0.5 * r : 2 * r;
-}
-
 ric_status ric_trace_advance(ric_trace *tr, bool *done)
 {
     ric_status status = RIC_OK;
-    double h = keep_off(tr, tr->step), size = tr->chain->scale;
+    double h = tr->step, size = tr->chain->scale;
     *done = false;
     if (tr->n_point >= tr->limits->max_points) {
         tr->stop = RIC_STOP_BUDGET;
