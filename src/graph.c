@@ -75,15 +75,19 @@ static int find_or_add(ric_graph *g, ric_node *node, int depth)
         if (depth < g->nodes[i]->depth) g->nodes[i]->depth = depth;
         return i;
     }
-    if (g->n_node == g->node_capacity) {
+    bool listed = !ric_node_chooses(node) || (node->kind == RIC_KIND_CORNER && node->refusal) || ric_subset_list(node);
+    if (listed && g->n_node == g->node_capacity) {
         int capacity = g->node_capacity ? 2 * g->node_capacity : 64;
         ric_node **grown = realloc(g->nodes, (size_t)capacity * sizeof *grown);
-        if (!grown) {
-            ric_node_free(node);
-            return -1;
+        listed = grown;
+        if (grown) {
+            g->nodes = grown;
+            g->node_capacity = capacity;
         }
-        g->nodes = grown;
-        g->node_capacity = capacity;
+    }
+    if (!listed) {
+        ric_node_free(node);
+        return -1;
     }
     node->depth = depth;
     g->nodes[g->n_node] = node;

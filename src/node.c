@@ -261,7 +261,7 @@ static ric_status finish_grazing(const ric_model *m, ric_cycle *full, int multip
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
     if (!node) return no_memory();
     node->multiple = multiple;
-    if (!list_touches(m, node) || !ric_subset_list(node)) {
+    if (!list_touches(m, node)) {
         ric_node_free(node);
         return no_memory();
     }
@@ -356,10 +356,9 @@ static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int 
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
     if (!node) return no_memory();
     node->n_touch = ric_corner_pairs(m, solved, NO_SPEED, RIC_MAX_TOUCHES, node->touch);
-    if (node->n_touch != n_pair || !ric_subset_list(node)) {
-        bool moved = node->n_touch != n_pair;
+    if (node->n_touch != n_pair) {
         ric_node_free(node);
-        return moved ? ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N) : no_memory();
+        return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     }
     *out = node;
     return RIC_OK;

@@ -30,7 +30,7 @@ typedef struct {
     int multiple, rotation[2];
     int a, b;
     double energy, period; /* internal units, of the original orbit */
-    int n_departure;
+    int n_departure;     /* of a grazing or a corner only when ric_subset_list has listed them */
     ric_departure *departures;
     const char *refusal;
     int mode;            /* linear mode that grazes here, from 0; -1 */

@@ -99,27 +99,59 @@ static int keeper(const ric_node *node, int element, int first, unsigned choice)
     return -1;
 }
 
-static bool is_listed(const ric_node *node, unsigned choice)
+/* Every operation but the identity as a permutation of bits; *n their number. NULL: no memory. */
+static unsigned char *permutations(const ric_node *node, int *n)
 {
-    return ric_subset_class(node, choice) == choice && keeper(node, 0, 1, choice) < 0;
+    int bits = node->n_touch * node->multiple;
+    unsigned char *table = malloc((size_t)4 * node->multiple * (bits ? bits : 1));
+    *n = 0;
+    for (int e = 0; table && e < 4; e++)
+        for (int s = e == 0; s < node->multiple && exists(node->cycle, e); s++) {
+            unsigned char *row = table + (size_t)(*n)++ * bits;
+            for (int bit = 0; bit < bits; bit++) {
+                unsigned to = mapped(node, (operation){e, s}, 1u << bit);
+                for (row[bit] = 0; to > 1; to >>= 1) row[bit]++;
+            }
+        }
+    return table;
+}
+
+/* Whether a choice is the smallest of its class and, on a duplicate, no repetition of a shorter one: the first operations are shifts. */
+static bool is_listed(const ric_node *node, const unsigned char *table, int n, unsigned choice)
+{
+    int bits = node->n_touch * node->multiple;
+    for (int k = 0; k < n; k++) {
+        const unsigned char *row = table + (size_t)k * bits;
+        unsigned other = 0;
+        for (int bit = 0; bit < bits; bit++)
+            if (choice & 1u << bit) other |= 1u << row[bit];
+        if (other < choice || (other == choice && k < node->multiple - 1)) return false;
+    }
+    return true;
+}
+
+static bool add(ric_node *node, int *capacity, ric_departure departure)
+{
+    if (node->n_departure == *capacity) {
+        *capacity = *capacity ? 2 * *capacity : 8;
+        ric_departure *grown = realloc(node->departures, (size_t)*capacity * sizeof *grown);
+        if (!grown) return false;
+        node->departures = grown;
+    }
+    node->departures[node->n_departure++] = departure;
+    return true;
 }
 
 bool ric_subset_list(ric_node *node)
 {
-    unsigned all = node->refusal ? 1 : 1u << (node->n_touch * node->multiple);
-    int count = 0, capacity = 0;
-    for (unsigned choice = 0; choice < all; choice++) {
-        if (!node->refusal && !is_listed(node, choice)) continue;
-        if (count == capacity) {
-            capacity = capacity ? 2 * capacity : 8;
-            ric_departure *grown = realloc(node->departures, (size_t)capacity * sizeof *grown);
-            if (!grown) return false;
-            node->departures = grown;
-        }
-        node->departures[count++] = (ric_departure){.choice = choice, .state = node->refusal ? RIC_DEPARTURE_OVER_BUDGET : RIC_DEPARTURE_OPEN};
-        node->n_departure = count;
-    }
-    return true;
+    int n, capacity = 0;
+    if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET});
+    unsigned char *table = permutations(node, &n);
+    bool good = table;
+    for (unsigned choice = 0; good && choice < 1u << (node->n_touch * node->multiple); choice++)
+        if (is_listed(node, table, n, choice)) good = add(node, &capacity, (ric_departure){.choice = choice});
+    free(table);
+    return good;
 }
 
 /* ------------------------------------------------------------------- orbits */
