@@ -12,6 +12,8 @@
 #define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
+/* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
+#define TRUE_RESONANCE 1e-2
 /* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
 #define SAME_ORBIT 1e-5
 /* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
@@ -147,7 +149,7 @@ static ric_status locate(ric_trace *tr, int test, double xa, double fa, double x
     }
     if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
     *where = b;
-    *zero = good && fabs(value_of(tr, test, &tr->mid)) <= TRUE_ZERO * size;
+    *zero = good && fabs(value_of(tr, test, &tr->mid)) <= (test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE) * size;
     return RIC_OK;
 }
 
