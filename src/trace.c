@@ -19,14 +19,15 @@
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define MARGIN 1e-11         /* margins that count as rounding */
+#define BORDER 1e-11         /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
 #define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
 
 ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)
 {
-    return (ric_limits){.energy = {energy[0] / m->energy_unit, energy[1] / m->energy_unit},
-                        .period = {TWO_PI / frequency[1] * m->omega_ref,
-                                   frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL},
+    double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
+    return (ric_limits){.energy = {energy[0] / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
+                        .period = {TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
                         .max_step = max_step, .max_points = max_points};
 }
 
