@@ -27,6 +27,7 @@
 
 #define FLIGHT 1e-11   /* largest relative error of a flight, and of the energy */
 #define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
+#define MISS 8         /* safety of the speed below which an impact may be missed */
 #define AMPLIFIED 1e-7
 #define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
@@ -653,6 +654,22 @@ out:
 
 /* ------------------------------------------------------------------- return */
 
+/* Whether an impact is so slow that an error of the state, relative to its norm, decides if it takes place: at speed v the gap goes
+ * v^2 / 2 pull beyond its face. Then the return is no linear function of the error. */
+static bool may_miss(const replay *r, real error)
+{
+    int n = r->n;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = end_face(r, k);
+        const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
+        real pull = 0, speed = r->speed[k + 1];
+        if (!face || speed <= BLUNT * fastest(r, face)) continue; /* a touch may be struck or not */
+        for (int i = 0; i < n; i++) pull += face->c[i] * r->omega[i] * r->omega[i] * w[i];
+        if (speed * speed < MISS * 2 * fabs(pull) * error * r->norm) return true;
+    }
+    return false;
+}
+
 /* What the simulator's own rounding grows to over a period: the phase omega tau of a flight is known to its last digit, which moves the state
  * by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than the multiplier says. At a branch point
  * the orbit cannot be polished across the branches: what is left open there, if it is no more than the last digits of the stored
@@ -663,7 +680,8 @@ static real rounding_returned(const replay *r)
     for (int k = 0; k < r->n_flight; k++) way = fmax(way, rate(r, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
     real open = distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
     if (open > LAST_DIGITS) open = 0;
-    return (32 * LDBL_EPSILON * way + open) * exp(fmin(700, r->amplification));
+    real error = 32 * LDBL_EPSILON * way + open;
+    return may_miss(r, error) ? HUGE_VAL : error * exp(fmin(700, r->amplification));
 }
 
 static double allowed(const ric_check *check)
@@ -678,7 +696,7 @@ static void allow_rounding(replay *r)
     ric_check *check = r->check;
     real rounding = rounding_returned(r);
     if (!(check->return_error > allowed(check))) return;
-    check->condition = fmax(check->condition, (double)fmin(DBL_MAX, rounding / (RETURN * AMPLIFIED)));
+    if (isfinite(rounding)) check->condition = fmax(check->condition, (double)(rounding / (RETURN * AMPLIFIED)));
     if (check->return_error > allowed(check) && rounding > LOST) check->return_error = NAN;
 }
 
