@@ -305,7 +305,6 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     double size = 0;
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
     size = fmax(size, growth);
-    f->growth = size;
     double rounding = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
     f->det_a = determinant(k, k, a, tmp, rounding, &f->error_a);
     f->det_b = determinant(k, k, b, tmp, rounding, &f->error_b);
@@ -434,7 +433,6 @@ ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
         f->stable = RIC_STABLE_YES;
         f->det_a = f->det_b = f->det_d = 1;
         f->error = f->error_a = f->error_b = f->error_d = 0;
-        f->growth = 1;
         return RIC_OK;
     }
     return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);

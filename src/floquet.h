@@ -20,7 +20,6 @@ typedef struct {
      * which for a quarter chain, and for sigma = -1 (det_a), breaks z(t+T/2) = -z(t). */
     double det_a, det_b, det_d;
     double error_a, error_b, error_d; /* rounding in them */
-    double growth;         /* largest entry of the map, scaled likewise */
     double *work;
     size_t n_work;
 } ric_floquet;

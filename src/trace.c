@@ -17,11 +17,11 @@
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
+#define MEASURED 4           /* safety of a measured error */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define MARGIN 1e-11         /* margins that count as rounding */
 #define BORDER 1e-11         /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
-#define FLAT 1e-10           /* |dT/ds| below it (more near a branch point, where rounding is divided by the pivot) is no period that changes */
 
 ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)
 {
@@ -42,6 +42,14 @@ static double rounding(const ric_chain *c)
 double ric_trace_tolerance(const ric_chain *c)
 {
     return rounding(c) + DBL_EPSILON * c->grain;
+}
+
+/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves / pivot, towards the other
+ * branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once more. */
+double ric_trace_blur(const ric_chain *c, int test)
+{
+    double kernel = rounding(c) / c->smallest * (1 + FLOOR / c->smallest);
+    return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
 }
 
 bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)
@@ -132,6 +140,40 @@ static double definite(double value, double error)
     return fabs(value) > error ? value : 0;
 }
 
+/* Below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)). The orbit is known to
+ * rounding / pivot at every impact alike, and moves the factors of the map, whose kicks go with 1 / speed, by that much. Where this bound
+ * leaves the sign open although it is not the one expected, the error is measured: unknowns moved by more than they are uncertain, twice
+ * this way and that. The tests are the determinants over their size, which grows without bound near a grazing and with instability. */
+static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest, move = rounding(c) * c->scale * (1 + 1 / c->smallest);
+    const ric_floquet *f = &tr->floquet;
+    double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0}, size_of[3];
+    bool open = false;
+    for (int i = 0; i < 3; i++) {
+        bool expected = value[i] * tr->definite[RIC_TEST_A + i] > 0 && p != &tr->mid;
+        size_of[i] = error[i] > 0 ? error[i] / DBL_EPSILON : 1;
+        p->test[RIC_TEST_A + i] = (expected ? value[i] : definite(value[i], error[i] * blur)) / size_of[i];
+        open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
+    }
+    if (!open || !isfinite(move)) return RIC_OK;
+    for (unsigned way = 1; way <= 2; way++) {
+        unsigned bits = way * 2654435769u;
+        for (int i = 0; i < size; i++, bits = bits * 1664525u + 1013904223u) tr->guess[i] = p->u[i] + (bits >> 31 ? move : -move);
+        ric_chain_fly(c, tr->guess);
+        ric_status status = ric_floquet_compute(c, &tr->floquet);
+        if (status) return status;
+        double moved[3] = {f->det_a, f->det_b, f->det_d};
+        for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], MEASURED * fabs(moved[i] - value[i]));
+    }
+    ric_chain_fly(c, p->u);
+    for (int i = 0; i < 3; i++)
+        if (p->test[RIC_TEST_A + i] == 0) p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
+    return RIC_OK;
+}
+
 ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
 {
     ric_chain *c = tr->chain;
@@ -148,14 +190,8 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_APPROACH] = approach;
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
-    F[RIC_TEST_SLOPE] = ric_chain_energy_slope(c, p->t) / c->scale;
-    /* below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)). The orbit is
-     * known to rounding / pivot, and the map's own derivative is of the size of the map */
-    double blur = 1 + tr->floquet.growth * c->scale / c->smallest;
-    F[RIC_TEST_A] = definite(tr->floquet.det_a, tr->floquet.error_a * blur);
-    F[RIC_TEST_B] = definite(tr->floquet.det_b, tr->floquet.error_b * blur);
-    F[RIC_TEST_D] = definite(tr->floquet.det_d, tr->floquet.error_d * blur);
-    F[RIC_TEST_PERIOD] = fabs(slope) < FLAT * (1 + 1e-2 / c->smallest) ? 0 : slope;
+    F[RIC_TEST_SLOPE] = definite(ric_chain_energy_slope(c, p->t) / c->scale, ric_trace_blur(c, RIC_TEST_SLOPE));
+    F[RIC_TEST_PERIOD] = definite(slope, ric_trace_blur(c, RIC_TEST_PERIOD));
     F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
     F[RIC_TEST_E_MIN] = energy - lim->energy[0];
     F[RIC_TEST_F_MAX] = time - lim->period[0];
@@ -164,7 +200,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
                          .trace = tr->floquet.trace_asinh, .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
                          .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN, .residual = (float)c->residual,
                          .stable = tr->floquet.stable};
-    return RIC_OK;
+    return keep_definite(tr, p, approach);
 }
 
 static bool station_create(ric_station *p, int size, int n_pair)
@@ -395,6 +431,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         return ric_fail(RIC_E_NUMERIC, "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
                         tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
     tr->ignore = 0;
+    tr->approaches = 0;
     swap_stations(tr);
     return ric_trace_keep(tr, &tr->now);
 }

@@ -65,6 +65,7 @@ typedef struct {
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
+    int approaches;      /* attempts to place this step over a crossing */
     unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
     double *du, *guess, *start_u, *start_t;
     /* what was found */
@@ -100,6 +101,8 @@ ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
 bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target, double *du, int *iterations);
 /* Residual that counts as rounding for a chain. */
 double ric_trace_tolerance(const ric_chain *chain);
+/* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over the smallest pivot. */
+double ric_trace_blur(const ric_chain *chain, int test);
 /* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation sign. */
 double ric_trace_tangent(const ric_chain *chain, const double *along, double *t);
 /* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent station->t. */
