@@ -24,17 +24,23 @@
  * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
  * through four points at good distance, and the junction is solved on its own equations later. */
 #define CROSSING 1e-3
+/* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
+#define APPROACHES 4
+/* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
+#define ON_SLOPE 0.02
 
 #define SETTLE_STEPS 3
 #define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
                                  1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
-/* Functions that grow without bound where an impact loses its speed. */
+/* Factors of the map, which grows without bound where an impact loses its speed. */
 static const unsigned singular = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
 /* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them passes through zero
  * the singular functions change sign without a zero. */
 static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+/* Functions that vanish at an extremum. */
+static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
 
 static bool watched(const ric_trace *tr, int test)
 {
@@ -57,10 +63,17 @@ static bool turns_at_resonance(const ric_trace *tr, double f0, double f1, double
     return resonances_below(tr, extreme) != resonances_below(tr, end);
 }
 
+/* Distance of a zero of the bordered determinant in this step or close behind its end; infinite if there is none. */
+static double crossing_ahead(const ric_trace *tr, double h)
+{
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], x = h * fa / (fa - fb);
+    return watched(tr, RIC_TEST_DET) && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
+}
+
 bool ric_event_suspicious(const ric_trace *tr, double h)
 {
     const ric_station *p = &tr->past, *a = &tr->now, *b = &tr->next;
-    if (!tr->has_past || h < 1e-5 * tr->step_max) return false;
+    if (!tr->has_past || h < 1e-5 * tr->step_max || crossing_ahead(tr, h) < HUGE_VAL) return false;
     double x0 = p->s - a->s, x2 = b->s - a->s;
     for (int i = 0; i < tr->floquet.n_pair && !(tr->ignore & singular); i++)
         if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;
@@ -158,7 +171,8 @@ static ric_status locate(ric_trace *tr, int test, double xa, double fa, double x
 /* Four points of a step that crosses a branch point, and the cubics through them. */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];
-    double *u; /* [4 * n_unknown] */
+    double *u;   /* [4 * n_unknown] */
+    double *own; /* [4 * 2 * n_pair], behind u */
 } crossing;
 
 static void lagrange(const double *x, double at, double *value, double *slope)
@@ -178,52 +192,56 @@ static void lagrange(const double *x, double at, double *value, double *slope)
     }
 }
 
-static double crossing_test(const crossing *q, int test, double at)
+static double crossing_test(const ric_trace *tr, const crossing *q, int test, double at)
 {
     double value[4], slope[4], sum = 0;
+    int n_pair = tr->floquet.n_pair;
     lagrange(q->x, at, value, slope);
-    for (int i = 0; i < 4; i++) sum += value[i] * q->test[i][test];
+    for (int i = 0; i < 4; i++)
+        sum += value[i] * (test < RIC_N_TEST ? q->test[i][test]
+                                             : ric_resonance_test(q->own + i * 2 * n_pair, n_pair, tr->resonances[test - RIC_N_TEST].rho));
     return sum;
 }
 
+/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be noise. */
 static ric_status crossing_create(ric_trace *tr, double h, crossing *q)
 {
+    static const double place[4] = {-1, -0.5, 0.5, 1};
     size_t size = (size_t)tr->chain->n_unknown;
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
-    /* the inner points halve the way from the root to the ends */
-    double place[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
-    memcpy(q->x, place, sizeof place);
-    if (!(q->u = malloc(4 * size * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = h * fa / (fa - fb);
+    size_t pairs = 2 * (size_t)tr->floquet.n_pair;
+    if (!(q->u = malloc(4 * (size + pairs) * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
+    q->own = q->u + 4 * size;
     for (int i = 0; i < 4; i++) {
-        const ric_station *p = i == 0 ? &tr->now : i == 3 ? &tr->next : &tr->mid;
-        bool good = true;
-        ric_status status = p == &tr->mid ? station_at(tr, place[i], h, &tr->mid, &good) : RIC_OK;
+        bool good = false;
+        q->x[i] = root + place[i] * CROSSING / 2 * tr->chain->scale;
+        ric_status status = station_at(tr, q->x[i], h, &tr->mid, &good);
         if (!status && !good) status = ric_fail(RIC_E_NUMERIC, "no convergence beside a branch point");
         if (status) {
             free(q->u);
             q->u = NULL;
             return status;
         }
-        memcpy(q->test[i], p->test, sizeof p->test);
-        memcpy(q->u + i * size, p->u, size * sizeof *q->u);
+        memcpy(q->test[i], tr->mid.test, sizeof tr->mid.test);
+        memcpy(q->u + i * size, tr->mid.u, size * sizeof *q->u);
+        memcpy(q->own + i * pairs, tr->mid.own, pairs * sizeof *q->own);
     }
     return RIC_OK;
 }
 
-/* Bisection on the cubic: the ends have different signs. */
-static double crossing_root(const crossing *q, int test)
+/* Bisection on the cubic between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided out. */
+static double crossing_root(const ric_trace *tr, const crossing *q, int test, double a, double b, double sign, double known)
 {
-    double a = q->x[0], b = q->x[3], fa = q->test[0][test];
     for (int i = 0; i < 60; i++) {
-        double m = (a + b) / 2, fm = crossing_test(q, test, m);
-        if (fa * fm > 0) a = m;
+        double m = (a + b) / 2, fm = crossing_test(tr, q, test, m) * (m < known ? -1 : 1);
+        if (sign * fm > 0) a = m;
         else b = m;
     }
     return (a + b) / 2;
 }
 
 /* The point at x read off the cubics; nothing is solved. */
-static void crossing_station(const ric_trace *tr, const crossing *q, double x, ric_station *out)
+static void crossing_station(const ric_trace *tr, const crossing *q, double x, double h, ric_station *out)
 {
     int size = tr->chain->n_unknown;
     double value[4], slope[4], norm = 0;
@@ -237,7 +255,7 @@ static void crossing_station(const ric_trace *tr, const crossing *q, double x, r
         norm += out->t[j] * out->t[j];
     }
     for (int j = 0; j < size; j++) out->t[j] /= sqrt(norm);
-    out->s = tr->now.s + (tr->next.s - tr->now.s) * x / q->x[3];
+    out->s = tr->now.s + (tr->next.s - tr->now.s) * x / h;
     /* the row is that of the nearest end but for what the cubics give */
     out->row = tr->next.row;
     out->row.arclength = out->s;
@@ -301,15 +319,15 @@ static bool opposite(int size, const double *here, const double *near, const dou
 
 /* At a zero of the bordered determinant: some operation of the symmetry group keeps the orbit there and turns the branch round.
  * Then the branch ends: beyond is its own mirror image. */
-static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const ric_station *beside)
+static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const double *beside)
 {
     ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
     ric_chain_fly(c, at->u);
     ric_cycle *here = ric_cycle_from_chain(c, at->u);
-    ric_chain_fly(c, beside->u);
-    ric_cycle *near = ric_cycle_from_chain(c, beside->u);
+    ric_chain_fly(c, beside);
+    ric_cycle *near = ric_cycle_from_chain(c, beside);
     double *u = unknowns(m, here), *v = unknowns(m, near);
     for (int op = 0; u && v && !found && op < (m->symmetric ? 4 : 2); op++)
         for (int s = 0; s < here->N && !found; s++) {
@@ -403,13 +421,13 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
     return RIC_OK;
 }
 
-/* Arranges for a short step with the crossing in its middle; false when the step is short already. */
+/* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the determinant is rounding;
+ * false when all is well. */
 static bool approach_crossing(ric_trace *tr, double h)
 {
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], length = CROSSING * tr->chain->scale;
-    if (!watched(tr, RIC_TEST_DET) || fa * fb >= 0 || h <= length) return false;
-    double x = h * fa / (fa - fb);
-    tr->wanted = x > length ? fmin(x - length / 2, 0.9 * h) : length;
+    double x = crossing_ahead(tr, h), length = CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
+    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES) return false;
+    tr->wanted = x > 1.1 * length ? fmin(x - length / 2, 0.9 * h) : step;
     tr->after = length;
     return true;
 }
@@ -441,7 +459,7 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
 static bool meets_corner(const ric_trace *tr, const crossing *q, double h, double *at)
 {
     if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) || !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0)) return false;
-    double x = crossing_root(q, RIC_TEST_FLIGHT);
+    double x = crossing_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
     if (x > *at + 0.05 * h) return false;
     *at = x;
     return true;
@@ -452,38 +470,49 @@ static bool meets_corner(const ric_trace *tr, const crossing *q, double h, doubl
 static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
 {
     crossing q;
-    root roots[RIC_N_TEST];
+    root roots[RIC_N_TEST + tr->n_resonance];
     int n = 0;
     ric_status status = crossing_create(tr, h, &q);
     *end_test = -1;
     if (status) return status;
-    double at = crossing_root(&q, RIC_TEST_DET);
+    double at = crossing_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
-    crossing_station(tr, &q, at, &tr->mid);
-    if (*end_test < 0 && meets_mirror_image(tr, &tr->mid, &tr->now)) *end_test = RIC_TEST_DET;
+    crossing_station(tr, &q, at, h, &tr->mid);
+    if (*end_test < 0 && meets_mirror_image(tr, &tr->mid, q.u)) *end_test = RIC_TEST_DET;
     bool arrived = *end_test >= 0;
     *end = at;
     bool repeated = repeats(tr, &tr->mid);
+    /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the determinant: that
+     * zero belongs to the one junction, and beyond it the other sign is the one to expect. A family of order 3 passes on a slope; its
+     * extremum lies aside and is a junction of its own. */
+    bool flat = arrived || (repeated && fabs(crossing_test(tr, &q, RIC_TEST_SLOPE, at)) <
+                                             ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {
-        if ((terminal & 1u << i) || !watched(tr, i) || !(q.test[0][i] * q.test[3][i] < 0)) continue;
-        double x = i == RIC_TEST_DET ? at : crossing_root(&q, i);
-        /* what vanishes together with the determinant where a branch meets its image belongs to the arrival */
-        /* where a branch meets its image, or a duplicate of another branch, dE/ds and dT/ds vanish with the determinant (unless a family of
-         * order three passes through, whose extremum lies aside), and at a duplicate the kernels of all symmetries open at once, like
-         * high powers of the distance: all that belongs to the one junction */
-        bool near = fabs(x - at) < (singular & 1u << i ? 0.3 : 0.05) * h;
-        if ((i != RIC_TEST_DET || *end_test == RIC_TEST_FLIGHT) && near && (arrived || repeated)) continue;
+        double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
+        if ((terminal & 1u << i) || !watched(tr, i)) continue;
+        bool shared = flat && (extrema & 1u << i);
+        if (shared) before = tr->definite[i] = -before;
+        /* at a duplicate the kernels of all symmetries open at once, like high powers of the distance */
+        if ((singular & 1u << i) && (arrived || repeated)) continue;
+        if (!(before * after < 0)) continue;
+        double x = i == RIC_TEST_DET ? at : crossing_root(tr, &q, i, 0, h, before, shared ? at : NAN);
         if (arrived && x >= at) continue;
         roots[n++] = (root){i, x};
     }
+    for (int k = 0; k < tr->n_resonance; k++) {
+        double before = value_of(tr, RIC_N_TEST + k, &tr->now), after = value_of(tr, RIC_N_TEST + k, &tr->next);
+        if (!(before * after < 0)) continue;
+        double x = crossing_root(tr, &q, RIC_N_TEST + k, 0, h, before, NAN);
+        if (!arrived || x < at) roots[n++] = (root){RIC_N_TEST + k, x};
+    }
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++) {
-        crossing_station(tr, &q, roots[i].x, &tr->mid);
+        crossing_station(tr, &q, roots[i].x, h, &tr->mid);
         status = keep_event(tr, roots[i].test, &tr->mid);
     }
     for (int i = 0; i < RIC_N_TEST; i++)
-        if (repeated && (singular & 1u << i)) tr->definite[i] = 0;
-    if (arrived && !status) crossing_station(tr, &q, at, &tr->mid);
+        if (repeated && (singular & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
+    if (arrived && !status) crossing_station(tr, &q, at, h, &tr->mid);
     free(q.u);
     return status;
 }

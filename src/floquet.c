@@ -370,7 +370,6 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     for (int i = 0; i < ld; i++) trace += P[i * ld + i];
     double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
-    f->growth = size;
     f->error_a = f->error_b = f->error_d = 0;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
     memcpy(A, P, (size_t)ld * ld * sizeof *A);
