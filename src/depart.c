@@ -26,15 +26,17 @@ static const char *together(const ric_model *m, const ric_cycle *c)
     return NULL;
 }
 
-/* Admissible at distance h along t from u0? Strictly: every margin has its sign. */
+/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact has no speed but rounding. */
 static int admissible(ric_chain *c, const double *u0, const double *t, double h)
 {
     int size = c->n_unknown, iterations;
     double u[size], du[size];
     for (int i = 0; i < size; i++) u[i] = u0[i] + h * t[i];
     if (!ric_trace_correct(c, u, u0, t, h, du, &iterations)) return -1;
+    double lost = 4 * ric_trace_tolerance(c) * c->scale * (1 + 1 / c->smallest);
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0 && !(c->approach[k] > 0)) return 0;
+        if (c->face[k] >= 0 && fabs(c->approach[k]) <= lost) return -1;
+        else if (c->face[k] >= 0 && c->approach[k] < 0) return 0;
     for (int k = 0; k < c->n_flight; k++)
         if (!(u[c->n_start + k] > 0)) return 0;
     return ric_reach(c, u, NULL) < 1;

@@ -14,6 +14,8 @@
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
 #define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a pole */
+#define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a tenth) */
+#define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
@@ -397,12 +399,42 @@ static bool add_departures(ric_node *node, int count)
     return true;
 }
 
+/* Whether rounding leaves an extremum its place: dE/ds or dT/ds passes zero there fast enough. */
+static bool sharp(const ric_model *m, const ric_cycle *cycle, int test)
+{
+    criterion q = {.test = test};
+    double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
+    if (!ric_cycle_to_chain(m, cycle, &q.chain, &u)) {
+        ric_chain *c = q.chain;
+        int size = c->n_unknown, iterations;
+        double v[size], du[size], normal[size], t[size];
+        ric_chain_evaluate(c, u);
+        ric_trace_tangent(c, NULL, normal);
+        blur = ric_trace_blur(c, test);
+        h = BESIDE * c->scale;
+        for (int side = -1; side <= 1; side += 2) {
+            for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
+            if (!ric_trace_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
+            double sign = ric_trace_tangent(c, normal, t);
+            change += side * evaluate(&q, v, t, sign);
+        }
+        h /= c->scale;
+    }
+    ric_chain_free(q.chain);
+    free(u);
+    return PLACED * fabs(change) > 2 * h * blur;
+}
+
 ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int test, ric_node **out)
 {
     ric_kind kind = test == RIC_TEST_SLOPE ? RIC_KIND_EXTREMUM : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM : RIC_KIND_BRANCH_POINT;
     *out = NULL;
     ric_cycle *solved = resolve(m, cycle, (criterion){.test = test});
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge", cycle->N);
+    if (kind != RIC_KIND_BRANCH_POINT && !sharp(m, solved, test)) {
+        ric_cycle_free(solved);
+        return RIC_OK;
+    }
     ric_node *node = node_create(m, kind, solved);
     if (!node) return no_memory();
     node->test = test;
