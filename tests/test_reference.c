@@ -300,6 +300,29 @@ static void any_step_length(void **state)
     ric_study_free(study);
 }
 
+/* The same for other structures with few steps; tools/steps.py is the long form. */
+static void any_step_length_elsewhere(void **state)
+{
+    (void)state;
+    static const char *const others[] = {"symmetric-path", "three-masses", "loose-mass"};
+    static const double steps[] = {0.01, 0.026, 0.07, 0.3, 1};
+    for (int i = 0; i < 3; i++) {
+        char path[512], what[64];
+        ric_study *study = NULL;
+        snprintf(path, sizeof path, "examples/%s/study.yaml", others[i]);
+        if (ric_study_read(path, &study)) fail_msg("%s", ric_detail());
+        ric_atlas *usual = explore(study, 0, NULL);
+        for (int k = 0; k < 5; k++) {
+            snprintf(what, sizeof what, "%s, step %.4g", others[i], steps[k]);
+            ric_atlas *atlas = explore(study, steps[k], NULL);
+            check_same_atlas(usual, atlas, 1, what);
+            ric_atlas_free(atlas);
+        }
+        ric_atlas_free(usual);
+        ric_study_free(study);
+    }
+}
+
 static ric_atlas *explore_in_units(double mass, double stiffness, double length, ric_study **study)
 {
     char text[1024];
@@ -386,6 +409,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(junctions_of_the_article), cmocka_unit_test(branches_of_the_article), cmocka_unit_test(any_step_length),
+        cmocka_unit_test(any_step_length_elsewhere),
         cmocka_unit_test(any_units),                cmocka_unit_test(departures_add_up),
     };
     return cmocka_run_group_tests_name("reference", tests, NULL, NULL);
