@@ -375,8 +375,13 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     memcpy(A, P, (size_t)ld * ld * sizeof *A);
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
     f->det_a = 1;
-    if (c->sigma < 0) f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size, &f->error_a);
+    if (c->sigma < 0 && k > 1) f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size, &f->error_a);
     if (k == 1) {
+        /* det(1 + P) = 2 + trace P, without the cancellation */
+        if (c->sigma < 0) {
+            f->det_a = ldexp(2, -exponent) + trace;
+            f->error_a = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
+        }
         judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size);
         return RIC_OK;
     }

@@ -20,7 +20,7 @@
 #define MEASURED 4           /* safety of a measured error */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define MARGIN 1e-11         /* margins that count as rounding */
-#define BORDER 1e-11         /* slack of a window: what lies on its border is inside, whatever the rounding */
+#define BORDER 5e-13         /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
 
 ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)

@@ -111,7 +111,7 @@ static ric_atlas *explore(const structure *s, const char *sides, double energy, 
     used += print_matrix(text + used, size - (size_t)used, "stiffness", s->n, s->K);
     used += snprintf(text + used, size - (size_t)used, "  contacts:\n    - {clearance: %.17g, sides: %s, normal: [", s->clearance, sides);
     for (int i = 0; i < s->n; i++) used += snprintf(text + used, size - (size_t)used, "%s%.17g", i ? ", " : "", s->b[i]);
-    snprintf(text + used, size - (size_t)used, "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, depth: %d}\n", energy,
+    snprintf(text + used, size - (size_t)used, "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, multiply: 2, depth: %d}\n", energy,
              slowest, fastest, impacts, depth);
     if (ric_study_parse(text, "study", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
     assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
