@@ -426,6 +426,13 @@ bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b,
     return false;
 }
 
+bool ric_cycle_repeats(const ric_model *m, const ric_cycle *c, double tolerance)
+{
+    for (int s = 1; s < c->N; s++)
+        if (c->N % s == 0 && image_distance(m, c, c, s, false, false) <= tolerance) return true;
+    return false;
+}
+
 int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance)
 {
     int N = c->N, q = 1;

@@ -46,6 +46,8 @@ ric_cycle *ric_cycle_repeat(const ric_cycle *cycle, int q);
 double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
 /* The operation that takes b to a within `tolerance`: found or not. */
 bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
+/* Whether the cycle is one of fewer impacts gone through several times. */
+bool ric_cycle_repeats(const ric_model *model, const ric_cycle *cycle, double tolerance);
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
 int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */

@@ -167,7 +167,8 @@ static bool solve_criterion(criterion *q, double *u)
     }
     memcpy(u, best, sizeof best);
     ric_chain_evaluate(c, u);
-    return !breaks_symmetry(q->test) || least <= AT_ZERO * c->scale * slope;
+    bool by_determinant = breaks_symmetry(q->test) || (q->test == TEST_ROTATION && c->start != RIC_MIRROR_NONE);
+    return !by_determinant || least <= AT_ZERO * c->scale * slope;
 }
 
 /* Impact of the chain (index into approach) whose speed is smallest. */
@@ -514,6 +515,10 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
     *out = NULL;
     if (count == 2 && order == 2) what.choice = singular_problem(m, cycle, problems);
     ric_cycle *solved = resolve(m, cycle, what);
+    if (!solved && count == 2) { /* too far off to tell which one is singular */
+        what.choice = !what.choice;
+        solved = resolve(m, cycle, what);
+    }
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
     ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
     if (!node || !add_departures(node, 3)) {
@@ -571,6 +576,12 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
         }
     }
     ric_cycle_free(sym);
+    if (!status && *out && ric_cycle_repeats(m, (*out)->cycle, SAME)) {
+        /* read off, the orbit was too far from the repeated one to be known for it; solved, it is */
+        ric_node *repeated = *out;
+        status = ric_node_arrival(m, repeated->cycle, out);
+        ric_node_free(repeated);
+    }
     return status;
 }
 
