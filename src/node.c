@@ -17,6 +17,7 @@
 #define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a tenth) */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
+#define UNDECIDED (-1)
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
 void ric_node_free(ric_node *node)
@@ -59,16 +60,37 @@ typedef struct {
     int test;
     int place;     /* in the chain, of the impact or flight in question */
     const double *u;
-    int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used */
+    int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
     double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
 } criterion;
 
+/* Of the two problems of a doubling only one has a kernel. */
+static int singular_problem(const ric_model *m, const ric_cycle *cycle, const ric_problem problems[2])
+{
+    double smallest[2] = {HUGE_VAL, HUGE_VAL};
+    for (int i = 0; i < 2; i++) {
+        ric_chain *chain = NULL;
+        double *u = NULL;
+        ric_cycle *repeated = ric_problem_cycle(cycle, &problems[i]);
+        if (repeated && !ric_cycle_to_chain(m, repeated, &chain, &u)) {
+            ric_chain_evaluate(chain, u);
+            smallest[i] = chain->smallest;
+        }
+        ric_chain_free(chain);
+        ric_cycle_free(repeated);
+        free(u);
+    }
+    return smallest[1] < smallest[0];
+}
+
 /* The problem with fewer symmetries whose determinant vanishes at the junction. */
-static ric_problem smaller_problem(const criterion *q, const ric_cycle *cycle)
+static ric_problem smaller_problem(criterion *q, const ric_cycle *cycle)
 {
     ric_problem problems[2];
     if (q->test != TEST_ROTATION) return ric_problem_breaking(cycle, q->test);
-    ric_problem_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
+    int count = ric_problem_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
+    /* which is which depends on where the cycle starts: decided once, on the first one seen */
+    if (q->choice == UNDECIDED) q->choice = count == 2 && singular_problem(q->chain->model, cycle, problems);
     return problems[q->choice];
 }
 
@@ -488,37 +510,13 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
     return p;
 }
 
-/* Of the two problems of a doubling only one has a kernel. */
-static int singular_problem(const ric_model *m, const ric_cycle *cycle, const ric_problem problems[2])
-{
-    double smallest[2] = {HUGE_VAL, HUGE_VAL};
-    for (int i = 0; i < 2; i++) {
-        ric_chain *chain = NULL;
-        double *u = NULL;
-        ric_cycle *repeated = ric_problem_cycle(cycle, &problems[i]);
-        if (repeated && !ric_cycle_to_chain(m, repeated, &chain, &u)) {
-            ric_chain_evaluate(chain, u);
-            smallest[i] = chain->smallest;
-        }
-        ric_chain_free(chain);
-        ric_cycle_free(repeated);
-        free(u);
-    }
-    return smallest[1] < smallest[0];
-}
-
 ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, int p, int q, ric_node **out)
 {
-    criterion what = {.test = TEST_ROTATION, .rotation = {p, q}};
+    criterion what = {.test = TEST_ROTATION, .rotation = {p, q}, .choice = UNDECIDED};
     ric_problem problems[2];
     int count = ric_problem_multiplying(cycle, p, q, problems), order = ric_problem_order(cycle, p, q);
     *out = NULL;
-    if (count == 2 && order == 2) what.choice = singular_problem(m, cycle, problems);
     ric_cycle *solved = resolve(m, cycle, what);
-    if (!solved && count == 2) { /* too far off to tell which one is singular */
-        what.choice = !what.choice;
-        solved = resolve(m, cycle, what);
-    }
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
     ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
     if (!node || !add_departures(node, 3)) {
