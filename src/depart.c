@@ -8,6 +8,7 @@
 #include "corner.h"
 #include "motion.h"
 #include "subset.h"
+#include "ring.h"
 #include "status.h"
 
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
@@ -220,8 +221,14 @@ static ric_status depart_through(const ric_model *m, const ric_node *node, ric_c
     return RIC_OK;
 }
 
-ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
-                           unsigned *ignore)
+/* Along t0, or for side = -1 against it; the start may be singular: its first step is the length of t0. */
+static void orient(const ric_chain *c, int side, double length, double *t0)
+{
+    for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
+}
+
+ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain, double **u0,
+                           double **t0, unsigned *ignore)
 {
     const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
     *chain = NULL;
@@ -235,7 +242,14 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
         return depart_subset(m, node, choice, chain, u0, t0);
     }
     *ignore = breaks | 1u << RIC_TEST_DET;
-    if (choice == RIC_THROUGH) return depart_through(m, node, chain, u0, t0);
+    if (choice == RIC_THROUGH) {
+        ric_status status = depart_through(m, node, chain, u0, t0);
+        if (!status) orient(*chain, side, 1, *t0);
+        return status;
+    }
     *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-    return depart_side(m, node, choice, chain, u0, t0);
+    if (ric_ring_applies(node, choice)) return ric_ring_depart(m, node, choice, side, chain, u0, t0);
+    ric_status status = depart_side(m, node, choice, chain, u0, t0);
+    if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
+    return status;
 }

@@ -135,9 +135,8 @@ static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned c
         free(blob);
         return status;
     }
-    if ((status = ric_node_depart(g->model, node, choice, &chain, &u0, &t0, &ignore))) return status;
+    if ((status = ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore))) return status;
     if (chain) {
-        for (int i = 0; side < 0 && i < chain->n_unknown; i++) t0[i] = -t0[i];
         if ((status = ric_trace_create(chain, u0, t0, ignore, &g->limits, out))) goto out;
         if ((status = ric_trace_run(*out))) goto out;
     }

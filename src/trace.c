@@ -11,9 +11,9 @@
 #define TWO_PI 6.283185307179586477
 #define STEP_ANGLE 0.08      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
 #define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
+#define GIVEN 1e-6           /* drift of a step that ends at a solved point: the first one from a singular start may, and is no guess */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
 #define FIRST_STEP 1e-3      /* of the largest step */
-#define LEAVING 1e-3         /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
@@ -281,7 +281,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->step_max = limits->max_step * chain->scale;
-    tr->step = regular ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale) : LEAVING * chain->scale;
+    tr->step = regular ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale) : ignore & RIC_SINGULAR_START ? norm : RIC_LEAVING * chain->scale;
     if ((status = ric_trace_keep(tr, &tr->now))) goto out;
     *out = tr;
     tr = NULL;
@@ -400,7 +400,8 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         int iterations = 0;
         bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
         tr->evaluations += iterations + 1;
-        if (good && angle < STEP_ANGLE_MAX && drift < STEP_DRIFT) {
+        bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
+        if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT) {
             if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;

@@ -25,7 +25,8 @@ enum {
     RIC_TEST_F_MIN,
     RIC_N_TEST,        /* and beyond it, one for every resonance of the trace */
 };
-#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is */
+#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is; t0 is the first step */
+#define RIC_LEAVING 1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
 
 /* One solved point of a branch. */
 typedef struct {
