@@ -1,0 +1,278 @@
+/* Branches that leave where the rotation number of an orbit without mirror points passes p / q: orbits of exactly q periods, elliptic or
+ * hyperbolic as the theory has it (Meyer 1970), known to the simulator, and told apart again when they come back. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "depart.h"
+#include "graph.h"
+#include "ring.h"
+
+enum { MAX_SIZE = 200, PER_ORDER = 2, MAX_ORDER = 16 };
+
+#define EXPLORE "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n"
+
+/* The article's model, which has A5[00101]; another of two masses, with a wall on both sides of one; three masses, whose branches without
+ * mirror include such with z(t + T/2) = -z(t). */
+static const char *const studies[] = {
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+    "  contacts:\n    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 1, depth: 4}\n",
+    "model:\n  mass: [[0.637, 0], [0, 1.04]]\n  stiffness: [[6.17, -4.91], [-4.91, 4.91]]\n"
+    "  contacts:\n    - {normal: [1, 0], clearance: 1, sides: both, law: rigid}\n" EXPLORE,
+    "model:\n  mass: [[0.751, 0, 0], [0, 0.85, 0], [0, 0, 1.76]]\n"
+    "  stiffness: [[8.35, -5.32, 0], [-5.32, 8.65, -3.34], [0, -3.34, 6.64]]\n  contacts:\n"
+    "    - {normal: [0, 0, 1], clearance: 1, sides: both, law: rigid}\n"
+    "    - {normal: [0, 0, 1], clearance: 0.782, sides: both, law: rigid}\n" EXPLORE,
+};
+
+/* ------------------------------------------------------------------ helpers */
+
+/* Smallest distance of lambda + 1/lambda of the chain's own map from a value, over real pairs; its error (may be NULL). */
+static double off_by(ric_chain *c, const double *u, double value, double *error)
+{
+    ric_floquet f;
+    double best = HUGE_VAL;
+    assert_int_equal(ric_floquet_create(c->n, &f), RIC_OK);
+    ric_chain_evaluate(c, u);
+    if (ric_floquet_compute(c, &f)) fail_msg("%s", ric_detail());
+    for (int i = 0; i < f.n_pair; i++)
+        if (fabs(f.own[2 * i + 1]) < 1e-9 && fabs(f.own[2 * i] - value) < fabs(best)) best = f.own[2 * i] - value;
+    if (error) *error = f.error;
+    ric_floquet_release(&f);
+    return best;
+}
+
+static const double *unknowns(const ric_trace *tr, int i)
+{
+    return tr->points + (size_t)i * tr->stride + sizeof(ric_point) / sizeof(double);
+}
+
+/* Bisection between points i and i + 1 of a branch for the rotation p / q. */
+static bool locate(ric_trace *tr, int i, double target, double *u)
+{
+    ric_chain *c = tr->chain;
+    const double *a = unknowns(tr, i), *b = unknowns(tr, i + 1);
+    int size = c->n_unknown, iterations;
+    double normal[MAX_SIZE], du[MAX_SIZE], lo = 0, hi = 1, length = 0, fa = off_by(c, a, target, NULL), f = off_by(c, b, target, NULL);
+    if (!(fa * f < 0) || fabs(fa) + fabs(f) > 3) return false;
+    for (int j = 0; j < size; j++) {
+        normal[j] = b[j] - a[j];
+        length += normal[j] * normal[j];
+    }
+    for (int k = 0; k < 45; k++) {
+        double x = (lo + hi) / 2;
+        for (int j = 0; j < size; j++) u[j] = a[j] + x * normal[j];
+        if (!ric_trace_correct(c, u, a, normal, x * length, du, &iterations)) return false;
+        f = off_by(c, u, target, NULL);
+        if (f * fa > 0) lo = x;
+        else hi = x;
+    }
+    return fabs(f) < 1e-6;
+}
+
+static double return_tolerance(ric_chain *c, const double *u)
+{
+    ric_floquet f;
+    double largest = 1;
+    assert_int_equal(ric_floquet_create(c->n, &f), RIC_OK);
+    ric_chain_evaluate(c, u);
+    assert_int_equal(ric_floquet_compute(c, &f), RIC_OK);
+    for (int i = 0; i < f.n_pair; i++) largest = fmax(largest, hypot(f.rho[2 * i], f.rho[2 * i + 1]));
+    ric_floquet_release(&f);
+    return fmax(1e-9, 1e-14 * largest); /* docs/theory.md section 11; the last digits of a state, 1e-16, times the multiplier */
+}
+
+/* The simulator, which shares no code with the solver, meets the same faces and comes back after the full period. */
+static void replay(const ric_model *m, const ric_cycle *cycle, double tolerance, const char *where)
+{
+    ric_simulator *sim = NULL;
+    int n = m->n_dof;
+    double x[n], v[n], x1[n], v1[n], end = ric_cycle_period(cycle) / m->omega_ref, off = 0, size = 1;
+    assert_int_equal(ric_simulator_create(m, &sim), RIC_OK);
+    ric_model_to_state(m, cycle->w, x, v);
+    if (ric_simulator_start(sim, x, v)) fail_msg("%s: %s", where, ric_detail());
+    double t = 0;
+    for (int k = 1; k <= cycle->N; k++) {
+        bool hit;
+        ric_impact impact;
+        t += cycle->tau[k - 1] / m->omega_ref;
+        if (ric_simulator_advance(sim, end * 1.01, &hit, &impact)) fail_msg("%s: %s", where, ric_detail());
+        if (!hit || impact.face != cycle->face[k % cycle->N] || fabs(impact.time - t) > tolerance * (1 + t))
+            fail_msg("%s: impact %d on face %d at %.12g, not on %d at %.12g", where, k, impact.face, impact.time, cycle->face[k % cycle->N], t);
+    }
+    ric_simulator_state(sim, NULL, x1, v1);
+    for (int i = 0; i < n; i++) {
+        off = fmax(off, fmax(fabs(x1[i] - x[i]), fabs(v1[i] - v[i])));
+        size = fmax(size, fmax(fabs(x[i]), fabs(v[i])));
+    }
+    if (off > tolerance * size) fail_msg("%s: returns to %.3g of its start, %.3g allowed", where, off / size, tolerance);
+    ric_simulator_free(sim);
+}
+
+/* ------------------------------------------------------------------- one node */
+
+typedef struct {
+    double energy, off, error; /* off: the pair that came from the multiplier, minus 2 */
+    ric_cycle *cycle;
+} family;
+
+/* One way out: a solved orbit of exactly q periods beside the node, known to the simulator. */
+static family leave(const ric_model *m, const ric_node *node, unsigned choice, int side, const char *where)
+{
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL, u[MAX_SIZE], distance = 0, period;
+    unsigned ignore = 0, choice2;
+    int side2;
+    if (ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore)) fail_msg("%s: %s", where, ric_detail());
+    for (int i = 0; i < chain->n_unknown; i++) {
+        u[i] = u0[i] + t0[i];
+        distance += t0[i] * t0[i];
+    }
+    distance = sqrt(distance) / chain->scale;
+    family out = {0};
+    out.off = off_by(chain, u, 2, &out.error);
+    out.energy = ric_chain_energy(chain); /* of the evaluation there */
+    if (chain->residual > ric_trace_tolerance(chain)) fail_msg("%s: residual %.3g", where, chain->residual);
+    period = ric_chain_time(chain, u);
+    if (fabs(period / (node->multiple * node->period) - 1) > 10 * distance)
+        fail_msg("%s: period %.12g, not near %d times %.12g", where, period, node->multiple, node->period);
+    out.cycle = ric_cycle_from_chain(chain, u);
+    if (ric_cycle_find_symmetries(m, out.cycle, 1e-3 * distance) != 1) fail_msg("%s: a repeated orbit at distance %.3g", where, distance);
+    replay(m, out.cycle, return_tolerance(chain, u), where);
+    ric_cycle *turned = ric_cycle_canonical(m, out.cycle);
+    if (ric_ring_class(m, node, turned, &choice2, &side2)) fail_msg("%s: %s", where, ric_detail());
+    if (choice2 != choice || side2 != side) fail_msg("%s: taken for %u, side %d", where, choice2, side2);
+    ric_cycle_free(turned);
+    ric_chain_free(chain);
+    free(u0);
+    free(t0);
+    return out;
+}
+
+/* The branch itself: it begins at the node and goes on from there to orbits of its own. */
+static void follow(const ric_model *m, const ric_limits *window, const ric_node *node, unsigned choice, int side, const char *where)
+{
+    ric_limits limits = *window;
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    ric_trace *tr = NULL;
+    limits.max_points = 5;
+    if (ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore) || ric_trace_create(chain, u0, t0, ignore, &limits, &tr) ||
+        ric_trace_run(tr))
+        fail_msg("%s: %s", where, ric_detail());
+    if (tr->stop == RIC_STOP_FAILED || tr->n_point < 3) fail_msg("%s: stops after %d points, %s", where, tr->n_point, tr->why);
+    assert_memory_equal(unknowns(tr, 0), u0, (size_t)tr->chain->n_unknown * sizeof *u0);
+    for (int i = 1; i < tr->n_point; i++) {
+        const double *u = unknowns(tr, i);
+        ric_chain_fly(tr->chain, u);
+        ric_cycle *cycle = ric_cycle_from_chain(tr->chain, u);
+        if (ric_cycle_find_symmetries(m, cycle, 1e-6) != 1) fail_msg("%s: point %d is a repeated orbit", where, i);
+        ric_cycle_free(cycle);
+    }
+    ric_trace_free(tr);
+    free(u0);
+    free(t0);
+}
+
+static int types_checked[MAX_ORDER];
+
+/* Order 3: hyperbolic both ways. Order 4: one of each, or both hyperbolic. Above: one of each. The elliptic one comes first. */
+static void check_types(int order, const family f[2], const char *where)
+{
+    bool elliptic[2] = {f[0].off < 0, f[1].off < 0};
+    if (fabs(f[0].off) < f[0].error || fabs(f[1].off) < f[1].error) return; /* another pair of the order of 1e6 drowns it */
+    types_checked[order]++;
+    if (elliptic[1] || (order > 4 && !elliptic[0]) || (order == 3 && elliptic[0]))
+        fail_msg("%s: lambda + 1/lambda - 2 is %.6g and %.6g at order %d", where, f[0].off, f[1].off, order);
+    if (!elliptic[0] && !(f[0].energy < f[1].energy)) fail_msg("%s: energies %.12g and %.12g", where, f[0].energy, f[1].energy);
+}
+
+static void check_node(const ric_model *m, const ric_limits *limits, const ric_node *node, const char *where)
+{
+    int order = ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]), shift;
+    bool two = node->n_departure > 2, reverse, mirror;
+    family f[2];
+    for (int i = 0; i < 2; i++) {
+        unsigned choice = two && i ? RIC_OTHER_SIDE : RIC_SIDE;
+        assert_true(ric_ring_applies(node, choice));
+        f[i] = leave(m, node, choice, i && !two ? -1 : 1, where);
+        follow(m, limits, node, choice, i && !two ? -1 : 1, where);
+    }
+    check_types(order, f, where);
+    if (ric_cycle_match(m, f[0].cycle, f[1].cycle, 1e-6, &shift, &reverse, &mirror)) fail_msg("%s: both ways lead to one orbit", where);
+    for (int i = 0; i < 2; i++) ric_cycle_free(f[i].cycle);
+}
+
+/* ---------------------------------------------------------------- the branches */
+
+/* count [2][MAX_ORDER]: nodes checked, by sigma and order. */
+static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, int count[2][MAX_ORDER])
+{
+    static const int rotations[][2] = {{1, 3}, {2, 3}, {1, 4}, {3, 4}, {1, 5}, {2, 5}, {4, 5}, {1, 7}, {2, 7}, {3, 7}};
+    ric_chain *c = tr->chain;
+    bool half = c->sigma < 0;
+    double u[MAX_SIZE];
+    char where[128];
+    assert_true(c->n_unknown < MAX_SIZE);
+    for (int k = 0; k < (int)(sizeof rotations / sizeof *rotations); k++)
+        for (int i = 0; i + 1 < tr->n_point; i++) {
+            int p = rotations[k][0], q = rotations[k][1], order = half && p % 2 ? 2 * q : q;
+            if ((!half && 2 * p > q) || count[half][order] == PER_ORDER || !locate(tr, i, ric_problem_rho(half, p, q), u)) continue;
+            ric_cycle *cycle = ric_cycle_from_chain(c, u);
+            ric_node *node = NULL;
+            snprintf(where, sizeof where, "%s, %d impacts, sigma %d, %d/%d at E %.9g", name, cycle->N, c->sigma, p, q, ric_chain_energy(c));
+            if (ric_node_multiplication(g->model, cycle, p, q, &node)) fail_msg("%s: %s", where, ric_detail());
+            check_node(g->model, &g->limits, node, where);
+            count[half][order]++;
+            ric_node_free(node);
+            ric_cycle_free(cycle);
+        }
+}
+
+static void check_study(int which, int count[2][MAX_ORDER])
+{
+    ric_study *study = NULL;
+    ric_graph *g = NULL;
+    char name[32];
+    snprintf(name, sizeof name, "study %d", which);
+    if (ric_study_parse(studies[which], name, ".", &study)) fail_msg("%s", ric_detail());
+    if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    for (int i = 0; i < g->n_edge; i++)
+        if (g->edges[i].trace->chain->start == RIC_MIRROR_NONE) check_branch(g, g->edges[i].trace, name, count);
+    ric_graph_free(g);
+    ric_study_free(study);
+}
+
+static void two_masses(void **state)
+{
+    (void)state;
+    int count[2][MAX_ORDER] = {{0}};
+    check_study(0, count);
+    assert_true(count[0][4] && count[0][5] && count[0][7]);
+    check_study(1, count);
+    assert_true(count[0][3] && count[0][4] && count[0][5] == PER_ORDER && count[0][7] == PER_ORDER);
+    assert_true(types_checked[3] && types_checked[4] && types_checked[5] > 1 && types_checked[7] > 1);
+}
+
+static void three_masses(void **state)
+{
+    (void)state;
+    int count[2][MAX_ORDER] = {{0}};
+    check_study(2, count);
+    assert_true(count[0][3] && count[0][4] && count[0][5] && count[0][7]);
+    assert_true(count[1][3] && count[1][5]); /* of half a period */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(two_masses), cmocka_unit_test(three_masses)};
+    return cmocka_run_group_tests_name("ring", tests, NULL, NULL);
+}
