@@ -278,7 +278,7 @@ static ric_status fill_event(const ric_trace *tr, int test, const ric_station *p
     return RIC_OK;
 }
 
-static ric_status keep_event(ric_trace *tr, int test, const ric_station *p)
+ric_status ric_event_keep(ric_trace *tr, int test, const ric_station *p)
 {
     if (tr->n_event == tr->event_capacity) {
         int capacity = tr->event_capacity ? 2 * tr->event_capacity : 8;
@@ -290,6 +290,15 @@ static ric_status keep_event(ric_trace *tr, int test, const ric_station *p)
     ric_status status = fill_event(tr, test, p, &tr->events[tr->n_event]);
     if (!status) tr->n_event++;
     return status;
+}
+
+ric_status ric_event_arrive(ric_trace *tr, const ric_station *p)
+{
+    ric_status status = fill_event(tr, RIC_TEST_DET, p, &tr->end);
+    tr->arrival = true;
+    tr->stop = RIC_STOP_JUNCTION;
+    tr->why = "";
+    return status ? status : ric_trace_keep(tr, p);
 }
 
 /* ------------------------------------------------------------------- arrivals */
@@ -508,7 +517,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++) {
         crossing_station(tr, &q, roots[i].x, h, &tr->mid);
-        status = keep_event(tr, roots[i].test, &tr->mid);
+        status = ric_event_keep(tr, roots[i].test, &tr->mid);
     }
     for (int i = 0; i < RIC_N_TEST; i++)
         if (repeated && (singular & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
@@ -564,7 +573,7 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     if (status || *retry) return status;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++)
-        if (!(status = station_at(tr, roots[i].x, h, &tr->mid, &good)) && !(status = keep_event(tr, roots[i].test, &tr->mid)))
+        if (!(status = station_at(tr, roots[i].x, h, &tr->mid, &good)) && !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
             status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its points */
     return status;
 }

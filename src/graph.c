@@ -9,6 +9,7 @@
 #include "depart.h"
 #include "motion.h"
 #include "subset.h"
+#include "ring.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
@@ -176,6 +177,20 @@ static bool departs(const ric_node *node)
     return !(ric_node_chooses(node) && node->refusal);
 }
 
+/* Which of the branches that leave a multiplication without mirror points this is: its last point before the end tells. */
+static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric_node *node, unsigned *choice)
+{
+    int side;
+    const double *last = tr->points + (size_t)(tr->n_point - 2) * tr->stride + sizeof(ric_point) / sizeof(double);
+    ric_cycle *near = cycle_at(tr, last);
+    if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_status status = ric_ring_class(g->model, node, near, choice, &side);
+    ric_cycle_free(near);
+    if (status != RIC_E_NUMERIC) return status;
+    *choice = RIC_SIDE; /* refused to those who want to leave here, too */
+    return RIC_OK;
+}
+
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
 static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
 {
@@ -205,7 +220,8 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
                 tr->why = "the branch does not fit the junction at its end";
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
+        } else if (ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
     ric_cycle_free(cycle);
     return status;

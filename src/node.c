@@ -493,7 +493,8 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
         bool half = chain->multiple == 4 || chain->sigma < 0;
         ric_chain_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
-            if (isfinite(floquet.rotation)) p = (int)lrint(q * floquet.rotation);
+            /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same one, has q - p */
+            if (isfinite(floquet.rotation) && !half) p = (int)lrint(q * fmin(floquet.rotation, 1 - floquet.rotation));
             for (int i = 0; p == 0 && i < floquet.n_pair; i++)
                 for (int k = 1; k <= (half ? q - 1 : q / 2); k++) {
                     double off = hypot(floquet.own[2 * i] - ric_problem_rho(half, k, q), floquet.own[2 * i + 1]);
@@ -532,7 +533,7 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
         ric_problem_multiplying(solved, p, q, problems);
         node->departures[1].choice = RIC_SIDE + (unsigned)(count == 2 ? singular_problem(m, solved, problems) : 0);
         node->n_departure = 2;
-    } else if (order % 2) node->n_departure = 2; /* one family, which passes */
+    } else if (ric_problem_passes(solved, p, q)) node->n_departure = 2;
     *out = node;
     return RIC_OK;
 }
@@ -661,6 +662,6 @@ ric_problem ric_node_problem(const ric_node *node, unsigned choice)
 bool ric_node_passes(const ric_node *node, unsigned choice)
 {
     if (!ric_node_leaves(node, choice)) return !ric_node_chooses(node);
-    if (node->kind == RIC_KIND_MULTIPLICATION) return ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2;
+    if (node->kind == RIC_KIND_MULTIPLICATION) return ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]);
     return node->test == RIC_TEST_DET;
 }

@@ -21,6 +21,12 @@ int ric_problem_order(const ric_cycle *c, int p, int q)
     return c->half && p % 2 ? 2 * q : q; /* exp(2 pi i p / (2 q)) */
 }
 
+bool ric_problem_passes(const ric_cycle *c, int p, int q)
+{
+    int order = ric_problem_order(c, p, q);
+    return order % 2 && (order == 3 || c->pure >= 0 || c->flip >= 0);
+}
+
 double ric_problem_rho(bool half, int p, int q)
 {
     return 2 * cos((half ? 1 : 2) * 3.14159265358979323846 * p / q);

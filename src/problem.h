@@ -19,6 +19,10 @@ int ric_problem_multiplying(const ric_cycle *cycle, int p, int q, ric_problem ou
 /* Order of the multiplier of the map in use: of half a period on an S orbit, else of the period. */
 int ric_problem_order(const ric_cycle *cycle, int p, int q);
 
+/* Whether one curve of orbits passes through the multiplication, on both sides of it: where the order is odd. Without mirror points the flat part
+ * around the junction cannot be crossed from order 5 on, and two branches leave. */
+bool ric_problem_passes(const ric_cycle *cycle, int p, int q);
+
 /* lambda + 1/lambda of the map in use there. */
 double ric_problem_rho(bool half, int p, int q);
 

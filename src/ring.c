@@ -515,7 +515,7 @@ ric_status ric_ring_class(const ric_model *m, const ric_node *node, const ric_cy
     if (angle_of(m, node, &q, near, &angle)) {
         /* up to the shift */
         for (int i = 0; i < 2; i++) off[i] = fabs(remainder(angle - q.angle[i], TWO_PI / q.order));
-        bool second = off[1] < off[0], passes = q.order % 2;
+        bool second = off[1] < off[0], passes = ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]);
         *choice = second && !passes ? RIC_OTHER_SIDE : RIC_SIDE;
         *side = second && passes ? -1 : 1;
     } else status = ric_fail(RIC_E_NUMERIC, "the orbit does not lie beside the multiplication");

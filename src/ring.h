@@ -8,7 +8,8 @@
  *
  * (K. R. Meyer, Generic bifurcation of periodic points, Trans. AMS 149 (1970)). On the circle |z| = h its radial part fixes s and
  * its angular part g ~ h^(r-1) sin(r theta + phase) has 2 r roots, which the shift divides into two classes: two in every sector of
- * 2 pi / r. For odd r opposite roots are of different classes, and one curve passes; for even r two curves leave. */
+ * 2 pi / r. For even r they are two curves. For odd r opposite roots are of different classes, and one curve passes; but for r > 3 no step
+ * crosses the flat part around the node, and the two halves count as two branches. */
 #ifndef RIC_RING_H
 #define RIC_RING_H
 

@@ -6,6 +6,7 @@
 
 #include "event.h"
 #include "motion.h"
+#include "repeat.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
@@ -394,6 +395,16 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         tr->why = "largest number of points of a branch";
         *done = true;
         return RIC_OK;
+    }
+    int order;
+    if ((status = ric_repeat_ahead(tr, &h, &order, &tr->mid))) return status;
+    if (order > 3) {
+        *done = true;
+        return ric_event_arrive(tr, &tr->mid);
+    }
+    if (order == 3) { /* there the branch passes, and the determinant touches zero */
+        if ((status = ric_event_keep(tr, RIC_TEST_DET, &tr->mid))) return status;
+        tr->ignore |= 1u << RIC_TEST_DET;
     }
     for (;;) {
         double angle = 0, drift = 0, orientation;

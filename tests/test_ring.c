@@ -156,6 +156,40 @@ static family leave(const ric_model *m, const ric_node *node, unsigned choice, i
     return out;
 }
 
+/* Back from a point of the branch to the node, which is found there again. Order 3 passes. */
+static void come_back(const ric_model *m, const ric_trace *tr, const ric_node *node, unsigned choice, const char *where)
+{
+    const double *from = unknowns(tr, tr->n_point - 1), *to = unknowns(tr, tr->n_point - 2);
+    bool passes = ric_node_passes(node, choice), found = false;
+    double t[MAX_SIZE];
+    ric_trace *back = NULL;
+    ric_node *home = NULL;
+    ric_limits limits = *tr->limits;
+    limits.max_points = passes ? 30 : 300;
+    for (int i = 0; i < tr->chain->n_unknown; i++) t[i] = to[i] - from[i];
+    if (ric_trace_create(ric_chain_copy(tr->chain), from, t, (1u << RIC_N_TEST) - 1, &limits, &back) || ric_trace_run(back))
+        fail_msg("%s: %s", where, ric_detail());
+    if (!passes && !back->arrival) fail_msg("%s: the way back ends with: %s %s", where, ric_stop_text(back->stop), back->why);
+    for (int i = passes ? 0 : -1; i < (passes ? back->n_event : 0) && !found; i++) {
+        ric_chain_fly(back->chain, i < 0 ? back->end.u : back->events[i].u);
+        ric_cycle *cycle = ric_cycle_from_chain(back->chain, i < 0 ? back->end.u : back->events[i].u);
+        if (!ric_node_arrival(m, cycle, &home) && ric_node_same(m, node, home)) found = true;
+        ric_cycle_free(cycle);
+        ric_node_free(home);
+        home = NULL;
+    }
+    if (!found) fail_msg("%s: the way back does not lead home", where);
+    if (!passes) {
+        unsigned arrived;
+        int side;
+        ric_chain_fly(back->chain, unknowns(back, back->n_point - 2));
+        ric_cycle *near = ric_cycle_from_chain(back->chain, unknowns(back, back->n_point - 2));
+        if (ric_ring_class(m, node, near, &arrived, &side) || arrived != choice) fail_msg("%s: comes back as %u, not %u", where, arrived, choice);
+        ric_cycle_free(near);
+    }
+    ric_trace_free(back);
+}
+
 /* The branch itself: it begins at the node and goes on from there to orbits of its own. */
 static void follow(const ric_model *m, const ric_limits *window, const ric_node *node, unsigned choice, int side, const char *where)
 {
@@ -177,6 +211,7 @@ static void follow(const ric_model *m, const ric_limits *window, const ric_node 
         if (ric_cycle_find_symmetries(m, cycle, 1e-6) != 1) fail_msg("%s: point %d is a repeated orbit", where, i);
         ric_cycle_free(cycle);
     }
+    come_back(m, tr, node, choice, where);
     ric_trace_free(tr);
     free(u0);
     free(t0);

@@ -1,0 +1,123 @@
+#include "repeat.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "motion.h"
+#include "status.h"
+
+#define TWO_PI 6.283185307179586477
+#define NEAR 0.2    /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a repeated one */
+#define CLOSE 5e-3  /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
+#define CLOSEST 2e-4 /* where it is given up: along some branches the rotation number changes by all it can within 1e-3 */
+#define FLAT 1e-6   /* smallest pivot below which no step is made any more */
+#define MULTIPLIER 1e-3 /* accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
+
+/* The word of the chain repeats itself after `step` flights, with the faces exchanged for sign = -1. */
+static bool word_repeats(const ric_chain *c, int step, int sign)
+{
+    for (int k = 0; k + step <= c->n_flight; k++) {
+        int f = c->face[k];
+        if (sign < 0 && (f = c->model->face[f].mirror) < 0) return false;
+        if (c->face[k + step] != f) return false;
+    }
+    return true;
+}
+
+/* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first image. */
+static double average(ric_chain *c, const double *u, int order, int sign, double *mean)
+{
+    int n = 2 * c->n, step = c->n_flight / order;
+    double distance = 0;
+    ric_chain_fly(c, u);
+    memset(mean, 0, (size_t)c->n_unknown * sizeof *mean);
+    for (int k = 0, s = 1; k < order; k++, s *= sign)
+        for (int i = 0; i < n; i++) mean[i] += s * c->w[n * step * k + i] / order;
+    for (int k = 0; k < c->n_flight; k++)
+        for (int j = 0; j < order; j++) mean[n + k] += u[n + (k + j * step) % c->n_flight] / order;
+    for (int i = 0; i < n; i++) distance += pow(sign * c->w[n * step + i] - u[i], 2);
+    for (int k = 0; k < c->n_flight; k++) distance += pow(u[n + (k + step) % c->n_flight] - u[n + k], 2);
+    return sqrt(distance);
+}
+
+/* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and looks for a multiplier of the order. */
+static ric_status solve_short(const ric_chain *c, int order, int sign, double *u, bool *found)
+{
+    int n = 2 * c->n, step = c->n_flight / order, iterations;
+    ric_chain *one = NULL;
+    ric_floquet floquet = {0};
+    double v[n + step], du[n + step];
+    ric_status status = ric_chain_create(c->model, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sign, step, c->face, &one);
+    *found = false;
+    if (status || (status = ric_floquet_create(c->n, &floquet))) goto out;
+    memcpy(v, u, sizeof v);
+    if (!ric_trace_correct(one, v, NULL, NULL, 0, du, &iterations)) goto out;
+    if ((status = ric_floquet_compute(one, &floquet))) goto out;
+    for (int i = 0; i < floquet.n_pair; i++)
+        for (int k = 1; 2 * k < order; k++)
+            *found |= hypot(floquet.own[2 * i] - 2 * cos(TWO_PI * k / order), floquet.own[2 * i + 1]) < MULTIPLIER;
+    memcpy(u, v, (size_t)n * sizeof *u);
+    for (int k = 0; k < c->n_flight; k++) u[n + k] = v[n + k % step];
+out:
+    ric_chain_free(one);
+    ric_floquet_release(&floquet);
+    return status;
+}
+
+/* Energy, frequency and residual of an orbit that is no station; in its tests everything is at zero. */
+static void fill_row(ric_trace *tr, double s, ric_station *p)
+{
+    const ric_chain *c = tr->chain;
+    ric_chain_fly(tr->chain, p->u);
+    p->s = s;
+    memcpy(p->t, tr->now.t, (size_t)c->n_unknown * sizeof *p->t);
+    p->row = tr->now.row;
+    p->row.arclength = s;
+    p->row.energy = ric_chain_energy(c) * c->model->energy_unit;
+    p->row.frequency = TWO_PI / ric_chain_time(c, p->u) * c->model->omega_ref;
+    p->row.residual = (float)c->residual;
+    p->row.stable = RIC_STABLE_UNDECIDED;
+}
+
+/* For one order. At distance d the mean is off by d^2 (by d at order 3, where the branch passes with a slope). */
+static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *found, ric_station *out)
+{
+    ric_chain *c = tr->chain;
+    double before[c->n_unknown], now[c->n_unknown];
+    double d0 = average(c, tr->past.u, order, sign, before), d1 = average(c, tr->now.u, order, sign, now), scale = c->scale;
+    *found = false;
+    if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
+    double left = (tr->now.s - tr->past.s) * d1 / (d0 - d1), x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
+    ric_chain_evaluate(c, tr->now.u);
+    bool flat = order > 3 && c->smallest < FLAT;
+    if (left > 2 * *h && !flat) return RIC_OK;
+    for (int i = 0; i < c->n_unknown; i++) out->u[i] = now[i] + x * (now[i] - before[i]);
+    ric_status status = solve_short(c, order, sign, out->u, found);
+    if (status) return status;
+    if (!flat && left > (*found ? CLOSE : CLOSEST) * scale) { /* nearer first */
+        *h = left / 2;
+        *found = false;
+    }
+    if (!*found) return RIC_OK;
+    fill_row(tr, tr->now.s + left, out);
+    if (order == 3) *h = 2 * left; /* as far beyond */
+    return RIC_OK;
+}
+
+ric_status ric_repeat_ahead(ric_trace *tr, double *h, int *order, ric_station *out)
+{
+    const ric_chain *c = tr->chain;
+    *order = 0;
+    if (c->start != RIC_MIRROR_NONE || !tr->has_past || tr->ignore || tr->limits->ghost || c->n < 2) return RIC_OK;
+    for (int r = 3; r <= c->n_flight; r++)
+        for (int sign = 1; sign >= -1 && c->n_flight % r == 0; sign -= 2) {
+            bool fits = sign > 0 ? c->sigma > 0 : (c->sigma < 0) == r % 2, found;
+            if (!fits || !word_repeats(c, c->n_flight / r, sign)) continue;
+            ric_status status = ahead(tr, r, sign, h, &found, out);
+            if (status) return status;
+            if (!found) continue;
+            *order = r;
+            return RIC_OK;
+        }
+    return RIC_OK;
+}
