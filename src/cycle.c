@@ -433,6 +433,25 @@ bool ric_cycle_repeats(const ric_model *m, const ric_cycle *c, double tolerance)
     return false;
 }
 
+ric_cycle *ric_cycle_nearest(const ric_model *m, const ric_cycle *orbit, const ric_cycle *near, double limit)
+{
+    ric_cycle *best = NULL;
+    double least = limit;
+    for (int op = 0; op < (m->symmetric ? 4 : 2); op++)
+        for (int k = 0; k < near->N; k++) {
+            ric_cycle *image = ric_cycle_transform(m, near, k, op & 1, op & 2);
+            double distance = image ? ric_cycle_distance(orbit, image) : HUGE_VAL;
+            if (distance < least) {
+                ric_cycle *last = best;
+                best = image;
+                image = last;
+                least = distance;
+            }
+            ric_cycle_free(image);
+        }
+    return best;
+}
+
 int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance)
 {
     int N = c->N, q = 1;

@@ -48,6 +48,8 @@ double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
 bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
 /* Whether the cycle is one of fewer impacts gone through several times. */
 bool ric_cycle_repeats(const ric_model *model, const ric_cycle *cycle, double tolerance);
+/* The image of `near` under the group that is nearest to `orbit`. NULL: none within `limit`, or no memory. */
+ric_cycle *ric_cycle_nearest(const ric_model *model, const ric_cycle *orbit, const ric_cycle *near, double limit);
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
 int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */

@@ -6,6 +6,7 @@
 #include <lapacke.h>
 
 #include "corner.h"
+#include "crossing.h"
 #include "motion.h"
 #include "subset.h"
 #include "ring.h"
@@ -242,6 +243,12 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
         return depart_subset(m, node, choice, chain, u0, t0);
     }
     *ignore = breaks | 1u << RIC_TEST_DET;
+    if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) {
+        *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
+        ric_status status = ric_crossing_depart(m, node, choice, chain, u0, t0);
+        if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
+        return status;
+    }
     if (choice == RIC_THROUGH) {
         ric_status status = depart_through(m, node, chain, u0, t0);
         if (!status) orient(*chain, side, 1, *t0);

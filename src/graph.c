@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <time.h>
 
+#include "crossing.h"
 #include "depart.h"
 #include "motion.h"
 #include "subset.h"
@@ -273,6 +274,20 @@ static bool breaks_or_crosses(int test)
     return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
 }
 
+/* Which of the ways out of a junction the edge is that passes it. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, unsigned *choice)
+{
+    int size = e->trace->chain->n_unknown;
+    double u[size];
+    *choice = node->kind == RIC_KIND_MULTIPLICATION ? RIC_SIDE : RIC_THROUGH;
+    if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
+    for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
+    ric_cycle *near = cycle_at(e->trace, u);
+    ric_status status = near ? ric_crossing_choice(g->model, node, near, choice) : ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_cycle_free(near);
+    return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
+}
+
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
@@ -300,7 +315,9 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i] == index && fabs(e->inner_at[i] - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
-    mark(g->nodes[index], multiplies ? RIC_SIDE : RIC_THROUGH, RIC_DEPARTURE_KNOWN);
+    unsigned choice;
+    if ((status = passing_choice(g, e, event, g->nodes[index], &choice))) return status;
+    mark(g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
     return attach(e, index, event->s);
 }
 
@@ -514,7 +531,9 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
     }
     if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
     if (ric_node_passes(node, choice)) {
-        for (int i = 0; choice == RIC_THROUGH && i < g->n_edge; i++) {
+        /* where two branches of one symmetry cross, the edges that pass have said which they are */
+        bool crossing = node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET;
+        for (int i = 0; choice == RIC_THROUGH && !crossing && i < g->n_edge; i++) {
             double where;
             /* a branch that ends here has left, it does not pass */
             if (g->edges[i].from == index || g->edges[i].to == index || !contains(g, &g->edges[i], node, &where)) continue;

@@ -469,30 +469,10 @@ ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned ch
     return status;
 }
 
-/* The image of `near` under the symmetry group that is nearest to `orbit`. NULL: none has its word close by, or no memory. */
-static ric_cycle *nearest_image(const ric_model *m, const ric_cycle *orbit, const ric_cycle *near)
-{
-    ric_cycle *best = NULL;
-    double least = NEIGHBOUR;
-    for (int op = 0; op < (m->symmetric ? 4 : 2); op++)
-        for (int k = 0; k < near->N; k++) {
-            ric_cycle *image = ric_cycle_transform(m, near, k, op & 1, op & 2);
-            double distance = image ? ric_cycle_distance(orbit, image) : HUGE_VAL;
-            if (distance < least) {
-                ric_cycle *last = best;
-                best = image;
-                image = last;
-                least = distance;
-            }
-            ric_cycle_free(image);
-        }
-    return best;
-}
-
 /* Angle of `near` in the plane of the node; false if it is no neighbour. */
 static bool angle_of(const ric_model *m, const ric_node *node, const ring *q, const ric_cycle *near, double *angle)
 {
-    ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple), *home = repeated ? nearest_image(m, repeated, near) : NULL;
+    ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple), *home = repeated ? ric_cycle_nearest(m, repeated, near, NEIGHBOUR) : NULL;
     ric_chain *chain = NULL;
     double *u = NULL, z[2] = {0};
     bool good = home && !ric_cycle_to_chain(m, home, &chain, &u) && chain->n_unknown == q->size;

@@ -1,0 +1,133 @@
+/* Branch points where two branches of one symmetry cross: both are found, and which is which does not depend on where one comes from.
+ * A structure that is its own image under the exchange of left and right, of which the program knows nothing, has many: one branch is
+ * its own image, the other one breaks the symmetry. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "depart.h"
+#include "graph.h"
+
+/* Two equal masses on equal springs, joined by a third; each has a wall on its outer side. */
+static const char study_text[] =
+    "model:\n  mass: [[MASS, 0], [0, MASS]]\n  stiffness: [[STIFF, -JOIN], [-JOIN, STIFF]]\n  contacts:\n"
+    "    - {normal: [1, 0], clearance: 1, sides: upper, law: rigid}\n    - {normal: [0, -1], clearance: 1, sides: upper, law: rigid}\n"
+    "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n";
+
+/* Left and right exchanged: x1 -> -x2, x2 -> -x1, and the walls. */
+static ric_cycle *exchanged(const ric_model *m, const ric_cycle *cycle)
+{
+    double x[2], v[2], y[2], z[2];
+    ric_cycle *out = ric_cycle_copy(cycle);
+    ric_model_to_state(m, cycle->w, x, v);
+    for (int i = 0; i < 2; i++) {
+        y[i] = -x[1 - i];
+        z[i] = -v[1 - i];
+    }
+    ric_model_from_state(m, y, z, out->w);
+    for (int i = 0; i < cycle->N; i++) out->face[i] = 1 - cycle->face[i];
+    return out;
+}
+
+static bool own_image(const ric_model *m, const ric_cycle *cycle)
+{
+    int shift;
+    bool reverse, mirror;
+    ric_cycle *image = exchanged(m, cycle);
+    bool same = ric_cycle_match(m, cycle, image, 1e-7, &shift, &reverse, &mirror);
+    ric_cycle_free(image);
+    return same;
+}
+
+/* Point `at` of the branch that leaves by `choice` on `side`; its class seen from the node, and the energy there. */
+static ric_cycle *leave(const ric_graph *g, const ric_node *node, unsigned choice, int side, int at, double *energy)
+{
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0, seen;
+    ric_trace *tr = NULL;
+    ric_limits limits = g->limits;
+    limits.max_points = at + 1;
+    if (ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore) || ric_trace_create(chain, u0, t0, ignore, &limits, &tr) ||
+        ric_trace_run(tr))
+        fail_msg("choice %u, side %d at E %.9g: %s", choice, side, node->energy, ric_detail());
+    assert_true(tr->n_point > at);
+    const double *point = tr->points + (size_t)at * tr->stride, *u = point + sizeof(ric_point) / sizeof(double);
+    ric_chain_fly(tr->chain, u);
+    assert_true(tr->chain->residual <= ric_trace_tolerance(tr->chain));
+    *energy = ((const ric_point *)point)->energy;
+    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, u), *turned = ric_cycle_canonical(g->model, cycle);
+    if (ric_crossing_choice(g->model, node, turned, &seen)) fail_msg("%s", ric_detail());
+    if (seen != choice) fail_msg("choice %u at E %.9g is taken for %u", choice, node->energy, seen);
+    ric_cycle_free(turned);
+    ric_trace_free(tr);
+    free(u0);
+    free(t0);
+    return cycle;
+}
+
+/* The one branch keeps the symmetry, the other one breaks it: both sides of the node are images, of one energy but for the square of the
+ * step, 1e-3, as the exchange is no isometry of the unknowns. */
+static bool check_node(const ric_graph *g, const ric_node *node)
+{
+    double energy[2];
+    int kept = 0, broken = 0;
+    if (!own_image(g->model, node->cycle)) return false;
+    for (unsigned choice = RIC_THROUGH; choice <= RIC_SIDE; choice++) {
+        bool image = true;
+        for (int i = 0; i < 2; i++) {
+            ric_cycle *cycle = leave(g, node, choice, i ? -1 : 1, 1, &energy[i]);
+            image = own_image(g->model, cycle) && image;
+            ric_cycle_free(cycle);
+        }
+        if (image != (choice == RIC_THROUGH)) fail_msg("THROUGH is not the branch along which the energy changes at E %.9g", node->energy);
+        kept += image;
+        broken += !image;
+        if (!image && fabs(energy[0] - energy[1]) > 1e-6 * energy[0]) fail_msg("energies %.12g and %.12g on both sides", energy[0], energy[1]);
+    }
+    if (kept != 1 || broken != 1) fail_msg("%d branches that keep the symmetry and %d that break it at E %.9g", kept, broken, node->energy);
+    return true;
+}
+
+static void left_and_right(void **state)
+{
+    (void)state;
+    static const char *const numbers[][3] = {{"1.641", "4.983", "3.79"}, {"0.586", "5.021", "3.802"}, {"1.862", "5.238", "3.244"}, {"1.648", "5.866", "2.957"}};
+    int checked = 0;
+    for (int i = 0; i < (int)(sizeof numbers / sizeof *numbers); i++) {
+        char text[2048] = "", *out = text;
+        for (const char *p = study_text; *p;) {
+            static const char *const names[] = {"MASS", "STIFF", "JOIN"};
+            int k = 0;
+            while (k < 3 && strncmp(p, names[k], strlen(names[k]))) k++;
+            if (k == 3) *out++ = *p++;
+            else {
+                out += sprintf(out, "%s", numbers[i][k]);
+                p += strlen(names[k]);
+            }
+        }
+        *out = 0;
+        ric_study *study = NULL;
+        ric_graph *g = NULL;
+        if (ric_study_parse(text, "left and right", ".", &study)) fail_msg("%s", ric_detail());
+        if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+        for (int k = 0; k < g->n_node; k++)
+            if (g->nodes[k]->kind == RIC_KIND_BRANCH_POINT && g->nodes[k]->test == RIC_TEST_DET) checked += check_node(g, g->nodes[k]);
+        ric_graph_free(g);
+        ric_study_free(study);
+    }
+    if (checked < 5) fail_msg("%d crossings only", checked);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right)};
+    return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
+}
