@@ -274,12 +274,12 @@ static bool breaks_or_crosses(int test)
     return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
 }
 
-/* Which of the ways out of a junction the edge is that passes it. */
-static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, unsigned *choice)
+/* Which of the ways out of a junction the edge is that passes it; `multiplied`: as an orbit of several periods. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, bool multiplied, unsigned *choice)
 {
     int size = e->trace->chain->n_unknown;
     double u[size];
-    *choice = node->kind == RIC_KIND_MULTIPLICATION ? RIC_SIDE : RIC_THROUGH;
+    *choice = multiplied ? RIC_SIDE : RIC_THROUGH;
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
     ric_cycle *near = cycle_at(e->trace, u);
@@ -316,7 +316,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i] == index && fabs(e->inner_at[i] - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
     unsigned choice;
-    if ((status = passing_choice(g, e, event, g->nodes[index], &choice))) return status;
+    if ((status = passing_choice(g, e, event, g->nodes[index], multiplies, &choice))) return status;
     mark(g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
     return attach(e, index, event->s);
 }

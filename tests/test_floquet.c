@@ -232,12 +232,12 @@ static void forms_agree(void **state)
 
 static const char *const studies[] = {
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n"
-    "explore: {energy: [0, 90], frequency: [0.2, 10], impacts: 6, depth: 3}\n",
+    "explore: {energy: [0, 90], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 3}\n",
     "model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1.5]]\n  stiffness: [[9, -1, 0], [-1, 2.3, -1.3], [0, -1.3, 1.3]]\n"
-    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 60], frequency: [0.2, 10], impacts: 4, depth: 2}\n",
+    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 60], frequency: [0.2, 10], impacts: 4, multiply: 1, depth: 2}\n",
     "model:\n  mass: [[1, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 0.8, 0], [0, 0, 0, 1]]\n"
     "  stiffness: [[3, -1, 0, 0], [-1, 2.4, -1.4, 0], [0, -1.4, 2.1, -0.7], [0, 0, -0.7, 0.9]]\n"
-    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 40], frequency: [0.1, 10], impacts: 4, depth: 2}\n",
+    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 40], frequency: [0.1, 10], impacts: 4, multiply: 1, depth: 2}\n",
 };
 
 /* Motion from (x, v) for `time` seconds, in place. */
