@@ -45,6 +45,8 @@ static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
 static bool watched(const ric_trace *tr, int test)
 {
     if (tr->ignore & 1u << test) return false;
+    /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that could be crossed */
+    if (test == RIC_TEST_DET && tr->longest < HUGE_VAL) return false;
     return !(tr->limits->ghost && (free_of_ghosts & 1u << test));
 }
 
@@ -203,30 +205,44 @@ static double crossing_test(const ric_trace *tr, const crossing *q, int test, do
     return sum;
 }
 
-/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be noise. */
-static ric_status crossing_create(ric_trace *tr, double h, crossing *q)
+/* Solves at the four distances q->x; false if one of them does not converge. */
+static ric_status crossing_solve(ric_trace *tr, double h, crossing *q, bool *good)
 {
-    static const double place[4] = {-1, -0.5, 0.5, 1};
-    size_t size = (size_t)tr->chain->n_unknown;
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = h * fa / (fa - fb);
-    size_t pairs = 2 * (size_t)tr->floquet.n_pair;
-    if (!(q->u = malloc(4 * (size + pairs) * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
-    q->own = q->u + 4 * size;
-    for (int i = 0; i < 4; i++) {
-        bool good = false;
-        q->x[i] = root + place[i] * CROSSING / 2 * tr->chain->scale;
-        ric_status status = station_at(tr, q->x[i], h, &tr->mid, &good);
-        if (!status && !good) status = ric_fail(RIC_E_NUMERIC, "no convergence beside a branch point");
-        if (status) {
-            free(q->u);
-            q->u = NULL;
-            return status;
-        }
+    size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
+    *good = true;
+    for (int i = 0; i < 4 && *good; i++) {
+        ric_status status = station_at(tr, q->x[i], h, &tr->mid, good);
+        if (status) return status;
         memcpy(q->test[i], tr->mid.test, sizeof tr->mid.test);
         memcpy(q->u + i * size, tr->mid.u, size * sizeof *q->u);
         memcpy(q->own + i * pairs, tr->mid.own, pairs * sizeof *q->own);
     }
     return RIC_OK;
+}
+
+/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be noise. Where the branch
+ * bends too much for that, they lie within the step. */
+static ric_status crossing_create(ric_trace *tr, double h, crossing *q)
+{
+    static const double place[4] = {-1, -0.5, 0.5, 1};
+    size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
+    double within[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
+    bool good = false;
+    if (!(q->u = malloc(4 * (size + pairs) * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
+    q->own = q->u + 4 * size;
+    for (int i = 0; i < 4; i++) q->x[i] = root * h + place[i] * CROSSING / 2 * tr->chain->scale;
+    ric_status status = crossing_solve(tr, h, q, &good);
+    if (!status && !good) {
+        memcpy(q->x, within, sizeof within);
+        status = crossing_solve(tr, h, q, &good);
+    }
+    if (!status && !good) status = ric_fail(RIC_E_NUMERIC, "no convergence beside a branch point");
+    if (status) {
+        free(q->u);
+        q->u = NULL;
+    }
+    return status;
 }
 
 /* Bisection on the cubic between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided out. */

@@ -98,6 +98,7 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
         *h = left / 2;
         *found = false;
     }
+    tr->longest = fmin(tr->longest, *h);
     if (!*found) return RIC_OK;
     fill_row(tr, tr->now.s + left, out);
     if (order == 3) *h = 2 * left; /* as far beyond */

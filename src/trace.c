@@ -281,6 +281,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
+    tr->longest = HUGE_VAL;
     tr->step_max = limits->max_step * chain->scale;
     tr->step = regular ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale) : ignore & RIC_SINGULAR_START ? norm : RIC_LEAVING * chain->scale;
     if ((status = ric_trace_keep(tr, &tr->now))) goto out;
@@ -397,6 +398,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         return RIC_OK;
     }
     int order;
+    tr->longest = HUGE_VAL;
     if ((status = ric_repeat_ahead(tr, &h, &order, &tr->mid))) return status;
     if (order > 3) {
         *done = true;

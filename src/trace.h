@@ -66,6 +66,7 @@ typedef struct {
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
+    double longest;      /* step that still keeps before an orbit of fewer periods that lies ahead */
     int approaches;      /* attempts to place this step over a crossing */
     unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
     double *du, *guess, *start_u, *start_t;
