@@ -96,6 +96,13 @@ double ric_model_energy(const ric_model *model, const double *x, const double *v
 
 /* ------------------------------------------------------------------- study */
 
+/* A list of numbers in a study. */
+#define RIC_NUMBERS_MAX 32
+typedef struct {
+    int n;
+    double value[RIC_NUMBERS_MAX]; /* ascending, no two equal */
+} ric_numbers;
+
 /* Every option is one row of RIC_OPTIONS in src/options.c: name, type, default, range, unit, help. */
 typedef struct {
     double energy[2];     /* scaled energy window */
@@ -108,6 +115,8 @@ typedef struct {
     bool symmetric_only;  /* depart only to branches with z(t+T/2) = -z(t) */
     int n_start;          /* 0 = all seen modes */
     int start[64];        /* mode numbers from 1, ascending */
+    ric_numbers at_energy;    /* scaled energies, and frequencies of the orbit in rad/s, where branches are marked by junctions */
+    ric_numbers at_frequency;
 } ric_explore_options;
 
 void ric_explore_options_init(ric_explore_options *options);

@@ -12,6 +12,8 @@
 
 #define FIELD(name) offsetof(ric_explore_options, name)
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+#define TEXT_OF(value) #value
+#define TEXT(macro) TEXT_OF(macro)
 
 static const ric_option RIC_OPTIONS[] = {
     /* section, key, type, field, default, min, max, above, unit, help */
@@ -31,6 +33,10 @@ static const ric_option RIC_OPTIONS[] = {
      "largest arclength step"},
     {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
      "depart only to branches with z(t + T/2) = -z(t)"},
+    {"explore", "at_energy", RIC_OPTION_NUMBERS, FIELD(at_energy), {0, 0}, 0, 1e12, true, "scaled energy",
+     "energies that become junctions of kind user on every branch that passes them, such as [1.5, 10]"},
+    {"explore", "at_frequency", RIC_OPTION_NUMBERS, FIELD(at_frequency), {0, 0}, 0, 1e12, true, "rad/s",
+     "the same for frequencies of the orbit, such as [1.2, 1.6]"},
     {"", "tolerance", RIC_OPTION_REAL, FIELD(tolerance), {1e-12, 0}, 1e-14, 1e-4, false, "relative",
      "accuracy asked for"},
 };
@@ -68,6 +74,7 @@ static void store(const ric_option *option, const double value[2], ric_explore_o
     case RIC_OPTION_SWITCH: *(bool *)where = value[0] != 0; break;
     case RIC_OPTION_WINDOW: memcpy(where, value, 2 * sizeof *value); break;
     case RIC_OPTION_MODES: out->n_start = 0; break;
+    case RIC_OPTION_NUMBERS: ((ric_numbers *)where)->n = 0; break;
     }
 }
 
@@ -225,6 +232,34 @@ static ric_status read_modes(const ric_option *option, bool list, int n, const c
     return RIC_OK;
 }
 
+static int compare_reals(const void *left, const void *right)
+{
+    double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts, ric_numbers *out, int *item)
+{
+    ric_numbers numbers = {.n = n};
+    if (!list)
+        return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
+    if (n > RIC_NUMBERS_MAX)
+        return ric_fail(RIC_E_INPUT, "more than %d numbers; leave some for another study", RIC_NUMBERS_MAX);
+    for (int i = 0; i < n; i++) {
+        *item = i;
+        ric_status status = read_number(option, texts[i], &numbers.value[i]);
+        if (status)
+            return status;
+        for (int j = 0; j < i; j++)
+            if (numbers.value[j] == numbers.value[i])
+                return ric_fail(RIC_E_INPUT, "%.40s is listed twice; give each number once", texts[i]);
+    }
+    *item = -1;
+    qsort(numbers.value, (size_t)n, sizeof *numbers.value, compare_reals);
+    *out = numbers;
+    return RIC_OK;
+}
+
 ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
 {
     double value[2] = {0, 0};
@@ -232,6 +267,8 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
     *item = -1;
     if (option->type == RIC_OPTION_MODES)
         return read_modes(option, list, n, texts, out, item);
+    if (option->type == RIC_OPTION_NUMBERS)
+        return read_numbers(option, list, n, texts, field(option, out), item);
     if (option->type == RIC_OPTION_WINDOW)
         status = read_window(option, list, n, texts, value, item);
     else if (list)
@@ -249,6 +286,17 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
 
 /* ----------------------------------------------------------------- writing */
 
+static void write_list(int n, const double *values, FILE *out)
+{
+    fputc('[', out);
+    for (int i = 0; i < n; i++) {
+        if (i)
+            fputs(", ", out);
+        ric_text_write(values[i], out);
+    }
+    fputc(']', out);
+}
+
 void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out)
 {
     const void *where = const_field(option, options);
@@ -257,13 +305,8 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
     case RIC_OPTION_REAL: ric_text_write(*real, out); break;
     case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
     case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
-    case RIC_OPTION_WINDOW:
-        fputc('[', out);
-        ric_text_write(real[0], out);
-        fputs(", ", out);
-        ric_text_write(real[1], out);
-        fputc(']', out);
-        break;
+    case RIC_OPTION_WINDOW: write_list(2, real, out); break;
+    case RIC_OPTION_NUMBERS: write_list(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out); break;
     case RIC_OPTION_MODES:
         if (options->n_start == 0)
             fputs("modes", out);
@@ -306,6 +349,7 @@ static const char *type_text(ric_option_type type)
     case RIC_OPTION_SWITCH: return "true or false";
     case RIC_OPTION_WINDOW: return "[lower, upper]";
     case RIC_OPTION_MODES: return "`modes` or a list";
+    case RIC_OPTION_NUMBERS: return "list of up to " TEXT(RIC_NUMBERS_MAX) " numbers";
     }
     return "";
 }

@@ -6,14 +6,14 @@
 
 #include "ricochet.h"
 
-typedef enum { RIC_OPTION_REAL, RIC_OPTION_INTEGER, RIC_OPTION_SWITCH, RIC_OPTION_WINDOW, RIC_OPTION_MODES } ric_option_type;
+typedef enum { RIC_OPTION_REAL, RIC_OPTION_INTEGER, RIC_OPTION_SWITCH, RIC_OPTION_WINDOW, RIC_OPTION_MODES, RIC_OPTION_NUMBERS } ric_option_type;
 
 typedef struct {
     const char *section; /* "explore", or "" for a key at the top of the study */
     const char *key;
     ric_option_type type;
     size_t offset;       /* in struct ric_explore_options */
-    double initial[2];   /* default; the second one for windows only */
+    double initial[2];   /* default; the second one for windows only; lists of numbers are empty */
     double min, max;     /* allowed values */
     bool above;          /* min itself is not allowed */
     const char *unit;

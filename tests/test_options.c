@@ -49,6 +49,8 @@ static void defaults_are_those_promised(void **state)
     assert_true(o.tolerance == 1e-12 && o.max_step == 0.03);
     assert_false(o.symmetric_only);
     assert_int_equal(o.n_start, 0);
+    assert_int_equal(o.at_energy.n, 0);
+    assert_int_equal(o.at_frequency.n, 0);
 }
 
 static void template_reads_back_as_the_defaults(void **state)

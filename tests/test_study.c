@@ -117,6 +117,23 @@ static void good_study_is_read(void **state)
     free(text);
 }
 
+/* In ascending order, whatever the order in the study; the text of the study keeps them. */
+static void lists_of_numbers_are_read(void **state)
+{
+    char *text = with_line(12, "  at_energy:\n    - 10\n    - 0.1\n    - 2.5e1\n  at_frequency: []");
+    ric_study *study = NULL, *again = NULL;
+    (void)state;
+    assert_int_equal(ric_study_parse(text, "s.yaml", NULL, &study), RIC_OK);
+    assert_int_equal(ric_study_parse(ric_study_text(study), "again", NULL, &again), RIC_OK);
+    const ric_explore_options *o = ric_study_options(again);
+    assert_true(o->at_energy.n == 3 && o->at_energy.value[0] == 0.1 && o->at_energy.value[1] == 10 && o->at_energy.value[2] == 25);
+    assert_int_equal(o->at_frequency.n, 0);
+    assert_memory_equal(o, ric_study_options(study), sizeof *o);
+    ric_study_free(study);
+    ric_study_free(again);
+    free(text);
+}
+
 static void text_comes_back_bit_for_bit(void **state)
 {
     static const char text[] =
@@ -258,6 +275,19 @@ static void wrong_numbers(void **state)
     line_refused(8, "      clearance: \"1\"", "model.contacts[1].clearance", SAYS("remove the quotes"));
     line_refused(8, "      clearance:", "model.contacts[1].clearance", SAYS("no value"));
     line_refused(8, "      clearance: 0x10", "model.contacts[1].clearance", SAYS("not a number"));
+    line_refused(12, "  at_energy: ten", "explore.at_energy", SAYS("list of numbers", "[ten]"));
+    line_refused(12, "  at_energy: 10", "explore.at_energy", SAYS("write [10]"));
+    line_refused(12, "  at_energy: {a: 1}", "explore.at_energy", SAYS("expected a value"));
+    line_refused(12, "  at_energy: [[1], 2]", "explore.at_energy", SAYS("expected a plain value"));
+    line_refused(12, "  at_energy: [1, ten]", "explore.at_energy", SAYS("'ten' is not a number", "(0, 1e+12]"));
+    line_refused(12, "  at_energy: ['10']", "explore.at_energy", SAYS("remove the quotes"));
+    line_refused(12, "  at_energy: [1, ~]", "explore.at_energy", SAYS("'~' is not a number"));
+    line_refused(12, "  at_energy: [1, .nan]", "explore.at_energy", SAYS("not finite"));
+    line_refused(12, "  at_energy: [-1]", "explore.at_energy", SAYS("-1 is out of range", "(0, 1e+12]"));
+    line_refused(12, "  at_energy: [1, 2, 1.0]", "explore.at_energy", SAYS("1.0 is listed twice"));
+    line_refused(12, "  at_frequency: [0]", "explore.at_frequency", SAYS("out of range", "(0, 1e+12]"));
+    line_refused(12, "  at_frequency: [1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33]",
+                 "explore.at_frequency", SAYS("more than 32 numbers"));
     line_refused(13, "  energy: [0, .inf]", "explore.energy", SAYS("not finite"));
     line_refused(15, "  impacts: 2.5", "explore.impacts", SAYS("not a whole number", "[1, 4096]"));
     line_refused(15, "  impacts: 0", "explore.impacts", SAYS("out of range"));
@@ -655,6 +685,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_study_is_read),
+        cmocka_unit_test(lists_of_numbers_are_read),
         cmocka_unit_test(text_comes_back_bit_for_bit),
         cmocka_unit_test(override_changes_option_and_text),
         cmocka_unit_test(locale_does_not_matter),
