@@ -353,7 +353,7 @@ int plot_legend_entries(const bool family[3], unsigned stability, const bool *ki
     static const char *const words[] = {
         [RIC_KIND_START] = "start", [RIC_KIND_GRAZING] = "grazing", [RIC_KIND_CORNER] = "corner", [RIC_KIND_EXTREMUM] = "extremum",
         [RIC_KIND_BRANCH_POINT] = "branch point", [RIC_KIND_MULTIPLICATION] = "period multiplication",
-        [RIC_KIND_PERIOD_EXTREMUM] = "period extremum", [RIC_KIND_USER] = "user function",
+        [RIC_KIND_PERIOD_EXTREMUM] = "period extremum", [RIC_KIND_USER] = "asked for",
     };
     const int sample = family && family[2] ? PLOT_SYMMETRIC : family && family[1] ? PLOT_ASYMMETRIC : PLOT_LINEAR;
     int n = 0;

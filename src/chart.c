@@ -23,7 +23,14 @@ typedef struct {
     ric_branch_record record;
     int from, to;      /* nodes */
     const ric_edge *edge;
+    int user;          /* first of the marks on a linear mode, in the numbering of nodes */
 } sheet;
+
+/* The node number k that a branch passes. */
+static int passed(const sheet *s, int k)
+{
+    return s->edge ? s->edge->inner[k] : s->user + k;
+}
 
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
 static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
@@ -140,6 +147,12 @@ static ric_status make_sheet(const ric_model *m, const ric_edge *e, sheet *out)
     return status;
 }
 
+/* E = omega^2 q^2 / 2, lengths scaled */
+static double linear_amplitude(double omega, double energy)
+{
+    return sqrt(2 * energy) / omega;
+}
+
 /* A linear mode from rest to where it touches (or to the end of the energy window): states at its mirror point. */
 static ric_status make_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node, double energy, sheet *out)
 {
@@ -150,8 +163,8 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
     *r = (ric_branch_record){.stride = ric_point_stride(n, 0)};
     r->points = calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
     r->word = calloc(1, sizeof *r->word);
-    r->junctions = calloc(1, sizeof *r->junctions);
-    r->junction_at = calloc(1, sizeof *r->junction_at);
+    r->junctions = calloc(RIC_ASKED_MAX, sizeof *r->junctions);
+    r->junction_at = calloc(RIC_ASKED_MAX, sizeof *r->junction_at);
     r->mirror = strdup("centre-rest");
     r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
     if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return no_memory();
@@ -161,7 +174,7 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
     for (int i = 0; i < LINEAR_POINTS; i++) {
         double part = (double)i / (LINEAR_POINTS - 1), E = top * part * part, *x = r->points + (size_t)i * r->stride + sizeof(ric_point) / sizeof(double);
         ric_point *p = (ric_point *)(r->points + (size_t)i * r->stride);
-        double q = sqrt(2 * E) / omega; /* E = omega^2 q^2 / 2, lengths scaled */
+        double q = linear_amplitude(omega, E);
         double rotation = NAN;
         for (int k = 0; m->n == 2 && k < 2; k++)
             if (m->mode[k] != mode) rotation = fmod(m->frequency[m->mode[k]] / omega, 1);
@@ -283,6 +296,41 @@ out:
     return status;
 }
 
+/* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of the graph. */
+static ric_status mark_linear(const ric_model *m, int mode, double energy, int index, mark *out)
+{
+    ric_junction_record *r = &out->record;
+    int n = m->n_dof;
+    double omega = m->frequency[mode];
+    *out = (mark){.index = index};
+    r->word = calloc(1, sizeof *r->word);
+    r->state = calloc(2 * (size_t)n, sizeof *r->state);
+    r->flights = calloc(1, sizeof *r->flights);
+    r->refusal = strdup("");
+    if (!r->word || !r->state || !r->flights || !r->refusal) return no_memory();
+    for (int i = 0; i < n; i++) r->state[i] = m->Phi[i * n + mode] * linear_amplitude(omega, energy);
+    r->flights[0] = TWO_PI / omega;
+    r->row = (ric_junction){.kind = RIC_KIND_USER, .word = r->word, .multiple = 1, .energy = energy, .frequency = omega, .state = r->state,
+                            .flights = r->flights, .refusal = r->refusal};
+    return RIC_OK;
+}
+
+/* What was asked for on a linear mode: energies; its frequency is one number and passes nothing. */
+static ric_status mark_linear_energies(const ric_graph *g, int mode, sheet *s, mark *marks, int *n)
+{
+    ric_status status = RIC_OK;
+    ric_branch_record *r = &s->record;
+    s->user = g->n_node + *n;
+    for (int i = 0; i < g->limits.n_asked && !status; i++) {
+        const ric_asked *asked = &g->limits.asked[i];
+        if (asked->frequency || asked->value >= r->row.energy_max) continue;
+        r->junction_at[r->row.n_junction++] = linear_amplitude(g->model->frequency[mode], asked->value);
+        status = mark_linear(g->model, mode, asked->value, g->n_node + *n, &marks[*n]);
+        (*n)++;
+    }
+    return status;
+}
+
 static int mark_order(const void *p, const void *q)
 {
     const ric_junction *a = &((const mark *)p)->record.row, *b = &((const mark *)q)->record.row;
@@ -355,7 +403,7 @@ static bool started(const ric_explore_options *o, int mode)
     return wanted;
 }
 
-static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n)
+static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n, mark *marks, int *n_mark)
 {
     const ric_model *m = g->model;
     double *energy = calloc((size_t)m->n_dof, sizeof *energy);
@@ -369,6 +417,7 @@ static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n)
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen) node = k;
         status = make_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
+        if (!status) status = mark_linear_energies(g, i, &sheets[*n], marks, n_mark);
         (*n)++;
     }
     free(energy);
@@ -395,8 +444,7 @@ static ric_status list_branches(mark *k, int n, const sheet *sheets)
     if (!(r->branches = calloc((size_t)n + 1, sizeof *r->branches))) return no_memory();
     for (int i = 0; i < n; i++) {
         bool meets = sheets[i].from == k->index || sheets[i].to == k->index;
-        const ric_edge *e = sheets[i].edge;
-        for (int j = 0; e && j < e->n_inner; j++) meets |= e->inner[j] == k->index;
+        for (int j = 0; j < sheets[i].record.row.n_junction; j++) meets |= passed(&sheets[i], j) == k->index;
         if (meets) r->branches[count++] = i + 1;
     }
     r->row.branches = r->branches;
@@ -411,7 +459,7 @@ static void link_sheets(int n, sheet *sheets, const int *id)
         r->row.id = i + 1;
         r->row.from = sheets[i].from >= 0 ? id[sheets[i].from] : 0;
         r->row.to = sheets[i].to >= 0 ? id[sheets[i].to] : 0;
-        for (int k = 0; sheets[i].edge && k < sheets[i].edge->n_inner; k++) r->junctions[k] = id[sheets[i].edge->inner[k]];
+        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[passed(&sheets[i], k)];
     }
 }
 
@@ -421,15 +469,16 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
     const ric_model *m = g->model;
     int n_sheet = 0, n_mark = 0;
     sheet *sheets = calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
-    mark *marks = calloc((size_t)g->n_node + 1, sizeof *marks);
-    int *id = calloc((size_t)g->n_node + 1, sizeof *id);
+    size_t most = (size_t)g->n_node + (size_t)m->n_dof * g->limits.n_asked + 1;
+    mark *marks = calloc(most, sizeof *marks);
+    int *id = calloc(most, sizeof *id);
     ric_atlas *atlas = calloc(1, sizeof *atlas);
     *out = NULL;
     if (!sheets || !marks || !id || !atlas) {
         status = no_memory();
         goto out;
     }
-    if ((status = linear_sheets(g, sheets, &n_sheet))) goto out;
+    if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
     for (int i = 0; i < g->n_edge && !status; i++) status = make_sheet(m, &g->edges[i], &sheets[n_sheet++]);
     if (status) goto out;
     for (int i = 0; i < g->n_node && !status; i++)

@@ -29,6 +29,9 @@
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
+#define STRETCHES 3 /* of a step, between its extrema of energy and of period */
+#define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter steps */
+
 #define SETTLE_STEPS 3
 #define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
@@ -94,27 +97,36 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
 
 /* ------------------------------------------------------------------ location */
 
+/* The unknowns at distance x from `now` on the cubic through now and next. */
+static void on_cubic(const ric_trace *tr, double x, double h, double *u)
+{
+    const ric_station *a = &tr->now, *b = &tr->next;
+    double y = x / h, H = b->s - a->s;
+    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p, s = (y * y * y - y * y) * H;
+    for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
+}
+
 /* Solves at distance x from `now`, between now and next, from the cubic through both. */
 static ric_status station_at(ric_trace *tr, double x, double h, ric_station *out, bool *good)
 {
     ric_chain *c = tr->chain;
-    int size = c->n_unknown, iterations;
-    const ric_station *a = &tr->now, *b = &tr->next;
-    double y = x / h, H = b->s - a->s;
-    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p, s = (y * y * y - y * y) * H;
-    for (int i = 0; i < size; i++) out->u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
+    const ric_station *a = &tr->now;
+    int iterations;
+    on_cubic(tr, x, h, out->u);
     *good = ric_trace_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
     tr->evaluations += iterations + 1;
     if (!*good) return RIC_OK;
     double sign = ric_trace_tangent(c, a->t, out->t);
-    out->s = a->s + H * y;
+    out->s = a->s + (tr->next.s - a->s) * (x / h);
     return ric_trace_examine(tr, out, sign);
 }
 
-/* Value of a test function, or of one of the resonances beyond them. */
+/* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
 static double value_of(const ric_trace *tr, int test, const ric_station *p)
 {
     if (test < RIC_N_TEST) return p->test[test];
+    const ric_asked *asked = ric_trace_asked(tr, test);
+    if (asked) return ric_asked_off(asked, p->row.energy, p->row.frequency);
     return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
 }
 
@@ -480,6 +492,104 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
     return RIC_OK;
 }
 
+/* ---------------------------------------------------------- what was asked for */
+
+static void complete_row(ric_trace *tr, ric_station *p);
+
+/* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the cubic. */
+static ric_status look(ric_trace *tr, bool solve, double x, double h, ric_station *out, bool *good)
+{
+    *good = true;
+    if (solve) return station_at(tr, x, h, out, good);
+    on_cubic(tr, x, h, out->u);
+    memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
+    out->s = tr->now.s + (tr->next.s - tr->now.s) * (x / h);
+    complete_row(tr, out);
+    return RIC_OK;
+}
+
+static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double b, double h)
+{
+    bool good;
+    for (int i = 0; i < LOCATE_STEPS; i++) {
+        look(tr, false, (a + b) / 2, h, &tr->mid, &good);
+        if ((value_of(tr, test, &tr->mid) < 0) == (fa < 0)) a = (a + b) / 2;
+        else b = (a + b) / 2;
+    }
+    return (a + b) / 2;
+}
+
+/* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum in between. A value
+ * met exactly counts as above, so that it is found in one of the two steps that end there. */
+static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb, const double *before, const double *after, double h,
+                                 root *roots, int *n, bool *retry)
+{
+    /* on a horizontal branch the frequency is one number but for rounding, and passes nothing */
+    bool horizontal = tr->now.test[RIC_TEST_PERIOD] == 0 && tr->next.test[RIC_TEST_PERIOD] == 0;
+    for (int k = 0; k < tr->limits->n_asked; k++) {
+        int test = RIC_N_TEST + tr->n_resonance + k;
+        double fa = before[k], fb = after[k], x = xb;
+        bool zero = true;
+        if ((fa < 0) == (fb < 0) || (horizontal && tr->limits->asked[k].frequency)) continue;
+        if (!solve) x = bisect_cubic(tr, test, xa, fa, xb, h);
+        else {
+            ric_status status = locate(tr, test, xa, fa, xb, fb, h, &x, &zero);
+            if (status) return status;
+        }
+        if (!zero && fmax(fabs(fa), fabs(fb)) > ROUNDING) {
+            *retry = true;
+            return RIC_OK;
+        }
+        roots[(*n)++] = (root){test, zero ? x : xb};
+    }
+    return RIC_OK;
+}
+
+static void distances(const ric_trace *tr, const ric_station *p, double *out)
+{
+    for (int k = 0; k < tr->limits->n_asked; k++) out[k] = value_of(tr, RIC_N_TEST + tr->n_resonance + k, p);
+}
+
+/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots known: so a
+ * value passed twice, on both sides of an extremum, is found twice. Room for STRETCHES * n_asked more roots. */
+static ric_status find_asked(ric_trace *tr, bool solve, double to, double h, root *roots, int *n, bool *retry)
+{
+    int known = *n;
+    double from = 0, f[2][RIC_ASKED_MAX];
+    if (tr->limits->n_asked == 0) return RIC_OK;
+    qsort(roots, (size_t)known, sizeof *roots, by_place);
+    distances(tr, &tr->now, f[0]);
+    for (int i = 0; i <= known && !*retry; i++) {
+        if (i < known && roots[i].test != RIC_TEST_SLOPE && roots[i].test != RIC_TEST_PERIOD) continue;
+        double x = i < known ? roots[i].x : to;
+        bool good = true, last = i == known && to == h;
+        ric_status status = last ? RIC_OK : look(tr, solve, x, h, &tr->mid, &good);
+        if (status) return status;
+        distances(tr, last ? &tr->next : &tr->mid, f[1]);
+        if (!(*retry = !good)) status = find_monotonic(tr, solve, from, x, f[0], f[1], h, roots, n, retry);
+        if (status) return status;
+        memcpy(f[0], f[1], sizeof f[0]);
+        from = x;
+    }
+    return RIC_OK;
+}
+
+/* The same in a step over a branch point, whose other events have been kept, the first of them `first`. */
+static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
+{
+    int n = 0, known = tr->n_event - first;
+    double scale = h / (tr->next.s - tr->now.s);
+    root roots[known + STRETCHES * tr->limits->n_asked + 1];
+    bool good, retry = false;
+    for (; n < known; n++) roots[n] = (root){tr->events[first + n].test, (tr->events[first + n].s - tr->now.s) * scale};
+    ric_status status = find_asked(tr, false, to, h, roots, &n, &retry);
+    for (int i = known; i < n && !status; i++)
+        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good))) status = keep_event(tr, roots[i].test, &tr->mid);
+    return status;
+}
+
+/* ------------------------------------------------------- over a branch point */
+
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay together crosses. */
 static bool meets_corner(const ric_trace *tr, const crossing *q, double h, double *at)
 {
@@ -497,6 +607,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     crossing q;
     root roots[RIC_N_TEST + tr->n_resonance];
     int n = 0;
+    int first = tr->n_event;
     ric_status status = crossing_create(tr, h, &q);
     *end_test = -1;
     if (status) return status;
@@ -535,6 +646,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
         crossing_station(tr, &q, roots[i].x, h, &tr->mid);
         status = ric_event_keep(tr, roots[i].test, &tr->mid);
     }
+    if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++)
         if (repeated && (singular & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
     if (arrived && !status) crossing_station(tr, &q, at, h, &tr->mid);
@@ -577,7 +689,7 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
 static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, bool *retry)
 {
     int n = 0, size = 2 * tr->floquet.n_pair;
-    root roots[RIC_N_TEST + tr->n_resonance];
+    root roots[RIC_N_TEST + tr->n_resonance + STRETCHES * tr->limits->n_asked];
     double own[size + 1];
     bool good;
     /* at an end the last look was a little before it */
@@ -586,6 +698,7 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     ric_status status = find_roots(tr, inner & ~singular, to, limit, h, roots, &n, retry);
     if (!status && !*retry) status = find_roots(tr, inner & singular, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
     if (!status && !*retry) status = find_resonances(tr, ends ? to * BEFORE : to, own, h, roots, &n, retry);
+    if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &n, retry);
     if (status || *retry) return status;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++)

@@ -33,6 +33,7 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->store = store;
     g->limits = ric_trace_limits(m, o->energy, o->frequency, o->max_step, MAX_POINTS);
     g->limits.multiply = o->multiply;
+    g->limits.n_asked = ric_asked_list(o, g->limits.asked);
     *out = g;
     return RIC_OK;
 }
@@ -113,10 +114,11 @@ static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice,
     const ric_limits *l = &g->limits;
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
-    snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
+    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
              node->energy, node->period, choice, side,
              l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply,
              hash);
+    if (l->n_asked) snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
 }
 
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. */
@@ -303,8 +305,10 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
         return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     }
     bool multiplies = breaks_or_crosses(event->test) && ric_cycle_find_symmetries(g->model, free_form, 1e-5) > 1;
-    const ric_resonance *resonance = event->test >= RIC_N_TEST ? &e->trace->resonances[event->test - RIC_N_TEST] : NULL;
+    const ric_asked *asked = ric_trace_asked(e->trace, event->test);
+    const ric_resonance *resonance = event->test >= RIC_N_TEST && !asked ? &e->trace->resonances[event->test - RIC_N_TEST] : NULL;
     status = multiplies  ? ric_node_arrival(g->model, free_form, &node)
+             : asked     ? ric_node_user(g->model, cycle, asked, &node)
              : resonance ? ric_node_multiplication(g->model, cycle, resonance->p, resonance->q, &node)
                          : ric_node_interior(g->model, cycle, event->test, &node);
     ric_cycle_free(cycle);

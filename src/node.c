@@ -9,6 +9,7 @@
 #include "subset.h"
 #include "status.h"
 
+#define TWO_PI 6.283185307179586477
 #define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
@@ -18,6 +19,8 @@
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
 #define UNDECIDED (-1)
+#define TEST_ASKED 101   /* criterion: energy or frequency is what was asked for */
+#define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding / distance */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
 
 void ric_node_free(ric_node *node)
@@ -61,6 +64,7 @@ typedef struct {
     int place;     /* in the chain, of the impact or flight in question */
     const double *u;
     int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
+    const ric_asked *asked;
     double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
 } criterion;
 
@@ -134,6 +138,12 @@ static double off_rotation(criterion *q)
     return nearest;
 }
 
+static double off_asked(const criterion *q, const double *u)
+{
+    const ric_model *m = q->chain->model;
+    return ric_asked_off(q->asked, ric_chain_energy(q->chain) * m->energy_unit, TWO_PI / ric_chain_time(q->chain, u) * m->omega_ref);
+}
+
 static double evaluate(criterion *q, const double *u, const double *t, double orientation)
 {
     const ric_chain *c = q->chain;
@@ -147,6 +157,7 @@ static double evaluate(criterion *q, const double *u, const double *t, double or
         for (int k = c->n_start; k < c->n_unknown; k++) sum += t[k];
         return sum;
     }
+    case TEST_ASKED: return off_asked(q, u);
     case TEST_ROTATION: return c->start == RIC_MIRROR_NONE ? off_rotation(q) : larger_determinant(q, u);
     default: return larger_determinant(q, u);
     }
@@ -189,6 +200,7 @@ static bool solve_criterion(criterion *q, double *u)
     }
     memcpy(u, best, sizeof best);
     ric_chain_evaluate(c, u);
+    if (q->test == TEST_ASKED) return least <= MET;
     bool by_determinant = breaks_symmetry(q->test) || (q->test == TEST_ROTATION && c->start != RIC_MIRROR_NONE);
     return !by_determinant || least <= AT_ZERO * c->scale * slope;
 }
@@ -469,6 +481,18 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
     return RIC_OK;
 }
 
+ric_status ric_node_user(const ric_model *m, const ric_cycle *cycle, const ric_asked *asked, ric_node **out)
+{
+    *out = NULL;
+    ric_cycle *solved = resolve(m, cycle, (criterion){.test = TEST_ASKED, .asked = asked});
+    if (!solved) return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
+    ric_node *node = node_create(m, RIC_KIND_USER, solved);
+    if (!node) return no_memory();
+    node->asked = *asked;
+    *out = node;
+    return RIC_OK;
+}
+
 ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_START, ric_cycle_canonical(m, cycle));
@@ -596,6 +620,7 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
     int shift;
     bool reverse, mirror;
     if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] || a->cycle->N != b->cycle->N) return false;
+    if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
     if (fabs(a->energy - b->energy) > 1e-6 * (1e-3 + fabs(a->energy)) || fabs(a->period - b->period) > 1e-6 * a->period) return false;
     return ric_cycle_match(m, a->cycle, b->cycle, 10 * SAME, &shift, &reverse, &mirror);
 }

@@ -33,6 +33,7 @@ typedef struct {
     int n_departure;     /* of a grazing or a corner only when ric_subset_list has listed them */
     ric_departure *departures;
     const char *refusal;
+    ric_asked asked;     /* of kind user */
     int mode;            /* linear mode that grazes here, from 0; -1 */
     int depth;
     bool expanded;       /* its duplicates are listed */
@@ -52,6 +53,8 @@ bool ric_node_coincident(const ric_model *model, const ric_cycle *cycle);
 ric_status ric_node_corner(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
 ric_status ric_node_interior(const ric_model *model, const ric_cycle *cycle, int test, ric_node **out);
+/* A point of a branch where an energy or a frequency is what was asked for. */
+ric_status ric_node_user(const ric_model *model, const ric_cycle *cycle, const ric_asked *asked, ric_node **out);
 /* A regular orbit to start from. */
 ric_status ric_node_start(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 /* The symmetric orbit that a branch arrives at. */

@@ -66,14 +66,14 @@ static bool take(const char **from, size_t *left, void *to, size_t size)
     return true;
 }
 
-static bool read_event(const char **from, size_t *left, int size, int n_resonance, ric_event *e)
+static bool read_event(const char **from, size_t *left, int size, int n_test, ric_event *e)
 {
     int32_t test;
     size_t bytes = (size_t)size * sizeof(double);
     if (!take(from, left, &test, sizeof test)) return false;
     e->test = test;
     if (test < 0) return true;
-    if (test >= RIC_N_TEST + n_resonance) return false;
+    if (test >= n_test) return false;
     e->u = malloc(bytes);
     e->t = malloc(bytes);
     return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) && take(from, left, e->t, bytes);
@@ -120,12 +120,13 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     if (bytes > size || !(tr->points = malloc(bytes ? bytes : 1))) goto damaged;
     take(&from, &size, tr->points, bytes);
     tr->n_point = tr->point_capacity = h.n_point;
+    int n_test = RIC_N_TEST + tr->n_resonance + limits->n_asked;
     if (!(tr->events = calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
     for (int i = 0; i < h.n_event; i++) {
         tr->n_event = i + 1;
-        if (!read_event(&from, &size, tr->chain->n_unknown, tr->n_resonance, &tr->events[i])) goto damaged;
+        if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->events[i])) goto damaged;
     }
-    if (!read_event(&from, &size, tr->chain->n_unknown, tr->n_resonance, &tr->end) || !take(&from, &size, why, sizeof why)) goto damaged;
+    if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->end) || !take(&from, &size, why, sizeof why)) goto damaged;
     why[sizeof why - 1] = 0;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;

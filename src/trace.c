@@ -136,6 +136,12 @@ bool ric_trace_resonances(ric_trace *tr)
     return tr->n_resonance >= 0;
 }
 
+const ric_asked *ric_trace_asked(const ric_trace *tr, int test)
+{
+    int place = test - RIC_N_TEST - tr->n_resonance;
+    return place >= 0 && place < tr->limits->n_asked ? &tr->limits->asked[place] : NULL;
+}
+
 static double definite(double value, double error)
 {
     return fabs(value) > error ? value : 0;

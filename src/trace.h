@@ -2,6 +2,7 @@
 #ifndef RIC_TRACE_H
 #define RIC_TRACE_H
 
+#include "asked.h"
 #include "chain.h"
 #include "cycle.h"
 #include "floquet.h"
@@ -23,7 +24,7 @@ enum {
     RIC_TEST_E_MIN,
     RIC_TEST_F_MAX,
     RIC_TEST_F_MIN,
-    RIC_N_TEST,        /* and beyond it, one for every resonance of the trace */
+    RIC_N_TEST,        /* and beyond it, one for every resonance of the trace, and then for all that is asked for */
 };
 #define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is; t0 is the first step */
 #define RIC_LEAVING 1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
@@ -49,6 +50,8 @@ typedef struct {
     double max_step;     /* relative to the size of the unknowns */
     int max_points;
     int multiply;        /* largest q of a q-tupling that is looked for; below 2 none */
+    int n_asked;         /* energies and frequencies whose passages are events */
+    ric_asked asked[RIC_ASKED_MAX];
     bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
 } ric_limits;
 
@@ -95,6 +98,9 @@ ric_status ric_trace_run(ric_trace *trace);
 
 /* The resonances that are watched on chains like this one; false: no memory. */
 bool ric_trace_resonances(ric_trace *trace);
+
+/* What a test beyond the resonances looks for; NULL for other tests. */
+const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
 
 /* Stores a point of the branch. */
 ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
