@@ -109,8 +109,19 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
     return status;
 }
 
-static ric_status make_sheet(const ric_model *m, const ric_edge *e, sheet *out)
+/* The backbone of a linear mode leaves where the mode itself grazes; what leaves there after several periods has the same node mode. */
+static int backbone_mode(const ric_graph *g, const ric_edge *e)
 {
+    const int ends[] = {e->from, e->to};
+    for (int i = 0; i < 2; i++)
+        if (e->mode >= 0 && ends[i] >= 0 && g->nodes[ends[i]]->mode == e->mode && g->nodes[ends[i]]->multiple == 1)
+            return g->model->mode[e->mode] + 1;
+    return 0;
+}
+
+static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
+{
+    const ric_model *m = g->model;
     const ric_trace *tr = e->trace;
     ric_branch_record *r = &out->record;
     ric_turn t;
@@ -128,7 +139,7 @@ static ric_status make_sheet(const ric_model *m, const ric_edge *e, sheet *out)
     if (turned && r->word) memcpy(r->word, turned->face, (size_t)N * sizeof *r->word);
     r->row = (ric_branch){.impacts = N, .word = r->word, .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
                           .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why, .depth = e->depth,
-                          .mode = e->mode >= 0 ? m->mode[e->mode] + 1 : 0, .n_junction = e->n_inner};
+                          .mode = backbone_mode(g, e), .n_junction = e->n_inner};
     r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
     r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
     ric_cycle_free(cycle);
@@ -261,19 +272,34 @@ static char *refusals(const ric_node *node)
     return strdup(why);
 }
 
+/* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact is left. */
+static ric_cycle *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
+{
+    ric_cycle *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL;
+    *bare = !regular;
+    if (regular && node->kind == RIC_KIND_GRAZING && node->multiple > 1) {
+        once = ric_cycle_shorten(regular, node->multiple);
+        canonical = once ? ric_cycle_canonical(m, once) : NULL;
+    } else if (regular) canonical = ric_cycle_canonical(m, regular);
+    ric_cycle_free(regular);
+    ric_cycle_free(once);
+    return canonical;
+}
+
 static ric_status make_mark(const ric_model *m, const ric_node *node, int index, mark *out)
 {
     ric_status status = RIC_OK;
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
-    ric_cycle *regular = ric_node_regular(m, node), *cycle = regular ? ric_cycle_canonical(m, regular) : NULL;
+    bool bare;
+    ric_cycle *cycle = original_orbit(m, node, &bare);
     int N = cycle ? cycle->N : 0;
     *out = (mark){.node = node, .index = index};
     r->word = calloc((size_t)N + 1, sizeof *r->word);
     r->state = calloc(2 * (size_t)n, sizeof *r->state);
     r->flights = calloc((size_t)N + 1, sizeof *r->flights);
     r->refusal = refusals(node);
-    if (!r->word || !r->state || !r->flights || !r->refusal || (regular && !cycle)) {
+    if (!r->word || !r->state || !r->flights || !r->refusal || (!bare && !cycle)) {
         status = no_memory();
         goto out;
     }
@@ -291,7 +317,6 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
         status = ric_multiplicity(m, node->cycle, r->row.multiple, &r->row.a, &r->row.b);
     count_departures(node, r);
 out:
-    ric_cycle_free(regular);
     ric_cycle_free(cycle);
     return status;
 }
@@ -415,7 +440,7 @@ static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n, mark 
         for (int k = 0; k < m->n; k++)
             if (m->mode[k] == i) seen = k;
         for (int k = 0; k < g->n_node; k++)
-            if (seen >= 0 && g->nodes[k]->mode == seen) node = k;
+            if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
         status = make_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
         if (!status) status = mark_linear_energies(g, i, &sheets[*n], marks, n_mark);
         (*n)++;
@@ -479,7 +504,7 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
         goto out;
     }
     if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
-    for (int i = 0; i < g->n_edge && !status; i++) status = make_sheet(m, &g->edges[i], &sheets[n_sheet++]);
+    for (int i = 0; i < g->n_edge && !status; i++) status = make_sheet(g, &g->edges[i], &sheets[n_sheet++]);
     if (status) goto out;
     for (int i = 0; i < g->n_node && !status; i++)
         if (used_by(g, i)) status = make_mark(m, g->nodes[i], i, &marks[n_mark++]);

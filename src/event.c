@@ -584,7 +584,7 @@ static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
     for (; n < known; n++) roots[n] = (root){tr->events[first + n].test, (tr->events[first + n].s - tr->now.s) * scale};
     ric_status status = find_asked(tr, false, to, h, roots, &n, &retry);
     for (int i = known; i < n && !status; i++)
-        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good))) status = keep_event(tr, roots[i].test, &tr->mid);
+        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good))) status = ric_event_keep(tr, roots[i].test, &tr->mid);
     return status;
 }
 
