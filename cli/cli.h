@@ -18,7 +18,7 @@ typedef struct {
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
-    cli_verify, cli_simulate, cli_plot;
+    cli_verify, cli_simulate, cli_plot, cli_bases;
 
 typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 
@@ -27,6 +27,11 @@ typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format);
 /* A JSON number, or null if not finite. */
 json_t *cli_number(double value);
+/* An id, or null for 0. */
+json_t *cli_id(int id);
+json_t *cli_integers(int n, const int *values);
+/* The label of a k-duplicate; NULL when there is no memory. */
+json_t *cli_duplicate_label(const ric_branch *branch, int k);
 /* The letters of a word. */
 json_t *cli_word(const ric_model *model, int n, const int *word);
 
@@ -37,6 +42,9 @@ typedef struct {
     int (*count)(const ric_atlas *atlas);
     ric_status (*row)(const ric_atlas *atlas, int id, double d, json_t *row);
     const char *const *all, *const *few; /* columns of CSV and of the table */
+    /* or, for rows that are no such list: appends all of them; `row` and `count` are not used then */
+    ric_status (*rows)(const ric_atlas *atlas, double d, const void *user, json_t *rows);
+    const void *user;
 } cli_listing;
 
 /* Takes `ATLAS [--physical] [--json | --csv]`, prints the rows and returns an exit code. */

@@ -1,4 +1,8 @@
-/* ricochet junctions ATLAS: one row per junction. */
+/* ricochet junctions ATLAS: one row per junction; or one per junction on a duplicate of a branch. */
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+
 #include "cli.h"
 
 static json_t *numbers(int n, const double *values, double unit)
@@ -6,14 +10,6 @@ static json_t *numbers(int n, const double *values, double unit)
     json_t *array = json_array();
     for (int i = 0; i < n; i++)
         json_array_append_new(array, cli_number(unit * values[i]));
-    return array;
-}
-
-static json_t *integers(int n, const int *values)
-{
-    json_t *array = json_array();
-    for (int i = 0; i < n; i++)
-        json_array_append_new(array, json_integer(values[i]));
     return array;
 }
 
@@ -49,17 +45,90 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
     json_object_set_new(row, "impacts", json_integer(junction->impacts));
     json_object_set_new(row, "grazings", json_integer(junction->grazings));
     json_object_set_new(row, "multiple", json_integer(junction->multiple));
-    json_object_set_new(row, "rotation", junction->rotation[1] ? integers(2, junction->rotation) : json_null());
+    json_object_set_new(row, "rotation", junction->rotation[1] ? cli_integers(2, junction->rotation) : json_null());
     json_object_set_new(row, "a", multiplicity(junction, junction->a));
     json_object_set_new(row, "b", multiplicity(junction, junction->b));
     json_object_set_new(row, "energy", cli_number(d * d * junction->energy));
     json_object_set_new(row, "frequency", cli_number(junction->frequency));
     json_object_set_new(row, "state", numbers(2 * ric_model_n_dof(model), junction->state, d));
     json_object_set_new(row, "flights", numbers(junction->impacts ? junction->impacts : 1, junction->flights, 1));
-    json_object_set_new(row, "branches", integers(junction->n_branch, junction->branches));
+    json_object_set_new(row, "branches", cli_integers(junction->n_branch, junction->branches));
     json_object_set_new(row, "departures", departures(&junction->departures));
     json_object_set_new(row, "refusal", json_string(junction->refusal));
     return RIC_OK;
+}
+
+/* -------------------------------------------------------------- duplicates */
+
+typedef struct { long branch, largest; } wanted; /* branch 0: all */
+
+/* G_{kN,kp} where the k-duplicate of a grazing is no junction of its own, else its label. */
+static json_t *point_label(const ric_junction *junction, int times)
+{
+    if (junction->kind != RIC_KIND_GRAZING || junction->multiple == times)
+        return json_string(junction->label);
+    return json_sprintf("G_%d,%d", times * junction->impacts, times * junction->grazings);
+}
+
+static ric_status point_row(const ric_atlas *atlas, const ric_branch *branch, const ric_duplicate_point *point, double d, json_t *row)
+{
+    ric_junction junction;
+    const ric_status status = ric_atlas_junction(atlas, point->junction, &junction);
+    if (status)
+        return status;
+    json_object_set_new(row, "duplicate", cli_duplicate_label(branch, point->k));
+    json_object_set_new(row, "branch", json_integer(point->branch));
+    json_object_set_new(row, "k", json_integer(point->k));
+    json_object_set_new(row, "kind", json_string(ric_kind_text(junction.kind)));
+    json_object_set_new(row, "origin", json_string(ric_duplicate_origin_text(point->origin)));
+    json_object_set_new(row, "j", point->j ? json_integer(point->j) : json_null());
+    json_object_set_new(row, "rotation", point->j ? cli_integers(2, junction.rotation) : json_null());
+    json_object_set_new(row, "label", point_label(&junction, point->times));
+    json_object_set_new(row, "name", json_string(junction.name));
+    json_object_set_new(row, "junction", json_integer(junction.id));
+    json_object_set_new(row, "energy", cli_number(d * d * point->energy));
+    json_object_set_new(row, "frequency", cli_number(point->frequency));
+    return RIC_OK;
+}
+
+static ric_status duplicate_rows(const ric_atlas *atlas, const ric_branch *branch, int k, double d, json_t *rows)
+{
+    int n = 0;
+    ric_duplicate_point *points = calloc((size_t)branch->n_junction + 2, sizeof *points);
+    ric_status status = points ? ric_duplicate_points(atlas, branch->id, k, &n, points) : RIC_E_NOMEM;
+    for (int i = 0; !status && i < n; i++) {
+        json_t *row = json_object();
+        status = point_row(atlas, branch, &points[i], d, row);
+        json_array_append_new(rows, row);
+    }
+    free(points);
+    return status;
+}
+
+static ric_status all_duplicates(const ric_atlas *atlas, double d, const void *user, json_t *rows)
+{
+    const wanted *w = user;
+    const int multiply = ric_study_options(ric_atlas_study(atlas))->multiply, n = ric_atlas_n_branch(atlas);
+    ric_branch branch;
+    ric_status status = w->branch ? ric_atlas_branch(atlas, (int)w->branch, &branch) : RIC_OK;
+    for (int id = 1; !status && id <= n; id++) {
+        if ((w->branch && id != w->branch) || (status = ric_atlas_branch(atlas, id, &branch)))
+            continue;
+        for (int k = 1; !status && k <= w->largest; k++)
+            status = duplicate_rows(atlas, &branch, k, d, rows);
+    }
+    if (!status && w->largest > multiply)
+        fprintf(stderr, "ricochet: q-tuplings with q above %d were not looked for; run the study with 'multiply: %ld' for all points of the "
+                        "duplicates up to %ld\n", multiply, w->largest, w->largest);
+    return status;
+}
+
+static int run_duplicates(const wanted *w, int argc, char **argv)
+{
+    static const char *const columns[] = {
+        "duplicate", "branch", "k", "kind", "origin", "j", "rotation", "label", "name", "junction", "energy", "frequency", NULL};
+    const cli_listing listing = {.command = &cli_junctions, .all = columns, .few = columns, .rows = all_duplicates, .user = w};
+    return cli_list(&listing, argc, argv);
 }
 
 static int run(int argc, char **argv)
@@ -69,7 +138,18 @@ static int run(int argc, char **argv)
         "flights", "branches", "departures", "refusal", NULL};
     static const char *const few[] = {
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
-    static const cli_listing listing = {&cli_junctions, ric_atlas_n_junction, make_row, all, few};
+    static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction, .row = make_row, .all = all, .few = few};
+    const char *largest, *branch;
+    wanted w = {0};
+    if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))
+        return CLI_WRONG;
+    if (branch && !largest)
+        return cli_wrong("--branch chooses a branch whose duplicates are listed; say up to which with --duplicates K");
+    if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 1000, &w.largest))
+        || (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
+        return CLI_WRONG;
+    if (largest)
+        return run_duplicates(&w, argc, argv);
     return cli_list(&listing, argc, argv);
 }
 
@@ -77,7 +157,7 @@ const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
     .help =
-        "usage: ricochet junctions ATLAS [--physical] [--json | --csv]\n"
+        "usage: ricochet junctions ATLAS [--duplicates K [--branch ID]] [--physical] [--json | --csv]\n"
         "\n"
         "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not fit on a line; --csv and --json\n"
         "show everything.\n"
@@ -93,6 +173,17 @@ const cli_command cli_junctions = {
         "  departures   what became of the candidates: taken, known, inadmissible, over_budget, refused; refusal says why\n"
         "  --physical   lengths, speeds and energies in the units of the study, not scaled by the clearance\n"
         "\n"
-        "example: ricochet junctions study.ricochet\n",
+        "  --duplicates K   instead, the junctions on the k-duplicates of the branches, k = 1..K: the same motions at frequency / k\n"
+        "  --branch ID      with it: of this branch only\n"
+        "\n"
+        "The columns then are\n"
+        "  duplicate    its label, S2^{3-}[01] for k = 3; branch is the id of the original\n"
+        "  origin       own: a k-tupling, which the k-duplicate is the first to have; inherited: a q-tupling with q | k, a duplicate of the\n"
+        "               point on the q-duplicate; copy: a junction of the branch itself\n"
+        "  j            the rotation number is j/k, in lowest terms p/q in the column rotation\n"
+        "  frequency    of the duplicate\n"
+        "\n"
+        "example: ricochet junctions study.ricochet\n"
+        "example: ricochet junctions study.ricochet --duplicates 4 --branch 3\n",
     .run = run,
 };

@@ -21,6 +21,28 @@ json_t *cli_word(const ric_model *model, int n, const int *word)
     return value;
 }
 
+json_t *cli_id(int id)
+{
+    return id ? json_integer(id) : json_null();
+}
+
+json_t *cli_integers(int n, const int *values)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(array, json_integer(values[i]));
+    return array;
+}
+
+json_t *cli_duplicate_label(const ric_branch *branch, int k)
+{
+    size_t size = strlen(branch->label) + 16;
+    char *text = malloc(size);
+    json_t *value = text && !ric_duplicate_label(branch, k, size, text) ? json_string(text) : NULL;
+    free(text);
+    return value;
+}
+
 /* ------------------------------------------------------------------- cells */
 
 /* A growing text; `failed` once memory has run out. */
@@ -265,6 +287,8 @@ int cli_print_rows(const json_t *rows, const char *const *columns, cli_format fo
 static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
 {
     const double d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    if (listing->rows)
+        return listing->rows(atlas, d, listing->user, rows);
     for (int id = 1; id <= listing->count(atlas); id++) {
         json_t *row = json_object();
         ric_status status = listing->row(atlas, id, d, row);

@@ -1,6 +1,7 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
- * Reading order: status, model, study, words, motion (simulator), branch, atlas, orbits and ghosts on request, explore, verify, version.
+ * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits and ghosts on request, explore, verify,
+ * version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by d^2,
  * times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -266,6 +267,66 @@ ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out);
 ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out);
 /* Point i of a branch: its numbers, state [2 n_dof: x then v], flights [max(impacts, 1)]. Any pointer may be NULL. */
 ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights);
+
+/* ----------------------------------------------------------------- queries */
+
+/* A k-duplicate is a branch gone through k times: the same motions, drawn at frequency / k. It is never stored nor solved. The junctions
+ * on it are those of the branch and, with q | k, its q-tuplings (docs/theory.md section 9). */
+typedef enum {
+    RIC_DUPLICATE_OWN,       /* a k-tupling: original on the k-duplicate */
+    RIC_DUPLICATE_INHERITED, /* a q-tupling with q | k, q < k: a duplicate of the point on the q-duplicate */
+    RIC_DUPLICATE_COPY,      /* a junction of the branch itself */
+} ric_duplicate_origin;
+const char *ric_duplicate_origin_text(ric_duplicate_origin origin);
+
+typedef struct {
+    int branch, k;
+    int junction;        /* id; of a grazing the k-duplicate, where that is a junction of its own */
+    ric_duplicate_origin origin;
+    int times;           /* how often the orbit of the junction is gone through: k, or k m for a branch that leaves an m-tupling or an m-duplicate there */
+    int j;               /* rotation number j / k of a multiplication, not reduced; else 0 */
+    double energy, frequency; /* frequency: of the duplicate */
+} ric_duplicate_point;
+
+/* Junctions on the k-duplicate of a branch, in the order of the branch; *n of them in out [n_junction + 2]. */
+ric_status ric_duplicate_points(const ric_atlas *atlas, int branch, int k, int *n, ric_duplicate_point *out);
+/* S2^{3-}[01], A4^{2}[0011]; the label itself for k = 1. out [strlen(label) + 16] is enough. */
+ric_status ric_duplicate_label(const ric_branch *branch, int k, size_t size, char *out);
+
+/* The part of a branch between two consecutive junctions, the article's A_N[R]|P1P2. */
+typedef struct {
+    int branch, from, to;      /* junction ids; 0 at an end without a junction */
+    double energy[2], frequency[2]; /* smallest and largest */
+    int points;                /* stored points in between */
+    double stable_fraction;    /* of those whose stability is decided the share that is stable; NaN if there are none */
+} ric_segment;
+
+/* Segments of a branch in order; *n of them in out [n_junction + 1]. */
+ric_status ric_branch_segments(const ric_atlas *atlas, int branch, int *n, ric_segment *out);
+
+/* The fractal bases F_i^j of an atlas (docs/theory.md section 9): the j-duplicate of the backbone of mode i and all that joins it, on any
+ * duplicate, without passing another backbone. */
+typedef struct ric_bases ric_bases;
+
+typedef struct {
+    int mode, j;
+    int n_branch;
+    const int *branches;       /* ids of the original branches in it, ascending */
+    int n_duplicate;           /* k-duplicates of branches with k > 1 in it: pairs id, k, ascending */
+    const int *duplicates;     /* [2 n_duplicate] */
+    double energy[2], frequency[2]; /* of the original branches; NaN without */
+} ric_base;
+
+/* With duplicates up to `largest`; 0 takes the least number that gives every branch a base, if there is one up to 64. */
+ric_status ric_bases_find(const ric_atlas *atlas, int largest, ric_bases **out);
+void ric_bases_free(ric_bases *bases);
+/* The number of duplicates used, and how many bases are not empty. */
+int ric_bases_largest(const ric_bases *bases);
+int ric_bases_n(const ric_bases *bases);
+/* Base i from 0, by mode, then j. */
+ric_status ric_bases_get(const ric_bases *bases, int i, ric_base *out);
+/* Whether a branch belongs to the elementary structure: the linear modes, F_1^1, and F_i^1 and F_i^2 of the modes above. */
+bool ric_bases_elementary(const ric_bases *bases, int branch);
 
 /* -------------------------------------------------------- orbit on request */
 
