@@ -583,9 +583,11 @@ plot_stroke plot_branch_family(const ric_branch *branch)
     return branch->impacts == 0 ? PLOT_LINEAR : branch->symmetric ? PLOT_SYMMETRIC : PLOT_ASYMMETRIC;
 }
 
-void plot_branch_title(const ric_branch *branch, size_t size, char *out)
+void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out)
 {
-    plot_text_label(branch->label ? branch->label : "", size, out);
+    char text[400];
+    const bool fits = branch->label && !ric_duplicate_label(branch, k, sizeof text, text);
+    plot_text_label(fits ? text : branch->label ? branch->label : "", size, out);
 }
 
 /* ------------------------------------------------------------------ options */
@@ -659,7 +661,7 @@ const cli_command cli_plot = {
     .name = "plot",
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
     .help =
-        "usage: ricochet plot fep ATLAS [--linear] [--energy A:B] [--frequency A:B] [--break F] [--labels all|named|none] [--ghosts] -o FILE\n"
+        "usage: ricochet plot fep ATLAS [--linear] [--energy A:B] [--frequency A:B] [--break F] [--labels all|named|none] [--ghosts] [--duplicates K] -o FILE\n"
         "       ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K] [--coordinates 1,2] -o FILE\n"
         "       ricochet plot orbit ATLAS --junction ID [--coordinates 1,2] -o FILE\n"
         "       ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log x|y|xy] -o FILE\n"
@@ -674,6 +676,7 @@ const cli_command cli_plot = {
         "  --frequency A:B     window of the frequency, rad/s\n"
         "  --break F           broken frequency axis: logarithmic and compressed above F\n"
         "  --labels WHAT       all: every junction that finds room; named: those with a name in the study; none. Without it: named and main ones\n"
+        "  --duplicates K      dashed: the branches gone through k = 2..K times, at frequency / k, with the multiplications on them\n"
         "  --ghosts            red: how the equations of the branches shown go on beyond grazings and corners, where they give no motion\n"
         "orbit    displacements and gaps over one period with impacts and touches, and phase portraits\n"
         "  --branch ID         with --point I (from 0), --energy E or --frequency F; --which K if several orbits fit (from 1)\n"

@@ -38,6 +38,9 @@ static const struct {
     [PLOT_SYMMETRIC + RIC_STABLE_NO] = {"#16325c", "symmetric, unstable", 0.9, {0}},
     [PLOT_SYMMETRIC + RIC_STABLE_YES] = {"#16325c", "symmetric, stable", 2.8, {0}},
     [PLOT_SYMMETRIC + RIC_STABLE_UNDECIDED] = {"#16325c", "symmetric, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_DUPLICATE] = {"#b4b4b4", "duplicate, linear", 0.9, {6, 3.5}},
+    [PLOT_DUPLICATE + 1] = {"#d0701c", "duplicate, asymmetric", 0.9, {6, 3.5}},
+    [PLOT_DUPLICATE + 2] = {"#16325c", "duplicate, symmetric", 0.9, {6, 3.5}},
     [PLOT_JUMP] = {"#8c8c8c", "jump of the velocity", 0.9, {2.5, 3}},
     [PLOT_STOP] = {"#555555", "stop", 1.1, {12, 4}},
     [PLOT_SERIES] = {"#16325c", "first", 1.7, {0}},
@@ -181,7 +184,12 @@ void plot_text_label(const char *label, size_t size, char *out)
         c++;
     const char *end = c;
     const char *sign = *c == '+' || *c == '-' ? c++ : NULL;
-    if (!sign && *c == '_') {
+    int power = 0; /* S2^{3-}[01]: the sign stands behind the number of repeats */
+    if (!sign && *c == '^' && sscanf(c, "^{%9d", &power) == 1) {
+        c += 2 + strspn(c + 2, "0123456789");
+        sign = *c == '+' || *c == '-' ? c++ : NULL;
+        c += *c == '}';
+    } else if (!sign && *c == '_') {
         low = ++c;
         while (isalnum((unsigned char)*c) || *c == ',')
             c++;
@@ -199,8 +207,12 @@ void plot_text_label(const char *label, size_t size, char *out)
     int used;
     if (low)
         used = snprintf(out, size, "%.*s@^{%.*s}_{%.*s}", letters, label, n, digits, (int)(low_end - low), low);
-    else if (sign)
-        used = snprintf(out, size, "%.*s@^{%s}_{%.*s}", letters, label, *sign == '-' ? "\xe2\x88\x92" : "+", n, digits);
+    else if (sign || power) {
+        char times[12] = "";
+        if (power)
+            snprintf(times, sizeof times, "%d", power);
+        used = snprintf(out, size, "%.*s@^{%s%s}_{%.*s}", letters, label, times, !sign ? "" : *sign == '-' ? "\xe2\x88\x92" : "+", n, digits);
+    }
     else
         used = snprintf(out, size, "%.*s_{%.*s}", letters, label, n, digits);
     if (word && used > 0 && (size_t)used < size)

@@ -18,7 +18,8 @@ typedef struct { double left, bottom, right, top; } plot_box;
 /* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
 typedef enum {
     PLOT_GRID, PLOT_NATURAL, PLOT_LOCKED, PLOT_GHOST,
-    PLOT_LINEAR, /* + 0..2 */
+    PLOT_DUPLICATE, /* + 0..2: linear, asymmetric, symmetric */
+    PLOT_LINEAR = PLOT_DUPLICATE + 3, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
     PLOT_JUMP = PLOT_SYMMETRIC + 3,
@@ -132,8 +133,8 @@ bool plot_parse_range(const char *text, const char *what, double range[2]);
 /* Mark of a junction kind, and its word for the legend. */
 plot_mark plot_junction_mark(ric_kind kind);
 plot_stroke plot_branch_family(const ric_branch *branch);
-/* Mixed text for a branch: label in the article's notation. */
-void plot_branch_title(const ric_branch *branch, size_t size, char *out);
+/* Mixed text for the k-duplicate of a branch: label in the article's notation. */
+void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out);
 
 /* ------------------------------------------------- branches (plot_curves.c) */
 

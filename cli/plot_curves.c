@@ -544,7 +544,7 @@ static int draw_floquet(floquet *f)
     code = known ? draw_trace(f, &trace, &rotation) : draw_dots(f, &trace);
     if (code != CLI_DONE)
         goto out;
-    plot_branch_title(&f->branch, sizeof name, name);
+    plot_branch_title(&f->branch, 1, sizeof name, name);
     draw_title(f->page, f->common, f->atlas, name);
     code = plot_page_write(f->page, f->common->out);
 out:

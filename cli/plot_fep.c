@@ -18,6 +18,7 @@ typedef struct {
     const plot_options *common;
     bool linear, has_energy, has_frequency, has_break, ghosts;
     double energy[2], frequency[2], knee;
+    long duplicates; /* drawn up to this k; 1: none */
     label_choice labels;
 } fep_options;
 
@@ -30,7 +31,7 @@ typedef struct {
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
     unsigned stability;
     struct { int n; ric_ghost **list; } *ghosts; /* [n_branch], or NULL: not asked for */
-    bool ghost;    /* one was drawn */
+    bool ghost, duplicate[3]; /* one was drawn */
     plot_tag *tags;
     int n_tag, room, n_group;
     int no_margin; /* reference labels without a place */
@@ -38,14 +39,17 @@ typedef struct {
 
 static int parse_options(int *argc, char **argv, fep_options *o)
 {
-    const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL;
+    const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL, *duplicates = NULL;
     o->linear = cli_take_flag(argc, argv, "--linear");
     o->ghosts = cli_take_flag(argc, argv, "--ghosts");
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency)
-        || !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels))
+        || !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels)
+        || !cli_take_value(argc, argv, "--duplicates", &duplicates))
         return CLI_WRONG;
+    o->duplicates = 1;
     if ((energy && !plot_parse_range(energy, "--energy", o->energy)) || (frequency && !plot_parse_range(frequency, "--frequency", o->frequency))
-        || (knee && !cli_parse_number(knee, "--break", &o->knee)))
+        || (knee && !cli_parse_number(knee, "--break", &o->knee))
+        || (duplicates && !cli_parse_integer(duplicates, "--duplicates", 1, 100, &o->duplicates)))
         return CLI_WRONG;
     o->has_energy = energy;
     o->has_frequency = frequency;
@@ -79,6 +83,18 @@ static bool wanted(bool given, const double range[2], double value)
     return !given || (value >= range[0] && value <= range[1]);
 }
 
+/* The frequencies of a point and of its duplicates, as far as they are wanted; false if none is. */
+static bool add_frequencies(const fep_options *o, double frequency, span *out)
+{
+    bool any = false;
+    for (long k = 1; k <= o->duplicates; k++)
+        if (wanted(o->has_frequency, o->frequency, frequency / (double)k)) {
+            span_add(out, frequency / (double)k);
+            any = true;
+        }
+    return any;
+}
+
 /* What the axes must hold. The linear modes reach down to energy 0; only their upper end counts. */
 static ric_status find_window(const fep *f, span *energy, span *frequency)
 {
@@ -90,9 +106,8 @@ static ric_status find_window(const fep *f, span *energy, span *frequency)
         for (int i = 0; status == RIC_OK && i < branch.n_point; i++) {
             ric_point p;
             status = ric_atlas_point(f->atlas, id, i, &p, NULL, NULL);
-            if (status != RIC_OK || !wanted(o->has_energy, o->energy, p.energy) || !wanted(o->has_frequency, o->frequency, p.frequency))
+            if (status != RIC_OK || !wanted(o->has_energy, o->energy, p.energy) || !add_frequencies(o, p.frequency, frequency))
                 continue;
-            span_add(frequency, p.frequency);
             if (p.energy > 0 && (branch.impacts > 0 || o->has_energy))
                 span_add(energy, p.energy);
             else if (p.energy > 0 && p.energy >= branch.energy_max) { /* and enough of the line to be seen */
@@ -154,8 +169,8 @@ static double visible_piece(const fep *f, const plot_track *t, int i, plot_point
     return isfinite(a->x + a->y + b->x + b->y) && plot_clip_segment(&box, a, b) ? hypot(b->x - a->x, b->y - a->y) : 0;
 }
 
-/* Label of a branch: may stand at any of a few places along its visible part. */
-static void tag_branch(fep *f, const ric_branch *branch, const plot_track *t)
+/* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part. */
+static void tag_branch(fep *f, const ric_branch *branch, int k_duplicate, const plot_track *t)
 {
     enum { PLACES = 15 };
     plot_point a, b;
@@ -165,8 +180,10 @@ static void tag_branch(fep *f, const ric_branch *branch, const plot_track *t)
     if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED
         || (f->options->labels == LABELS_MAIN && branch->depth > 3))
         return;
+    if (f->options->labels == LABELS_MAIN && k_duplicate > 1 && !(branch->mode && branch->impacts))
+        return;
     const int group = ++f->n_group;
-    const double weight = 20 - 5 * branch->depth + 8 * branch->symmetric + fmin(length, 400) / 40 - 0.2 * branch->impacts;
+    const double weight = 20 - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric + fmin(length, 400) / 40 - 0.2 * branch->impacts;
     for (int i = 1, k = 0; i < t->n && k < PLACES; i++) {
         const double step = visible_piece(f, t, i, &a, &b);
         for (; k < PLACES && step > 0 && done + step >= next / PLACES * length; next++, k++) {
@@ -180,14 +197,14 @@ static void tag_branch(fep *f, const ric_branch *branch, const plot_track *t)
             tag->group = group;
             tag->colour = branch->impacts == 0 ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
             tag->leader = false;
-            plot_branch_title(branch, sizeof tag->text, tag->text);
+            plot_branch_title(branch, k_duplicate, sizeof tag->text, tag->text);
         }
         done += step;
     }
 }
 
 /* Interior junctions, so that the curve passes through their marks. A q-tupling lies on its original branch at q times where it is drawn. */
-static ric_status add_joints(const fep *f, const ric_branch *branch, plot_track *t)
+static ric_status add_joints(const fep *f, const ric_branch *branch, int k_duplicate, plot_track *t)
 {
     for (int k = 0; k < branch->n_junction; k++) {
         ric_junction junction;
@@ -195,11 +212,25 @@ static ric_status add_joints(const fep *f, const ric_branch *branch, plot_track 
         if (status != RIC_OK)
             return status;
         const double frequency = junction.frequency * (branch->impacts > junction.impacts ? 1 : junction.multiple);
-        if (!plot_track_add(t, (plot_point){junction.energy, frequency}, branch->junction_at[k], PLOT_JOINT))
+        if (!plot_track_add(t, (plot_point){junction.energy, frequency / k_duplicate}, branch->junction_at[k], PLOT_JOINT))
             return RIC_E_NOMEM;
     }
     plot_track_sort(t);
     return RIC_OK;
+}
+
+/* The k-duplicate of a branch with its joints. */
+static ric_status make_track(const fep *f, const ric_branch *branch, int k, plot_track *t)
+{
+    for (int i = 0; i < branch->n_point; i++) {
+        ric_point p;
+        const ric_status status = ric_atlas_point(f->atlas, branch->id, i, &p, NULL, NULL);
+        if (status != RIC_OK)
+            return status;
+        if (!plot_track_add(t, (plot_point){p.energy, p.frequency / k}, p.arclength, p.stable >= 0 && p.stable <= 2 ? p.stable : RIC_STABLE_UNDECIDED))
+            return RIC_E_NOMEM;
+    }
+    return add_joints(f, branch, k, t);
 }
 
 static ric_status draw_branch(fep *f, int id)
@@ -207,23 +238,66 @@ static ric_status draw_branch(fep *f, int id)
     ric_branch branch;
     plot_track t = {0};
     ric_status status = ric_atlas_branch(f->atlas, id, &branch);
-    for (int i = 0; status == RIC_OK && i < branch.n_point; i++) {
-        ric_point p;
-        status = ric_atlas_point(f->atlas, id, i, &p, NULL, NULL);
-        if (status == RIC_OK
-            && !plot_track_add(&t, (plot_point){p.energy, p.frequency}, p.arclength, p.stable >= 0 && p.stable <= 2 ? p.stable : RIC_STABLE_UNDECIDED))
-            status = RIC_E_NOMEM;
-    }
     if (status == RIC_OK)
-        status = add_joints(f, &branch, &t);
+        status = make_track(f, &branch, 1, &t);
     if (status == RIC_OK) {
         const plot_stroke family = plot_branch_family(&branch);
         const unsigned seen = plot_track_draw(f->page, &f->panel, family, &t);
         f->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
         f->stability |= seen;
-        tag_branch(f, &branch, &t);
+        tag_branch(f, &branch, 1, &t);
     }
     plot_track_free(&t);
+    return status;
+}
+
+/* --------------------------------------------------------------- duplicates */
+
+/* Small marks where the k-duplicate has multiplications that a duplicate before it has, too; its own are junctions as all others. */
+static ric_status mark_inherited(fep *f, const ric_branch *branch, int k)
+{
+    int n = 0;
+    ric_duplicate_point *points = calloc((size_t)branch->n_junction + 2, sizeof *points);
+    const ric_status status = points ? ric_duplicate_points(f->atlas, branch->id, k, &n, points) : RIC_E_NOMEM;
+    for (int i = 0; status == RIC_OK && i < n; i++) {
+        const plot_point at = {points[i].energy, points[i].frequency};
+        if (points[i].origin != RIC_DUPLICATE_INHERITED || !plot_panel_inside(&f->panel, at))
+            continue;
+        plot_page_mark(f->page, plot_junction_mark(RIC_KIND_MULTIPLICATION), plot_panel_at(&f->panel, at), 2.4);
+        f->kinds[RIC_KIND_MULTIPLICATION] = true;
+    }
+    free(points);
+    return status;
+}
+
+static ric_status draw_duplicate(fep *f, const ric_branch *branch, int k)
+{
+    const int family = (plot_branch_family(branch) - PLOT_LINEAR) / 3;
+    plot_track t = {0};
+    ric_status status = make_track(f, branch, k, &t);
+    plot_point *curve = malloc(((size_t)t.n + 1) * sizeof *curve);
+    for (int i = 0; curve && i < t.n; i++) {
+        curve[i] = t.knots[i].at;
+        f->duplicate[family] |= plot_panel_inside(&f->panel, curve[i]);
+    }
+    if (status == RIC_OK && curve) {
+        plot_panel_curve(f->page, &f->panel, PLOT_DUPLICATE + (plot_stroke)family, t.n, curve);
+        tag_branch(f, branch, k, &t);
+    }
+    free(curve);
+    plot_track_free(&t);
+    return status != RIC_OK ? status : curve ? mark_inherited(f, branch, k) : RIC_E_NOMEM;
+}
+
+static ric_status draw_duplicates(fep *f)
+{
+    ric_status status = RIC_OK;
+    for (int id = 1; status == RIC_OK && f->options->duplicates > 1 && id <= ric_atlas_n_branch(f->atlas); id++) {
+        ric_branch branch;
+        status = ric_atlas_branch(f->atlas, id, &branch);
+        for (int k = 2; status == RIC_OK && k <= f->options->duplicates; k++)
+            status = draw_duplicate(f, &branch, k);
+    }
     return status;
 }
 
@@ -316,19 +390,20 @@ static ric_status draw_ghosts(fep *f)
 
 /* ---------------------------------------------------------------- junctions */
 
-/* Where the mark stands. A q-tupling belongs at omega / q, among the branches that leave it; where none does it is shown on the branch
- * that it lies on, for at omega / q there would be nothing to see it on. */
+/* Where the mark stands. A q-tupling belongs at omega / q, among the branches that leave it, or on a duplicate; where there is neither
+ * it is shown on the branch that it lies on, for at omega / q there would be nothing to see it on, and with duplicates up to K not at all. */
 static plot_point junction_place(const fep *f, const ric_junction *junction)
 {
     double frequency = junction->frequency;
-    if (junction->multiple > 1) {
+    if (junction->multiple > f->options->duplicates) {
         bool departed = false;
         for (int i = 0; i < junction->n_branch; i++) {
             ric_branch branch;
             if (ric_atlas_branch(f->atlas, junction->branches[i], &branch) == RIC_OK)
                 departed |= branch.impacts > junction->impacts;
         }
-        frequency *= departed ? 1 : junction->multiple;
+        if (!departed)
+            frequency = f->options->duplicates > 1 ? NAN : frequency * junction->multiple;
     }
     return (plot_point){junction->energy, frequency};
 }
@@ -536,6 +611,10 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
     int n = plot_legend_entries(f->family, f->stability, NULL, out);
     if (f->ghost)
         out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
+    static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric", "duplicate, symmetric"};
+    for (int i = 0; i < 3; i++)
+        if (f->duplicate[i])
+            out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + i, -1};
     if (f->natural)
         out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked)
@@ -560,6 +639,8 @@ static ric_status draw_data(fep *f, double legend)
     ric_status status = draw_references(f);
     for (int id = 1; status == RIC_OK && id <= ric_atlas_n_branch(f->atlas); id++)
         status = draw_branch(f, id);
+    if (status == RIC_OK)
+        status = draw_duplicates(f);
     if (status == RIC_OK)
         status = draw_ghosts(f);
     return status == RIC_OK ? draw_junctions(f) : status;

@@ -346,7 +346,7 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
         code = cli_report(RIC_E_NOMEM);
         goto out;
     }
-    plot_branch_title(branch, sizeof name, name);
+    plot_branch_title(branch, 1, sizeof name, name);
     set_title(o, name, point.energy, point.stable >= 0 && point.stable <= 2 ? stability[point.stable] : "");
 out:
     free(state);

@@ -107,6 +107,10 @@ agree() { # agree "COLUMNS" COMMAND...
 agree "id label word impacts symmetric reversible mirror stable_fraction points energy_min energy_max frequency_min frequency_max from to stop junctions depth" \
     branches "$atlas"
 agree "id kind label name word impacts grazings multiple rotation a b energy frequency state flights branches departures" junctions "$atlas"
+agree "segment branch from to energy_min energy_max frequency_min frequency_max stable stable_fraction" branches "$atlas" --segments
+agree "id label word impacts from to stop junctions depth" branches "$atlas" --elementary
+agree "duplicate branch k kind origin j rotation label name junction energy frequency" junctions "$atlas" --duplicates 3
+agree "base mode j number branches labels duplicates energy_min energy_max frequency_min frequency_max" bases "$atlas"
 agree "arclength energy frequency period trace log_trace rotation stable reach approach residual" points "$atlas" --branch "$branch"
 agree "end point arclength energy frequency period trace log_trace rotation stable reach approach residual admissible" \
     points "$atlas" --branch "$branch" --ghost
@@ -207,6 +211,43 @@ PY
     report $? "every orbit has that $key"
 done
 
+# Duplicates: the same branches k times, counted; and what the run was not asked to look for is told.
+"$program" junctions "$atlas" --duplicates 3 --branch "$branch" --json >"$folder/duplicates.json" 2>"$folder/said"
+grep -q "q above 1 were not looked for.*'multiply: 3'" "$folder/said"
+report $? "duplicates beyond the study's multiply are told"
+"$program" junctions "$atlas" --duplicates 3 --branch "$branch" --json --physical >"$folder/duplicates.physical.json" 2>"$folder/said"
+"$program" branches "$atlas" --segments --json >"$folder/segments.json" 2>"$folder/said"
+"$program" branches "$atlas" --segments --json --physical >"$folder/segments.physical.json" 2>"$folder/said"
+"$program" bases "$atlas" --branch "$branch" --json >"$folder/bases.json" 2>"$folder/said"
+"$program" bases "$atlas" --branch "$branch" --json --physical >"$folder/bases.physical.json" 2>"$folder/said"
+python3 - "$folder" "$branch" <<'PY' 2>"$folder/said"
+import json, math, sys
+
+folder, branch = sys.argv[1], int(sys.argv[2])
+names = ("branches", "junctions", "duplicates", "segments", "bases")
+branches, junctions, duplicates, segments, bases = (json.load(open(f"{folder}/{name}.json")) for name in names)
+mine = branches[branch - 1]
+places = [id for id in (mine["from"], *mine["junctions"], mine["to"]) if id]
+assert [row["junction"] for row in duplicates if row["k"] == 1] == places
+for row in duplicates:
+    k, first = row["k"], [r for r in duplicates if r["k"] == 1][[r for r in duplicates if r["k"] == row["k"]].index(row)]
+    assert row["branch"] == branch and row["origin"] == "copy" and row["j"] is None
+    assert math.isclose(row["frequency"], first["frequency"] / k, rel_tol=1e-15) and row["energy"] == first["energy"]
+    assert (row["duplicate"] == mine["label"]) == (k == 1) and ("{%d" % k in row["duplicate"]) == (k > 1)
+for row in segments:
+    whole = branches[row["branch"] - 1]
+    assert row["segment"].startswith(whole["label"] + "|")
+    assert row["energy_max"] <= whole["energy_max"] * (1 + 1e-9)
+assert len(segments) == sum(len(row["junctions"]) + 1 for row in branches)
+assert len(bases) == 1 and branch in bases[0]["branches"] and bases[0]["number"] == len(bases[0]["branches"])
+assert bases[0]["labels"] == [branches[id - 1]["label"] for id in bases[0]["branches"]]
+for name, plain, keys in (("duplicates", duplicates, ["energy"]), ("segments", segments, ["energy_min", "energy_max"]),
+                          ("bases", bases, ["energy_min", "energy_max"])):
+    for a, b in zip(plain, json.load(open(f"{folder}/{name}.physical.json"))):
+        assert all(4.0 * a[key] == b[key] for key in keys), (name, a, b)
+PY
+report $? "duplicates, segments and bases fit the branches"
+
 # The example in the description of the file works as it is.
 if [ -e docs/atlas-format.md ]; then
     sed -n '/^```python$/,/^```$/p' docs/atlas-format.md | sed '/^```/d' >"$folder/example.py"
@@ -216,7 +257,7 @@ fi
 
 # Wrong calls say so and exit with 2, what cannot be done exits with 1, and nothing of it is on standard output.
 echo "not an atlas" >"$folder/foreign"
-for command in branches junctions; do
+for command in branches junctions bases; do
     expect 2 "$command without an atlas" "$program" $command
     expect 2 "$command with both formats" "$program" $command "$atlas" --json --csv
     expect 2 "$command with an unknown option" "$program" $command "$atlas" --colour
@@ -229,6 +270,13 @@ for command in points orbit; do
     expect 2 "$command without --branch" "$program" $command "$atlas" --point 0
     expect 2 "$command with a branch that is no number" "$program" $command "$atlas" --branch first
 done
+expect 2 "no duplicates" "$program" junctions "$atlas" --duplicates 0
+expect 2 "a branch without duplicates" "$program" junctions "$atlas" --branch "$branch"
+grep -q -e '--duplicates K' "$folder/said"
+report $? "a branch without duplicates says what to add"
+expect 1 "duplicates of a branch that is not there" "$program" junctions "$atlas" --duplicates 2 --branch 9999
+expect 1 "bases of a branch that is not there" "$program" bases "$atlas" --branch 9999
+expect 2 "bases with too many duplicates" "$program" bases "$atlas" --duplicates 65
 expect 1 "points of a branch that is not there" "$program" points "$atlas" --branch 9999
 expect 1 "ghosts of a branch that is not there" "$program" points "$atlas" --branch 9999 --ghost
 expect 1 "ghosts of a linear mode" "$program" points "$atlas" --branch 1 --ghost

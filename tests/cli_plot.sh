@@ -100,6 +100,7 @@ exits 0 plot fep "$ATLAS" --ghosts --energy 1.8:4 --frequency 2.5:4 -o away.svg
 note "ghosts outside of the window" "$(! grep -q 'ghost: no motion' away.svg; echo $?)"
 draws orbit plot orbit "$ATLAS" --branch 1 --point 0
 draws junction plot orbit "$ATLAS" --junction 1 --coordinates 1
+draws fep-duplicates plot fep "$ATLAS" --duplicates 3
 draws curves plot curves "$ATLAS" --x energy --y frequency
 draws curves-log plot curves "$ATLAS" --x energy --y x1 --log x --branch 1
 draws floquet plot floquet "$ATLAS" --branch 1
@@ -135,6 +136,7 @@ leaves_nothing 2 plot fep "$ATLAS" --energy 0:1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --frequency x:y -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --break 1e9 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --labels some -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --duplicates 0 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --size 10x10 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --size big -o empty/a.svg
 leaves_nothing 2 plot orbit "$ATLAS" -o empty/a.svg
