@@ -16,7 +16,7 @@
 #include "chart.h"
 
 /* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of grazings with many touches. */
-enum { ELEMENTARY, DUPLICATES, LOOP, TRIPLE, CHATTER, BACKBONE, PATH, TONGUES, N_EXPLORED };
+enum { ELEMENTARY, DUPLICATES, LOOP, TRIPLE, CHATTER, BACKBONE, PATH, TONGUES, LOCAL, CASCADE, N_EXPLORED };
 static struct {
     const char *name, *explore;
     ric_atlas *atlas;
@@ -24,12 +24,18 @@ static struct {
     {"elementary", "{start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 1, depth: 4}", NULL},
     {"duplicates", "{start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}", NULL},
     {"loop", "{start: [2], energy: [0, 100], frequency: [1, 40], impacts: 8, multiply: 9, depth: 2}", NULL},
-    {"triple", "{start: [2], energy: [0, 100], frequency: [0.72, 40], impacts: 8, multiply: 4, depth: 2}", NULL},
+    {"triple", "{start: [2], energy: [0, 60], frequency: [0.715, 40], impacts: 8, multiply: 4, depth: 3}", NULL},
     {"chatter", "{start: [2], energy: [0, 1500], frequency: [1.5, 100], impacts: 24, multiply: 12, depth: 2}", NULL},
     {"backbone", "{start: [1], energy: [0, 200], frequency: [0.92, 10], impacts: 8, multiply: 9, depth: 1}", NULL},
     {"path", "{start: [1], energy: [0, 10000], frequency: [0.9, 80], impacts: 22, multiply: 1, depth: 0, symmetric: true}", NULL},
     {"tongues", "{start: [1], energy: [0, 2000], frequency: [0.9, 10], impacts: 16, multiply: 1, depth: 0}", NULL},
+    {"local", "{start: [2], energy: [0, 100], frequency: [0.82, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
+    {"cascade", "{start: [2], energy: [0, 60], frequency: [0.83, 10], impacts: 12, multiply: 4, depth: 3}", NULL},
 };
+/* Those in which nothing is multiplied beyond the second mode's duplicates: what they contain does not grow with the kinds of
+ * families that the program can follow. */
+static const int settled[] = {ELEMENTARY, DUPLICATES, PATH, TONGUES};
+enum { N_SETTLED = sizeof settled / sizeof *settled };
 
 static const ric_atlas *atlas_of(int which)
 {
@@ -220,7 +226,6 @@ static int inner(int which, int b, ric_kind kind, int *ids, int room)
     ric_branch row = branch(which, b);
     for (int i = 0; i < row.n_junction; i++) {
         ric_junction j = junction(which, row.junctions[i]);
-        /* a multiplication of the branch itself has its impacts, one that it arrives at as a q-fold orbit has fewer */
         if (j.kind != kind) continue;
         if (n < room) ids[n] = j.id;
         n++;
@@ -239,6 +244,40 @@ static int families(int which, int id, int *ids, int room)
         n++;
     }
     return n;
+}
+
+/* Number of branches on the shortest way from one junction to another, -1 if there is none; their labels in order. S branches count only
+ * if `symmetric`, A branches only if `asymmetric`, and the branch `barred` never. Ends and interior junctions join alike. */
+static int hops(int which, int from, int to, bool symmetric, bool asymmetric, int barred, char *labels, size_t size)
+{
+    int n = ric_atlas_n_junction(atlas_of(which)), first = 0, last = 0, steps = 0, by[64];
+    int *queue = calloc((size_t)n + 1, sizeof *queue), *before = calloc((size_t)n + 1, sizeof *before), *via = calloc((size_t)n + 1, sizeof *via);
+    queue[last++] = from;
+    before[from] = -1;
+    while (first < last && queue[first] != to) {
+        int id = queue[first++];
+        ric_junction j = junction(which, id);
+        for (int i = 0; i < j.n_branch; i++) {
+            ric_branch b = branch(which, j.branches[i]);
+            if (b.id == barred || (b.symmetric ? !symmetric : !asymmetric)) continue;
+            for (int k = -2; k < b.n_junction; k++) {
+                int next = k == -2 ? b.from : k == -1 ? b.to : b.junctions[k];
+                if (next == 0 || before[next] != 0) continue;
+                before[next] = id, via[next] = b.id;
+                queue[last++] = next;
+            }
+        }
+    }
+    if (to && before[to] != 0)
+        for (int id = to; before[id] != -1 && steps < 64; id = before[id]) by[steps++] = via[id];
+    bool reached = to && before[to] != 0;
+    if (size) labels[0] = 0;
+    for (int i = steps; i-- > 0 && size;) {
+        size_t used = strlen(labels);
+        snprintf(labels + used, size - used, "%s%s", used ? ", " : "", branch(which, by[i]).label);
+    }
+    free(queue), free(before), free(via);
+    return reached ? steps : -1;
 }
 
 static void forget_atlases(void)

@@ -27,16 +27,6 @@ static verdict stated(bool yes)
     return yes ? AS_STATED : NEITHER;
 }
 
-static const char *word_of(int n, const int *word)
-{
-    static char text[4][64];
-    static int turn;
-    char *out = text[turn++ % 4];
-    for (int i = 0; i < n; i++) out[i] = (char)('0' + word[i]);
-    out[n] = 0;
-    return out;
-}
-
 static void say_junction(finding *f, int which, int id)
 {
     ric_junction j = junction(which, id);
@@ -60,9 +50,9 @@ static verdict solutions_form_curves(finding *f, const char *arg)
             n++;
         }
     }
-    say(f, "%d pieces of curve on %d branches, each orbit with a residual below %.0g", n, ric_atlas_n_branch(atlas_of(ELEMENTARY)), 1e-12);
     for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++)
         for (int i = 0; i < branch(ELEMENTARY, id).n_point; i++) thick += !(point(ELEMENTARY, id, i).residual < 1e-12);
+    say(f, "%d branches, all of them curves, their orbits with residuals below 1e-12: %s", ric_atlas_n_branch(atlas_of(ELEMENTARY)), thick ? "no" : "yes");
     return stated(n > 0 && !thick);
 }
 
@@ -70,15 +60,15 @@ static verdict symmetric_words(finding *f, const char *arg)
 {
     int n = 0, wrong = 0;
     (void)arg;
-    for (int which = 0; which < N_EXPLORED; which++)
-        for (int id = 1; id <= ric_atlas_n_branch(atlas_of(which)); id++) {
-            ric_branch b = branch(which, id);
+    for (int k = 0; k < N_SETTLED; k++)
+        for (int id = 1; id <= ric_atlas_n_branch(atlas_of(settled[k])); id++) {
+            ric_branch b = branch(settled[k], id);
             if (!b.symmetric || !b.impacts) continue;
             n++;
             wrong += b.impacts % 2 != 0;
             for (int i = 0; i < b.impacts / 2; i++) wrong += b.word[i] == b.word[i + b.impacts / 2];
         }
-    say(f, "%d S branches with impacts in %d atlases, %d of them with another word", n, N_EXPLORED, wrong);
+    say(f, "%d S branches with impacts in %d atlases, %d of them with another word", n, N_SETTLED, wrong);
     return stated(n > 50 && !wrong);
 }
 
@@ -195,9 +185,9 @@ static verdict grazing_bound(finding *f, const char *arg)
 {
     int n = 0, wrong = 0, most = 0;
     (void)arg;
-    for (int which = 0; which < N_EXPLORED; which++)
-        for (int id = 1; id <= ric_atlas_n_junction(atlas_of(which)); id++) {
-            ric_junction j = junction(which, id);
+    for (int k = 0; k < N_SETTLED; k++)
+        for (int id = 1; id <= ric_atlas_n_junction(atlas_of(settled[k])); id++) {
+            ric_junction j = junction(settled[k], id);
             if (j.kind != RIC_KIND_GRAZING) continue;
             n++;
             wrong += j.n_branch > 1 << (j.grazings * j.multiple);
@@ -226,7 +216,7 @@ static verdict stable_is_marginal(finding *f, const char *arg)
             ric_orbits_free(found, orbit);
             n++;
         }
-    say(f, "%d stable orbits, all multipliers on the unit circle: %s", n, worst < 1e-9 ? "yes, to 1e-9" : "no");
+    say(f, "stable orbits of all branches: multipliers on the unit circle: %s", worst < 1e-9 ? "yes, to 1e-9" : "no");
     return stated(n > 20 && worst < 1e-9);
 }
 
@@ -391,7 +381,7 @@ static verdict s2_minus_begins(finding *f, const char *arg)
     double end = place_on(CHATTER, b, c);
     for (int i = 1; i < branch(CHATTER, b).n_point && point(CHATTER, b, i).arclength < end; i++, n++)
         falls += point(CHATTER, b, i).energy < point(CHATTER, b, i - 1).energy;
-    say(f, "%d of %d steps go down; stable: %s; to ", falls, n, stable_between(CHATTER, b, g, c) ? "not no" : "no");
+    say(f, "energy falls all the way: %s; stable: %s; to ", falls == n ? "yes" : "no", stable_between(CHATTER, b, g, c) ? "in part" : "no");
     say_junction(f, CHATTER, c);
     return stated(n > 3 && falls == n && stable_between(CHATTER, b, g, c) == 0);
 }

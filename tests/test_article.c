@@ -2,7 +2,7 @@
  * of what is found; UPDATE=1 in the environment writes it anew. */
 #define _GNU_SOURCE
 
-#include "article_elementary.h"
+#include "article_loops.h"
 
 typedef struct {
     const char *where, *statement;
@@ -58,6 +58,65 @@ static const entry table[] = {
     {"3.1, Fig. 8", "There it meets an S4[0011] from G1_2,4.", edge, "S4[0011]|C2_32|G1_2,4", NULL},
     {"3.1, Fig. 8", "That S4[0011] is horizontal.", horizontal, "S4[0011]|C2_32|G1_2,4", NULL},
     {"3.1", "C1_33 exists on the duplicate of S2-, not on S2- itself.", extra_point_on_the_duplicate, NULL, NULL},
+    {"3.1, Figs. 10-11", "Branches S_2k[01]^k exist for k = 3, 5, 7, 9; they end at G_2k-2,2 (high frequency) and G_2k-4,4 (low).", chattering_ends, NULL,
+     "They exist and have these ends. For k = 9 (and only there, of the four) the end G_14,4 has the higher frequency."},
+    {"3.1, Figs. 10-11", "Each meets the k-duplicate of S2- at its energy minimum, a C_33.", chattering_minimum, NULL,
+     "The minimum is the C_33 itself for k = 5, 7, 9. For k = 3 it lies a little beside: there the multiplier of the half-period map is a third "
+     "root of unity, the only case in which energy changes to first order along the family."},
+    {"3.1, Figs. 10-11", "Each has one C_32 and is stable only between it and the energy minimum.", chattering_stable, NULL, NULL},
+    {"3.1, Fig. 12", "They lie above omega_0; their highest frequencies fall towards it.", chattering_above, NULL, NULL},
+    {"3.1, Figs. 10-11", "Branches S_2j[0^j 1^j] exist for j = 2, 3, 4, 5 with C_32, C_31, C_32; stability changes at C_31.", sticking_critical, NULL, NULL},
+    {"3.1, Figs. 10-11", "From the first C_32 a symmetric branch leads to an end of S_2(j-1).", sticking_bridges, NULL, NULL},
+    {"3.1, Fig. 14", "At the last C_32 an asymmetric branch leaves.", sticking_third_point, NULL, NULL},
+    {"3.1, Fig. 13", "Their lowest frequencies lie below omega_0 and rise towards it.", sticking_below, NULL, NULL},
+    {"3.1", "S6[01]^3, S4, S10[01]^5, S6[000111], S14[01]^7, S8, S18[01]^9 follow one another, directly or over short symmetric branches.", path_order, NULL, NULL},
+    {"3.1", "The path goes to infinite energy while its frequency converges to omega_0.", path_converges, NULL, NULL},
+    {"3.1", "A symmetric branch leaves the k-duplicate of S2- only if k is odd; if k is even, others do.", even_is_asymmetric, NULL, NULL},
+    {"3.1, Fig. 14", "A4[0011] leads over A6[001011] to A8[01010101], which meets the 4-duplicate of S2- at C5_33.", tongue_connects, "3 4 2", NULL},
+    {"3.1, Fig. 15", "Beyond C5_33 follows a tongue of branches with more and more impacts, joined at grazings.", tongue_grows, NULL, NULL},
+    {"3.1, Fig. 16", "They stick at one side and have 2 impacts at the other.", tongue_words, NULL, NULL},
+    {"3.1, Fig. 15", "Each has two short stable segments at low frequency.", tongue_stability, NULL,
+     "A5[00011] has a third one, near its end of high frequency."},
+    {"3.1, Fig. 15", "Each bifurcates once, at a C_22.", tongue_bifurcations, NULL,
+     "A5[00011] has a second C_22 just before the grazing where it joins A7[0010101]; the others have one."},
+    {"3.1, Fig. 19", "A second tongue joins S6[000111] to the 6-duplicate of S2-.", tongue_connects, "5 6 3", NULL},
+    {"3.1, Fig. 17", "On the 2-duplicate of S2- a loop leaves C6_33 and closes at G1_0,4.", loop_closes, NULL, NULL},
+    {"3.1, Fig. 17", "The loop consists of asymmetric branches only, A1[0] among them.", loop_is_asymmetric, NULL, NULL},
+    {"3.1, Fig. 18", "On it are G_2,2, G_3,1, a C_32, G_1,2 and a C_21.", loop_points, NULL, NULL},
+    {"3.1, Fig. 17", "The C_32 of the loop (C15_32) is joined to G_1,2.", loop_bridge, NULL, NULL},
+    {"3.1", "Every k-duplicate of S2-, k >= 2, meets a C_32 in [omega_0, omega_2] and bifurcates there.", all_duplicates_meet, NULL,
+     "It is a C_33 throughout (a slip of the pen: the same points are called C_33 everywhere else)."},
+    /* 3.2 Complete FEP as infinite fractals */
+    {"3.2.1, Fig. 20a", "The k-duplicate of S2- has k - 1 points C_33, k = 2..9, some of them duplicates.", k_minus_one, "-", NULL},
+    {"3.2.1, Fig. 20b", "So has the k-duplicate of S2+.", k_minus_one, "+", NULL},
+    {"3.2.1, Fig. 20c", "The duplicates of A1[0] have none up to k = 3; the first is at k = 4.", first_on_a1, NULL, NULL},
+    {"3.2.1, Fig. 20c", "Those missing lie on the inadmissible part of the branch.", ghosts_of_a1, NULL, NULL},
+    {"3.2.1", "C_33 points appear only on stable parts.", only_on_stable_parts, NULL, NULL},
+    {"3.2.1", "A k-duplicate of G_N,p is a G_kN,kp: G1_0,4 is that of G2_0,2.", duplicate_grazing, NULL, NULL},
+    {"3.2.1", "It gives branches that do not exist at the original.", loop_ends_on_the_duplicate, NULL, NULL},
+    {"3.2.1, Fig. 17", "The 2-duplicate of S0- gives A1[0] and A2[01].", linear_duplicates, "-", NULL},
+    {"3.2.1 (not in the article)", "The 2-duplicate of S0+ gives A2[01] with flights T/2, 3T/2 and A3[001].", linear_duplicates, "+", NULL},
+    {"3.2.2", "The elementary structure consists of the bases F_1^1, F_2^1 and F_2^2: tongues belong to S2+, the loop does not.", bases_apart, NULL, NULL},
+    {"3.2.2, Fig. 21", "The 6-duplicate of S2- has 5 C_33: two original, duplicates of C1_33, C6_33 and C7_33.", sixfold_points, NULL, NULL},
+    {"3.2.2, Fig. 21", "C_33^64 leads to a closed loop that ends at a duplicate of G1_0,4.", tripling_loop, NULL, NULL},
+    {"3.2.2, Fig. 21d", "A sub-level C_33^66 on the duplicate of S6[010101] gives a local closed loop.", doubling_of_s6, NULL, NULL},
+    {"3.2.2, Fig. 21e", "A sub-level C_33^67 lies on the 3-duplicate of the loop's A4[0101].", tripling_of_a4, NULL, NULL},
+    {"3.2.2, Fig. 23", "The lower part of S6[010101]^8 has 7 C_33: 3 inherited from the 4-duplicate, one of them from the 2-duplicate, 4 original.", octuple, NULL, NULL},
+    {"3.2.2, Fig. 23", "On the branch A12 from the doubling of S6 a C_33^88 emerges on the 4-duplicate: tripling, doubling, quadrupling.", cascade_goes_on, NULL, NULL},
+    /* what leaves S2- (method of departures; numbers: q, p, families) */
+    {"3.2.2 (theory)", "(q, p) = (2, 1) on S2- gives two families on one side.", leave_s2_minus, "T 2 1 2", NULL},
+    {"3.2.2 (theory)", "(q, p) = (3, 1) on S2- gives two families on one side.", leave_s2_minus, "T 3 1 2", NULL},
+    {"3.2.2 (theory)", "(q, p) = (3, 2) on S2- gives one family that passes.", leave_s2_minus, "C 3 2 1", NULL},
+    {"3.2.2 (theory)", "(q, p) = (4, 1) on S2- gives two families on one side.", leave_s2_minus, "T 4 1 2", NULL},
+    {"3.2.2 (theory)", "(q, p) = (4, 3) on S2- gives two families on one side.", leave_s2_minus, "C 4 3 2", NULL},
+    {"3.2.2 (theory)", "(q, p) = (5, 4) on S2- gives two families on one side.", leave_s2_minus, "C 5 4 2", 
+     "One branch that passes: r = 5 is odd, so the elliptic and the hyperbolic family have the same mirror points and are the two halves of one "
+     "smooth curve, both at higher energies."},
+    {"3.2.2 (theory)", "(q, p) = (7, 6) on S2- gives two families on one side.", leave_s2_minus, "C 7 6 2", 
+     "One branch that passes: r = 7 is odd, so the elliptic and the hyperbolic family have the same mirror points and are the two halves of one "
+     "smooth curve, both at higher energies."},
+    {"3.2.2 (theory)", "(q, p) = (8, 7) on S2- gives two families on one side.", leave_s2_minus, "C 8 7 2", NULL},
+    {"3.2.2 (theory)", "(q, p) = (12, 11) on S2- gives two families on one side.", leave_s2_minus, "C 12 11 2", NULL},
 };
 enum { N_ENTRY = sizeof table / sizeof *table };
 
