@@ -43,8 +43,8 @@ static void defaults_are_those_promised(void **state)
     ric_explore_options_init(&o);
     assert_true(o.energy[0] == 0 && o.energy[1] == 200);
     assert_true(o.frequency[0] == 0.2 && o.frequency[1] == 10);
-    assert_int_equal(o.impacts, 24);
-    assert_int_equal(o.multiply, 6);
+    assert_int_equal(o.impacts, 12);
+    assert_int_equal(o.multiply, 2);
     assert_int_equal(o.depth, 3);
     assert_true(o.tolerance == 1e-12 && o.max_step == 0.03);
     assert_false(o.symmetric_only);
