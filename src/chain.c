@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lapacke.h>
+
 #include "motion.h"
 #include "status.h"
 
@@ -387,15 +389,14 @@ static inline void unpin(const ric_chain *c, int vector, int m, double pinned, d
     for (int j = 0; j < m; j++) z[j] -= s * v[j];
 }
 
-void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
+/* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows pinned, the first row's
+ * first. */
+static void unwind(const ric_chain *c, bool newton, double first, const double *end, double *du)
 {
-    int n = c->n, m = 1, free_columns = general(c) ? 2 * n - 1 : n;
+    int m = 1, free_columns = general(c) ? 2 * c->n - 1 : c->n;
     double z[c->ld];
-    z[0] = alpha;
-    for (int r = c->n_end - 1; r >= 0; r--) {
-        int vector = 1 + c->n_flight + r;
-        unpin(c, vector, ++m, newton ? c->zeta[vector] : 0, z);
-    }
+    z[0] = first;
+    for (int r = c->n_end - 1; r >= 0; r--) unpin(c, 1 + c->n_flight + r, ++m, end[r], z);
     for (int k = c->n_flight - 1; k >= 0; k--) {
         bool pinned = c->face[k + 1] >= 0 && !(general(c) && k + 1 == c->n_flight);
         if (pinned) unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
@@ -403,6 +404,32 @@ void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
     }
     if (c->n_start > free_columns) unpin(c, 0, ++m, newton ? c->zeta[0] : 0, z);
     memcpy(du, z, (size_t)c->n_start * sizeof *du);
+}
+
+void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
+{
+    double end[c->n_end + 1];
+    for (int r = 0; r < c->n_end; r++) end[r] = newton ? c->zeta[1 + c->n_flight + r] : 0;
+    unwind(c, newton, alpha, end, du);
+}
+
+/* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal maps: its kernel is the
+ * kernel of the whole, and its singular vectors are carried back like a step. */
+bool ric_chain_plane(const ric_chain *c, double *kernel, double *second)
+{
+    int rows = c->n_end, columns = rows + 1;
+    double L[rows * columns], V[columns * columns], values[rows], super[rows + 1];
+    for (int r = 0; r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
+    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super)) return false;
+    *second = values[rows - 1];
+    for (int i = 0; i < 2; i++) {
+        /* row r pinned column n_end - r */
+        const double *y = V + (rows - 1 + i) * columns;
+        double end[rows];
+        for (int r = 0; r < rows; r++) end[r] = y[rows - r];
+        unwind(c, false, y[0], end, kernel + (size_t)i * c->n_unknown);
+    }
+    return true;
 }
 
 /* ----------------------------------------------------------------- scalars */

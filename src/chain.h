@@ -61,6 +61,10 @@ void ric_chain_fly(ric_chain *chain, const double *u);
  * alpha (newton = false); du [n_unknown]. The kernel vector has unit norm. */
 void ric_chain_step(const ric_chain *chain, bool newton, double alpha, double *du);
 
+/* From the last evaluation: the two directions that the Jacobian carries to the least, orthonormal, kernel [2 * n_unknown]: the second spans
+ * the kernel, the first joins it where its singular value *second is 0. Cost O(n_flight n). False: LAPACK failed. */
+bool ric_chain_plane(const ric_chain *chain, double *kernel, double *second);
+
 /* Period and energy (scaled frame) of the last evaluation, and the derivative of the energy along du. */
 double ric_chain_time(const ric_chain *chain, const double *u);
 double ric_chain_energy(const ric_chain *chain);

@@ -11,9 +11,14 @@
 #include "subset.h"
 #include "ring.h"
 #include "status.h"
+#include "stored.h"
 
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4     /* distance, relative, of the point that gives the direction of a side branch */
+#define NEAR 1e-5       /* the same of points that are not solved: directions are their differences */
+#define ITSELF 1e-2     /* of an orbit and its image, one is the orbit itself if its distance is less than this part of the other's */
+#define LARGE 300       /* unknowns from which on a dense singular value decomposition costs more than the rest */
+#define SECOND 1e-6     /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
 
 /* Two contacts of a kept word that close at one instant. */
 static const char *together(const ric_model *m, const ric_cycle *c)
@@ -98,7 +103,7 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
 
 /* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is that of a flight time,
  * hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
-static bool plane(ric_chain *c, const double *u, double *kernel)
+static bool dense_plane(ric_chain *c, const double *u, double *kernel)
 {
     int size = c->n_unknown, rows = c->n_flight + 2 * c->n + 2, k = rows < size ? rows : size;
     double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s), *super = calloc((size_t)k, sizeof *super);
@@ -119,25 +124,23 @@ static bool plane(ric_chain *c, const double *u, double *kernel)
     return found;
 }
 
+static bool plane(ric_chain *c, const double *u, double *kernel)
+{
+    double second;
+    if (c->n_unknown <= LARGE) return dense_plane(c, u, kernel);
+    ric_chain_evaluate(c, u);
+    return ric_chain_plane(c, kernel, &second) && second <= SECOND;
+}
+
 /* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one leaves. */
-static ric_status neighbour(const ric_model *m, const ric_node *node, ric_chain *form, const double *v, const double *t, double h,
+static ric_status neighbour(const ric_model *m, ric_chain *form, const double *v, const double *t, double h, const ric_turn *turn,
                             const ric_problem *problem, double **u)
 {
     double point[form->n_unknown];
-    int shift;
-    bool reverse, mirror;
     ric_chain *chain = NULL;
-    ric_cycle *home = NULL, *repeated = NULL;
     ric_status status;
     for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
-    ric_chain_fly(form, point);
-    ric_cycle *near = ric_cycle_from_chain(form, point);
-    /* the cycle of a chain may start elsewhere than the canonical one */
-    if (near && ric_cycle_match(m, node->cycle, near, 1e-2, &shift, &reverse, &mirror))
-        home = ric_cycle_transform(m, near, shift, reverse, mirror);
-    ric_cycle_free(near);
-    if (!home) return ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
-    repeated = ric_problem_cycle(home, problem);
+    ric_cycle *home = ric_turn_cycle(m, form, point, turn), *repeated = home ? ric_problem_cycle(home, problem) : NULL;
     status = repeated ? ric_cycle_to_chain(m, repeated, &chain, u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     ric_chain_free(chain);
     ric_cycle_free(home);
@@ -180,11 +183,65 @@ static bool secant_direction(ric_chain *c, const double *u0, double *t0)
     return true;
 }
 
+/* Unknowns of the chain of an image of a cycle; allocated, NULL without memory. */
+static double *image_unknowns(const ric_model *m, const ric_cycle *cycle, int shift, bool mirror)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL;
+    ric_cycle *image = ric_cycle_transform(m, cycle, shift, false, mirror);
+    if (image && ric_cycle_to_chain(m, image, &chain, &u)) u = NULL;
+    ric_chain_free(chain);
+    ric_cycle_free(image);
+    return u;
+}
+
+static double largest_difference(int size, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < size; i++) most = fmax(most, fabs(a[i] - b[i]));
+    return most;
+}
+
+/* A family of even order is its own image half its period on, turned round: its direction is that part of the kernel vector which changes its
+ * sign. Nothing is solved, so that families of any smallness are left in the right direction: deep in a cascade other orbits lie about. A
+ * cycle may be read from either of its mirror points, which the shift exchanges, and on S orbits the other one shows the mirror image: of the
+ * two sets of unknowns one must be that of the chain itself. */
+static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_chain *c, const double *u0, double *t0)
+{
+    int size = c->n_unknown;
+    double point[size], norm = 0, sign = 0;
+    bool found = false, turned = node->cycle->half && node->multiple % 2;
+    for (int i = 0; i < size; i++) point[i] = u0[i] + NEAR * c->scale * t0[i];
+    ric_chain_fly(c, point);
+    ric_cycle *here = ric_cycle_from_chain(c, point);
+    if (!here) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    for (int mirror = 0; mirror <= m->symmetric && !found; mirror++) {
+        double *v = image_unknowns(m, here, 0, mirror), *w = image_unknowns(m, here, here->N / 2, mirror != turned);
+        double a = v && w ? largest_difference(size, v, point) : 0, b = v && w ? largest_difference(size, w, point) : 0;
+        found = fmin(a, b) < ITSELF * fmax(a, b);
+        for (int i = 0; found && i < size; i++) {
+            norm += (v[i] - w[i]) * (v[i] - w[i]);
+            sign += (v[i] - w[i]) * t0[i];
+        }
+        for (int i = 0; found && i < size; i++) t0[i] = copysign(1 / sqrt(norm), sign) * (v[i] - w[i]);
+        free(v);
+        free(w);
+    }
+    ric_cycle_free(here);
+    return found && norm > 0 ? RIC_OK : ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+}
+
+static bool turns_round(const ric_node *node)
+{
+    return node->kind == RIC_KIND_MULTIPLICATION && ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
+}
+
 static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
 {
     ric_problem problem = ric_node_problem(node, choice);
     ric_chain *form = NULL;
     double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
+    ric_turn turn;
     ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
     ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     if (status) goto out;
@@ -197,10 +254,16 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned
     }
     ric_chain_evaluate(form, v);
     ric_trace_tangent(form, NULL, t);
-    if ((status = neighbour(m, node, form, v, t, -1e-5 * form->scale, &problem, &before))) goto out;
-    if ((status = neighbour(m, node, form, v, t, 1e-5 * form->scale, &problem, &after))) goto out;
+    /* the cycle of a chain may start elsewhere than the canonical one */
+    if (!ric_turn_find(m, form, v, node->cycle, &turn)) {
+        status = ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
+        goto out;
+    }
+    if ((status = neighbour(m, form, v, t, -NEAR * form->scale, &turn, &problem, &before))) goto out;
+    if ((status = neighbour(m, form, v, t, NEAR * form->scale, &turn, &problem, &after))) goto out;
     if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
-    if (!secant_direction(*chain, *u0, *t0)) status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+    if (turns_round(node)) status = odd_direction(m, node, *chain, *u0, *t0);
+    else if (!secant_direction(*chain, *u0, *t0)) status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 out:
     if (status) drop(chain, u0, t0);
     ric_chain_free(form);

@@ -174,7 +174,7 @@ static bool solve_criterion(criterion *q, double *u)
     ric_chain *c = q->chain;
     int size = c->n_unknown, iterations;
     double du[size], origin[size], normal[size], t[size], best[size];
-    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0;
+    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = 1e-6;
     q->u = u;
     if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
@@ -187,13 +187,19 @@ static bool solve_criterion(criterion *q, double *u)
             memcpy(best, u, sizeof best);
         } else if (i > 4) break;
         if (f1 == 0) break;
-        double x2 = i == 0 ? x1 + 1e-6 * c->scale : x1 - f1 * (x1 - x0) / (f1 - f0);
+        double x2 = i == 0 ? first * c->scale : x1 - f1 * (x1 - x0) / (f1 - f0);
         if (!isfinite(x2) || fabs(x2) > 1e-2 * c->scale) break;
         x0 = x1;
         f0 = f1;
         x1 = x2;
         for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
-        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) return false;
+        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) {
+            if (i > 0 || first < 1e-8) return false;
+            first /= 10; /* deep in a cascade a branch is no longer than that */
+            x1 = 0;
+            i = -1;
+            continue;
+        }
         double sign = ric_trace_tangent(c, normal, t);
         f1 = evaluate(q, u, t, sign);
         if (x1 == x0) break;
