@@ -118,6 +118,8 @@ typedef struct {
     int start[64];        /* mode numbers from 1, ascending */
     ric_numbers at_energy;    /* scaled energies, and frequencies of the orbit in rad/s, where branches are marked by junctions */
     ric_numbers at_frequency;
+    int n_cascade;        /* 0 = depart from every junction within the budgets */
+    int cascade[16];      /* else only from multiplications: by these, one after the other */
 } ric_explore_options;
 
 void ric_explore_options_init(ric_explore_options *options);

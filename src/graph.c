@@ -34,6 +34,7 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->limits = ric_trace_limits(m, o->energy, o->frequency, o->max_step, MAX_POINTS);
     g->limits.multiply = o->multiply;
     g->limits.n_asked = ric_asked_list(o, g->limits.asked);
+    for (int i = 0; i < o->n_cascade; i++) g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;
     *out = g;
     return RIC_OK;
 }
@@ -514,6 +515,16 @@ static bool contains(const ric_graph *g, ric_edge *e, const ric_node *node, doub
 
 /* ----------------------------------------------------------------- exploring */
 
+/* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts from a mode, and what goes
+ * on beyond a corner, belongs to any. */
+static bool astray(const ric_graph *g, const ric_node *node, unsigned choice)
+{
+    const ric_explore_options *o = g->options;
+    if (o->n_cascade == 0) return choice != RIC_THROUGH && node->multiple > o->multiply;
+    if (node->depth == 0 || node->kind == RIC_KIND_CORNER) return false;
+    return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
+}
+
 static ric_status take(ric_graph *g, int index, int place, int depth)
 {
     ric_node *node = g->nodes[index];
@@ -525,7 +536,7 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         return RIC_OK;
     }
     double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
-    if (period < g->limits.period[0] || period > g->limits.period[1] || (choice != RIC_THROUGH && node->multiple > g->options->multiply)) {
+    if (period < g->limits.period[0] || period > g->limits.period[1] || astray(g, node, choice)) {
         d->state = RIC_DEPARTURE_OVER_BUDGET; /* the original of a duplicate may lie outside the frequency window */
         return RIC_OK;
     }
@@ -750,7 +761,7 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
         bool deeper = false;
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
-            if (depth < limit && (status = list_duplicates(g, depth))) break;
+            if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
             open_departure *list = open_at(g, depth, depth == limit, &n);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;

@@ -29,6 +29,8 @@ static const ric_option RIC_OPTIONS[] = {
      "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
     {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
      "departures from the start along the shortest path; 0 = unlimited"},
+    {"explore", "cascade", RIC_OPTION_CASCADE, FIELD(cascade), {0, 0}, 2, 64, false, "periods",
+     "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 first, by 2 on what leaves there, by 4 on that"},
     {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.03, 0}, 0, 10, true, "relative to 1 + norm of the state",
      "largest arclength step"},
     {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
@@ -75,6 +77,7 @@ static void store(const ric_option *option, const double value[2], ric_explore_o
     case RIC_OPTION_WINDOW: memcpy(where, value, 2 * sizeof *value); break;
     case RIC_OPTION_MODES: out->n_start = 0; break;
     case RIC_OPTION_NUMBERS: ((ric_numbers *)where)->n = 0; break;
+    case RIC_OPTION_CASCADE: out->n_cascade = 0; break;
     }
 }
 
@@ -205,24 +208,34 @@ static int compare_integers(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-static ric_status read_modes(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
+/* A word, *n = 0, or a list of whole numbers. */
+static ric_status read_list(const ric_option *option, const char *word, bool list, int n, const char *const *texts, int room, int *out, int *n_out,
+                            int *item)
 {
-    int start[COUNT(out->start)];
     double number;
-    if (!list && !strcmp(texts[0], "modes")) {
-        out->n_start = 0;
+    *n_out = 0;
+    if (!list && !strcmp(texts[0], word))
         return RIC_OK;
-    }
-    if (!list || n < 1 || n > COUNT(start))
-        return ric_fail(RIC_E_INPUT, "expected the word modes or a list of 1 to %d mode numbers; write modes, or [1, 2]", COUNT(start));
+    if (!list || n < 1 || n > room)
+        return ric_fail(RIC_E_INPUT, "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]", word, room, word, option->min);
     for (int i = 0; i < n; i++) {
         *item = i;
         ric_status status = read_number(option, texts[i], &number);
         if (status)
             return status;
-        start[i] = (int)number;
+        out[i] = (int)number;
     }
     *item = -1;
+    *n_out = n;
+    return RIC_OK;
+}
+
+static ric_status read_modes(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
+{
+    int start[COUNT(out->start)];
+    ric_status status = read_list(option, "modes", list, n, texts, COUNT(start), start, &n, item);
+    if (status)
+        return status;
     qsort(start, (size_t)n, sizeof *start, compare_integers);
     for (int i = 1; i < n; i++)
         if (start[i] == start[i - 1])
@@ -269,6 +282,8 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
         return read_modes(option, list, n, texts, out, item);
     if (option->type == RIC_OPTION_NUMBERS)
         return read_numbers(option, list, n, texts, field(option, out), item);
+    if (option->type == RIC_OPTION_CASCADE)
+        return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade, &out->n_cascade, item);
     if (option->type == RIC_OPTION_WINDOW)
         status = read_window(option, list, n, texts, value, item);
     else if (list)
@@ -286,7 +301,7 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
 
 /* ----------------------------------------------------------------- writing */
 
-static void write_list(int n, const double *values, FILE *out)
+static void write_numbers(int n, const double *values, FILE *out)
 {
     fputc('[', out);
     for (int i = 0; i < n; i++) {
@@ -297,6 +312,14 @@ static void write_list(int n, const double *values, FILE *out)
     fputc(']', out);
 }
 
+static void write_list(const char *word, int n, const int *list, FILE *out)
+{
+    if (n == 0)
+        fputs(word, out);
+    for (int i = 0; i < n; i++)
+        fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
+}
+
 void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out)
 {
     const void *where = const_field(option, options);
@@ -305,14 +328,10 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
     case RIC_OPTION_REAL: ric_text_write(*real, out); break;
     case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
     case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
-    case RIC_OPTION_WINDOW: write_list(2, real, out); break;
-    case RIC_OPTION_NUMBERS: write_list(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out); break;
-    case RIC_OPTION_MODES:
-        if (options->n_start == 0)
-            fputs("modes", out);
-        for (int i = 0; i < options->n_start; i++)
-            fprintf(out, "%s%d%s", i ? ", " : "[", options->start[i], i + 1 == options->n_start ? "]" : "");
-        break;
+    case RIC_OPTION_WINDOW: write_numbers(2, real, out); break;
+    case RIC_OPTION_NUMBERS: write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out); break;
+    case RIC_OPTION_MODES: write_list("modes", options->n_start, options->start, out); break;
+    case RIC_OPTION_CASCADE: write_list("all", options->n_cascade, options->cascade, out); break;
     }
 }
 
@@ -350,6 +369,7 @@ static const char *type_text(ric_option_type type)
     case RIC_OPTION_WINDOW: return "[lower, upper]";
     case RIC_OPTION_MODES: return "`modes` or a list";
     case RIC_OPTION_NUMBERS: return "list of up to " TEXT(RIC_NUMBERS_MAX) " numbers";
+    case RIC_OPTION_CASCADE: return "`all` or a list";
     }
     return "";
 }

@@ -6,7 +6,8 @@
 
 #include "ricochet.h"
 
-typedef enum { RIC_OPTION_REAL, RIC_OPTION_INTEGER, RIC_OPTION_SWITCH, RIC_OPTION_WINDOW, RIC_OPTION_MODES, RIC_OPTION_NUMBERS } ric_option_type;
+typedef enum { RIC_OPTION_REAL, RIC_OPTION_INTEGER, RIC_OPTION_SWITCH, RIC_OPTION_WINDOW, RIC_OPTION_MODES, RIC_OPTION_CASCADE,
+               RIC_OPTION_NUMBERS } ric_option_type;
 
 typedef struct {
     const char *section; /* "explore", or "" for a key at the top of the study */

@@ -42,7 +42,7 @@ static ric_status read_option(const ric_yaml *r, const ric_option *option, const
         return ric_yaml_wrong(r, value, key, "expected a value, found %s", ric_yaml_kind(value));
     for (int i = 0; i < n && i < LONGEST; i++) {
         const ric_yaml_node *part = list ? ric_yaml_item(r, value, i) : value;
-        if (!ric_yaml_is_scalar(part) || (!ric_yaml_is_plain(part) && option->type != RIC_OPTION_MODES))
+        if (!ric_yaml_is_scalar(part) || (!ric_yaml_is_plain(part) && option->type != RIC_OPTION_MODES && option->type != RIC_OPTION_CASCADE))
             return ric_yaml_wrong(r, part, key, "expected a plain value, found %s",
                                   ric_yaml_is_scalar(part) ? "quoted text; remove the quotes" : ric_yaml_kind(part));
         texts[i] = ric_yaml_text(part);
