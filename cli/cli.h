@@ -18,7 +18,7 @@ typedef struct {
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
-    cli_verify, cli_simulate, cli_plot, cli_bases;
+    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade;
 
 typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 
@@ -61,6 +61,25 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n);
 /* Whole-string number, with a message naming `what` otherwise. */
 bool cli_parse_number(const char *text, const char *what, double *out);
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out);
+
+/* Ctrl-C and termination ask to stop instead of killing; whether that has happened. */
+void cli_catch_signals(void);
+bool cli_stopped(void);
+
+/* A cascade that a command is asked to follow: --branch ID with --multiply LIST or --doublings N. */
+enum { CLI_MAX_CASCADE = 24 };
+typedef struct {
+    bool given;    /* --multiply or --doublings */
+    int branch;    /* 0: not given */
+    int n;
+    int multiple[CLI_MAX_CASCADE], rotation[CLI_MAX_CASCADE];
+    bool to_end;
+} cli_cascade_request;
+
+/* Takes the options out of argv; false with a message where they are wrong. */
+bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out);
+/* Follows it, showing progress; returns an exit code. */
+int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *request, ric_cascade **out);
 
 /* Prints "ricochet: <detail>" on stderr and returns the exit code for a status: 0, 2 for RIC_E_INPUT, else 1. */
 int cli_report(ric_status status);

@@ -1,7 +1,6 @@
 /* ricochet run STUDY: explores a study into an atlas. */
 #define _POSIX_C_SOURCE 200809L
 
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,27 +9,6 @@
 
 #include "../src/study.h"
 #include "cli.h"
-
-/* Set by a signal: the one thing that a handler may safely do. */
-static volatile sig_atomic_t stop_asked;
-
-static void ask_to_stop(int number)
-{
-    (void)number;
-    stop_asked = 1;
-}
-
-/* A second Ctrl-C kills: SA_RESETHAND. The atlas survives that too. */
-static void catch_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = ask_to_stop;
-    action.sa_flags = (int)SA_RESETHAND;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 /* ---------------------------------------------------------------- progress */
 
@@ -55,7 +33,7 @@ static bool show_progress(const ric_progress *now, void *user)
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
-    return stop_asked != 0;
+    return cli_stopped();
 }
 
 static void clear_progress(const display *d)
@@ -117,7 +95,7 @@ static int explore(const ric_study *study, const char *path, long workers)
     display d = {.terminal = isatty(STDERR_FILENO)};
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
-    catch_signals();
+    cli_catch_signals();
     ric_status status = ric_explore(study, path, &options);
     clear_progress(&d);
     if (status == RIC_E_INTERRUPTED) {

@@ -1,13 +1,46 @@
-/* What every command needs: taking options out of argv, numbers, messages. */
+/* What every command needs: taking options out of argv, numbers, messages, signals. */
+#define _POSIX_C_SOURCE 200809L
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli.h"
+
+/* ----------------------------------------------------------------- signals */
+
+/* Set by a signal: the one thing that a handler may safely do. */
+static volatile sig_atomic_t stop_asked;
+
+static void ask_to_stop(int number)
+{
+    (void)number;
+    stop_asked = 1;
+}
+
+/* A second Ctrl-C kills: SA_RESETHAND. An atlas survives that too. */
+void cli_catch_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = ask_to_stop;
+    action.sa_flags = (int)SA_RESETHAND;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool cli_stopped(void)
+{
+    return stop_asked != 0;
+}
+
+/* ---------------------------------------------------------------- messages */
 
 int cli_report(ric_status status)
 {

@@ -1,7 +1,7 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
- * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits and ghosts on request, explore, verify,
- * version.
+ * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, ghosts and cascades on request, explore,
+ * verify, version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by d^2,
  * times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -382,6 +382,53 @@ ric_status ric_ghost_point(const ric_ghost *ghost, int i, ric_point *point, doub
 ric_status ric_ghost_multipliers(const ric_ghost *ghost, int i, double *out);
 /* Whether the margins of a point are those of a motion: no gap penetrated, no impact from the wrong side, and no touch. */
 bool ric_point_admissible(const ric_point *point);
+
+/* ---------------------------------------------------- cascades on request */
+
+/* A cascade: on a branch an orbit whose multipliers are q-th roots of unity, the family of q times its period that leaves there, on it the next
+ * such orbit, and so on. It is followed from a branch of an atlas when it is asked for, as deep as wanted, and never stored. */
+typedef struct ric_cascade ric_cascade;
+
+typedef struct {
+    int n;                 /* how many multiplications */
+    const int *multiple;   /* [n] q of each */
+    const int *rotation;   /* [n] p of each, 0: any; or NULL: any */
+    bool to_end;           /* follow the last family to its end as well */
+    bool (*progress)(int step, int impacts, int points, void *user); /* NULL, or called now and then; return true to stop */
+    void *user;
+} ric_cascade_options;
+
+/* One multiplication: the orbit that is multiplied, and what was followed to reach it. */
+typedef struct {
+    int multiple;          /* q of the family that leaves; 1 at the end of the last family, which is no multiplication */
+    int rotation[2];       /* p, q; 0, 0 at an end */
+    int impacts;           /* of the orbit, touches not counted */
+    const int *word;       /* [impacts] */
+    bool symmetric;
+    int grazings;          /* touches at an end */
+    ric_stop stop;         /* why the last family ends; RIC_STOP_JUNCTION elsewhere */
+    double energy, frequency; /* of this orbit, at its own period */
+    double residual;       /* relative, of its equations */
+    double return_error;   /* relative distance of the simulated state from the start after one period; NaN if the faces differ or it touches */
+    double ratio;          /* of the last two differences of energies, where three doublings not at a symmetry break follow each other; else NaN */
+    const double *state;   /* [2 n_dof] x then v right after impact 0 */
+    const double *flights; /* [impacts] */
+    int n_point;           /* points of the family that was followed to it; 0 for the first */
+} ric_cascade_step;
+
+/* Follows the first cascade with these multiplicities that is found from a branch. RIC_E_RANGE if there is none: the message tells how far it
+ * went. RIC_E_INTERRUPTED when progress asked to stop. */
+ric_status ric_cascade_follow(const ric_atlas *atlas, int branch, const ric_cascade_options *options, ric_cascade **out);
+void ric_cascade_free(ric_cascade *cascade);
+int ric_cascade_length(const ric_cascade *cascade); /* steps, the end included */
+ric_status ric_cascade_step_at(const ric_cascade *cascade, int step, ric_cascade_step *out);
+/* Point i of the family followed to a step: its numbers, and the displacements at its impacts, x [impacts * n_dof], where the impacts are those
+ * of `step`, touches included. Any pointer may be NULL. */
+ric_status ric_cascade_point(const ric_cascade *cascade, int step, int i, ric_point *point, double *x);
+/* The number of impacts along the family followed to a step. */
+int ric_cascade_impacts(const ric_cascade *cascade, int step);
+/* The orbit of a step at time t (taken modulo the period), scaled, x and v [n_dof each]. */
+void ric_cascade_at_time(const ric_cascade *cascade, int step, double t, double *x, double *v);
 
 /* ----------------------------------------------------------------- explore */
 

@@ -136,6 +136,23 @@ void ric_cycle_states(const ric_model *m, const ric_cycle *c, double *W)
     }
 }
 
+void ric_cycle_at_time(const ric_model *m, const ric_cycle *c, double t, double *w)
+{
+    int n = c->n, k = 0;
+    double trig[3 * n], period = ric_cycle_period(c);
+    memcpy(w, c->w, 2 * (size_t)n * sizeof *w);
+    t = fmod(t, period);
+    if (t < 0) t += period;
+    for (; k + 1 < c->N && t >= c->tau[k]; k++) {
+        t -= c->tau[k];
+        ric_flight_trig(m, n, c->tau[k], trig);
+        ric_flight(n, trig, w, w);
+        ric_impact_reflect(n, &m->face[c->face[k + 1]], w + n);
+    }
+    ric_flight_trig(m, n, t, trig);
+    ric_flight(n, trig, w, w);
+}
+
 double ric_cycle_period(const ric_cycle *c)
 {
     double sum = 0;

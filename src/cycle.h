@@ -29,6 +29,8 @@ ric_status ric_cycle_to_chain(const ric_model *model, const ric_cycle *cycle, ri
 
 /* States after every impact [N * 2n]. */
 void ric_cycle_states(const ric_model *model, const ric_cycle *cycle, double *W);
+/* State at time t after impact 0, taken modulo the period, w [2n]. */
+void ric_cycle_at_time(const ric_model *model, const ric_cycle *cycle, double t, double *w);
 double ric_cycle_period(const ric_cycle *cycle);
 double ric_cycle_energy(const ric_model *model, const ric_cycle *cycle);
 

@@ -295,29 +295,16 @@ ric_status ric_orbit_multipliers(const ric_orbit *o, double *out)
 void ric_orbit_at_time(const ric_orbit *o, double t, double *x, double *v)
 {
     const ric_model *m = o->model;
-    int n = m->n, N = ric_orbit_impacts(o);
-    double period = 0, trig[3 * n], w[2 * n];
-    for (int k = 0; k < (N ? N : 1); k++) period += o->flights[k];
-    t = fmod(t, period);
-    if (t < 0) t += period;
-    if (N) memcpy(w, o->cycle->w, sizeof w);
-    else {
+    if (!o->cycle) {
         /* a linear mode: all of its displacement is in one coordinate, seen or not */
-        double co = cos(TWO_PI * t / period), si = sin(TWO_PI * t / period) * TWO_PI / period;
+        double phase = TWO_PI * fmod(t, o->flights[0]) / o->flights[0];
         for (int j = 0; j < m->n_dof; j++) {
-            x[j] = o->state[j] * co;
-            v[j] = -o->state[j] * si;
+            x[j] = o->state[j] * cos(phase);
+            v[j] = -o->state[j] * sin(phase) * TWO_PI / o->flights[0];
         }
         return;
     }
-    int k = 0;
-    for (; k + 1 < N && t >= o->flights[k]; k++) {
-        t -= o->flights[k];
-        ric_flight_trig(m, n, o->cycle->tau[k], trig);
-        ric_flight(n, trig, w, w);
-        ric_impact_reflect(n, &m->face[o->cycle->face[k + 1]], w + n);
-    }
-    ric_flight_trig(m, n, t * m->omega_ref, trig);
-    ric_flight(n, trig, w, w);
+    double w[2 * m->n];
+    ric_cycle_at_time(m, o->cycle, t * m->omega_ref, w);
     ric_model_to_state(m, w, x, v);
 }
