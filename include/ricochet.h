@@ -110,6 +110,7 @@ typedef struct {
     double frequency[2];  /* rad/s, of the shortest period */
     int impacts;          /* largest number of impacts per period */
     int multiply;         /* largest q of a q-tupling; 1 = none */
+    int base;             /* depart only from multiplications by q, and duplicates by k, that divide it; 0 = from any */
     int depth;            /* departures from the start; 0 = unlimited */
     double tolerance;     /* relative accuracy asked for */
     double max_step;      /* largest arclength step, relative to 1 + |state| */

@@ -262,7 +262,7 @@ static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool 
     ric_trace *tr = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore;
-    ric_status status = ric_node_depart(c->model, node, choice, &chain, &u0, &t0, &ignore);
+    ric_status status = ric_node_depart(c->model, node, choice, 1, &chain, &u0, &t0, &ignore);
     if (!status && chain) {
         for (int i = 0; side < 0 && i < chain->n_unknown; i++) t0[i] = -t0[i];
         status = ric_trace_create(chain, u0, t0, ignore, &c->limits, &tr);

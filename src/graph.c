@@ -520,7 +520,7 @@ static bool contains(const ric_graph *g, ric_edge *e, const ric_node *node, doub
 static bool astray(const ric_graph *g, const ric_node *node, unsigned choice)
 {
     const ric_explore_options *o = g->options;
-    if (o->n_cascade == 0) return choice != RIC_THROUGH && node->multiple > o->multiply;
+    if (o->n_cascade == 0) return choice != RIC_THROUGH && (node->multiple > o->multiply || o->base % node->multiple);
     if (node->depth == 0 || node->kind == RIC_KIND_CORNER) return false;
     return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
 }
@@ -617,6 +617,7 @@ static ric_status list_duplicates(ric_graph *g, int depth)
         int flown = node->cycle->N - node->n_touch;
         for (int k = 2; k <= g->options->multiply && k * flown < g->options->impacts && k * node->period <= g->limits.period[1]; k++) {
             ric_node *duplicate = NULL;
+            if (g->options->base % k) continue;
             ric_status status = ric_node_duplicate(g->model, node, k, &duplicate);
             if (status) return status;
             if (find_or_add(g, duplicate, depth) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");

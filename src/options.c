@@ -27,6 +27,8 @@ static const ric_option RIC_OPTIONS[] = {
      "largest number of impacts per period"},
     {"explore", "multiply", RIC_OPTION_INTEGER, FIELD(multiply), {2, 0}, 1, 1000, false, "periods",
      "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
+    {"explore", "base", RIC_OPTION_INTEGER, FIELD(base), {0, 0}, 0, 1000, false, "periods",
+     "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k that divide K; 0 = all"},
     {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
      "departures from the start along the shortest path; 0 = unlimited"},
     {"explore", "cascade", RIC_OPTION_CASCADE, FIELD(cascade), {0, 0}, 2, 64, false, "periods",
