@@ -632,16 +632,14 @@ static bool take_size(const char *text, plot_options *options)
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv, const plot_options *options);
-} kinds[] = {{"fep", plot_fep}, {"orbit", plot_orbit}, {"curves", plot_curves}, {"floquet", plot_floquet}};
+} kinds[] = {{"fep", plot_fep}, {"orbit", plot_orbit}, {"curves", plot_curves}, {"floquet", plot_floquet}, {"cascade", plot_cascade}};
 
 static int run(int argc, char **argv)
 {
     plot_options options = {0};
     const char *size = NULL;
     if (argc < 2)
-        return cli_wrong("plot: which picture? fep, orbit, curves or floquet; see ricochet plot --help");
-    if (!strcmp(argv[1], "cascade"))
-        return cli_wrong("plot cascade: not in this version, which has no period multiplication yet; there are fep, orbit, curves and floquet");
+        return cli_wrong("plot: which picture? fep, orbit, curves, floquet or cascade; see ricochet plot --help");
     if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title)
         || !cli_take_value(&argc, argv, "--size", &size))
         return CLI_WRONG;
@@ -654,7 +652,7 @@ static int run(int argc, char **argv)
             const int code = plot_check_target(options.out);
             return code == CLI_DONE ? kinds[i].run(argc - 1, argv + 1, &options) : code;
         }
-    return cli_wrong("plot: unknown picture '%s'; there are fep, orbit, curves and floquet", argc > 1 ? argv[1] : "");
+    return cli_wrong("plot: unknown picture '%s'; there are fep, orbit, curves, floquet and cascade", argc > 1 ? argv[1] : "");
 }
 
 const cli_command cli_plot = {
@@ -666,6 +664,8 @@ const cli_command cli_plot = {
         "       ricochet plot orbit ATLAS --junction ID [--coordinates 1,2] -o FILE\n"
         "       ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log x|y|xy] -o FILE\n"
         "       ricochet plot floquet ATLAS --branch ID [--x NAME] -o FILE\n"
+        "       ricochet plot cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--dof I] [--shapes] -o FILE\n"
+        "       ricochet plot cascade ATLAS --branch ID --circle [--duplicate K] -o FILE\n"
         "\n"
         "Draws with gnuplot; the ending of FILE chooses SVG, PDF or PNG.\n"
         "\n"
@@ -687,6 +687,12 @@ const cli_command cli_plot = {
         "  --log x|y|xy        logarithmic axes\n"
         "floquet  multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses, moduli and angles of more\n"
         "  --x NAME            against arclength (usual), energy or frequency\n"
+        "cascade  a cascade as `ricochet cascade` follows it: a displacement at all impacts against the frequency passed on the way, times q\n"
+        "  --multiply LIST, --doublings N   which cascade\n"
+        "  --dof I             the displacement; the last one unless given\n"
+        "  --shapes            instead the motions at the multiplications, time scaled to equal numbers of impacts\n"
+        "  --circle            instead the multipliers along the branch on the unit circle, with the multiplications p/K of its K-duplicate\n"
+        "  --duplicate K       8 unless given\n"
         "all\n"
         "  --title TEXT        instead of the title of the study\n"
         "  --size WxH          pixels (1/96 inch in PDF)\n"

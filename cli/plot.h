@@ -157,6 +157,9 @@ void plot_track_sort(plot_track *track);
 /* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities seen, 1 << ric_stability. */
 unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *track);
 
+/* The title of the picture, or of the study followed by `extra` (enhanced notation, may be NULL). */
+void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra);
+
 /* ------------------------------------------------------------ the pictures */
 
 /* argv[0] is the kind; --title, --size and -o have been taken out. Each returns an exit code. */
@@ -164,5 +167,6 @@ int plot_fep(int argc, char **argv, const plot_options *options);
 int plot_orbit(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
+int plot_cascade(int argc, char **argv, const plot_options *options);
 
 #endif

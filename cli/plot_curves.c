@@ -279,7 +279,7 @@ static ric_status draw_curves(curves *c)
     return RIC_OK;
 }
 
-static void draw_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra)
+void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra)
 {
     char title[400];
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(atlas)), 300, title);
@@ -309,7 +309,7 @@ static int draw_curve_page(curves *c)
     const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
     if (missing)
         fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing, missing == 1 ? "" : "s");
-    draw_title(c->page, c->common, c->atlas, NULL);
+    plot_page_title(c->page, c->common, c->atlas, NULL);
     const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
     plot_legend(c->page, n, entries, 12, width - 12, c->panel.y.from - 46);
     return plot_page_write(c->page, c->common->out);
@@ -545,7 +545,7 @@ static int draw_floquet(floquet *f)
     if (code != CLI_DONE)
         goto out;
     plot_branch_title(&f->branch, 1, sizeof name, name);
-    draw_title(f->page, f->common, f->atlas, name);
+    plot_page_title(f->page, f->common, f->atlas, name);
     code = plot_page_write(f->page, f->common->out);
 out:
     plot_track_free(&trace);

@@ -262,11 +262,8 @@ static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool 
     ric_trace *tr = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore;
-    ric_status status = ric_node_depart(c->model, node, choice, 1, &chain, &u0, &t0, &ignore);
-    if (!status && chain) {
-        for (int i = 0; side < 0 && i < chain->n_unknown; i++) t0[i] = -t0[i];
-        status = ric_trace_create(chain, u0, t0, ignore, &c->limits, &tr);
-    }
+    ric_status status = ric_node_depart(c->model, node, choice, side, &chain, &u0, &t0, &ignore);
+    if (!status && chain) status = ric_trace_create(chain, u0, t0, ignore, &c->limits, &tr);
     if (status && c->n >= c->deepest) {
         c->deepest = c->n;
         snprintf(c->where, sizeof c->where, "%.150s", ric_detail());

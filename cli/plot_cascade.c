@@ -1,0 +1,361 @@
+/* Pictures of cascades: the bifurcation diagram, the shapes at the multiplications, and multipliers on the unit circle. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plot.h"
+
+static const double type = 12, pi = 3.14159265358979323846;
+enum { SAMPLES = 1600, ARC = 240 };
+/* Solid lines, dark and orange; the same thick, for dots. */
+static const plot_stroke thin[2] = {PLOT_SYMMETRIC + RIC_STABLE_NO, PLOT_ASYMMETRIC + RIC_STABLE_NO};
+static const plot_stroke thick[2] = {PLOT_SYMMETRIC + RIC_STABLE_YES, PLOT_ASYMMETRIC + RIC_STABLE_YES};
+
+typedef struct {
+    const plot_options *common;
+    ric_atlas *atlas;
+    ric_branch branch;
+    cli_cascade_request request;
+    ric_cascade *cascade;
+    int dof;        /* from 0 */
+    long duplicate; /* K of --circle */
+    bool shapes, circle;
+    plot_page *page;
+} picture;
+
+static bool make_page(picture *p, double width, double height)
+{
+    p->page = plot_page_create(p->common->width > 0 ? p->common->width : width, p->common->height > 0 ? p->common->height : height);
+    return p->page;
+}
+
+static void title(picture *p)
+{
+    char name[200], extra[240];
+    plot_branch_title(&p->branch, sizeof name, name);
+    snprintf(extra, sizeof extra, "%s%s", p->circle ? "" : "cascade from ", name);
+    plot_page_title(p->page, p->common, p->atlas, extra);
+}
+
+/* Periods of the branch in one of the orbit of a step. */
+static double periods(const picture *p, int step)
+{
+    double product = 1;
+    for (int i = 0; i < step; i++) {
+        ric_cascade_step s;
+        ric_cascade_step_at(p->cascade, i, &s);
+        product *= s.multiple;
+    }
+    return product;
+}
+
+/* ----------------------------------------------------------------- diagram */
+
+/* The families of a cascade: for each a line of displacements for every impact. */
+typedef struct {
+    int n_point, impacts;
+    double from;  /* accumulated frequency where it starts */
+    double *way;  /* [n_point] accumulated frequency */
+    double *x;    /* [n_point * impacts] */
+} strip;
+
+static ric_status read_strip(const picture *p, int step, double from, strip *out)
+{
+    const int n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
+    ric_cascade_step s;
+    ric_status status = ric_cascade_step_at(p->cascade, step, &s);
+    const double product = periods(p, step);
+    double before = NAN, *x = NULL;
+    if (status)
+        return status;
+    *out = (strip){.n_point = s.n_point, .impacts = ric_cascade_impacts(p->cascade, step), .from = from};
+    out->way = calloc((size_t)out->n_point + 1, sizeof *out->way);
+    out->x = calloc((size_t)out->n_point * (size_t)out->impacts + 1, sizeof *out->x);
+    x = calloc((size_t)out->impacts * (size_t)n_dof + 1, sizeof *x);
+    if (!out->way || !out->x || !x)
+        status = RIC_E_NOMEM;
+    for (int i = 0; !status && i < out->n_point; i++) {
+        ric_point point;
+        if ((status = ric_cascade_point(p->cascade, step, i, &point, x)))
+            break;
+        from += i ? fabs(product * (point.frequency - before)) : 0;
+        before = point.frequency;
+        out->way[i] = from;
+        for (int k = 0; k < out->impacts; k++)
+            out->x[(size_t)i * (size_t)out->impacts + (size_t)k] = x[k * n_dof + p->dof];
+    }
+    free(x);
+    return status;
+}
+
+static void draw_strip(picture *p, const plot_panel *panel, int step, const strip *s)
+{
+    plot_point *line = malloc(((size_t)s->n_point + 1) * sizeof *line);
+    for (int k = 0; line && k < s->impacts; k++) {
+        for (int i = 0; i < s->n_point; i++)
+            line[i] = (plot_point){s->way[i], s->x[(size_t)i * (size_t)s->impacts + (size_t)k]};
+        plot_panel_curve(p->page, panel, thin[step % 2], s->n_point, line);
+    }
+    free(line);
+}
+
+/* A dashed line where each family starts, labelled with its p/q and impacts. */
+static void mark_strips(picture *p, const plot_panel *panel, int n, const strip *strips)
+{
+    plot_tag tags[CLI_MAX_CASCADE + 1];
+    int n_tag = 0;
+    const plot_box above = {panel->x.from - 30, panel->y.to + 4, panel->x.to, panel->y.to + 40};
+    for (int i = 1; i < n; i++) {
+        ric_cascade_step s;
+        const double at = strips[i].n_point ? strips[i].way[0] : 0;
+        const plot_point foot[2] = {{at, panel->y.lo}, {at, panel->y.hi}};
+        ric_cascade_step_at(p->cascade, i - 1, &s);
+        plot_panel_curve(p->page, panel, PLOT_NATURAL, 2, foot);
+        plot_tag *t = &tags[n_tag++];
+        *t = (plot_tag){.at = {plot_axis_at(&panel->x, at), panel->y.to + 12}, .clear = 0, .weight = n - i, .colour = "#000000"};
+        snprintf(t->text, sizeof t->text, "%d/%d", s.rotation[0], s.rotation[1]);
+    }
+    plot_place_tags(p->page, above, n_tag, tags, type);
+}
+
+static int draw_diagram(picture *p)
+{
+    const int n = ric_cascade_length(p->cascade);
+    strip *strips = calloc((size_t)n + 1, sizeof *strips);
+    double x = 0, y[2] = {INFINITY, -INFINITY};
+    char name[64];
+    int code = CLI_FAILED;
+    ric_status status = strips && make_page(p, 900, 620) ? RIC_OK : RIC_E_NOMEM;
+    for (int i = 1; !status && i < n; i++) {
+        status = read_strip(p, i, x, &strips[i]);
+        if (!status && strips[i].n_point)
+            x = strips[i].way[strips[i].n_point - 1];
+        for (int k = 0; !status && k < strips[i].n_point * strips[i].impacts; k++) {
+            y[0] = fmin(y[0], strips[i].x[k]);
+            y[1] = fmax(y[1], strips[i].x[k]);
+        }
+    }
+    if (status)
+        code = cli_report(status);
+    else if (!(y[0] <= y[1]))
+        code = cli_wrong("plot cascade: with one multiplication there is no family to draw; ask for two at least, or for --multiply, which ends "
+                         "with a family");
+    else {
+        plot_range_widen(false, 0.04, &y[0], &y[1]);
+        const plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
+                                  {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
+        for (int i = 1; i < n; i++)
+            draw_strip(p, &panel, i, &strips[i]);
+        snprintf(name, sizeof name, "x_{%d} at impacts", p->dof + 1);
+        plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
+        mark_strips(p, &panel, n, strips);
+        title(p);
+        code = plot_page_write(p->page, p->common->out);
+    }
+    for (int i = 0; strips && i < n; i++) {
+        free(strips[i].way);
+        free(strips[i].x);
+    }
+    free(strips);
+    return code;
+}
+
+/* ------------------------------------------------------------------ shapes */
+
+/* One row: the displacement over as many periods as give the impacts of the last orbit, and its phase portrait. */
+static bool draw_shape(picture *p, int step, plot_box row, const double range[2], const double speed[2], bool last)
+{
+    const int n = ric_cascade_length(p->cascade), n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
+    const double split = row.right - (row.top - row.bottom) - 60, times = periods(p, n - 1) / periods(p, step);
+    ric_cascade_step s;
+    ric_cascade_step_at(p->cascade, step, &s);
+    const double period = 2 * pi / s.frequency;
+    double *state = calloc(2 * (size_t)n_dof, sizeof *state);
+    plot_point *history = calloc(SAMPLES + 1, sizeof *history), *portrait = calloc(SAMPLES + 1, sizeof *portrait);
+    const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1}, {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
+    const plot_panel right = {{.from = split + 60, .to = row.right, .lo = range[0], .hi = range[1]},
+                              {.from = row.bottom, .to = row.top, .lo = speed[0], .hi = speed[1]}};
+    char text[96], name[32];
+    const bool good = state && history && portrait;
+    for (int i = 0; good && i <= SAMPLES; i++) {
+        ric_cascade_at_time(p->cascade, step, period * times * i / SAMPLES, state, state + n_dof);
+        history[i] = (plot_point){(double)i / SAMPLES, state[p->dof]};
+        portrait[i] = (plot_point){state[p->dof], state[n_dof + p->dof]};
+    }
+    if (good) {
+        plot_panel_curve(p->page, &left, thin[0], SAMPLES + 1, history);
+        plot_panel_curve(p->page, &right, thin[1], SAMPLES + 1, portrait);
+        snprintf(name, sizeof name, "x_{%d}", p->dof + 1);
+        plot_panel_frame(p->page, &left, last ? "time, in periods of the last orbit" : NULL, name);
+        plot_panel_frame(p->page, &right, last ? name : NULL, NULL);
+        if (s.multiple > 1)
+            snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.impacts, s.energy, s.frequency);
+        else
+            snprintf(text, sizeof text, "end,  %d impacts, %d touches,  E = %.8g,  ω = %.8g", s.impacts, s.grazings, s.energy, s.frequency);
+        plot_page_text(p->page, (plot_point){row.left, row.top + 9}, PLOT_LEFT, type, "#000000", false, text);
+    }
+    free(state);
+    free(history);
+    free(portrait);
+    return good;
+}
+
+static void shape_ranges(const picture *p, double x[2], double v[2])
+{
+    const int n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
+    double state[2 * n_dof];
+    x[0] = v[0] = INFINITY;
+    x[1] = v[1] = -INFINITY;
+    for (int step = 0; step < ric_cascade_length(p->cascade); step++) {
+        ric_cascade_step s;
+        ric_cascade_step_at(p->cascade, step, &s);
+        for (int i = 0; i < SAMPLES; i++) {
+            ric_cascade_at_time(p->cascade, step, 2 * pi / s.frequency * i / SAMPLES, state, state + n_dof);
+            x[0] = fmin(x[0], state[p->dof]);
+            x[1] = fmax(x[1], state[p->dof]);
+            v[0] = fmin(v[0], state[n_dof + p->dof]);
+            v[1] = fmax(v[1], state[n_dof + p->dof]);
+        }
+    }
+    plot_range_widen(false, 0.06, &x[0], &x[1]);
+    plot_range_widen(false, 0.06, &v[0], &v[1]);
+}
+
+static int draw_shapes(picture *p)
+{
+    const int n = ric_cascade_length(p->cascade);
+    double x[2], v[2];
+    if (!make_page(p, 1000, 100 + 150.0 * n))
+        return cli_report(RIC_E_NOMEM);
+    const double top = plot_page_height(p->page) - 58, bottom = 54, step = (top - bottom) / n;
+    shape_ranges(p, x, v);
+    for (int i = 0; i < n; i++) {
+        const plot_box row = {72, top - (i + 1) * step + 24, plot_page_width(p->page) - 20, top - i * step};
+        if (!draw_shape(p, i, row, x, v, i + 1 == n))
+            return cli_report(RIC_E_NOMEM);
+    }
+    title(p);
+    return plot_page_write(p->page, p->common->out);
+}
+
+/* ------------------------------------------------------------------ circle */
+
+static void draw_dot(picture *p, const plot_panel *panel, plot_stroke stroke, plot_point data)
+{
+    const plot_point at = plot_panel_at(panel, data); /* a line without length: a round end on both sides */
+    if (plot_panel_inside(panel, data))
+        plot_page_line(p->page, stroke, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+}
+
+/* The circle itself and the roots of unity p/K outside it. */
+static void draw_roots(picture *p, const plot_panel *circle, const plot_panel *angles)
+{
+    plot_point arc[ARC + 1];
+    char text[32];
+    for (int i = 0; i <= ARC; i++)
+        arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
+    plot_panel_curve(p->page, circle, PLOT_GRID, ARC + 1, arc);
+    for (int k = 1; k < p->duplicate; k++) {
+        const double gamma = (double)k / (double)p->duplicate;
+        const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)}, tip = {1.14 * at.x, 1.14 * at.y};
+        const plot_point line[2] = {{angles->x.lo, gamma}, {angles->x.hi, gamma}};
+        plot_page_mark(p->page, PLOT_STAR, plot_panel_at(circle, at), 4);
+        snprintf(text, sizeof text, "%d/%ld", k, p->duplicate);
+        plot_page_text(p->page, plot_panel_at(circle, tip), PLOT_CENTRE, type, "#000000", false, text);
+        plot_panel_curve(p->page, angles, PLOT_GRID, 2, line);
+    }
+}
+
+static int draw_circle(picture *p)
+{
+    double x[2] = {INFINITY, -INFINITY};
+    int on_circle = 0;
+    if (!make_page(p, 1000, 520))
+        return cli_report(RIC_E_NOMEM);
+    const double side = plot_page_height(p->page) - 110;
+    for (int i = 0; i < p->branch.n_point; i++) {
+        ric_point point;
+        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation))
+            continue;
+        x[0] = fmin(x[0], point.arclength);
+        x[1] = fmax(x[1], point.arclength);
+        on_circle++;
+    }
+    if (on_circle == 0) {
+        fprintf(stderr, "ricochet: branch %d has no multipliers on the unit circle, or not two modes; `ricochet plot floquet` draws what it has\n",
+                p->branch.id);
+        return CLI_FAILED;
+    }
+    plot_range_widen(false, 0.03, &x[0], &x[1]);
+    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.3, .hi = 1.3}, {.from = 60, .to = 60 + side, .lo = -1.3, .hi = 1.3}};
+    const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
+                               {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
+    draw_roots(p, &circle, &angles);
+    for (int i = 0; i < p->branch.n_point; i++) {
+        ric_point point;
+        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation))
+            continue;
+        const double turn[2] = {point.rotation, 1 - point.rotation};
+        for (int k = 0; k < 2; k++) {
+            draw_dot(p, &circle, thick[k], (plot_point){cos(2 * pi * turn[k]), sin(2 * pi * turn[k])});
+            draw_dot(p, &angles, thick[k], (plot_point){point.arclength, turn[k]});
+        }
+    }
+    plot_panel_frame(p->page, &circle, "Re μ", "Im μ");
+    plot_panel_frame(p->page, &angles, "arclength", "arg μ / 2π");
+    title(p);
+    return plot_page_write(p->page, p->common->out);
+}
+
+/* ----------------------------------------------------------------- command */
+
+static int parse(int *argc, char **argv, picture *p)
+{
+    const char *dof, *duplicate;
+    long number = 0;
+    p->shapes = cli_take_flag(argc, argv, "--shapes");
+    p->circle = cli_take_flag(argc, argv, "--circle");
+    p->duplicate = 8;
+    if (!cli_take_cascade(argc, argv, &p->request) || !cli_take_value(argc, argv, "--dof", &dof)
+        || !cli_take_value(argc, argv, "--duplicate", &duplicate) || !cli_operands(&cli_plot, *argc, argv, 1)
+        || (dof && !cli_parse_integer(dof, "--dof", 1, 2147483647, &number))
+        || (duplicate && !cli_parse_integer(duplicate, "--duplicate", 2, 24, &p->duplicate)))
+        return CLI_WRONG;
+    p->dof = (int)number - 1;
+    if (!p->request.branch)
+        return cli_wrong("plot cascade: --branch ID is missing");
+    if (p->circle && (p->shapes || p->request.given))
+        return cli_wrong("plot cascade: --circle shows one branch; leave out --shapes, --multiply and --doublings");
+    if (!p->circle && !p->request.given)
+        return cli_wrong("plot cascade: --multiply 3,2,4 or --doublings N is missing; or --circle for the multipliers of the branch");
+    return CLI_DONE;
+}
+
+int plot_cascade(int argc, char **argv, const plot_options *common)
+{
+    picture p = {.common = common};
+    int code = parse(&argc, argv, &p);
+    if (code != CLI_DONE)
+        return code;
+    ric_status status = ric_atlas_read(argv[1], &p.atlas);
+    if (!status)
+        status = ric_atlas_branch(p.atlas, p.request.branch, &p.branch);
+    const int n_dof = status ? 0 : ric_model_n_dof(ric_atlas_model(p.atlas));
+    if (status)
+        code = cli_report(status);
+    else if (p.dof >= n_dof)
+        code = cli_wrong("--dof %d: there are displacements 1 to %d", p.dof + 1, n_dof);
+    else if (p.circle)
+        code = draw_circle(&p);
+    else if ((code = cli_follow_cascade(p.atlas, &p.request, &p.cascade)) == CLI_DONE) {
+        p.dof = p.dof < 0 ? n_dof - 1 : p.dof;
+        code = p.shapes ? draw_shapes(&p) : draw_diagram(&p);
+    }
+    plot_page_free(p.page);
+    ric_cascade_free(p.cascade);
+    ric_atlas_free(p.atlas);
+    return code;
+}
