@@ -367,22 +367,24 @@ static verdict cascade_goes_on(finding *f, const char *arg)
     return stated(four >= 1);
 }
 
-/* The two backbones' bases: no way from the loop to S2+ but over S2-. */
+/* The loop is complete: over A branches nothing is left to be taken at its grazings and branch points, and no end of S2+ is among them.
+ * The path and the tongues hang on S2+. */
 static verdict bases_apart(finding *f, const char *arg)
 {
+    int c = at(LOOP, "C6_33"), n = 0, left = 0;
+    bool plus = false;
     (void)arg;
-    int n = 0, c = at(LOOP, "C6_33"), s6 = 0, within = 0;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(LOOP)); id++) {
-        ric_branch b = branch(LOOP, id);
-        if (b.symmetric || hops(LOOP, c, b.from ? b.from : b.to, false, true, 0, NULL, 0) < 0) continue;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas_of(LOOP)); id++) {
+        ric_junction j = junction(LOOP, id);
+        if (j.kind == RIC_KIND_MULTIPLICATION || hops(LOOP, c, id, false, true, 0, NULL, 0) < 0) continue;
         n++;
-        within += strcmp(b.label, "A1-[0]") == 0;
+        left += j.departures.over_budget + j.departures.refused;
+        for (int i = 0; i < j.n_branch; i++) plus = plus || !strncmp(branch(LOOP, j.branches[i]).label, "S2", 2);
     }
-    int plus = at(TONGUES, "G1_2,4"), tongue = tongue_start(3, 4);
-    s6 = hops(TONGUES, plus, at(TONGUES, "C1_33"), true, false, 0, NULL, 0);
-    int apart = hops(LOOP, c, at(LOOP, "G1_2,4"), false, true, 0, NULL, 0);
-    say(f, "S6 is %d branch from the end of S2+, the first tongue %s; the loop is %s", s6, tongue ? "joins it" : "is missing", apart < 0 ? "not joined" : "joined");
-    return stated(n >= 5 && within == 1 && s6 == 1 && tongue && apart < 0);
+    int s6 = hops(TONGUES, at(TONGUES, "G1_2,4"), at(TONGUES, "C1_33"), true, false, 0, NULL, 0), tongue = tongue_start(3, 4);
+    say(f, "the loop has %d junctions, %d departures left to take, S2 %s them; S6 is %d branch from the end of S2+, the first tongue %s", n, left,
+        plus ? "among" : "not at", s6, tongue ? "hangs on it" : "is missing");
+    return stated(n > 5 && !left && !plus && s6 == 1 && tongue);
 }
 
 #endif
