@@ -35,7 +35,7 @@ static bool make_page(picture *p, double width, double height)
 static void title(picture *p)
 {
     char name[200], extra[240];
-    plot_branch_title(&p->branch, sizeof name, name);
+    plot_branch_title(&p->branch, 1, sizeof name, name);
     snprintf(extra, sizeof extra, "%s%s", p->circle ? "" : "cascade from ", name);
     plot_page_title(p->page, p->common, p->atlas, extra);
 }
