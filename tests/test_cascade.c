@@ -1,0 +1,240 @@
+/* Cascades of period multiplications: the constant of area-preserving doublings, the article's path in F_1^8, long orbits and their accuracy,
+ * and the kernel of long chains against the dense one. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <lapacke.h>
+
+#include "chart.h"
+#include "problem.h"
+
+#define DELTA 8.721097200 /* ratio of successive parameter differences of doublings of area-preserving maps */
+
+static const char *const article =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
+
+/* Only S2- and what leaves it by 3. */
+static const char *const article_with_s6 =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {start: [2], energy: [0, 40], frequency: [1, 10], impacts: 6, depth: 0, cascade: [3]}\n";
+
+static const char *const guided =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {start: [2], energy: [0, 40], frequency: [0.6, 10], impacts: 12, depth: 0, cascade: [3, 2]}\n";
+
+static ric_atlas *explore(const char *text)
+{
+    ric_study *study = NULL;
+    ric_graph *g = NULL;
+    ric_atlas *atlas = NULL;
+    if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
+    assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
+    if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
+    ric_graph_free(g);
+    ric_study_free(study);
+    return atlas;
+}
+
+static int find_branch(const ric_atlas *atlas, const char *label)
+{
+    ric_branch b;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        if (!ric_atlas_branch(atlas, id, &b) && !strcmp(b.label, label)) return id;
+    fail_msg("no branch %s", label);
+    return 0;
+}
+
+static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, const int *multiple, const int *rotation, bool to_end)
+{
+    ric_cascade *cascade = NULL;
+    const ric_cascade_options options = {.n = n, .multiple = multiple, .rotation = rotation, .to_end = to_end};
+    if (ric_cascade_follow(atlas, find_branch(atlas, label), &options, &cascade)) fail_msg("%s", ric_detail());
+    return cascade;
+}
+
+static ric_cascade_step step_of(const ric_cascade *cascade, int i)
+{
+    ric_cascade_step out;
+    assert_int_equal(ric_cascade_step_at(cascade, i, &out), RIC_OK);
+    return out;
+}
+
+static void doublings_converge(void **state)
+{
+    (void)state;
+    const int twos[] = {2, 2, 2, 2, 2, 2, 2};
+    ric_atlas *atlas = explore(article);
+    ric_cascade *cascade = follow(atlas, "A5[00101]", 7, twos, NULL, false);
+    assert_int_equal(ric_cascade_length(cascade), 7);
+    for (int i = 0; i < 7; i++) {
+        ric_cascade_step s = step_of(cascade, i);
+        if (s.impacts != 5 << i || s.symmetric) fail_msg("doubling %d: %d impacts", i, s.impacts);
+        if (!(s.residual < 1e-13)) fail_msg("doubling %d: residual %g", i, s.residual);
+        if (!(s.return_error < 1e-9)) fail_msg("doubling %d: returns to %g", i, s.return_error);
+        if (i >= 2 && fabs(s.ratio - DELTA) > 0.3 / (1 << (i - 2))) fail_msg("doubling %d: ratio %.7f", i, s.ratio);
+    }
+    /* from independent data: doubling of A5[00101] */
+    assert_true(fabs(step_of(cascade, 0).energy - 28.565381100457987) < 1e-9);
+    if (fabs(step_of(cascade, 6).ratio - DELTA) > 1e-3) fail_msg("ratio %.9f", step_of(cascade, 6).ratio);
+    ric_cascade_free(cascade);
+    ric_atlas_free(atlas);
+}
+
+static void long_orbits_keep_their_digits(void **state)
+{
+    (void)state;
+    const int q[] = {8, 8, 4, 2};
+    ric_atlas *atlas = explore(article_with_s6);
+    ric_cascade *cascade = follow(atlas, "S6[010101]", 4, q, NULL, false);
+    ric_cascade_step s = step_of(cascade, 3);
+    double sum = 0;
+    assert_int_equal(s.impacts, 1536);
+    if (!(s.residual < 1e-13)) fail_msg("residual %g", s.residual);
+    if (!(s.return_error < 1e-9)) fail_msg("returns to %g", s.return_error);
+    for (int k = 0; k < s.impacts; k++) sum += s.flights[k];
+    assert_true(fabs(sum * s.frequency / (2 * acos(-1)) - 1) < 1e-13);
+    const double energy = ric_model_energy(ric_atlas_model(atlas), s.state, s.state + 2);
+    assert_true(fabs(energy / s.energy - 1) < 1e-13);
+    ric_cascade_free(cascade);
+    ric_atlas_free(atlas);
+}
+
+static void path_of_the_article(void **state)
+{
+    (void)state;
+    const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
+    const double energy[] = {3.8487372168924985, 17.8169663303}; /* reference, as is the doubling of S6 */
+    ric_atlas *atlas = explore(article);
+    ric_cascade *cascade = follow(atlas, "S2-[01]", 3, q, p, true);
+    assert_int_equal(ric_cascade_length(cascade), 4);
+    const int impacts[] = {2, 6, 12, 46};
+    for (int i = 0; i < 4; i++) {
+        ric_cascade_step s = step_of(cascade, i);
+        assert_int_equal(s.impacts, impacts[i]);
+        assert_int_equal(s.multiple, i < 3 ? q[i] : 1);
+        assert_int_equal(s.grazings, i < 3 ? 0 : 2);
+        assert_true(s.symmetric == (i < 2));
+        if (i < 2 && fabs(s.energy / energy[i] - 1) > 1e-10) fail_msg("step %d: energy %.14g", i, s.energy);
+        assert_true((i == 0) == (s.n_point == 0));
+    }
+    /* the last family starts with the displacements of the orbit that it leaves, each four times, and ends at the frequency of the end */
+    double x[48 * 2], first[48 * 2];
+    ric_point point;
+    assert_int_equal(ric_cascade_impacts(cascade, 3), 48);
+    assert_int_equal(ric_cascade_point(cascade, 3, 0, &point, x), RIC_OK);
+    assert_true(fabs(4 * point.frequency / step_of(cascade, 2).frequency - 1) < 1e-10);
+    for (int k = 0; k < 48; k++)
+        for (int i = 0; i < 2; i++) assert_true(fabs(x[2 * k + i] - x[2 * ((k + 12) % 48) + i]) < 1e-8);
+    const int last = step_of(cascade, 3).n_point - 1;
+    assert_int_equal(ric_cascade_point(cascade, 3, last, &point, first), RIC_OK);
+    assert_true(fabs(point.frequency / step_of(cascade, 3).frequency - 1) < 1e-8);
+    ric_cascade_free(cascade);
+    ric_atlas_free(atlas);
+}
+
+static void requests_are_checked(void **state)
+{
+    (void)state;
+    const int two[] = {2}, wrong[] = {1}, many[] = {2, 64, 64, 64};
+    ric_atlas *atlas = explore(article);
+    ric_cascade *cascade = NULL;
+    ric_cascade_options options = {.n = 1, .multiple = two};
+    assert_int_equal(ric_cascade_follow(atlas, 1, &options, &cascade), RIC_E_RANGE); /* a linear mode */
+    assert_int_equal(ric_cascade_follow(atlas, 1000, &options, &cascade), RIC_E_RANGE);
+    options.multiple = wrong;
+    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A5[00101]"), &options, &cascade), RIC_E_INPUT);
+    /* A3[001] is never stable */
+    options.multiple = many;
+    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A3[001]"), &options, &cascade), RIC_E_RANGE);
+    assert_non_null(strstr(ric_detail(), "0 of 1"));
+    assert_null(cascade);
+    ric_atlas_free(atlas);
+}
+
+static void guided_run(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(guided);
+    ric_branch b;
+    int twelve = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
+        if (b.impacts != 0 && b.impacts != 1 && b.impacts != 2 && b.impacts != 6 && b.impacts != 12) fail_msg("%s", b.label);
+        if (b.depth != (b.impacts == 12 ? 3 : b.impacts == 6 ? 2 : b.impacts ? 1 : 0)) fail_msg("%s at depth %d", b.label, b.depth);
+        twelve += b.impacts == 12;
+    }
+    assert_true(twelve >= 2);
+    ric_atlas_free(atlas);
+}
+
+/* The plane that the structured factorisation gives is that of the dense singular value decomposition, at a multiplication of every form. */
+static void kernels_agree(void **state)
+{
+    (void)state;
+    const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
+    ric_atlas *atlas = explore(article);
+    const ric_model *m = ric_atlas_model(atlas);
+    ric_cascade *cascade = follow(atlas, "S2-[01]", 3, q, p, false);
+    for (int i = 0; i < 3; i++) {
+        ric_cascade_step s = step_of(cascade, i);
+        ric_cycle *orbit = ric_cycle_create(m->n, s.impacts);
+        ric_problem problems[2];
+        memcpy(orbit->face, s.word, (size_t)s.impacts * sizeof *s.word);
+        for (int k = 0; k < s.impacts; k++) orbit->tau[k] = s.flights[k] * m->omega_ref;
+        ric_model_from_state(m, s.state, s.state + m->n_dof, orbit->w);
+        ric_cycle_find_symmetries(m, orbit, 1e-8);
+        int count = ric_problem_multiplying(orbit, s.rotation[0], s.rotation[1], problems);
+        for (int k = 0; k < count; k++) {
+            ric_chain *c = NULL;
+            double *u = NULL, second;
+            ric_cycle *repeated = ric_problem_cycle(orbit, &problems[k]);
+            assert_int_equal(ric_cycle_to_chain(m, repeated, &c, &u), RIC_OK);
+            int size = c->n_unknown;
+            double *J = calloc((size_t)(c->n_flight + 2 * c->n + 2) * size, sizeof *J), *plane = calloc(2 * (size_t)size, sizeof *plane);
+            ric_chain_evaluate(c, u);
+            assert_true(ric_chain_plane(c, plane, &second));
+            if (!(second < 1e-7)) fail_msg("step %d, problem %d: second singular value %g", i, k, second);
+            int rows = ric_chain_jacobian(c, u, J);
+            for (int v = 0; v < 2; v++)
+                for (int r = 0; r < rows; r++) {
+                    double sum = 0;
+                    for (int j = 0; j < size; j++) sum += J[r * size + j] * plane[v * size + j];
+                    if (!(fabs(sum) < 1e-6)) fail_msg("step %d, problem %d: row %d of vector %d is %g", i, k, r, v, sum);
+                }
+            double aa = 0, ab = 0, bb = 0;
+            for (int j = 0; j < size; j++) {
+                aa += plane[j] * plane[j];
+                ab += plane[j] * plane[size + j];
+                bb += plane[size + j] * plane[size + j];
+            }
+            assert_true(fabs(aa - 1) + fabs(ab) + fabs(bb - 1) < 1e-12);
+            free(J);
+            free(plane);
+            free(u);
+            ric_chain_free(c);
+            ric_cycle_free(repeated);
+        }
+        ric_cycle_free(orbit);
+    }
+    ric_cascade_free(cascade);
+    ric_atlas_free(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(doublings_converge),  cmocka_unit_test(long_orbits_keep_their_digits), cmocka_unit_test(path_of_the_article),
+        cmocka_unit_test(requests_are_checked), cmocka_unit_test(guided_run), cmocka_unit_test(kernels_agree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
