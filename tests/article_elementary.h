@@ -345,7 +345,7 @@ static verdict two_candidates_one_admissible(finding *f, const char *arg)
     for (int i = 0; i < 2; i++) {
         int id = at(ELEMENTARY, i ? "G2_0,2" : "G1_0,2");
         ric_junction j = junction(ELEMENTARY, id);
-        int s2 = leaving(ELEMENTARY, id, i ? "S2-[01]" : "S2+[01]", NULL), a1 = leaving(ELEMENTARY, id, i ? "A1-[0]" : "A1+[0]", NULL);
+        int s2 = leaving(ELEMENTARY, id, i ? "S2-[01]" : "S2+[01]", NULL), a1 = leaving(ELEMENTARY, id, "A1[0]", NULL);
         say(f, "%s%s: S0, %d S2[01], %d A1[0], %d candidate inadmissible", i ? "; " : "", i ? "G2_0,2" : "G1_0,2", s2, a1, j.departures.inadmissible);
         right = right && j.n_branch == 2 && s2 == 1 && a1 == 0 && j.departures.inadmissible == 1;
     }

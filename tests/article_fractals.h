@@ -362,7 +362,7 @@ static verdict all_duplicates_meet(finding *f, const char *arg)
 static int on_duplicate(char whose, int k, int *originals)
 {
     int which = whose == '-' ? CHATTER : whose == '+' ? BACKBONE : LOOP, n = 0;
-    int b = whose == '-' ? s2_minus() : whose == '+' ? between(BACKBONE, "S2+[01]", -1, -1) : between(LOOP, "A1-[0]", -1, -1);
+    int b = whose == '-' ? s2_minus() : whose == '+' ? between(BACKBONE, "S2+[01]", -1, -1) : between(LOOP, "A1[0]", at(LOOP, "G1_0,4"), -1);
     *originals = 0;
     for (int q = 2; q <= k; q++)
         for (int p = 1; p < q && k % q == 0; p++) {
@@ -399,7 +399,7 @@ static verdict first_on_a1(finding *f, const char *arg)
 /* The rotation number passes 1/3 only beyond the grazing. */
 static verdict ghosts_of_a1(finding *f, const char *arg)
 {
-    int b = between(LOOP, "A1-[0]", -1, -1), n = 0, passed[2] = {0, 0};
+    int b = between(LOOP, "A1[0]", at(LOOP, "G1_0,4"), -1), n = 0, passed[2] = {0, 0};
     double most = 0;
     ric_ghost **ghosts = NULL;
     ric_ghost_limits limits;

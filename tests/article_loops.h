@@ -150,7 +150,7 @@ static verdict loop_closes(finding *f, const char *arg)
         int end = far_end(LOOP, list[i], c), n = hops(LOOP, end, g, false, true, list[1 - i], labels, sizeof labels);
         ric_junction j = junction(LOOP, end);
         say(f, "%s%s to G_%d,%d (%.9g, %.9g), %s to G_0,4", i ? "; " : "", branch(LOOP, list[i]).label, j.impacts, j.grazings, j.energy, j.frequency, labels);
-        right += n > 0 && (!strcmp(labels, "A2-[01]") || !strcmp(labels, "A3[001], A1-[0]"));
+        right += n > 0 && (!strcmp(labels, "A2[01]") || !strcmp(labels, "A3[001], A1[0]"));
     }
     return stated(right == 2);
 }
@@ -163,18 +163,18 @@ static verdict loop_is_asymmetric(finding *f, const char *arg)
         ric_branch b = branch(LOOP, id);
         if (hops(LOOP, at(LOOP, "C6_33"), b.from ? b.from : b.to, false, true, 0, NULL, 0) < 0) continue;
         bool in_loop = false;
-        in_loop = strcmp(b.label, "A2-[01]") == 0 || strcmp(b.label, "A1-[0]") == 0 || !strcmp(b.label, "A3[001]") || !strcmp(b.label, "A4[0101]");
+        in_loop = strcmp(b.label, "A2[01]") == 0 || strcmp(b.label, "A1[0]") == 0 || !strcmp(b.label, "A3[001]") || !strcmp(b.label, "A4[0101]");
         if (!in_loop) continue;
         symmetric += b.symmetric, asymmetric += !b.symmetric;
     }
-    say(f, "A4[0101] twice, A3[001], A2[01], A1[0] and the side branch A3[001]: %d asymmetric, %d symmetric", asymmetric, symmetric);
-    return stated(asymmetric == 6 && symmetric == 0);
+    say(f, "A4[0101] twice, A3[001], A2[01], A1[0], the bridge A2[01] and the side branch A3[001]: %d asymmetric, %d symmetric", asymmetric, symmetric);
+    return stated(asymmetric == 7 && symmetric == 0);
 }
 
 /* The points of Fig. 18 in their order round the loop. */
 static verdict loop_points(finding *f, const char *arg)
 {
-    int c = at(LOOP, "C6_33"), a2 = between(LOOP, "A2-[01]", -1, -1), a1 = between(LOOP, "A1-[0]", -1, -1), c32[2], low[2], on1[2], a3 = 0, a4[4], g31 = 0;
+    int c = at(LOOP, "C6_33"), a2 = between(LOOP, "A2[01]", at(LOOP, "G1_0,4"), -1), a1 = between(LOOP, "A1[0]", at(LOOP, "G1_0,4"), -1), c32[2], low[2], on1[2], a3 = 0, a4[4], g31 = 0;
     (void)arg;
     if (!a1 || !a2 || families(LOOP, c, a4, 4) != 2) return NEITHER;
     int g22 = far_end(LOOP, a2, at(LOOP, "G1_0,4")), g12 = far_end(LOOP, a1, at(LOOP, "G1_0,4"));
@@ -196,7 +196,7 @@ static verdict loop_points(finding *f, const char *arg)
 
 static verdict loop_bridge(finding *f, const char *arg)
 {
-    int a1 = between(LOOP, "A1-[0]", -1, -1), a2 = between(LOOP, "A2-[01]", -1, -1), c32[2];
+    int a1 = between(LOOP, "A1[0]", at(LOOP, "G1_0,4"), -1), a2 = between(LOOP, "A2[01]", at(LOOP, "G1_0,4"), -1), c32[2];
     (void)arg;
     if (inner(LOOP, a2, RIC_KIND_BRANCH_POINT, c32, 2) != 1) return NEITHER;
     int b = between(LOOP, "A2[01]", c32[0], far_end(LOOP, a1, at(LOOP, "G1_0,4")));
@@ -223,7 +223,7 @@ static verdict duplicate_grazing(finding *f, const char *arg)
 static verdict linear_duplicates(finding *f, const char *arg)
 {
     bool plus = arg[0] == '+', right = true;
-    static const char *const expect[2][2] = {{"A1-[0]", "A2-[01]"}, {"A2+[01]", "A3+[001]"}};
+    static const char *const expect[2][2] = {{"A1[0]", "A2[01]"}, {"A2[01]", "A3[001]"}};
     int id = at(DUPLICATES, plus ? "2 x G1_0,2" : "G1_0,4"), others = 0, b;
     if (!id) return NEITHER;
     ric_junction j = junction(DUPLICATES, id);
@@ -251,8 +251,8 @@ static verdict loop_ends_on_the_duplicate(finding *f, const char *arg)
 {
     int g = at(LOOP, "G1_0,4"), original = at(LOOP, "G2_0,2");
     (void)arg;
-    int here = leaving(LOOP, g, "A1-[0]", NULL) + leaving(LOOP, g, "A2-[01]", NULL);
-    int there = leaving(LOOP, original, "A1-[0]", NULL) + leaving(LOOP, original, "A2-[01]", NULL);
+    int here = leaving(LOOP, g, "A1[0]", NULL) + leaving(LOOP, g, "A2[01]", NULL);
+    int there = leaving(LOOP, original, "A1[0]", NULL) + leaving(LOOP, original, "A2[01]", NULL);
     say(f, "A1[0] and A2[01] that leave G1_0,4: %d, that leave G2_0,2: %d", here, there);
     return stated(here == 2 && there == 0 && leaving(LOOP, original, "S2-[01]", NULL) == 1);
 }
