@@ -26,7 +26,7 @@ model:
   stiffness: [[9, -1], [-1, 1]]
   contacts:
     - {normal: [-1, 1], clearance: 1.0, law: rigid}
-explore: {energy: [0, $1], frequency: [0.2, 10], impacts: 24, depth: $2, step: 0.002}
+explore: {energy: [0, $1], frequency: [0.2, 10], impacts: 6, multiply: 2, depth: $2, step: 0.005}
 YAML
 }
 

@@ -30,7 +30,8 @@ static const char pair_text[] =
     "explore:\n"
     "  energy: [0, 200]\n"
     "  frequency: [0.2, 10]\n"
-    "  impacts: 24\n";
+    "  impacts: 24\n"
+    "  multiply: 1\n";
 
 static char folder[256];
 
