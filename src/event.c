@@ -12,6 +12,8 @@
 #define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
+/* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has jumped. */
+#define JUMP 1e-7
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
 #define TRUE_RESONANCE 1e-2
 /* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
@@ -450,6 +452,8 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
         ric_status status = locate(tr, i, 0, fa, to, fb, h, &x, &zero);
         if (status) return status;
         if (!zero) {
+            /* the factors of the map may jump where rounding hides them; in a step this short nothing else can have happened */
+            if ((singular & 1u << i) && h < JUMP * tr->chain->scale) continue;
             *retry = true;
             return RIC_OK;
         }

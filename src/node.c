@@ -207,7 +207,7 @@ static bool solve_criterion(criterion *q, double *u)
     memcpy(u, best, sizeof best);
     ric_chain_evaluate(c, u);
     if (q->test == TEST_ASKED) return least <= MET;
-    bool by_determinant = breaks_symmetry(q->test) || (q->test == TEST_ROTATION && c->start != RIC_MIRROR_NONE);
+    bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET || (q->test == TEST_ROTATION && c->start != RIC_MIRROR_NONE);
     return !by_determinant || least <= AT_ZERO * c->scale * slope;
 }
 

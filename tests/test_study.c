@@ -105,7 +105,7 @@ static void good_study_is_read(void **state)
     const ric_explore_options *o = ric_study_options(study);
     assert_true(o->n_start == 2 && o->start[0] == 1 && o->start[1] == 2);
     assert_true(o->energy[1] == 100 && o->impacts == 12 && o->max_step == 0.05 && o->symmetric_only && o->tolerance == 1e-11);
-    assert_true(o->multiply == 6 && o->depth == 3); /* defaults */
+    assert_true(o->multiply == 2 && o->depth == 3); /* defaults */
     assert_int_equal(ric_study_n_name(study), 1);
     assert_int_equal(ric_study_name(study, 0, &name), RIC_OK);
     assert_string_equal(name.name, "C1_32");
