@@ -10,6 +10,7 @@
 #define NEAR 0.2    /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a repeated one */
 #define CLOSE 5e-3  /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
 #define CLOSEST 2e-4 /* where it is given up: along some branches the rotation number changes by all it can within 1e-3 */
+#define REPEATED 1e-7 /* distance below which it is that orbit */
 #define FLAT 1e-6   /* smallest pivot below which no step is made any more */
 #define MULTIPLIER 1e-3 /* accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
 
@@ -22,6 +23,19 @@ static bool word_repeats(const ric_chain *c, int step, int sign)
         if (c->face[k + step] != f) return false;
     }
     return true;
+}
+
+/* By its flight times the orbit may be near one that repeats itself after `step` flights, and is none: on a duplicate all along there is
+ * nothing ahead. */
+static bool may_repeat(const ric_chain *c, const double *u, int step)
+{
+    const double *tau = u + c->n_start;
+    double sum = 0, limit = NEAR * c->scale;
+    for (int k = 0; k < c->n_flight && sum <= limit * limit; k++) {
+        double d = tau[k + step < c->n_flight ? k + step : k + step - c->n_flight] - tau[k];
+        sum += d * d;
+    }
+    return sum <= limit * limit && sum > REPEATED * REPEATED * c->scale * c->scale;
 }
 
 /* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first image. */
@@ -113,7 +127,7 @@ ric_status ric_repeat_ahead(ric_trace *tr, double *h, int *order, ric_station *o
     for (int r = 3; r <= c->n_flight; r++)
         for (int sign = 1; sign >= -1 && c->n_flight % r == 0; sign -= 2) {
             bool fits = sign > 0 ? c->sigma > 0 : (c->sigma < 0) == r % 2, found;
-            if (!fits || !word_repeats(c, c->n_flight / r, sign)) continue;
+            if (!fits || !may_repeat(c, tr->now.u, c->n_flight / r) || !word_repeats(c, c->n_flight / r, sign)) continue;
             ric_status status = ahead(tr, r, sign, h, &found, out);
             if (status) return status;
             if (!found) continue;
