@@ -620,7 +620,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     crossing_station(tr, &q, at, h, &tr->mid);
     if (*end_test < 0 && meets_mirror_image(tr, &tr->mid, q.u)) *end_test = RIC_TEST_DET;
     bool arrived = *end_test >= 0;
-    *end = at;
+    if (arrived) *end = at;
     bool repeated = repeats(tr, &tr->mid);
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the determinant: that
      * zero belongs to the one junction, and beyond it the other sign is the one to expect. A family of order 3 passes on a slope; its
