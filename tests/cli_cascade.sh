@@ -1,24 +1,7 @@
 #!/bin/bash
 # Cascades from outside: what is printed, in the atlas and beyond it, pictures, and wrong calls.
 set -u
-ricochet=${RICOCHET:?the program to test}
-folder=$(mktemp -d) || exit 1
-trap 'rm -rf "$folder"' EXIT
-number=0 failed=0
-
-# ok NAME COMMAND...: one test; what the command prints is shown if it fails
-ok() {
-    local name=$1
-    shift
-    number=$((number + 1))
-    if "$@" >"$folder/log" 2>&1; then
-        echo "ok $number - $name"
-    else
-        echo "not ok $number - $name"
-        tail -n 8 "$folder/log" | sed 's/^/# /'
-        failed=$((failed + 1))
-    fi
-}
+. tests/tap.sh
 exits() { # CODE PATTERN COMMAND...: the exit code, and what is said
     local code=$1 pattern=$2
     shift 2
@@ -91,5 +74,4 @@ if command -v gnuplot >/dev/null; then
     ok 'nothing on the circle' exits 1 'unit circle' "$ricochet" plot cascade "$elementary" --branch "$(id "$elementary" 'A3[001]')" --circle -o "$folder/no.svg"
 fi
 
-echo "1..$number"
-[ "$failed" = 0 ]
+finish

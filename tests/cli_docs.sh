@@ -1,25 +1,8 @@
 #!/bin/bash
 # The documentation says what is so: its commands run as printed, every command and option is in it, the files it names exist.
 set -u
-ricochet=${RICOCHET:?the program to test}
 root=$PWD
-folder=$(mktemp -d) || exit 1
-trap 'rm -rf "$folder"' EXIT
-number=0 failed=0
-
-# ok NAME COMMAND...: one test; what the command prints is shown if it fails
-ok() {
-    local name=$1
-    shift
-    number=$((number + 1))
-    if "$@" >"$folder/log" 2>&1; then
-        echo "ok $number - $name"
-    else
-        echo "not ok $number - $name"
-        tail -n 12 "$folder/log" | sed 's/^/# /'
-        failed=$((failed + 1))
-    fi
-}
+. tests/tap.sh
 
 # blocks FILE LANGUAGE MARK: the code of all blocks that open with ```LANGUAGE MARK
 blocks() { awk -v open="^\`\`\`$2 $3\$" '/^```/ { inside = !inside && $0 ~ open; next } inside' "$root/$1"; }
@@ -82,5 +65,4 @@ for study in examples/*/; do
     ok "README.md: $study" grep -q "(${study}study.yaml)" README.md
 done
 
-echo "1..$number"
-[ "$failed" = 0 ]
+finish

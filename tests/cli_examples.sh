@@ -1,24 +1,7 @@
 #!/bin/bash
 # Every example runs, has no failed branch, verifies, and shows what its comments say.
 set -u
-ricochet=${RICOCHET:?the program to test}
-folder=$(mktemp -d) || exit 1
-trap 'rm -rf "$folder"' EXIT
-number=0 failed=0
-
-# ok NAME COMMAND...: one test; what the command prints is shown if it fails
-ok() {
-    local name=$1
-    shift
-    number=$((number + 1))
-    if "$@" >"$folder/log" 2>&1; then
-        echo "ok $number - $name"
-    else
-        echo "not ok $number - $name"
-        tail -n 8 "$folder/log" | sed 's/^/# /'
-        failed=$((failed + 1))
-    fi
-}
+. tests/tap.sh
 
 # Fields of a table by name: rows EXAMPLE branches|junctions FIELD... as lines of `field|field|...`
 rows() {
@@ -162,5 +145,4 @@ ok 'beam-midspan: branches' branches beam-midspan 10
 ok 'symmetric-chain: three linear modes' exactly 3 '^S0' symmetric-chain branches label
 ok 'symmetric-chain: departures that close both stops are refused by name' has 'two contacts close together' symmetric-chain junctions refusal
 
-echo "1..$number"
-[ "$failed" = 0 ]
+finish

@@ -1,21 +1,7 @@
 #!/usr/bin/env bash
 # A run that is stopped, killed or repeated ends with the atlas of an undisturbed run; a larger budget extends it to that of a fresh run.
 set -u
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-
-check() # NAME COMMAND...: one TAP line
-{
-    local name=$1
-    shift
-    number=$((number + 1))
-    if "$@" >"$work/out" 2>&1; then echo "ok $number - $name"; else
-        echo "not ok $number - $name"
-        sed 's/^/# /' "$work/out" | head -20
-        failed=1
-    fi
-}
+. tests/tap.sh
 
 study() # ENERGY DEPTH
 {
@@ -32,45 +18,44 @@ YAML
 
 dump() # ATLAS: every row of every listing, to compare bit for bit
 {
-    "$RICOCHET" branches "$1" --json && "$RICOCHET" junctions "$1" --json
-    "$RICOCHET" branches "$1" --csv | tail -n +2 | cut -d, -f1 | while read -r id; do "$RICOCHET" points "$1" --branch "$id" --csv; done
+    "$ricochet" branches "$1" --json && "$ricochet" junctions "$1" --json
+    "$ricochet" branches "$1" --csv | tail -n +2 | cut -d, -f1 | while read -r id; do "$ricochet" points "$1" --branch "$id" --csv; done
 }
 
 same() { diff -q "$1" "$2"; }
 
-study 1000 0 >"$work/study.yaml"
-study 200 2 >"$work/small.yaml"
-check "an undisturbed run" "$RICOCHET" run "$work/study.yaml" -o "$work/whole.ricochet"
-dump "$work/whole.ricochet" >"$work/whole.txt"
-check "it has more than twenty branches" test "$(grep -c '"word"' "$work/whole.txt")" -gt 20
+study 1000 0 >"$folder/study.yaml"
+study 200 2 >"$folder/small.yaml"
+ok "an undisturbed run" "$ricochet" run "$folder/study.yaml" -o "$folder/whole.ricochet"
+dump "$folder/whole.ricochet" >"$folder/whole.txt"
+ok "it has more than twenty branches" test "$(grep -c '"word"' "$folder/whole.txt")" -gt 20
 
-check "the same command again changes nothing" "$RICOCHET" run "$work/study.yaml" -o "$work/whole.ricochet"
-dump "$work/whole.ricochet" >"$work/again.txt"
-check "bit for bit" same "$work/whole.txt" "$work/again.txt"
+ok "the same command again changes nothing" "$ricochet" run "$folder/study.yaml" -o "$folder/whole.ricochet"
+dump "$folder/whole.ricochet" >"$folder/again.txt"
+ok "bit for bit" same "$folder/whole.txt" "$folder/again.txt"
 
 for signal in KILL TERM INT; do
-    rm -f "$work/broken.ricochet"*
+    rm -f "$folder/broken.ricochet"*
     for attempt in 1 2 3 4 5 6; do
-        "$RICOCHET" run "$work/study.yaml" -o "$work/broken.ricochet" 2>/dev/null &
+        "$ricochet" run "$folder/study.yaml" -o "$folder/broken.ricochet" 2>/dev/null &
         pid=$!
         sleep 0.0$((attempt * 7 % 10))$((RANDOM % 10))
         kill -$signal $pid 2>/dev/null
         wait $pid 2>/dev/null
     done
-    check "after six times SIG$signal the run ends" "$RICOCHET" run "$work/study.yaml" -o "$work/broken.ricochet"
-    dump "$work/broken.ricochet" >"$work/broken.txt"
-    check "and its atlas equals the undisturbed one" same "$work/whole.txt" "$work/broken.txt"
+    ok "after six times SIG$signal the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/broken.ricochet"
+    dump "$folder/broken.ricochet" >"$folder/broken.txt"
+    ok "and its atlas equals the undisturbed one" same "$folder/whole.txt" "$folder/broken.txt"
 done
 
-check "a small budget" "$RICOCHET" run "$work/small.yaml" -o "$work/small.ricochet"
-check "a larger one extends its atlas" "$RICOCHET" run "$work/study.yaml" -o "$work/small.ricochet"
-dump "$work/small.ricochet" >"$work/small.txt"
-check "to that of a fresh run" same "$work/whole.txt" "$work/small.txt"
+ok "a small budget" "$ricochet" run "$folder/small.yaml" -o "$folder/small.ricochet"
+ok "a larger one extends its atlas" "$ricochet" run "$folder/study.yaml" -o "$folder/small.ricochet"
+dump "$folder/small.ricochet" >"$folder/small.txt"
+ok "to that of a fresh run" same "$folder/whole.txt" "$folder/small.txt"
 
-sed 's/9, -1/9.5, -1/' "$work/study.yaml" >"$work/other.yaml"
-other() { "$RICOCHET" run "$work/other.yaml" -o "$work/small.ricochet"; test $? -eq 1; }
-check "another model is refused with exit code 1" other
-dump "$work/small.ricochet" >"$work/after.txt"
-check "and the atlas is untouched" same "$work/small.txt" "$work/after.txt"
-echo "1..$number"
-exit $failed
+sed 's/9, -1/9.5, -1/' "$folder/study.yaml" >"$folder/other.yaml"
+other() { "$ricochet" run "$folder/other.yaml" -o "$folder/small.ricochet"; test $? -eq 1; }
+ok "another model is refused with exit code 1" other
+dump "$folder/small.ricochet" >"$folder/after.txt"
+ok "and the atlas is untouched" same "$folder/small.txt" "$folder/after.txt"
+finish
