@@ -12,48 +12,19 @@
 #include <lapacke.h>
 
 #include "graph.h"
-#include "random_models.h"
+#include "random_orbits.h"
 
 enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 12, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
 
 /* ------------------------------------------------------------------ helpers */
 
-/* Contacts on both sides, so that centres exist; `floating`: one frequency is zero. */
-static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
-{
-    double M[MAX_N * MAX_N], K[MAX_N * MAX_N], normal[MAX_CONTACT * MAX_N];
-    ric_contact contacts[MAX_CONTACT] = {{0}};
-    ric_model *model = NULL;
-    seed_now = seed;
-    random_definite(n, n, 0.5, M);
-    random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, K);
-    for (int f = 0; f < n_contact; f++) {
-        for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = RIC_SIDES_BOTH};
-    }
-    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
-    return model;
-}
-
-/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
-enum { N_FORM = 11 };
-
 static ric_chain *random_chain(const ric_model *m, int form, int n_flight, double *u)
 {
-    ric_mirror start = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3);
-    ric_mirror end = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3);
     int *face = malloc(((size_t)n_flight + 1) * sizeof *face);
-    ric_chain *chain = NULL;
     assert_non_null(face);
-    for (int k = 0; k <= n_flight; k++) face[k] = below(m->n_face);
-    if (start == RIC_MIRROR_REST || start == RIC_MIRROR_CENTRE) face[0] = -1;
-    if (end == RIC_MIRROR_REST || end == RIC_MIRROR_CENTRE) face[n_flight] = -1;
-    if (form == 0) face[n_flight] = face[0];
-    if (form == 1) face[n_flight] = m->face[face[0]].mirror;
-    assert_int_equal(ric_chain_create(m, start, end, form == 1 ? -1 : 1, n_flight, face, &chain), RIC_OK);
+    random_word(m, form, n_flight, face);
+    ric_chain *chain = random_chain_over(m, form, n_flight, face, 1, u);
     free(face);
-    for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-1, 1);
-    for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
     return chain;
 }
 
@@ -75,7 +46,7 @@ static void over_random_chains(check_chain *check)
             for (int trial = 0; trial < 6; trial++) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 char where[80];
-                ric_model *m = make_random(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3);
+                ric_model *m = random_structure_of(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3, false);
                 ric_chain *chain = random_chain(m, form, 1 + below(MAX_FLIGHT), u);
                 snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
                 check(chain, u, where);
@@ -319,7 +290,7 @@ static void cost_is_linear(void **state)
     (void)state;
     for (int n = 2; n <= MAX_N; n += 4)
         for (int form = 0; form < 4; form += 3) {
-            ric_model *m = make_random(7, n, 2, false);
+            ric_model *m = random_structure_of(7, n, 2, false, false);
             double exponent = log(time_iteration(m, form, 1024) / time_iteration(m, form, 64)) / log(16);
             print_message("# n = %d, form %d: cost grows as N^%.2f\n", n, form, exponent);
             assert_true(exponent > 0.7 && exponent < 1.3);
@@ -376,7 +347,7 @@ static void residual_of_corrected(void **state)
     int tried = 0;
     for (uint64_t seed = 1; seed <= 60; seed++) {
         int n = 1 + (int)(seed % MAX_N);
-        ric_model *m = make_random(seed, n, 1, false);
+        ric_model *m = random_structure_of(seed, n, 1, false, false);
         double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE], v[MAX_SIZE], du[MAX_SIZE];
         /* p_i = J c_i / (2 cos(omega_i tau)) at the centre: the impact takes it to its image; s = sum c_i p_i tan / omega = gap */
         int faces[3] = {-1, 0, -1}, iterations;

@@ -12,69 +12,11 @@
 
 #include "graph.h"
 #include "motion.h"
-#include "random_models.h"
+#include "random_orbits.h"
 
 enum { MAX_N = 4, MAX_CONTACT = 2, MAX_FLIGHT = 4, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
 
 static const double PI = 3.14159265358979323846;
-
-/* ------------------------------------------------------------------ helpers */
-
-/* Contacts on both sides, so that centres exist; `floating`: one frequency is zero. */
-static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
-{
-    double M[MAX_N * MAX_N], K[MAX_N * MAX_N], normal[MAX_CONTACT * MAX_N];
-    ric_contact contacts[MAX_CONTACT] = {{0}};
-    ric_model *model = NULL;
-    seed_now = seed;
-    random_definite(n, n, 0.5, M);
-    random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, K);
-    for (int f = 0; f < n_contact; f++) {
-        for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = RIC_SIDES_BOTH};
-    }
-    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
-    return model;
-}
-
-/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
-enum { N_FORM = 11 };
-
-/* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here. NULL: none found. */
-static ric_chain *random_orbit(const ric_model *m, int form, int n_flight, double *u)
-{
-    ric_mirror start = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3);
-    ric_mirror end = form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3);
-    int face[MAX_FLIGHT + 1], iterations;
-    double du[MAX_SIZE];
-    for (int k = 0; k <= n_flight; k++) face[k] = below(m->n_face);
-    if (start == RIC_MIRROR_REST || start == RIC_MIRROR_CENTRE) face[0] = -1;
-    if (end == RIC_MIRROR_REST || end == RIC_MIRROR_CENTRE) face[n_flight] = -1;
-    if (form == 0) face[n_flight] = face[0];
-    if (form == 1) face[n_flight] = m->face[face[0]].mirror;
-    for (int attempt = 0; attempt < 200; attempt++) {
-        ric_chain *chain = NULL;
-        assert_int_equal(ric_chain_create(m, start, end, form == 1 ? -1 : 1, n_flight, face, &chain), RIC_OK);
-        for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-3, 3);
-        for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
-        bool found = ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
-        for (int i = 0; i < chain->n_unknown; i++) found = found && fabs(u[i]) < 20 && (i < chain->n_start || u[i] > 0.05);
-        ric_chain_fly(chain, u);
-        if (found) return chain;
-        ric_chain_free(chain);
-    }
-    return NULL;
-}
-
-/* Repetitions of a shorter orbit have several names for one symmetry. */
-static bool primitive(const ric_model *m, const ric_cycle *cycle)
-{
-    ric_cycle *copy = ric_cycle_copy(cycle);
-    assert_non_null(copy);
-    int q = ric_cycle_find_symmetries(m, copy, 1e-6);
-    ric_cycle_free(copy);
-    return q == 1;
-}
 
 /* ------------------------------------------------------------ two forms agree */
 
@@ -196,7 +138,7 @@ static void forms_agree(void **state)
         for (int form = 1; form < N_FORM; form++)
             for (int trial = 0; trial < 16; trial++) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
-                ric_model *m = make_random(seed, n, 1 + trial % 2, trial % 8 == 7);
+                ric_model *m = random_structure_of(seed, n, 1 + trial % 2, trial % 8 == 7, false);
                 ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u); /* at least one impact in every form */
                 ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
                 if (cycle && slowest(chain) > 1e-3 && primitive(m, cycle)) {
@@ -452,7 +394,7 @@ static void no_overflow(void **state)
     double u[MAX_SIZE], *v, *w;
     int done = 0;
     for (uint64_t seed = 1; seed <= 40; seed++) {
-        ric_model *m = make_random(seed, 2, 1, false);
+        ric_model *m = random_structure_of(seed, 2, 1, false, false);
         ric_chain *chain = random_orbit(m, 0, 3, u);
         ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
         if (cycle) {

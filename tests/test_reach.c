@@ -10,31 +10,13 @@
 #include <cmocka.h>
 
 #include "reach.h"
-#include "random_models.h"
+#include "random_orbits.h"
 
 enum { MAX_N = 8, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1, MAX_TOUCH = 4000 };
 
 static const double PI = 3.14159265358979323846;
 
 /* ------------------------------------------------------------------ helpers */
-
-/* Contacts with both sides, the upper or the lower one only; `floating`: one frequency is zero. */
-static ric_model *make_random(uint64_t seed, int n, int n_contact, bool floating)
-{
-    static const ric_sides sides[3] = {RIC_SIDES_BOTH, RIC_SIDES_UPPER, RIC_SIDES_LOWER};
-    double M[MAX_N * MAX_N], K[MAX_N * MAX_N], normal[MAX_CONTACT * MAX_N];
-    ric_contact contacts[MAX_CONTACT] = {{0}};
-    ric_model *model = NULL;
-    seed_now = seed;
-    random_definite(n, n, 0.5, M);
-    random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, K);
-    for (int f = 0; f < n_contact; f++) {
-        for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = sides[below(3)]};
-    }
-    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
-    return model;
-}
 
 /* Any u: reach asks for no solution. Start and end: none, rest, impact, centre. */
 static ric_chain *random_chain(const ric_model *m, double *u)
@@ -172,7 +154,7 @@ static void against_sampling(void **state)
     int kinks = 0;
     for (uint64_t seed = 1; seed <= 160; seed++) {
         int n = 1 + (int)(seed % MAX_N);
-        ric_model *m = make_random(seed, n, 1 + below(MAX_CONTACT), n > 1 && seed % 5 == 0);
+        ric_model *m = random_structure_of(seed, n, 1 + below(MAX_CONTACT), n > 1 && seed % 5 == 0, true);
         ric_chain *chain = random_chain(m, u);
         for (int k = 1; k <= chain->n_flight; k++)
             kinks += chain->face[k] >= 0 && chain->face[k - 1] >= 0 && m->face[chain->face[k]].contact != m->face[chain->face[k - 1]].contact;
@@ -193,7 +175,7 @@ static void touches_at_one(void **state)
     double u[MAX_SIZE];
     for (uint64_t seed = 1000; seed < 1100; seed++) {
         int n = 1 + (int)(seed % MAX_N);
-        ric_model *m = make_random(seed, n, 1 + below(MAX_CONTACT), false);
+        ric_model *m = random_structure_of(seed, n, 1 + below(MAX_CONTACT), false, true);
         ric_chain *chain = random_chain(m, u);
         ric_touch before, after, list[4];
         double reach = ric_reach(chain, u, &before);
@@ -219,7 +201,7 @@ static void linear_grazing(void **state)
     double u[MAX_SIZE];
     for (uint64_t seed = 2000; seed < 2040; seed++) {
         int n = 1 + (int)(seed % MAX_N);
-        ric_model *m = make_random(seed, n, 1, false);
+        ric_model *m = random_structure_of(seed, n, 1, false, true);
         for (int i = 0; i < n; i++) {
             ric_chain *chain = NULL;
             ric_touch list[4];
