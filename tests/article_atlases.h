@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "chart.h"
+#include "explored.h"
 
 /* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of grazings with many touches. */
 enum { ELEMENTARY, DUPLICATES, LOOP, TRIPLE, CHATTER, BACKBONE, PATH, TONGUES, LOCAL, CASCADE, N_EXPLORED };
@@ -40,19 +40,12 @@ enum { N_SETTLED = sizeof settled / sizeof *settled };
 static const ric_atlas *atlas_of(int which)
 {
     char text[512];
-    ric_study *study = NULL;
-    ric_graph *graph = NULL;
     if (explored[which].atlas) return explored[which].atlas;
     snprintf(text, sizeof text,
              "title: %s\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
              "  contacts: [{name: stop, normal: [-1, 1], clearance: 1, sides: both, law: rigid}]\nexplore: %s\n",
              explored[which].name, explored[which].explore);
-    if (ric_study_parse(text, explored[which].name, ".", &study)) fail_msg("%s", ric_detail());
-    if (ric_graph_create(study, NULL, &graph) || ric_graph_explore(graph, NULL) ||
-        ric_chart(graph, study, true, &explored[which].atlas))
-        fail_msg("%s", ric_detail());
-    ric_graph_free(graph);
-    ric_study_free(study);
+    explored[which].atlas = explore_text(text);
     return explored[which].atlas;
 }
 

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "chart.h"
+#include "explored.h"
 
 #define PI 3.14159265358979323846
 #define LEAST_ENERGY 0.5935887039620914 /* of S2+, computed elsewhere with 40 digits */
@@ -20,41 +20,17 @@
 static const char model[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
                             "  contacts: [{normal: [-1, 1], clearance: 1}]\n";
 
-static ric_study *study_with(const char *explore)
+/* `text` [1000]: a study with these options. */
+static const char *text_with(const char *options, char *text)
 {
-    char text[1000];
-    ric_study *study = NULL;
-    snprintf(text, sizeof text, "%sexplore: {multiply: 1, %s}\n", model, explore);
-    if (ric_study_parse(text, "study", ".", &study)) fail_msg("%s", ric_detail());
-    return study;
+    snprintf(text, 1000, "%sexplore: {multiply: 1, %s}\n", model, options);
+    return text;
 }
 
 static ric_atlas *explore(const char *options, double max_step, ric_store *store)
 {
-    ric_study *study = study_with(options);
-    ric_graph *g = NULL;
-    ric_atlas *atlas = NULL;
-    assert_int_equal(ric_graph_create(study, store, &g), RIC_OK);
-    if (max_step > 0) g->limits.max_step = max_step;
-    if (ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
-    if (ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
-    ric_graph_free(g);
-    ric_study_free(study);
-    return atlas;
-}
-
-static ric_junction junction_of(const ric_atlas *atlas, int id)
-{
-    ric_junction out;
-    assert_int_equal(ric_atlas_junction(atlas, id, &out), RIC_OK);
-    return out;
-}
-
-static ric_branch branch_of(const ric_atlas *atlas, int id)
-{
-    ric_branch out;
-    assert_int_equal(ric_atlas_branch(atlas, id, &out), RIC_OK);
-    return out;
+    char text[1000];
+    return explore_text_with(text_with(options, text), store, max_step);
 }
 
 /* Junctions of kind user on a branch within a relative distance of an energy or a frequency. */
@@ -269,8 +245,10 @@ static void an_atlas_is_extended(void **state)
     ric_atlas *whole = explore("depth: 2, " MANY, 0, NULL);
     static const char *const options[] = {"depth: 2", "depth: 2, at_energy: [10]", "depth: 2, " MANY, "depth: 2, " MANY};
     for (int i = 0; i < 4; i++) {
-        ric_study *study = study_with(options[i]);
+        char text[1000];
+        ric_study *study = NULL;
         ric_store *store = NULL;
+        if (ric_study_parse(text_with(options[i], text), "study", ".", &study)) fail_msg("%s", ric_detail());
         if (ric_store_open(path, study, &store)) fail_msg("%s", ric_detail());
         ric_atlas *atlas = explore(options[i], 0, store);
         assert_int_equal(ric_store_write(store, atlas), RIC_OK);

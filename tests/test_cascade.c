@@ -11,7 +11,7 @@
 #include <cmocka.h>
 #include <lapacke.h>
 
-#include "chart.h"
+#include "explored.h"
 #include "problem.h"
 
 #define DELTA 8.721097200 /* ratio of successive parameter differences of doublings of area-preserving maps */
@@ -31,19 +31,6 @@ static const char *const guided =
     "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
     "explore: {start: [2], energy: [0, 40], frequency: [0.6, 10], impacts: 12, depth: 0, cascade: [3, 2]}\n";
-
-static ric_atlas *explore(const char *text)
-{
-    ric_study *study = NULL;
-    ric_graph *g = NULL;
-    ric_atlas *atlas = NULL;
-    if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
-    assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
-    if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
-    ric_graph_free(g);
-    ric_study_free(study);
-    return atlas;
-}
 
 static int find_branch(const ric_atlas *atlas, const char *label)
 {
@@ -73,7 +60,7 @@ static void doublings_converge(void **state)
 {
     (void)state;
     const int twos[] = {2, 2, 2, 2, 2, 2, 2};
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     ric_cascade *cascade = follow(atlas, "A5[00101]", 7, twos, NULL, false);
     assert_int_equal(ric_cascade_length(cascade), 7);
     for (int i = 0; i < 7; i++) {
@@ -94,7 +81,7 @@ static void long_orbits_keep_their_digits(void **state)
 {
     (void)state;
     const int q[] = {8, 8, 4, 2};
-    ric_atlas *atlas = explore(article_with_s6);
+    ric_atlas *atlas = explore_text(article_with_s6);
     ric_cascade *cascade = follow(atlas, "S6[010101]", 4, q, NULL, false);
     ric_cascade_step s = step_of(cascade, 3);
     double sum = 0;
@@ -114,7 +101,7 @@ static void path_of_the_article(void **state)
     (void)state;
     const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
     const double energy[] = {3.8487372168924985, 17.8169663303}; /* reference, as is the doubling of S6 */
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     ric_cascade *cascade = follow(atlas, "S2-[01]", 3, q, p, true);
     assert_int_equal(ric_cascade_length(cascade), 4);
     const int impacts[] = {2, 6, 12, 46};
@@ -146,7 +133,7 @@ static void requests_are_checked(void **state)
 {
     (void)state;
     const int two[] = {2}, wrong[] = {1}, many[] = {2, 64, 64, 64};
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     ric_cascade *cascade = NULL;
     ric_cascade_options options = {.n = 1, .multiple = two};
     assert_int_equal(ric_cascade_follow(atlas, 1, &options, &cascade), RIC_E_RANGE); /* a linear mode */
@@ -164,7 +151,7 @@ static void requests_are_checked(void **state)
 static void guided_run(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(guided);
+    ric_atlas *atlas = explore_text(guided);
     ric_branch b;
     int twelve = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
@@ -182,7 +169,7 @@ static void kernels_agree(void **state)
 {
     (void)state;
     const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     const ric_model *m = ric_atlas_model(atlas);
     ric_cascade *cascade = follow(atlas, "S2-[01]", 3, q, p, false);
     for (int i = 0; i < 3; i++) {

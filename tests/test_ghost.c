@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "chart.h"
+#include "explored.h"
 
 enum { MAX_N = 3, MAX_IMPACT = 16 };
 
@@ -31,26 +31,6 @@ static const char *const island =
     "title: t\nmodel:\n  mass: [[1.46, 0], [0, 0.64]]\n  stiffness: [[6.92, -6.59], [-6.59, 13.81]]\n  contacts:\n"
     "    - {normal: [0, 1], clearance: 1, sides: both, law: rigid}\n"
     "explore: {energy: [0, 300], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
-
-static ric_atlas *explore(const char *text)
-{
-    ric_study *study = NULL;
-    ric_graph *g = NULL;
-    ric_atlas *atlas = NULL;
-    if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
-    assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
-    if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
-    ric_graph_free(g);
-    ric_study_free(study);
-    return atlas;
-}
-
-static ric_branch branch_of(const ric_atlas *atlas, int id)
-{
-    ric_branch out;
-    assert_int_equal(ric_atlas_branch(atlas, id, &out), RIC_OK);
-    return out;
-}
 
 static int find_branch(const ric_atlas *atlas, const char *label, int nth)
 {
@@ -123,7 +103,7 @@ static int check_backbone(const ric_atlas *atlas, int id, bool two)
 static void backbones_of_two_impacts_go_on(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     assert_int_equal(check_backbone(atlas, find_branch(atlas, "S2+[01]", 0), true), 2); /* grazing at both ends */
     assert_int_equal(check_backbone(atlas, find_branch(atlas, "S2-[01]", 0), true), 1); /* ends at the window */
     ric_atlas_free(atlas);
@@ -132,7 +112,7 @@ static void backbones_of_two_impacts_go_on(void **state)
 static void backbones_of_one_impact_go_on(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(one_sided);
+    ric_atlas *atlas = explore_text(one_sided);
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
         if (branch_of(atlas, id).impacts == 1) found += check_backbone(atlas, id, false);
@@ -200,7 +180,7 @@ static int grazing_ends(const ric_atlas *atlas)
 static void ghosts_solve_the_equations_and_are_no_motions(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     int total = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -231,7 +211,7 @@ static void ghosts_solve_the_equations_and_are_no_motions(void **state)
 static void a_ghost_ends_where_two_impacts_come_together(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     ric_ghost **ghosts;
     int n = ghosts_of(atlas, find_branch(atlas, "A3[001]", 0), &ghosts), found = 0;
     for (int k = 0; k < n; k++) {
@@ -277,7 +257,7 @@ static void check_replay(const ric_atlas *atlas, const ric_branch *b, const ric_
 static void a_ghost_that_becomes_a_motion_says_so(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(island);
+    ric_atlas *atlas = explore_text(island);
     int found = 0, motions = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -307,7 +287,7 @@ static void a_ghost_that_becomes_a_motion_says_so(void **state)
 static void ghosts_stay_in_the_window(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     int id = find_branch(atlas, "S2+[01]", 0), n;
     ric_ghost **ghosts;
     ric_ghost_limits limits;
@@ -333,7 +313,7 @@ static void ghosts_stay_in_the_window(void **state)
 static void linear_modes_have_none(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article);
+    ric_atlas *atlas = explore_text(article);
     ric_ghost **ghosts;
     assert_int_equal(ghosts_of(atlas, find_branch(atlas, "S0+", 0), &ghosts), 0);
     ric_ghosts_free(0, ghosts);
@@ -348,7 +328,7 @@ static void linear_modes_have_none(void **state)
 static void multipliers_of_ghosts(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(one_sided);
+    ric_atlas *atlas = explore_text(one_sided);
     int checked = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_ghost **ghosts;

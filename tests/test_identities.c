@@ -15,7 +15,7 @@
 #include <cmocka.h>
 #include <lapacke.h>
 
-#include "chart.h"
+#include "explored.h"
 #include "random_models.h"
 
 enum { MAX_N = 12 };
@@ -103,9 +103,6 @@ static ric_atlas *explore(const structure *s, const char *sides, double energy, 
 {
     static char text[16384];
     size_t size = sizeof text;
-    ric_study *study = NULL;
-    ric_graph *graph = NULL;
-    ric_atlas *atlas = NULL;
     int used = snprintf(text, size, "model:\n");
     used += print_matrix(text + used, size - (size_t)used, "mass", s->n, s->M);
     used += print_matrix(text + used, size - (size_t)used, "stiffness", s->n, s->K);
@@ -113,13 +110,7 @@ static ric_atlas *explore(const structure *s, const char *sides, double energy, 
     for (int i = 0; i < s->n; i++) used += snprintf(text + used, size - (size_t)used, "%s%.17g", i ? ", " : "", s->b[i]);
     snprintf(text + used, size - (size_t)used, "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, multiply: 2, depth: %d}\n", energy,
              slowest, fastest, impacts, depth);
-    if (ric_study_parse(text, "study", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
-    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
-    if (ric_graph_explore(graph, NULL)) fail_msg("%s", ric_detail());
-    if (ric_chart(graph, study, true, &atlas)) fail_msg("%s", ric_detail());
-    ric_graph_free(graph);
-    ric_study_free(study);
-    return atlas;
+    return explore_text(text);
 }
 
 /* ------------------------------------------------------------- closed forms */

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "chart.h"
+#include "explored.h"
 
 #define MOST 9 /* duplicates, as in Fig. 20 */
 
@@ -26,16 +26,8 @@ static const char model_text[] =
 static ric_atlas *explore(const char *options)
 {
     char text[1024];
-    ric_study *study = NULL;
-    ric_graph *graph = NULL;
-    ric_atlas *atlas = NULL;
     snprintf(text, sizeof text, "%sexplore: {%s}\n", model_text, options);
-    if (ric_study_parse(text, "test", ".", &study) || ric_graph_create(study, NULL, &graph) || ric_graph_explore(graph, NULL)
-        || ric_chart(graph, study, true, &atlas))
-        fail_msg("%s", ric_detail());
-    ric_graph_free(graph);
-    ric_study_free(study);
-    return atlas;
+    return explore_text(text);
 }
 
 /* q up to 9 on the branches next to the linear modes; the window holds 8/9 of S2-. */
@@ -48,20 +40,6 @@ static ric_atlas *wide(void)
 static ric_atlas *deep(void)
 {
     return explore("energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 2, depth: 2");
-}
-
-static ric_branch branch_of(const ric_atlas *atlas, int id)
-{
-    ric_branch out;
-    assert_int_equal(ric_atlas_branch(atlas, id, &out), RIC_OK);
-    return out;
-}
-
-static ric_junction junction_of(const ric_atlas *atlas, int id)
-{
-    ric_junction out;
-    assert_int_equal(ric_atlas_junction(atlas, id, &out), RIC_OK);
-    return out;
 }
 
 /* The one branch with a label. */

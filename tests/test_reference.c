@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "chart.h"
+#include "explored.h"
 
 #define STUDY "examples/elementary/study.yaml"
 
@@ -95,20 +95,6 @@ static ric_study *read_study(void)
 static bool close_to(double a, double b, double tolerance)
 {
     return fabs(a - b) <= tolerance * fmax(fabs(a), fabs(b));
-}
-
-static ric_junction junction_of(const ric_atlas *atlas, int id)
-{
-    ric_junction out;
-    assert_int_equal(ric_atlas_junction(atlas, id, &out), RIC_OK);
-    return out;
-}
-
-static ric_branch branch_of(const ric_atlas *atlas, int id)
-{
-    ric_branch out;
-    assert_int_equal(ric_atlas_branch(atlas, id, &out), RIC_OK);
-    return out;
 }
 
 static const char *word_text(int n, const int *word, char *out)

@@ -1,0 +1,42 @@
+/* Atlases computed in memory from the text of a study, and their rows. Needs cmocka.h before it. */
+#ifndef EXPLORED_H
+#define EXPLORED_H
+
+#include "chart.h"
+#include "graph.h"
+
+/* `store`: traces of an earlier run, or NULL; `max_step` 0: that of the study. */
+static inline ric_atlas *explore_text_with(const char *text, ric_store *store, double max_step)
+{
+    ric_study *study = NULL;
+    ric_graph *graph = NULL;
+    ric_atlas *atlas = NULL;
+    if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
+    assert_int_equal(ric_graph_create(study, store, &graph), RIC_OK);
+    if (max_step > 0) graph->limits.max_step = max_step;
+    if (ric_graph_explore(graph, NULL) || ric_chart(graph, study, true, &atlas)) fail_msg("%s", ric_detail());
+    ric_graph_free(graph);
+    ric_study_free(study);
+    return atlas;
+}
+
+static inline ric_atlas *explore_text(const char *text)
+{
+    return explore_text_with(text, NULL, 0);
+}
+
+static inline ric_branch branch_of(const ric_atlas *atlas, int id)
+{
+    ric_branch out;
+    assert_int_equal(ric_atlas_branch(atlas, id, &out), RIC_OK);
+    return out;
+}
+
+static inline ric_junction junction_of(const ric_atlas *atlas, int id)
+{
+    ric_junction out;
+    assert_int_equal(ric_atlas_junction(atlas, id, &out), RIC_OK);
+    return out;
+}
+
+#endif
