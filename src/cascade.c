@@ -136,13 +136,11 @@ static bool stopped(const ric_cascade *c, const ric_trace *tr)
 
 static bool wanted(const ric_cascade *c, int level, const ric_trace *tr, int event)
 {
-    int test = tr->events[event].test;
-    if (level >= c->options->n || test < RIC_N_TEST) return false;
-    const ric_resonance *r = &tr->resonances[test - RIC_N_TEST];
+    const ric_resonance *r = ric_trace_resonance(tr, tr->events[event].test);
+    if (level >= c->options->n || !r) return false;
     int q = c->options->multiple[level], p = c->options->rotation ? c->options->rotation[level] : 0;
     /* over half a period p and q - p differ, over a period they are one */
-    bool half = tr->chain->multiple == 4 || tr->chain->sigma < 0;
-    return r->q == q && (p == 0 || r->p == p || (!half && r->p == q - p));
+    return r->q == q && (p == 0 || r->p == p || (!ric_chain_halves(tr->chain) && r->p == q - p));
 }
 
 /* Steps until an event of the next multiplicity (*event, from `first` on), or the end (*event = -1). */
@@ -168,17 +166,11 @@ static int points_until(const ric_trace *tr, double s)
     return n;
 }
 
-static ric_cycle *cycle_at(const ric_trace *tr, const double *u)
-{
-    ric_chain_fly(tr->chain, u);
-    return ric_cycle_from_chain(tr->chain, u);
-}
-
 /* The multiplication at an event of a trace, as the next stage; *found = false where it does not converge. */
 static ric_status add_multiplication(ric_cascade *c, const ric_trace *tr, int event, bool *found)
 {
-    const ric_resonance *r = &tr->resonances[tr->events[event].test - RIC_N_TEST];
-    ric_cycle *cycle = cycle_at(tr, tr->events[event].u);
+    const ric_resonance *r = ric_trace_resonance(tr, tr->events[event].test);
+    ric_cycle *cycle = ric_trace_cycle(tr, tr->events[event].u);
     ric_node *node = NULL;
     if (!cycle) return no_memory();
     ric_status status = ric_node_multiplication(c->model, cycle, r->p, r->q, &node);
@@ -199,7 +191,7 @@ static ric_status add_end(ric_cascade *c, ric_trace *tr)
     stage *s = &c->stages[c->n];
     *s = (stage){.multiple = 1, .stop = tr->stop, .ratio = NAN};
     c->n++;
-    if (!(cycle = cycle_at(tr, tr->end.u ? tr->end.u : tr->now.u))) return no_memory();
+    if (!(cycle = ric_trace_cycle(tr, tr->end.u ? tr->end.u : tr->now.u))) return no_memory();
     if (tr->stop == RIC_STOP_JUNCTION && tr->end.u && !tr->arrival && tr->end.test != RIC_TEST_FLIGHT) {
         status = ric_node_grazing(c->model, cycle, &node);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
@@ -412,7 +404,7 @@ int ric_cascade_impacts(const ric_cascade *c, int step)
 {
     if (step < 0 || step >= c->n || !c->stages[step].trace) return 0;
     ric_trace *tr = c->stages[step].trace;
-    ric_cycle *cycle = cycle_at(tr, (const double *)((const ric_point *)tr->points + 1));
+    ric_cycle *cycle = ric_trace_cycle(tr, (const double *)((const ric_point *)tr->points + 1));
     int N = cycle ? cycle->N : 0;
     ric_cycle_free(cycle);
     return N;
@@ -428,7 +420,7 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (point) *point = *p;
     if (!x) return RIC_OK;
     int n = c->model->n_dof;
-    ric_cycle *cycle = cycle_at(s->trace, (const double *)(p + 1));
+    ric_cycle *cycle = ric_trace_cycle(s->trace, (const double *)(p + 1));
     double *W = cycle ? calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
     if (W) {
         ric_cycle_states(c->model, cycle, W);

@@ -46,6 +46,12 @@ typedef struct {
     int ld;
 } ric_chain;
 
+/* Whether the chain's own map is that of half a period, joined with x -> -x. */
+static inline bool ric_chain_halves(const ric_chain *chain)
+{
+    return chain->multiple == 4 || chain->sigma < 0;
+}
+
 /* A chain over `face` [n_flight + 1]; sigma counts only in the general form. */
 ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight, const int *face,
                             ric_chain **out);

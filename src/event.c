@@ -363,10 +363,7 @@ static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const
     ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
-    ric_chain_fly(c, at->u);
-    ric_cycle *here = ric_cycle_from_chain(c, at->u);
-    ric_chain_fly(c, beside);
-    ric_cycle *near = ric_cycle_from_chain(c, beside);
+    ric_cycle *here = ric_trace_cycle(tr, at->u), *near = ric_trace_cycle(tr, beside);
     double *u = unknowns(m, here), *v = unknowns(m, near);
     for (int op = 0; u && v && !found && op < (m->symmetric ? 4 : 2); op++)
         for (int s = 0; s < here->N && !found; s++) {
@@ -391,9 +388,8 @@ static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const
 /* Whether the orbit is one of fewer impacts gone through several times. */
 static bool repeats(const ric_trace *tr, const ric_station *at)
 {
-    ric_chain_fly(tr->chain, at->u);
-    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, at->u);
-    bool result = cycle && ric_cycle_find_symmetries(tr->chain->model, cycle, SAME_ORBIT) > 1;
+    ric_cycle *cycle = ric_trace_cycle(tr, at->u);
+    bool result = cycle && ric_cycle_repeats(tr->chain->model, cycle, SAME_ORBIT);
     ric_cycle_free(cycle);
     return result;
 }

@@ -58,7 +58,8 @@ void ric_graph_free(ric_graph *g)
 
 /* -------------------------------------------------------------------- nodes */
 
-int ric_node_order(const ric_node *a, const ric_node *b)
+/* Smallest first: energy, then impacts, then period. */
+static int node_order(const ric_node *a, const ric_node *b)
 {
     double de = a->energy - b->energy, dt = a->period - b->period;
     if (fabs(de) > 1e-8 * (fabs(a->energy) + fabs(b->energy))) return de < 0 ? -1 : 1;
@@ -158,12 +159,6 @@ out:
     return status;
 }
 
-static ric_cycle *cycle_at(const ric_trace *tr, const double *u)
-{
-    ric_chain_fly(tr->chain, u);
-    return ric_cycle_from_chain(tr->chain, u);
-}
-
 /* Whether the branch stopped because gaps of two contacts closed at one instant. */
 static bool at_corner(const ric_trace *tr)
 {
@@ -186,7 +181,7 @@ static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric
 {
     int side;
     const double *last = tr->points + (size_t)(tr->n_point - 2) * tr->stride + sizeof(ric_point) / sizeof(double);
-    ric_cycle *near = cycle_at(tr, last);
+    ric_cycle *near = ric_trace_cycle(tr, last);
     if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     ric_status status = ric_ring_class(g->model, node, near, choice, &side);
     ric_cycle_free(near);
@@ -203,7 +198,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
     *index = -1;
     *choice = 0;
     if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
-    ric_cycle *cycle = cycle_at(tr, tr->end.u);
+    ric_cycle *cycle = ric_trace_cycle(tr, tr->end.u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     if (tr->arrival) status = ric_node_arrival(g->model, cycle, &node);
     else if (at_corner(tr) || ric_node_coincident(g->model, cycle)) status = ric_node_corner(g->model, cycle, &node);
@@ -285,7 +280,7 @@ static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ri
     *choice = multiplied ? RIC_SIDE : RIC_THROUGH;
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
-    ric_cycle *near = cycle_at(e->trace, u);
+    ric_cycle *near = ric_trace_cycle(e->trace, u);
     ric_status status = near ? ric_crossing_choice(g->model, node, near, choice) : ric_fail(RIC_E_NOMEM, "no memory for a junction");
     ric_cycle_free(near);
     return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
@@ -300,20 +295,16 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     /* the ends of a branch are junctions of their own */
     double length = ((const ric_point *)last)->arclength;
     if (event->s < AT_END || event->s > length - AT_END) return RIC_OK;
-    ric_cycle *cycle = cycle_at(e->trace, event->u), *free_form = cycle ? ric_cycle_copy(cycle) : NULL;
-    if (!free_form) {
-        ric_cycle_free(cycle);
-        return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    }
-    bool multiplies = breaks_or_crosses(event->test) && ric_cycle_find_symmetries(g->model, free_form, 1e-5) > 1;
+    ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    bool multiplies = breaks_or_crosses(event->test) && ric_cycle_repeats(g->model, cycle, 1e-5);
     const ric_asked *asked = ric_trace_asked(e->trace, event->test);
-    const ric_resonance *resonance = event->test >= RIC_N_TEST && !asked ? &e->trace->resonances[event->test - RIC_N_TEST] : NULL;
-    status = multiplies  ? ric_node_arrival(g->model, free_form, &node)
+    const ric_resonance *resonance = ric_trace_resonance(e->trace, event->test);
+    status = multiplies  ? ric_node_arrival(g->model, cycle, &node)
              : asked     ? ric_node_user(g->model, cycle, asked, &node)
              : resonance ? ric_node_multiplication(g->model, cycle, resonance->p, resonance->q, &node)
                          : ric_node_interior(g->model, cycle, event->test, &node);
     ric_cycle_free(cycle);
-    ric_cycle_free(free_form);
     if (status == RIC_E_NUMERIC || !node) return status == RIC_E_NUMERIC ? RIC_OK : status;
     int index = find_or_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
@@ -333,7 +324,7 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     int home = -1;
     unsigned choice = 0;
     ric_node *a = g->nodes[from], *b = g->nodes[to];
-    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
+    int order = from == to ? (arrive < leave ? 1 : -1) : -node_order(b, a);
     *turned = false;
     if (order <= 0 || !departs(b)) return RIC_OK;
     ric_status status = trace_departure(g, b, arrive, 1, &back);
@@ -505,7 +496,7 @@ static bool contains(const ric_graph *g, ric_edge *e, const ric_node *node, doub
             if (fabs(miss) < 1e-13 * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
             for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
         }
-        ric_cycle *cycle = cycle_at(tr, u);
+        ric_cycle *cycle = ric_trace_cycle(tr, u);
         found = cycle && ric_cycle_match(g->model, node->cycle, cycle, 1e-5, &shift, &reverse, &mirror);
         ric_cycle_free(cycle);
         *where = a->arclength + x * (b->arclength - a->arclength);
@@ -579,7 +570,7 @@ typedef struct {
 static int departure_order(const void *a, const void *b)
 {
     const open_departure *p = a, *q = b;
-    int order = p->index == q->index ? 0 : ric_node_order(p->node, q->node);
+    int order = p->index == q->index ? 0 : node_order(p->node, q->node);
     if (order) return order;
     return p->index != q->index ? p->index - q->index : p->place - q->place;
 }

@@ -32,9 +32,6 @@ void ric_graph_free(ric_graph *graph);
 /* Everything within the study's budgets; `run` may be NULL. RIC_E_INTERRUPTED leaves a consistent, unfinished graph. */
 ric_status ric_graph_explore(ric_graph *graph, const ric_run_options *run);
 
-/* Smallest first: energy, then impacts, then period. */
-int ric_node_order(const ric_node *a, const ric_node *b);
-
 /* A trace as bytes that another run can take up, and back (bit for bit). */
 ric_status ric_trace_pack(const ric_trace *trace, void **blob, size_t *size);
 ric_status ric_trace_unpack(const ric_model *model, const ric_limits *limits, const void *blob, size_t size, ric_trace **out);

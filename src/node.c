@@ -130,7 +130,7 @@ static double off_rotation(criterion *q)
 {
     const ric_chain *c = q->chain;
     if (ric_floquet_compute(c, &q->floquet)) return NAN;
-    double nearest = HUGE_VAL, target = ric_problem_rho(c->multiple == 4 || c->sigma < 0, q->rotation[0], q->rotation[1]);
+    double nearest = HUGE_VAL, target = ric_problem_rho(ric_chain_halves(c), q->rotation[0], q->rotation[1]);
     for (int i = 0; i < q->floquet.n_pair; i++) {
         double off = q->floquet.own[2 * i] - target;
         if (fabs(off) < fabs(nearest)) nearest = off;
@@ -520,7 +520,7 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
     double *u = NULL, best = 1e-3;
     int p = 0;
     if (!ric_cycle_to_chain(m, cycle, &chain, &u) && !ric_floquet_create(m->n, &floquet)) {
-        bool half = chain->multiple == 4 || chain->sigma < 0;
+        bool half = ric_chain_halves(chain);
         ric_chain_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
             /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same one, has q - p */

@@ -80,7 +80,8 @@ static unsigned mapped(const ric_node *node, operation o, unsigned choice)
     return out;
 }
 
-unsigned ric_subset_class(const ric_node *node, unsigned choice)
+/* Smallest choice equivalent under the symmetries of the node's orbit. */
+static unsigned class_of(const ric_node *node, unsigned choice)
 {
     unsigned best = choice;
     for (int e = 0; e < 4; e++)
@@ -201,7 +202,7 @@ int ric_subset_choice(const ric_model *m, const ric_node *node, const ric_cycle 
             int i = bit / p * N + node->touch[bit % p], j = reverse ? ((shift - i) % all + all) % all : (shift + i) % all;
             if (kept[j]) choice |= 1u << bit;
         }
-        result = (int)ric_subset_class(node, choice);
+        result = (int)class_of(node, choice);
     }
     free(kept);
     ric_cycle_free(full);

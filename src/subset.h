@@ -13,9 +13,6 @@ ric_cycle *ric_subset_touches(const ric_model *model, const ric_cycle *cycle, bo
  * left out. With too many touches there is a single one, over budget. False: no memory. */
 bool ric_subset_list(ric_node *node);
 
-/* Smallest choice equivalent under the symmetries of the node's orbit. */
-unsigned ric_subset_class(const ric_node *node, unsigned choice);
-
 /* The orbit as the branch that leaves by `choice` sees it, with the symmetries that are left; NULL with no impact left, or no memory. */
 ric_cycle *ric_subset_cycle(const ric_model *model, const ric_node *node, unsigned choice);
 

@@ -129,10 +129,21 @@ static void sort_pairs(int n_pair, const double *rho, double *out)
     }
 }
 
+ric_cycle *ric_trace_cycle(const ric_trace *tr, const double *u)
+{
+    ric_chain_fly(tr->chain, u);
+    return ric_cycle_from_chain(tr->chain, u);
+}
+
+const ric_resonance *ric_trace_resonance(const ric_trace *tr, int test)
+{
+    int k = test - RIC_N_TEST;
+    return k >= 0 && k < tr->n_resonance ? &tr->resonances[k] : NULL;
+}
+
 bool ric_trace_resonances(ric_trace *tr)
 {
-    bool half = tr->chain->multiple == 4 || tr->chain->sigma < 0;
-    tr->resonances = ric_resonance_list(half, tr->limits->multiply, &tr->n_resonance);
+    tr->resonances = ric_resonance_list(ric_chain_halves(tr->chain), tr->limits->multiply, &tr->n_resonance);
     return tr->n_resonance >= 0;
 }
 

@@ -96,6 +96,10 @@ ric_status ric_trace_advance(ric_trace *trace, bool *done);
 /* Steps to the end. */
 ric_status ric_trace_run(ric_trace *trace);
 
+/* The orbit at the unknowns u of the trace's chain, flown there; symmetries are those of the form. NULL: no memory. */
+ric_cycle *ric_trace_cycle(const ric_trace *trace, const double *u);
+/* What a test beyond RIC_N_TEST stands for; NULL if it is no resonance. */
+const ric_resonance *ric_trace_resonance(const ric_trace *trace, int test);
 /* The resonances that are watched on chains like this one; false: no memory. */
 bool ric_trace_resonances(ric_trace *trace);
 
