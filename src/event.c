@@ -676,7 +676,7 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
             }
             ric_status status = locate(tr, RIC_N_TEST + k, 0, fa, to, fb, h, &x, &zero);
             if (status) return status;
-            if (!zero) {
+            if (!zero && h >= JUMP * tr->chain->scale) { /* in a shorter step its place is known well enough: the junction is solved anew */
                 *retry = true;
                 return RIC_OK;
             }
