@@ -48,9 +48,13 @@ typedef enum { RIC_LAW_RIGID, RIC_LAW_BILINEAR, RIC_LAW_POWER } ric_law;
 typedef struct {
     const char *name;     /* may be NULL */
     const double *normal; /* [n_dof], gap coordinate s = normal . x */
-    double clearance;     /* d > 0, physical length */
-    ric_sides sides;      /* both, upper (s <= d) or lower (s >= -d) */
-    ric_law law;
+    double clearance;     /* d > 0, physical length; not of law power */
+    ric_sides sides;      /* both, upper (s <= d) or lower (s >= -d); not of law power */
+    ric_law law;          /* rigid: an impact; bilinear: force -stiffness (s - d) beyond d; power: force -stiffness s^exponent, or
+                           * -reference length (s / length)^exponent if there is a length */
+    double stiffness;     /* of law bilinear, and of law power without a length */
+    int exponent;         /* of law power: odd, 3 to 99 */
+    double length, reference; /* of law power, instead of a stiffness; 0 otherwise */
 } ric_contact;
 
 typedef struct ric_model ric_model;
@@ -65,7 +69,7 @@ int ric_model_n_mode(const ric_model *model);    /* modes that some contact sees
 int ric_model_n_contact(const ric_model *model);
 int ric_model_n_face(const ric_model *model);
 bool ric_model_symmetric(const ric_model *model); /* x -> -x maps the structure to itself: every contact has both sides */
-double ric_model_length(const ric_model *model);  /* d of the first contact */
+double ric_model_length(const ric_model *model);  /* d of the first contact: clearance or length, 1 for a power law given by its stiffness */
 double ric_model_restitution(const ric_model *model);
 /* Raw data, borrowed: mass [n*n], stiffness [n*n]. */
 const double *ric_model_mass(const ric_model *model);
@@ -92,7 +96,7 @@ ric_status ric_model_compliance(const ric_model *model, int contact, double *cum
 /* Number of independent parts of the structure: groups of modes that no contact joins. 1 is the usual case. */
 int ric_model_n_part(const ric_model *model);
 
-/* Energy 1/2 v.M v + 1/2 x.K x of a scaled state, from the raw matrices. */
+/* Energy 1/2 v.M v + 1/2 x.K x and that of the contact springs of a scaled state, from the raw matrices. */
 double ric_model_energy(const ric_model *model, const double *x, const double *v);
 
 /* ------------------------------------------------------------------- study */

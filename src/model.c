@@ -48,11 +48,17 @@ static ric_status check_matrix(int n, const double *A, const char *name)
 
 static ric_status check_contact(int n, int i, const ric_contact *contact)
 {
-    if (contact->law != RIC_LAW_RIGID)
-        return ric_fail(RIC_E_INPUT, "contact %d: only law rigid is computed by this version", i + 1);
-    if (!isfinite(contact->clearance) || contact->clearance <= 0)
+    if (contact->law == RIC_LAW_POWER) {
+        if (contact->exponent < 3 || contact->exponent > 99 || contact->exponent % 2 == 0)
+            return ric_fail(RIC_E_INPUT, "contact %d: exponent %d is not an odd number from 3 to 99", i + 1, contact->exponent);
+        const double *value = contact->length != 0 ? &contact->reference : &contact->stiffness;
+        if (!isfinite(*value) || *value <= 0 || !isfinite(contact->length) || contact->length < 0)
+            return ric_fail(RIC_E_INPUT, "contact %d: a power law needs a stiffness, or a length with a reference stiffness, positive", i + 1);
+    } else if (!isfinite(contact->clearance) || contact->clearance <= 0)
         return ric_fail(RIC_E_INPUT, "contact %d: clearance %g is not a positive length; the linear motion that every branch starts "
                                      "from needs an open gap (for a preloaded stop use a small clearance)", i + 1, contact->clearance);
+    if (contact->law == RIC_LAW_BILINEAR && (!isfinite(contact->stiffness) || contact->stiffness <= 0))
+        return ric_fail(RIC_E_INPUT, "contact %d: contact stiffness %g is not positive", i + 1, contact->stiffness);
     double largest = 0;
     for (int j = 0; j < n; j++) {
         if (!isfinite(contact->normal[j]))
@@ -73,8 +79,11 @@ static ric_status check(int n, const double *M, const double *K, int n_contact, 
         return ric_fail(RIC_E_INPUT, "restitution %g is outside [0, 1]", restitution);
     if ((status = check_matrix(n, M, "mass"))) return status;
     if ((status = check_matrix(n, K, "stiffness"))) return status;
-    for (int i = 0; i < n_contact; i++)
+    for (int i = 0; i < n_contact; i++) {
         if ((status = check_contact(n, i, &contacts[i]))) return status;
+        if ((contacts[i].law == RIC_LAW_POWER) != (contacts[0].law == RIC_LAW_POWER))
+            return ric_fail(RIC_E_INPUT, "contact %d: a power law and contacts that open and close cannot be mixed", i + 1);
+    }
     return RIC_OK;
 }
 
@@ -331,6 +340,17 @@ void ric_complement(int n, const double *h, double *E)
 
 #define FAST 20.0 /* ratio to the lowest frequency */
 
+/* The scaled force of a contact is spring * s^exponent, or spring * (s - gap). */
+static double scaled_spring(const ric_model *m, const ric_contact *contact)
+{
+    double d = ric_model_length(m);
+    if (contact->law == RIC_LAW_RIGID) return 0;
+    if (contact->law == RIC_LAW_BILINEAR) return contact->stiffness / m->energy_unit;
+    double k = contact->length > 0 ? contact->reference * pow(d / contact->length, contact->exponent - 1)
+                                   : contact->stiffness * pow(d, contact->exponent - 1);
+    return k / m->energy_unit;
+}
+
 static void scale_modes(ric_model *m)
 {
     int n = m->n, nd = m->n_dof, k = 0;
@@ -343,6 +363,7 @@ static void scale_modes(ric_model *m)
     for (int i = 0; i < n; i++) cc += m->normal[m->mode[i]] * m->normal[m->mode[i]];
     double unit = sqrt(cc); /* |c_0|, physical */
     m->energy_unit = m->omega_ref * m->omega_ref / cc;
+    for (int f = 0; f < m->n_contact; f++) m->spring[f] = scaled_spring(m, &m->contact[f]);
     for (int i = 0; i < n; i++) {
         int mode = m->mode[i];
         long double omega = ((long double)m->frequency[mode] + m->frequency_low[mode]) / m->omega_ref;
@@ -371,15 +392,16 @@ static void make_faces(ric_model *m)
     for (int f = 0; f < m->n_contact; f++) {
         double *E = m->E + (size_t)f * (n - 1) * n;
         ric_complement(n, m->c + f * n, E);
-        bool both = m->sides[f] == RIC_SIDES_BOTH;
+        if (m->contact[f].law == RIC_LAW_POWER) continue;
+        bool both = m->contact[f].sides == RIC_SIDES_BOTH;
         if (!both) m->symmetric = false;
         for (int side = 1; side >= -1; side -= 2) {
-            if (side > 0 && m->sides[f] == RIC_SIDES_LOWER) continue;
-            if (side < 0 && m->sides[f] == RIC_SIDES_UPPER) continue;
+            if (side > 0 && m->contact[f].sides == RIC_SIDES_LOWER) continue;
+            if (side < 0 && m->contact[f].sides == RIC_SIDES_UPPER) continue;
             int mirror = !both ? -1 : side > 0 ? m->n_face + 1 : m->n_face - 1;
             m->face[m->n_face++] = (ric_face){
-                .contact = f, .side = side, .mirror = mirror, .gap = side * m->clearance[f] / m->clearance[0],
-                .c = m->c + f * n, .g = m->g + f * n, .cc = dot(n, m->c + f * n, m->c + f * n), .E = E};
+                .contact = f, .side = side, .mirror = mirror, .gap = side * m->contact[f].clearance / m->contact[0].clearance,
+                .spring = m->spring[f], .c = m->c + f * n, .g = m->g + f * n, .cc = dot(n, m->c + f * n, m->c + f * n), .E = E};
         }
     }
 }
@@ -392,15 +414,14 @@ static ric_status allocate(ric_model *m, int n, int n_contact)
     m->M = array(nn, sizeof(double));
     m->K = array(nn, sizeof(double));
     m->b = array(fn, sizeof(double));
-    m->clearance = array((size_t)n_contact, sizeof(double));
-    m->sides = array((size_t)n_contact, sizeof *m->sides);
-    m->name = array((size_t)n_contact, sizeof *m->name);
+    m->contact = array((size_t)n_contact, sizeof *m->contact);
+    m->spring = array((size_t)n_contact, sizeof(double));
     m->frequency = array((size_t)n, sizeof(double));
     m->frequency_low = array((size_t)n, sizeof(double));
     m->Phi = array(nn, sizeof(double));
     m->normal = array(fn, sizeof(double));
     m->seen = array((size_t)n, sizeof *m->seen);
-    if (!m->M || !m->K || !m->b || !m->clearance || !m->sides || !m->name || !m->frequency || !m->frequency_low || !m->Phi || !m->normal || !m->seen)
+    if (!m->M || !m->K || !m->b || !m->contact || !m->spring || !m->frequency || !m->frequency_low || !m->Phi || !m->normal || !m->seen)
         return ric_fail(RIC_E_NOMEM, "no memory for a model of %d degrees of freedom", n);
     return RIC_OK;
 }
@@ -444,13 +465,14 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
         }
     for (int i = 0; i < n_contact; i++) {
         memcpy(m->b + i * n_dof, contacts[i].normal, (size_t)n_dof * sizeof(double));
-        m->clearance[i] = contacts[i].clearance;
-        m->sides[i] = contacts[i].sides;
-        if (contacts[i].name && !(m->name[i] = strdup(contacts[i].name))) {
+        m->contact[i] = contacts[i];
+        m->contact[i].normal = m->b + i * n_dof;
+        if (contacts[i].name && !(m->contact[i].name = strdup(contacts[i].name))) {
             status = ric_fail(RIC_E_NOMEM, "no memory for a contact's name");
             goto out;
         }
     }
+    m->smooth = contacts[0].law == RIC_LAW_POWER;
     m->restitution = restitution;
     if ((status = eigenmodes(m))) goto out;
     if ((status = separate_equal(m))) goto out;
@@ -473,8 +495,8 @@ out:
 void ric_model_free(ric_model *m)
 {
     if (!m) return;
-    for (int i = 0; m->name && i < m->n_contact; i++) free(m->name[i]);
-    void *owned[] = {m->M, m->K, m->b, m->clearance, m->sides, m->name, m->frequency, m->frequency_low, m->Phi, m->normal, m->seen, m->mode,
+    for (int i = 0; m->contact && i < m->n_contact; i++) free((void *)(uintptr_t)m->contact[i].name);
+    void *owned[] = {m->M, m->K, m->b, m->contact, m->spring, m->frequency, m->frequency_low, m->Phi, m->normal, m->seen, m->mode,
                      m->omega, m->omega_low, m->kappa, m->stiff, m->c, m->g, m->E, m->face, m->to_modal, m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     free(m);
@@ -488,7 +510,11 @@ int ric_model_n_contact(const ric_model *m) { return m->n_contact; }
 int ric_model_n_face(const ric_model *m) { return m->n_face; }
 int ric_model_n_part(const ric_model *m) { return m->n_part; }
 bool ric_model_symmetric(const ric_model *m) { return m->symmetric; }
-double ric_model_length(const ric_model *m) { return m->clearance[0]; }
+double ric_model_length(const ric_model *m)
+{
+    const ric_contact *first = &m->contact[0];
+    return first->law != RIC_LAW_POWER ? first->clearance : first->length > 0 ? first->length : 1;
+}
 double ric_model_restitution(const ric_model *m) { return m->restitution; }
 const double *ric_model_mass(const ric_model *m) { return m->M; }
 const double *ric_model_stiffness(const ric_model *m) { return m->K; }
@@ -497,8 +523,7 @@ ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
 {
     if (contact < 0 || contact >= m->n_contact)
         return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
-    *out = (ric_contact){.name = m->name[contact], .normal = m->b + contact * m->n_dof, .clearance = m->clearance[contact],
-                         .sides = m->sides[contact], .law = RIC_LAW_RIGID};
+    *out = m->contact[contact];
     return RIC_OK;
 }
 
@@ -535,14 +560,14 @@ ric_status ric_model_modal_normals(const ric_model *m, double *out)
     return RIC_OK;
 }
 
-/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). */
+/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). Law power is met at once. */
 ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *contact)
 {
     for (int i = 0; i < m->n_dof; i++) {
         energy[i] = INFINITY;
         contact[i] = -1;
         for (int f = 0; f < m->n_contact; f++) {
-            double c = m->normal[f * m->n_dof + i], d = m->clearance[f] / m->clearance[0], omega = m->frequency[i];
+            double c = m->normal[f * m->n_dof + i], d = m->contact[f].clearance / ric_model_length(m), omega = m->frequency[i];
             if (c == 0 || omega == 0) continue;
             double E = omega * omega * d * d / (2 * c * c);
             if (E < energy[i]) {
@@ -605,7 +630,16 @@ static double quadratic(int n, const double *A, const double *x)
 
 double ric_model_energy(const ric_model *m, const double *x, const double *v)
 {
-    return (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
+    double energy = (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
+    for (int f = 0; f < m->n_contact; f++) {
+        const ric_contact *contact = &m->contact[f];
+        double s = dot(m->n_dof, contact->normal, x), unit = m->energy_unit, d = contact->clearance / ric_model_length(m);
+        if (contact->law == RIC_LAW_POWER) energy += unit * m->spring[f] * pow(s, contact->exponent + 1) / (contact->exponent + 1);
+        if (contact->law != RIC_LAW_BILINEAR) continue;
+        double over = s > d && contact->sides != RIC_SIDES_LOWER ? s - d : s < -d && contact->sides != RIC_SIDES_UPPER ? -s - d : 0;
+        energy += unit * m->spring[f] * over * over / 2;
+    }
+    return energy;
 }
 
 bool ric_model_orthogonal(const ric_model *m, int f, int g)

@@ -13,6 +13,7 @@ typedef struct {
     int contact, side; /* side +1: s = +d, -1: s = -d */
     int mirror;        /* face on the other side of the contact, -1 if none */
     double gap;        /* side * d_f / d_0: the scaled value of s at the face */
+    double spring;     /* scaled stiffness of law bilinear, 0: rigid */
     const double *c;   /* [n] scaled modal normal */
     const double *g;   /* [n] c_i / kappa_i: s = g . a */
     double cc;         /* c . c */
@@ -23,9 +24,7 @@ struct ric_model {
     /* raw data */
     int n_dof, n_contact;
     double *M, *K, *b;  /* [n_dof^2], [n_dof^2], [n_contact * n_dof] */
-    double *clearance;  /* [n_contact], physical */
-    ric_sides *sides;   /* [n_contact] */
-    char **name;        /* [n_contact], may hold NULL */
+    ric_contact *contact; /* [n_contact], own names (may be NULL) and normals in b */
     double restitution;
     /* all modes */
     double *frequency;  /* [n_dof] rad/s */
@@ -44,8 +43,10 @@ struct ric_model {
     double *kappa;      /* [n] */
     double *stiff;      /* [n] omega^2 / kappa: dp/dt = -stiff a */
     double *c, *g, *E;  /* [n_contact * n], [n_contact * n], [n_contact * (n-1) * n] */
-    int n_face;
+    int n_face;         /* 0 with law power */
     ric_face *face;     /* [n_face], contact by contact, upper before lower */
+    bool smooth;        /* law power: one flow without events */
+    double *spring;     /* [n_contact] scaled force constants: of s^exponent for law power, of s - d for law bilinear, 0 for law rigid */
     double omega_ref;   /* rad/s */
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
     double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d */

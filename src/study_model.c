@@ -204,10 +204,11 @@ static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, 
     return RIC_OK;
 }
 
-static ric_status check_power(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *slots, const char *path)
+static ric_status read_power(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *slots, const char *path,
+                             ric_contact *out)
 {
     char key[RIC_KEY_MAX];
-    double exponent = 0, value = 0;
+    double exponent = 0;
     ric_status status;
     ric_yaml_join(key, path, "exponent");
     if ((status = read_positive(r, map, &slots[C_EXPONENT], key, "the power m of the force, odd and at least 3", &exponent)))
@@ -215,21 +216,22 @@ static ric_status check_power(const ric_yaml *r, const ric_yaml_node *map, const
     if (exponent == 1)
         return ric_yaml_wrong(r, slots[C_EXPONENT].value, key,
                               "1 is a linear spring; add it to the stiffness matrix, or give an odd m of at least 3");
-    if (fmod(exponent, 2) != 1 || exponent > 1001)
+    if (fmod(exponent, 2) != 1 || exponent > 99)
         return ric_yaml_wrong(r, slots[C_EXPONENT].value, key,
-                              "%.10g is not an odd whole number from 3 to 1001; an even power does not restore on both sides", exponent);
+                              "%.10g is not an odd whole number from 3 to 99; an even power does not restore on both sides", exponent);
+    out->exponent = (int)exponent;
     const ric_yaml_slot *stiffness = &slots[C_STIFFNESS], *length = &slots[C_LENGTH], *reference = &slots[C_REFERENCE];
     ric_yaml_join(key, path, "stiffness");
     if (stiffness->key && (length->key || reference->key))
         return ric_yaml_wrong(r, stiffness->key, key,
                               "given together with length or reference; give stiffness k_c, or length d with reference k");
     if (stiffness->key || (!length->key && !reference->key))
-        return read_positive(r, map, stiffness, key, "k_c of the force -k_c s^m (or length with reference)", &value);
+        return read_positive(r, map, stiffness, key, "k_c of the force -k_c s^m (or length with reference)", &out->stiffness);
     ric_yaml_join(key, path, "length");
-    if ((status = read_positive(r, map, length, key, "d of the force -k d (s/d)^m, beside reference k", &value)))
+    if ((status = read_positive(r, map, length, key, "d of the force -k d (s/d)^m, beside reference k", &out->length)))
         return status;
     ric_yaml_join(key, path, "reference");
-    return read_positive(r, map, reference, key, "k of the force -k d (s/d)^m, beside length d", &value);
+    return read_positive(r, map, reference, key, "k of the force -k d (s/d)^m, beside length d", &out->reference);
 }
 
 static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n, ric_contact *out)
@@ -237,7 +239,7 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
     ric_yaml_slot slots[C_COUNT];
     char key[RIC_KEY_MAX], *name = NULL;
     int law = RIC_LAW_RIGID, sides = RIC_SIDES_BOTH;
-    double unused = 0, *normal = calloc((size_t)n, sizeof *normal);
+    double *normal = calloc((size_t)n, sizeof *normal);
     ric_status status;
     out->normal = normal; /* released with the contact, also on failure */
     if (!normal)
@@ -258,7 +260,7 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
         return status;
     out->law = (ric_law)law;
     if (law == RIC_LAW_POWER)
-        return check_power(r, map, slots, path);
+        return read_power(r, map, slots, path, out);
     ric_yaml_join(key, path, "clearance");
     if ((status = read_clearance(r, map, &slots[C_CLEARANCE], key, &out->clearance)))
         return status;
@@ -268,26 +270,21 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
     out->sides = (ric_sides)sides;
     ric_yaml_join(key, path, "stiffness");
     if (law == RIC_LAW_BILINEAR)
-        status = read_positive(r, map, &slots[C_STIFFNESS], key, "the contact stiffness ks", &unused);
+        status = read_positive(r, map, &slots[C_STIFFNESS], key, "the contact stiffness ks", &out->stiffness);
     return status;
 }
 
 static ric_status check_laws(const ric_yaml *r, const ric_yaml_node *list, const ric_raw_model *raw)
 {
     char key[RIC_KEY_MAX];
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < raw->n_contact; i++) {
-            const char *law = law_names[raw->contacts[i].law];
-            snprintf(key, sizeof key, "model.contacts[%d].law", i + 1);
-            if (pass == 0 && raw->contacts[i].law != raw->contacts[0].law)
-                return ric_yaml_wrong(r, ric_yaml_item(r, list, i), key,
-                                      "%s beside %s of contact 1; mixed laws are not supported, give all contacts one law", law,
-                                      law_names[raw->contacts[0].law]);
-            if (pass == 1 && raw->contacts[i].law != RIC_LAW_RIGID)
-                return ric_yaml_wrong(r, ric_yaml_item(r, list, i), key,
-                                      "%s is not computed by this version, which has rigid contacts only; write law: rigid with normal, "
-                                      "clearance and sides", law);
-        }
+    for (int i = 0; i < raw->n_contact; i++) {
+        snprintf(key, sizeof key, "model.contacts[%d].law", i + 1);
+        if ((raw->contacts[i].law == RIC_LAW_POWER) != (raw->contacts[0].law == RIC_LAW_POWER))
+            return ric_yaml_wrong(r, ric_yaml_item(r, list, i), key,
+                                  "%s beside %s of contact 1; a power law acts all the time and is not computed beside contacts that open "
+                                  "and close; give all contacts law power, or none (rigid and bilinear go together)",
+                                  law_names[raw->contacts[i].law], law_names[raw->contacts[0].law]);
+    }
     return RIC_OK;
 }
 
@@ -397,6 +394,28 @@ static void write_matrix(const char *key, int n, const double *A, FILE *out)
     }
 }
 
+static void write_number(const char *key, double value, FILE *out)
+{
+    fprintf(out, "      %s: ", key);
+    ric_text_write(value, out);
+    fputc('\n', out);
+}
+
+static void write_law(const ric_contact *contact, FILE *out)
+{
+    if (contact->law != RIC_LAW_POWER) {
+        write_number("clearance", contact->clearance, out);
+        fprintf(out, "      sides: %s\n", side_names[contact->sides]);
+    }
+    fprintf(out, "      law: %s\n", law_names[contact->law]);
+    if (contact->law == RIC_LAW_POWER) fprintf(out, "      exponent: %d\n", contact->exponent);
+    if (contact->stiffness > 0) write_number("stiffness", contact->stiffness, out);
+    if (contact->length > 0) {
+        write_number("length", contact->length, out);
+        write_number("reference", contact->reference, out);
+    }
+}
+
 void ric_raw_model_write(const ric_raw_model *raw, FILE *out)
 {
     fputs("model:\n", out);
@@ -414,8 +433,6 @@ void ric_raw_model_write(const ric_raw_model *raw, FILE *out)
             ric_yaml_write(contact->name, out);
             fputc('\n', out);
         }
-        fputs("      clearance: ", out);
-        ric_text_write(contact->clearance, out);
-        fprintf(out, "\n      sides: %s\n      law: %s\n", side_names[contact->sides], law_names[contact->law]);
+        write_law(contact, out);
     }
 }

@@ -296,7 +296,7 @@ static verdict frequencies(finding *f, const char *arg)
 static verdict parameters_as_printed(finding *f, const char *arg)
 {
     double mass[4] = {2, 0, 0, 2}, stiffness[4] = {9, -1, -1, 1}, normal[2] = {-1, 1}, omega[2], right[2];
-    ric_contact c = {NULL, normal, 1, RIC_SIDES_BOTH, RIC_LAW_RIGID};
+    ric_contact c = {.normal = normal, .clearance = 1, .sides = RIC_SIDES_BOTH, .law = RIC_LAW_RIGID};
     ric_model *m = NULL;
     (void)arg;
     assert_int_equal(ric_model_create(2, mass, stiffness, 1, &c, 1, &m), RIC_OK);

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 #include <locale.h>
 #include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -372,7 +373,6 @@ static void bilinear_contacts(void **state)
     contact_refused("{law: bilinear, normal: [1], stiffness: 3}", "model.contacts[1].clearance", SAYS("missing"));
     contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9, exponent: 3}", "model.contacts[1].exponent",
                     SAYS("not a key of law bilinear"));
-    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9}", "model.contacts[1].law", SAYS("rigid contacts only"));
 }
 
 static void power_contacts(void **state)
@@ -395,15 +395,41 @@ static void power_contacts(void **state)
                     SAYS("not a key of law power"));
     contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, sides: both}", "model.contacts[1].sides",
                     SAYS("not a key of law power"));
-    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1}", "model.contacts[1].law", SAYS("power is not computed", "rigid"));
-    contact_refused("{law: power, normal: [1], exponent: 5, length: 1, reference: 2}", "model.contacts[1].law", SAYS("rigid contacts only"));
+    contact_refused("{law: power, normal: [1], exponent: 101, stiffness: 1}", "model.contacts[1].exponent", SAYS("from 3 to 99"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1}, {law: rigid, normal: [1], clearance: 1}", "model.contacts[2].law",
+                    SAYS("rigid beside power", "none"));
 }
 
 static void mixed_laws(void **state)
 {
     (void)state;
-    contact_refused("{normal: [1], clearance: 1}, {law: bilinear, normal: [1], clearance: 1, stiffness: 2}", "model.contacts[2].law",
-                    SAYS("bilinear beside rigid", "not supported", "one law"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9}, {law: power, normal: [1], exponent: 3, stiffness: 1}",
+                    "model.contacts[2].law", SAYS("power beside bilinear", "none"));
+}
+
+/* Each law as it is written back, with the energy that its spring adds to a state of the study's own units. */
+static void springs(void **state)
+{
+    (void)state;
+    static const struct { const char *contact, *written; double x, energy; } cases[] = {
+        {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9}", "stiffness: 9", 3, 4.5 + 0.5 * 9 * 4},
+        {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9}", "clearance: 4", -1.5, 0.5 * 2.25},
+        {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9, sides: upper}", "sides: upper", -3, 4.5},
+        {"{law: power, normal: [2], exponent: 3, stiffness: 5}", "stiffness: 5", 1.5, 1.125 + 5 * 81 / 4.0},
+        {"{law: power, normal: [2], exponent: 5, length: 2, reference: 7}", "reference: 7", 1.5, 1.125 + 7 * 4 * 11.390625 / 6},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[300];
+        double v = 0;
+        ric_study *study = NULL;
+        snprintf(text, sizeof text, "model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: [%s]\n", cases[i].contact);
+        assert_int_equal(ric_study_parse(text, "text", ".", &study), RIC_OK);
+        const ric_model *m = ric_study_model(study);
+        double d = ric_model_length(m), x = cases[i].x / d;
+        assert_true(fabs(ric_model_energy(m, &x, &v) * d * d - cases[i].energy) < 1e-12 * cases[i].energy);
+        assert_non_null(strstr(ric_study_text(study), cases[i].written));
+        ric_study_free(study);
+    }
 }
 
 /* -------------------------------------------------------- hostile documents */
@@ -704,7 +730,7 @@ int main(void)
         cmocka_unit_test(sides_and_laws),
         cmocka_unit_test(bilinear_contacts),
         cmocka_unit_test(power_contacts),
-        cmocka_unit_test(mixed_laws),
+        cmocka_unit_test(mixed_laws), cmocka_unit_test(springs),
         cmocka_unit_test(broken_yaml),
         cmocka_unit_test(empty_texts),
         cmocka_unit_test(texts_that_are_none),

@@ -25,7 +25,7 @@ static ric_model *make_model(int n_contact, const ric_sides *sides)
         if (i > 0)
             stiffness[i * n + i - 1] = stiffness[(i - 1) * n + i] = -1;
         normal[i * n + i] = 1;
-        contacts[i] = (ric_contact){NULL, normal + i * n, 1.0, sides[i], RIC_LAW_RIGID};
+        contacts[i] = (ric_contact){.normal = normal + i * n, .clearance = 1, .sides = sides[i], .law = RIC_LAW_RIGID};
     }
     assert_int_equal(ric_model_create(n, mass, stiffness, n, contacts, 1, &model), RIC_OK);
     return model;
