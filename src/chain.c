@@ -5,7 +5,6 @@
 
 #include <lapacke.h>
 
-#include "motion.h"
 #include "status.h"
 
 static bool general(const ric_chain *c)
@@ -51,25 +50,35 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->face = malloc((flights + 1) * sizeof *c->face);
     c->w = calloc((flights + 1) * 2 * nn, sizeof(double));
     c->before = calloc(flights * nn + 1, sizeof(double));
-    c->trig = calloc(flights * 3 * nn + 1, sizeof(double));
+    c->stride = ric_flight_stride(model);
+    c->closed = calloc(flights + 1, sizeof *c->closed);
+    c->map = calloc(flights * c->stride + 1, sizeof(double));
     c->approach = calloc(flights + 1, sizeof(double));
     c->hv = calloc(vectors * ld, sizeof(double));
     c->beta = calloc(vectors, sizeof(double));
     c->zeta = calloc(vectors, sizeof(double));
     c->X = calloc(6 * nn * ld, sizeof(double));
-    if (!c->face || !c->w || !c->before || !c->trig || !c->approach || !c->hv || !c->beta || !c->zeta || !c->X) {
+    if (!c->face || !c->w || !c->before || !c->closed || !c->map || !c->approach || !c->hv || !c->beta || !c->zeta || !c->X) {
         ric_chain_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
     memcpy(c->face, face, (flights + 1) * sizeof *face);
+    ric_chain_close(c, 0);
     *out = c;
     return RIC_OK;
+}
+
+void ric_chain_close(ric_chain *c, uint64_t closed)
+{
+    c->closed[0] = closed;
+    for (int k = 0; k < c->n_flight; k++) c->closed[k + 1] = ric_flight_toggle(c->model, c->closed[k], c->face[k + 1]);
 }
 
 ric_chain *ric_chain_copy(const ric_chain *c)
 {
     ric_chain *copy = NULL;
     ric_chain_create(c->model, c->start, c->end, c->sigma, c->n_flight, c->face, &copy);
+    if (copy) ric_chain_close(copy, c->closed[0]);
     return copy;
 }
 
@@ -79,7 +88,8 @@ void ric_chain_free(ric_chain *c)
     free(c->face);
     free(c->w);
     free(c->before);
-    free(c->trig);
+    free(c->closed);
+    free(c->map);
     free(c->approach);
     free(c->hv);
     free(c->beta);
@@ -99,7 +109,7 @@ static double start_state(ric_chain *c, const double *u)
     switch (c->start) {
     case RIC_MIRROR_NONE:
         memcpy(w, u, 2 * (size_t)n * sizeof *w);
-        return ric_gap(n, face, w) - face->gap;
+        return face ? ric_gap(n, face, w) - face->gap : 0;
     case RIC_MIRROR_REST:
         memcpy(w, u, (size_t)n * sizeof *w);
         memset(w + n, 0, (size_t)n * sizeof *w);
@@ -120,16 +130,19 @@ static double start_state(ric_chain *c, const double *u)
 static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n, int k, double tau)
 {
     const ric_model *m = c->model;
-    double *trig = c->trig + 3 * n * k, *w = c->w + 2 * n * (k + 1);
+    double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1);
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
-    ric_flight_trig(m, n, tau, trig);
-    ric_flight(n, trig, c->w + 2 * n * k, w);
+    if (ric_flight_dense(m, c->closed[k])) ric_flight_map(m, c->closed[k], tau, c->w + 2 * n * k, map, w);
+    else {
+        ric_flight_trig(m, n, tau, map);
+        ric_flight(n, map, c->w + 2 * n * k, w);
+    }
     for (int i = 0; i < n; i++) c->before[n * k + i] = w[n + i];
     if (!face) return 0;
     double speed = 0;
     for (int i = 0; i < n; i++) speed += face->c[i] * w[n + i];
     c->approach[k + 1] = face->side * speed;
-    if (!(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) {
+    if (face->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) {
         double factor = 2 * speed / face->cc;
         for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
     }
@@ -230,26 +243,45 @@ static inline __attribute__((always_inline)) void start_columns(ric_chain *c, in
     }
 }
 
+/* State at the end of flight k, before the impact there. */
+static inline void arriving(const ric_chain *c, int n, int k, double *w)
+{
+    memcpy(w, c->w + 2 * n * (k + 1), (size_t)n * sizeof *w);
+    memcpy(w + n, c->before + n * k, (size_t)n * sizeof *w);
+}
+
+static void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
+{
+    double w[2 * n], rate[2 * n];
+    arriving(c, n, k, w);
+    ric_flight_rate(c->model, c->closed[k], w, rate);
+    for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = 0; /* was the column of the last time, pinned by now */
+    ric_flight_carry(n, c->map + c->stride * (size_t)k, ld, ld, c->X);
+    for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = rate[i];
+}
+
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
 static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned, int rows, int ld)
 {
     const ric_model *m = c->model;
-    const double *trig = c->trig + 3 * n * k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
+    const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
     double *X = c->X, rho = 1;
-    for (int i = 0; i < n; i++) {
-        double *restrict a = X + i * ld, *restrict p = X + (n + i) * ld;
-        double co = trig[i], s1 = trig[n + i], s2 = trig[2 * n + i];
-        for (int j = 0; j < nz; j++) {
-            double t = a[j];
-            a[j] = co * t + s1 * p[j];
-            p[j] = co * p[j] - s2 * t;
+    if (ric_flight_dense(m, c->closed[k])) carry_dense(c, n, nz, k, ld);
+    else
+        for (int i = 0; i < n; i++) {
+            double *restrict a = X + i * ld, *restrict p = X + (n + i) * ld;
+            double co = map[i], s1 = map[n + i], s2 = map[2 * n + i];
+            for (int j = 0; j < nz; j++) {
+                double t = a[j];
+                a[j] = co * t + s1 * p[j];
+                p[j] = co * p[j] - s2 * t;
+            }
+            double t = a[ld - 1];
+            a[ld - 1] = co * t + s1 * p[ld - 1];
+            p[ld - 1] = co * p[ld - 1] - s2 * t;
+            a[nz] = m->kappa[i] * before[i];
+            p[nz] = -m->stiff[i] * after[i]; /* a does not change at an impact */
         }
-        double t = a[ld - 1];
-        a[ld - 1] = co * t + s1 * p[ld - 1];
-        p[ld - 1] = co * p[ld - 1] - s2 * t;
-        a[nz] = m->kappa[i] * before[i];
-        p[nz] = -m->stiff[i] * after[i]; /* a does not change at an impact */
-    }
     for (int r = 2 * n; r < rows; r++) X[r * ld + nz] = 0;
     if (c->face[k + 1] < 0) return rho;
     const ric_face *face = &m->face[c->face[k + 1]];
@@ -264,7 +296,7 @@ static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, i
         rho = pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
         columns = nz;
     }
-    if (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT) return rho;
+    if (face->spring > 0 || (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) return rho;
     double sum[ld], factor = 2 / face->cc;
     for (int j = 0; j < ld; j++) sum[j] = 0;
     for (int i = 0; i < n; i++)
@@ -282,15 +314,16 @@ static double end_rows_general(ric_chain *c, int columns)
 {
     int n = c->n, ld = c->ld;
     const double *wN = c->w + 2 * n * c->n_flight;
-    double *X = c->X, h[2 * n], sum = 0;
+    double *X = c->X, h[2 * n], from[2 * n], sum = 0;
+    for (int r = 0; r < 2 * n; r++) from[r] = c->sigma * c->w[r];
+    ric_flight_secant(c->model, c->closed[c->n_flight], from, wN, h);
     for (int r = 0; r < 2 * n; r++) {
         double *x = X + r * ld, *x0 = X + (2 * n + r) * ld;
         for (int j = 0; j < columns; j++) x[j] -= c->sigma * x0[j];
         x[ld - 1] += -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
-        h[r] = (r < n && c->model->stiff[r] == 0) ? 0 : wN[r] + c->sigma * c->w[r];
         sum += h[r] * h[r];
     }
-    /* |w_N| = |w_0| holds for any u: the closure is perpendicular to h = w_N + sigma w_0, and that one row is dropped */
+    /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and that one row is dropped */
     int last = 2 * n - 1;
     double norm = sqrt(sum), sign = h[last] < 0 ? -1 : 1, beta = 1 / (norm * (norm + fabs(h[last])));
     h[last] += sign * norm;
@@ -345,8 +378,10 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
     start_columns(c, n, rows, ld);
     if (c->start == RIC_MIRROR_NONE || c->start == RIC_MIRROR_IMPACT) {
         double g[ld];
-        const ric_face *face = &c->model->face[c->face[0]];
-        for (int j = 0; j < nz; j++) g[j] = j < n ? face->g[j] : 0;
+        /* without an event to start from, not along the flow */
+        if (c->face[0] < 0) ric_flight_rate(c->model, c->closed[0], c->w, g);
+        else
+            for (int j = 0; j < nz; j++) g[j] = j < n ? c->model->face[c->face[0]].g[j] : 0;
         if (pin(c, 0, nz, g, -gap, rows, ld) < 0) sign = -sign;
         nz--;
     }
@@ -443,21 +478,16 @@ double ric_chain_time(const ric_chain *c, const double *u)
 
 double ric_chain_energy(const ric_chain *c)
 {
-    double sum = 0;
-    for (int i = 0; i < c->n; i++) {
-        if (c->model->stiff[i] != 0) sum += c->w[i] * c->w[i];
-        sum += c->w[c->n + i] * c->w[c->n + i];
-    }
-    return sum / 2;
+    return ric_flight_energy(c->model, c->closed[0], c->w);
 }
 
 double ric_chain_energy_slope(const ric_chain *c, const double *du)
 {
     int n = c->n;
-    double sum = 0;
+    double h[2 * n];
     if (c->start == RIC_MIRROR_CENTRE) return ric_dot(n, c->w + n, du);
-    for (int i = 0; i < n; i++)
-        if (c->model->stiff[i] != 0) sum += c->w[i] * du[i];
+    ric_flight_secant(c->model, c->closed[0], c->w, c->w, h);
+    double sum = ric_dot(n, h, du) / 2;
     if (c->start == RIC_MIRROR_NONE) sum += ric_dot(n, c->w + n, du + n);
     if (c->start == RIC_MIRROR_IMPACT) sum += c->approach[0] / sqrt(c->model->face[c->face[0]].cc) * du[n];
     return sum;
@@ -483,7 +513,7 @@ static void push(const ric_chain *c, const double *du, double *column)
 {
     int n = c->n, k = 0, rows = general(c) ? 2 * n : c->n_end;
     const ric_model *m = c->model;
-    double dw[2 * n], dw0[2 * n], f[2 * n], before[2 * n];
+    double dw[2 * n], dw0[2 * n], f[2 * n], end[2 * n];
     memset(dw, 0, sizeof dw);
     if (c->start == RIC_MIRROR_CENTRE) memcpy(dw + n, du, (size_t)n * sizeof *dw);
     else memcpy(dw, du, (size_t)(general(c) ? 2 * n : n) * sizeof *dw);
@@ -494,15 +524,16 @@ static void push(const ric_chain *c, const double *du, double *column)
     memcpy(dw0, dw, sizeof dw);
     if (c->face[0] >= 0) column[k++] = ric_gap(n, &m->face[c->face[0]], dw);
     for (int i = 0; i < c->n_flight; i++) {
-        ric_flight(n, c->trig + 3 * n * i, dw, dw);
-        memcpy(before, c->w + 2 * n * (i + 1), (size_t)n * sizeof *before);
-        memcpy(before + n, c->before + n * i, (size_t)n * sizeof *before);
-        ric_flow(m, n, before, f);
+        const double *map = c->map + c->stride * (size_t)i;
+        if (ric_flight_dense(m, c->closed[i])) ric_flight_carry(n, map, 1, 1, dw);
+        else ric_flight(n, map, dw, dw);
+        arriving(c, n, i, end);
+        ric_flight_rate(m, c->closed[i], end, f);
         for (int j = 0; j < 2 * n; j++) dw[j] += f[j] * du[c->n_start + i];
         if (c->face[i + 1] < 0) continue;
         const ric_face *face = &m->face[c->face[i + 1]];
         if (!(general(c) && i + 1 == c->n_flight)) column[k++] = ric_gap(n, face, dw);
-        if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_impact_reflect(n, face, dw + n);
+        if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
     }
     for (int i = 0; i < rows; i++) {
         double value;

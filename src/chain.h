@@ -10,7 +10,7 @@
 #ifndef RIC_CHAIN_H
 #define RIC_CHAIN_H
 
-#include "model.h"
+#include "flight.h"
 
 typedef enum { RIC_MIRROR_NONE, RIC_MIRROR_REST, RIC_MIRROR_IMPACT, RIC_MIRROR_CENTRE } ric_mirror;
 
@@ -22,6 +22,7 @@ typedef struct {
     int multiple;          /* period = multiple * sum of the flight times */
     int n_flight;
     int *face;             /* [n_flight + 1]: face at the start, then at the end of each flight; -1 where there is no impact */
+    uint64_t *closed;      /* [n_flight + 1] springs that are closed in each flight, and after the end (flight.h) */
     int n_start;           /* unknowns of the start block: w (general), a (rest), p (centre), a and speed (impact) */
     int n_unknown;         /* n_start + n_flight */
 
@@ -29,7 +30,8 @@ typedef struct {
     double *w;             /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if there is one,
                             * but before it at an impact that is the end mirror) */
     double *before;        /* [n_flight * n] velocities at the end of each flight, before the impact */
-    double *trig;          /* [n_flight * 3n] cos, kappa sin / omega, omega sin / kappa of each flight */
+    size_t stride;         /* doubles in the map of a flight */
+    double *map;           /* [n_flight * stride]: 3n of cos, kappa sin / omega, omega sin / kappa, or a matrix (flight.h) */
     double *approach;      /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an impact mirror */
     double residual;       /* largest residual relative to 1 + |w| */
     double scale;          /* 1 + |w| */
@@ -55,6 +57,8 @@ static inline bool ric_chain_halves(const ric_chain *chain)
 /* A chain over `face` [n_flight + 1]; sigma counts only in the general form. */
 ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight, const int *face,
                             ric_chain **out);
+/* The springs that are closed in the first flight; those in the others follow from the faces. None at creation. */
+void ric_chain_close(ric_chain *chain, uint64_t closed);
 ric_chain *ric_chain_copy(const ric_chain *chain);
 void ric_chain_free(ric_chain *chain);
 

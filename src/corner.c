@@ -36,7 +36,7 @@ ric_cycle *ric_corner_swap(const ric_model *m, const ric_cycle *c, int n_pair, c
         out->face[j] = face;
         /* w is the state between the two */
         if (i == 0)
-            for (int side = 0; side < 2; side++) ric_impact_reflect(c->n, &m->face[c->face[side]], out->w + c->n);
+            for (int side = 0; side < 2; side++) ric_flight_strike(c->n, &m->face[c->face[side]], out->w + c->n);
     }
     ric_cycle_find_symmetries(m, out, tolerance);
     return out;

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "motion.h"
 #include "status.h"
 
 static int modulo(int i, int N)
@@ -43,6 +42,7 @@ ric_cycle *ric_cycle_copy(const ric_cycle *c)
     memcpy(copy->face, c->face, (size_t)c->N * sizeof *c->face);
     memcpy(copy->tau, c->tau, (size_t)c->N * sizeof *c->tau);
     memcpy(copy->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    copy->closed = c->closed;
     copy->half = c->half;
     copy->pure = c->pure;
     copy->flip = c->flip;
@@ -88,6 +88,7 @@ static ric_cycle *from_general(const ric_chain *chain, const double *u)
         c->tau[i] = u[chain->n_start + i % N];
     }
     memcpy(c->w, chain->w, 2 * (size_t)n * sizeof *c->w);
+    c->closed = chain->closed[0];
     c->half = chain->sigma < 0;
     return c;
 }
@@ -111,7 +112,8 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
     else c->tau[c->N - 1] = open + before_first;
     const double *first = chain->w + (on_impact ? 0 : 2 * n);
     memcpy(c->w, first, 2 * (size_t)n * sizeof *c->w);
-    if (!on_impact && nf == 1) ric_impact_reflect(n, &m->face[c->face[0]], c->w + n); /* the end mirror is the first impact */
+    c->closed = chain->closed[!on_impact];
+    if (!on_impact && nf == 1) ric_flight_strike(n, &m->face[c->face[0]], c->w + n); /* the end mirror is the first impact */
     int N = c->N, passed = nf - 1 + on_impact;
     int a = on_impact ? 0 : -1, b = chain->end == RIC_MIRROR_IMPACT ? 2 * passed : 2 * passed - 1;
     c->half = quarter;
@@ -124,33 +126,44 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
 
 /* --------------------------------------------------------------- to chain */
 
+/* Flight i of the cycle, with `closed` during it, and the event at its end: w from right after event i to right after the next. */
+static void advance(const ric_model *m, const ric_cycle *c, int i, uint64_t *closed, const double *w, double *after)
+{
+    int face = c->face[(i + 1) % c->N];
+    ric_flight_go(m, *closed, c->tau[i], w, after);
+    ric_flight_strike(c->n, &m->face[face], after + c->n);
+    *closed = ric_flight_toggle(m, *closed, face);
+}
+
 void ric_cycle_states(const ric_model *m, const ric_cycle *c, double *W)
 {
     int n = c->n;
-    double trig[3 * n];
+    uint64_t closed = c->closed;
     memcpy(W, c->w, 2 * (size_t)n * sizeof *W);
-    for (int i = 1; i < c->N; i++) {
-        ric_flight_trig(m, n, c->tau[i - 1], trig);
-        ric_flight(n, trig, W + 2 * n * (i - 1), W + 2 * n * i);
-        ric_impact_reflect(n, &m->face[c->face[i]], W + 2 * n * i + n);
-    }
+    for (int i = 1; i < c->N; i++) advance(m, c, i - 1, &closed, W + 2 * n * (i - 1), W + 2 * n * i);
+}
+
+/* The springs that are closed in flight i. */
+static uint64_t closed_in(const ric_model *m, const ric_cycle *c, int i)
+{
+    uint64_t closed = c->closed;
+    for (int k = 1; k <= i; k++) closed = ric_flight_toggle(m, closed, c->face[k]);
+    return closed;
 }
 
 void ric_cycle_at_time(const ric_model *m, const ric_cycle *c, double t, double *w)
 {
     int n = c->n, k = 0;
-    double trig[3 * n], period = ric_cycle_period(c);
+    uint64_t closed = c->closed;
+    double period = ric_cycle_period(c);
     memcpy(w, c->w, 2 * (size_t)n * sizeof *w);
     t = fmod(t, period);
     if (t < 0) t += period;
     for (; k + 1 < c->N && t >= c->tau[k]; k++) {
         t -= c->tau[k];
-        ric_flight_trig(m, n, c->tau[k], trig);
-        ric_flight(n, trig, w, w);
-        ric_impact_reflect(n, &m->face[c->face[k + 1]], w + n);
+        advance(m, c, k, &closed, w, w);
     }
-    ric_flight_trig(m, n, t, trig);
-    ric_flight(n, trig, w, w);
+    ric_flight_go(m, closed, t, w, w);
 }
 
 double ric_cycle_period(const ric_cycle *c)
@@ -162,12 +175,7 @@ double ric_cycle_period(const ric_cycle *c)
 
 double ric_cycle_energy(const ric_model *m, const ric_cycle *c)
 {
-    double sum = 0;
-    for (int i = 0; i < c->n; i++) {
-        if (m->stiff[i] != 0) sum += c->w[i] * c->w[i];
-        sum += c->w[c->n + i] * c->w[c->n + i];
-    }
-    return sum / 2;
+    return ric_flight_energy(m, c->closed, c->w);
 }
 
 static ric_status to_general(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
@@ -177,6 +185,7 @@ static ric_status to_general(const ric_model *m, const ric_cycle *c, ric_chain *
     face[nf] = c->half ? m->face[c->face[0]].mirror : c->face[0];
     ric_status status = ric_chain_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, c->half ? -1 : 1, nf, face, chain);
     if (status) return status;
+    ric_chain_close(*chain, c->closed);
     if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
         ric_chain_free(*chain);
         *chain = NULL;
@@ -196,7 +205,7 @@ static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1
     bool hit0 = x0 % 2 == 0, hit1 = x1 % 2 == 0;
     int *face = calloc((size_t)(x1 - x0) + 3, sizeof *face);
     double *tau = calloc((size_t)(x1 - x0) + 3, sizeof *tau), *W = calloc((size_t)N * 2 * n, sizeof *W), *u = NULL;
-    double w[2 * n], trig[3 * n];
+    double w[2 * n];
     *chain = NULL;
     *out = NULL;
     if (!face || !tau || !W) {
@@ -220,15 +229,13 @@ static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1
     }
     ric_mirror start = hit0 ? RIC_MIRROR_IMPACT : in_flight0, end = hit1 ? RIC_MIRROR_IMPACT : in_flight1;
     if ((status = ric_chain_create(m, start, end, 1, nf, face, chain))) goto out;
+    ric_chain_close(*chain, closed_in(m, c, modulo(first, N)));
     if (!(u = calloc((size_t)(*chain)->n_unknown, sizeof *u))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
     }
     memcpy(w, W + 2 * n * modulo(first, N), sizeof w);
-    if (!hit0) {
-        ric_flight_trig(m, n, c->tau[modulo(first, N)] / 2, trig);
-        ric_flight(n, trig, w, w);
-    }
+    if (!hit0) ric_flight_go(m, (*chain)->closed[0], c->tau[modulo(first, N)] / 2, w, w);
     if (start == RIC_MIRROR_CENTRE) memcpy(u, w + n, (size_t)n * sizeof *u);
     else memcpy(u, w, (size_t)n * sizeof *u);
     if (start == RIC_MIRROR_IMPACT) {
@@ -267,13 +274,9 @@ ric_status ric_cycle_to_chain(const ric_model *m, const ric_cycle *c, ric_chain 
 static void rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle *out)
 {
     int n = c->n, N = c->N;
-    double trig[3 * n];
     memcpy(out->w, c->w, 2 * (size_t)n * sizeof *c->w);
-    for (int i = 0; i < shift; i++) {
-        ric_flight_trig(m, n, c->tau[i], trig);
-        ric_flight(n, trig, out->w, out->w);
-        ric_impact_reflect(n, &m->face[c->face[(i + 1) % N]], out->w + n);
-    }
+    out->closed = c->closed;
+    for (int i = 0; i < shift; i++) advance(m, c, i, &out->closed, out->w, out->w);
     for (int i = 0; i < N; i++) {
         out->face[i] = c->face[(i + shift) % N];
         out->tau[i] = c->tau[(i + shift) % N];
@@ -286,7 +289,8 @@ static void rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle 
 static void reverse_time(const ric_model *m, ric_cycle *c)
 {
     int n = c->n, N = c->N;
-    ric_impact_reflect(n, &m->face[c->face[0]], c->w + n);
+    ric_flight_strike(n, &m->face[c->face[0]], c->w + n);
+    c->closed = ric_flight_toggle(m, c->closed, c->face[0]);
     for (int i = 0; i < n; i++) c->w[n + i] = -c->w[n + i];
     for (int i = 1, j = N - 1; i < j; i++, j--) {
         int face = c->face[i];
@@ -311,6 +315,7 @@ ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift
     if (mirror) {
         for (int i = 0; i < c->N; i++) out->face[i] = m->face[out->face[i]].mirror;
         for (int i = 0; i < 2 * c->n; i++) out->w[i] = -out->w[i];
+        out->closed = ric_flight_mirror(m, out->closed);
     }
     return out;
 }
@@ -347,6 +352,7 @@ ric_cycle *ric_cycle_keep(const ric_model *m, const ric_cycle *c, const bool *ke
     }
     ric_cycle_states(m, c, W);
     memcpy(out->w, W + 2 * n * first, 2 * (size_t)n * sizeof *W);
+    out->closed = closed_in(m, c, first);
     for (int i = first, j = -1; i < first + N; i++) {
         if (keep[i % N]) out->face[++j] = c->face[i % N];
         out->tau[j] += c->tau[i % N];
@@ -380,6 +386,7 @@ ric_cycle *ric_cycle_repeat(const ric_cycle *c, int q)
     ric_cycle *out = ric_cycle_create(c->n, c->N * q);
     if (!out) return NULL;
     memcpy(out->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    out->closed = c->closed;
     for (int i = 0; i < out->N; i++) {
         out->face[i] = c->face[i % c->N];
         out->tau[i] = c->tau[i % c->N];
@@ -397,7 +404,7 @@ static double size_of(const ric_cycle *c)
 double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b)
 {
     double sum = 0, size = size_of(a);
-    if (a->N != b->N || memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face)) return HUGE_VAL;
+    if (a->N != b->N || a->closed != b->closed || memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face)) return HUGE_VAL;
     for (int i = 0; i < 2 * a->n; i++) sum = fmax(sum, fabs(a->w[i] - b->w[i]) / size);
     for (int i = 0; i < a->N; i++) sum = fmax(sum, fabs(a->tau[i] - b->tau[i]));
     return sum;
@@ -494,6 +501,7 @@ int ric_cycle_compare(const ric_cycle *a, const ric_cycle *b)
     double size = size_of(a);
     for (int i = 0; i < a->N; i++)
         if (a->face[i] != b->face[i]) return a->face[i] < b->face[i] ? -1 : 1;
+    if (a->closed != b->closed) return a->closed < b->closed ? -1 : 1;
     for (int i = 0; i < 2 * a->n; i++)
         if (fabs(a->w[i] - b->w[i]) > 1e-7 * size) return a->w[i] < b->w[i] ? -1 : 1;
     for (int i = 0; i < a->N; i++)

@@ -13,6 +13,7 @@ typedef struct {
     int *face;     /* [N] */
     double *tau;   /* [N] */
     double *w;     /* [2n] state right after impact 0 */
+    uint64_t closed; /* springs that are closed after it (flight.h) */
     bool half;     /* z(t+T/2) = -z(t) */
     int pure;      /* reversal i -> pure - i keeps the orbit; -1: none */
     int flip;      /* the same joined with x -> -x; -1: none */

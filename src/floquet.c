@@ -7,7 +7,6 @@
 
 #include <lapacke.h>
 
-#include "motion.h"
 #include "status.h"
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
@@ -44,14 +43,16 @@ void ric_floquet_release(ric_floquet *f)
 
 /* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre, the normal at an
  * impact. Written in canonical coordinates (q, p). */
-static void section(const ric_chain *c, ric_mirror mirror, const double *w, int face, double *E)
+static void section(const ric_chain *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
 {
     int n = c->n;
     double h[n];
     if (n < 2) return;
-    if (mirror == RIC_MIRROR_REST)
-        for (int i = 0; i < n; i++) h[i] = c->model->stiff[i] * w[i];
-    else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, w + n, sizeof h);
+    if (mirror == RIC_MIRROR_REST) {
+        double rate[2 * n];
+        ric_flight_rate(c->model, closed, w, rate);
+        for (int i = 0; i < n; i++) h[i] = -rate[n + i];
+    } else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, w + n, sizeof h);
     else {
         memcpy(E, c->model->face[face].E, (size_t)(n - 1) * n * sizeof *E);
         return;
@@ -80,13 +81,11 @@ static void section_columns(const ric_chain *c, ric_mirror mirror, const double 
         }
     if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
     const ric_face *f = &m->face[face];
-    double normal = not_zero(ric_dot(n, f->c, w + n));
+    double normal = not_zero(ric_dot(n, f->c, w + n)), h[2 * n];
+    ric_flight_secant(m, c->closed[0], w, w, h);
     for (int j = 0; j < ld; j++) {
         double dE = 0;
-        for (int i = 0; i < n; i++) {
-            if (m->stiff[i] != 0) dE += w[i] * V[i * ld + j];
-            dE += w[n + i] * V[(n + i) * ld + j];
-        }
+        for (int i = 0; i < 2 * n; i++) dE += h[i] / 2 * V[i * ld + j];
         for (int i = 0; i < n; i++) V[(n + i) * ld + j] -= dE / normal * f->c[i];
     }
 }
@@ -99,7 +98,7 @@ static void project(const ric_chain *c, bool on_face, const double *w, int face,
     if (on_face) {
         const ric_face *f = &m->face[face];
         double flow[2 * n], speed = 0;
-        ric_flow(m, n, w, flow);
+        ric_flight_rate(m, c->closed[c->n_flight], w, flow);
         for (int i = 0; i < n; i++) speed += f->g[i] * flow[i];
         speed = not_zero(speed);
         for (int j = 0; j < ld; j++) {
@@ -169,19 +168,22 @@ static void propagate(const ric_chain *c, double *V, int *exponent, double *grow
     *exponent = 0;
     *growth = 1;
     for (int k = 0; k < c->n_flight; k++) {
-        const double *trig = c->trig + 3 * n * k;
-        for (int i = 0; i < n; i++) {
-            double *a = V + i * ld, *p = V + (n + i) * ld, co = trig[i], s1 = trig[n + i], s2 = trig[2 * n + i];
-            for (int j = 0; j < ld; j++) {
-                double t = a[j];
-                a[j] = co * t + s1 * p[j];
-                p[j] = co * p[j] - s2 * t;
+        const double *map = c->map + c->stride * (size_t)k;
+        bool dense = ric_flight_dense(m, c->closed[k]), ends = k + 1 == c->n_flight;
+        if (dense) ric_flight_carry(n, map, ld, ld, V);
+        else
+            for (int i = 0; i < n; i++) {
+                double *a = V + i * ld, *p = V + (n + i) * ld, co = map[i], s1 = map[n + i], s2 = map[2 * n + i];
+                for (int j = 0; j < ld; j++) {
+                    double t = a[j];
+                    a[j] = co * t + s1 * p[j];
+                    p[j] = co * p[j] - s2 * t;
+                }
             }
-        }
-        bool ends = k + 1 == c->n_flight;
-        if (c->face[k + 1] < 0 || (ends && c->end == RIC_MIRROR_IMPACT)) continue;
+        bool struck = c->face[k + 1] >= 0 && m->face[c->face[k + 1]].spring == 0 && !(ends && c->end == RIC_MIRROR_IMPACT);
+        if (!struck && !dense) continue;
         double top;
-        saltation(m, n, ld, &m->face[c->face[k + 1]], c->w + 2 * n * (k + 1), c->before + n * k, V);
+        if (struck) saltation(m, n, ld, &m->face[c->face[k + 1]], c->w + 2 * n * (k + 1), c->before + n * k, V);
         int shift = rescale(2 * n * ld, V, &top);
         *exponent += shift;
         *growth = fmax(shift ? ldexp(*growth, -shift) : *growth, top);
@@ -296,8 +298,8 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     double *cc = b + k * k, *d = cc + k * k, *A = d + k * k, *tmp = A + k * k, growth;
     const double *end = c->w + 2 * n * c->n_flight;
     bool quarter = c->multiple == 4;
-    section(c, c->start, c->w, c->face[0], E0);
-    section(c, c->end, end, c->face[c->n_flight], E1);
+    section(c, c->start, c->closed[0], c->w, c->face[0], E0);
+    section(c, c->end, c->closed[c->n_flight], end, c->face[c->n_flight], E1);
     section_columns(c, c->start, c->w, c->face[0], E0, V);
     propagate(c, V, &exponent, &growth);
     project(c, c->end == RIC_MIRROR_IMPACT, end, c->face[c->n_flight], E1, V, P);

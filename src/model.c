@@ -473,6 +473,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
         }
     }
     m->smooth = contacts[0].law == RIC_LAW_POWER;
+    for (int i = 0; i < n_contact; i++) m->springs |= contacts[i].law != RIC_LAW_RIGID;
     m->restitution = restitution;
     if ((status = eigenmodes(m))) goto out;
     if ((status = separate_equal(m))) goto out;

@@ -46,6 +46,7 @@ struct ric_model {
     int n_face;         /* 0 with law power */
     ric_face *face;     /* [n_face], contact by contact, upper before lower */
     bool smooth;        /* law power: one flow without events */
+    bool springs;       /* some contact is not rigid */
     double *spring;     /* [n_contact] scaled force constants: of s^exponent for law power, of s - d for law bilinear, 0 for law rigid */
     double omega_ref;   /* rad/s */
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */

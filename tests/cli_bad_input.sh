@@ -69,7 +69,7 @@ study 7 '      clearance: .inf' | bad 'model.contacts\[1\].clearance: .*not fini
 study 8 '      stiffness: 1' | bad 'model.contacts\[1\].stiffness: not a key of law rigid'
 study 8 '      law: bilinear' | bad 'model.contacts\[1\].stiffness: missing'
 study 8 '      law: power' | bad 'model.contacts\[1\].clearance: not a key of law power'
-study 8 '    - {normal: [1, 0], clearance: 1, law: bilinear, stiffness: 3}' | bad 'model.contacts\[2\].law: .*mixed laws'
+study 8 '    - {normal: [1, 0], law: power, exponent: 3, stiffness: 3}' | bad 'model.contacts\[2\].law: power beside rigid'
 study 8 '      restitution: 1' | bad 'restitution: unknown key'
 study 10 '  energy: [20, 0]' | bad 'explore.energy: .*reversed'
 study 11 '  impacts: many' | bad 'explore.impacts: .*whole number'

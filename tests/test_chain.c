@@ -339,6 +339,35 @@ static void residual_of_points(void **state)
     ric_study_free(study);
 }
 
+/* The same chain with every flight as a matrix: springs of no stiffness change nothing but the path through the code. */
+static void check_dense(ric_chain *chain, const double *u, const char *where)
+{
+    ric_model soft = *chain->model;
+    double springs[MAX_CONTACT] = {0}, step[MAX_SIZE], dense_step[MAX_SIZE], kernel[MAX_SIZE], dense_kernel[MAX_SIZE];
+    soft.springs = soft.smooth = true;
+    soft.spring = springs;
+    ric_chain *dense = NULL;
+    assert_int_equal(ric_chain_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face, &dense), RIC_OK);
+    ric_chain_evaluate(chain, u);
+    ric_chain_evaluate(dense, u);
+    ric_chain_step(chain, true, 0, step);
+    ric_chain_step(dense, true, 0, dense_step);
+    ric_chain_step(chain, false, 1, kernel);
+    ric_chain_step(dense, false, 1, dense_kernel);
+    double size = 1 + largest(chain->n_unknown, step), rounding = 1e-12 / fmin(1, chain->smallest);
+    if (!(distance(chain->n_unknown, step, dense_step, 1) <= rounding * size)) fail_msg("%s: steps differ", where);
+    if (!(fmin(distance(chain->n_unknown, kernel, dense_kernel, 1), distance(chain->n_unknown, kernel, dense_kernel, -1)) <= rounding))
+        fail_msg("%s: kernels differ", where);
+    assert_true(fabs(chain->residual - dense->residual) <= 1e-13);
+    ric_chain_free(dense);
+}
+
+static void matrices_of_flights(void **state)
+{
+    (void)state;
+    over_random_chains(check_dense);
+}
+
 /* Newton from a disturbed orbit, in either form, ends at rounding level. S2[01] in closed form: centre to impact over a quarter,
  * a velocity and one flight; the same orbit in the general form over the half and the whole period. */
 static void residual_of_corrected(void **state)
@@ -390,7 +419,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(jacobian_by_differences), cmocka_unit_test(step_against_dense), cmocka_unit_test(determinant_sign),
         cmocka_unit_test(scalars),                 cmocka_unit_test(cost_is_linear),     cmocka_unit_test(residual_of_points),
-        cmocka_unit_test(residual_of_corrected),
+        cmocka_unit_test(residual_of_corrected), cmocka_unit_test(matrices_of_flights),
     };
     return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
 }

@@ -1,0 +1,125 @@
+#include "flight.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
+{
+    uint64_t image = 0;
+    for (int f = 0; closed >> f && f < m->n_face; f++)
+        if (closed >> f & 1) image |= (uint64_t)1 << m->face[f].mirror;
+    return image;
+}
+
+/* --------------------------------------------------------------------- maps */
+
+void ric_flight_go(const ric_model *m, uint64_t closed, double tau, const double *w, double *after)
+{
+    int n = m->n;
+    double trig[3 * n];
+    (void)closed;
+    ric_flight_trig(m, n, tau, trig);
+    ric_flight(n, trig, w, after);
+}
+
+void ric_flight_map(const ric_model *m, uint64_t closed, double tau, const double *w, double *matrix, double *after)
+{
+    int n = m->n;
+    double trig[3 * n];
+    (void)closed;
+    ric_flight_trig(m, n, tau, trig);
+    ric_flight(n, trig, w, after);
+    memset(matrix, 0, 4 * (size_t)n * n * sizeof *matrix);
+    for (int i = 0; i < n; i++) {
+        matrix[i * 2 * n + i] = matrix[(n + i) * 2 * n + n + i] = trig[i];
+        matrix[i * 2 * n + n + i] = trig[n + i];
+        matrix[(n + i) * 2 * n + i] = -trig[2 * n + i];
+    }
+}
+
+void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V)
+{
+    int size = 2 * n;
+    double column[size];
+    for (int j = 0; j < columns; j++) {
+        for (int i = 0; i < size; i++) column[i] = V[i * ld + j];
+        for (int i = 0; i < size; i++) V[i * ld + j] = ric_dot(size, matrix + i * size, column);
+    }
+}
+
+/* ------------------------------------------------------------------- forces */
+
+static double power(double s, int exponent)
+{
+    double out = s, square = s * s;
+    for (int i = 1; i < exponent; i += 2) out *= square;
+    return out;
+}
+
+void ric_flight_rate(const ric_model *m, uint64_t closed, const double *w, double *rate)
+{
+    int n = m->n;
+    ric_flow(m, n, w, rate);
+    for (int f = 0; closed >> f && f < m->n_face; f++) {
+        if (!(closed >> f & 1)) continue;
+        const ric_face *face = &m->face[f];
+        double force = face->spring * (ric_gap(n, face, w) - face->gap);
+        for (int i = 0; i < n; i++) rate[n + i] -= force * face->c[i];
+    }
+    for (int f = 0; m->smooth && f < m->n_contact; f++) {
+        double force = m->spring[f] * power(ric_dot(n, m->g + f * n, w), m->contact[f].exponent);
+        for (int i = 0; i < n; i++) rate[n + i] -= force * m->c[f * n + i];
+    }
+}
+
+double ric_flight_energy(const ric_model *m, uint64_t closed, const double *w)
+{
+    int n = m->n;
+    double sum = 0, springs = 0;
+    for (int i = 0; i < n; i++) {
+        if (m->stiff[i] != 0) sum += w[i] * w[i];
+        sum += w[n + i] * w[n + i];
+    }
+    for (int f = 0; closed >> f && f < m->n_face; f++) {
+        if (!(closed >> f & 1)) continue;
+        double over = ric_gap(n, &m->face[f], w) - m->face[f].gap;
+        springs += m->face[f].spring * over * over;
+    }
+    for (int f = 0; m->smooth && f < m->n_contact; f++) {
+        double s = ric_dot(n, m->g + f * n, w);
+        springs += m->spring[f] * s * power(s, m->contact[f].exponent) * 2 / (m->contact[f].exponent + 1);
+    }
+    return (sum + springs) / 2;
+}
+
+/* (s1^(m+1) - s0^(m+1)) / (s1 - s0), without the cancellation. */
+static double power_secant(double s0, double s1, int exponent)
+{
+    double sum = 0, lead = 1;
+    for (int j = 0; j <= exponent; j++) {
+        sum = sum * s0 + lead;
+        lead *= s1;
+    }
+    return sum;
+}
+
+void ric_flight_secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1, double *h)
+{
+    int n = m->n;
+    for (int i = 0; i < n; i++) {
+        h[i] = m->stiff[i] == 0 ? 0 : w1[i] + w0[i];
+        h[n + i] = w1[n + i] + w0[n + i];
+    }
+    for (int f = 0; closed >> f && f < m->n_face; f++) {
+        if (!(closed >> f & 1)) continue;
+        const ric_face *face = &m->face[f];
+        double force = face->spring * (ric_gap(n, face, w0) + ric_gap(n, face, w1) - 2 * face->gap);
+        for (int i = 0; i < n; i++) h[i] += force * face->g[i];
+    }
+    for (int f = 0; m->smooth && f < m->n_contact; f++) {
+        const double *g = m->g + f * n;
+        int exponent = m->contact[f].exponent;
+        double force = 2 * m->spring[f] / (exponent + 1) * power_secant(ric_dot(n, g, w0), ric_dot(n, g, w1), exponent);
+        for (int i = 0; i < n; i++) h[i] += force * g[i];
+    }
+}

@@ -1,0 +1,54 @@
+/* Flights of every law: between two events the structure is linear in the set of springs that are closed, or smooth (law power).
+ *
+ * A flight with all springs open turns each mode in its plane (motion.h): `map` [3n] holds cos and sin. Any other flight is *dense*: its
+ * state comes from a routine of the law, and `map` [4n^2] is the matrix that carries small deviations through it (docs/theory.md
+ * section 10). Sets of closed springs are bits, one per face. */
+#ifndef RIC_FLIGHT_H
+#define RIC_FLIGHT_H
+
+#include "motion.h"
+
+#define RIC_FACES_MAX 64 /* faces that a set can hold */
+
+static inline bool ric_flight_dense(const ric_model *m, uint64_t closed)
+{
+    return closed || m->smooth;
+}
+
+/* Doubles that the map of one flight takes at most. */
+static inline size_t ric_flight_stride(const ric_model *m)
+{
+    size_t n = (size_t)m->n;
+    return m->springs && 4 * n * n > 3 * n ? 4 * n * n : 3 * n;
+}
+
+/* The closed springs after an event at `face`, which closes and opens them in turn; a rigid face changes nothing. */
+static inline uint64_t ric_flight_toggle(const ric_model *m, uint64_t closed, int face)
+{
+    return face >= 0 && m->face[face].spring > 0 ? closed ^ (uint64_t)1 << face : closed;
+}
+
+/* The same of the mirror image x -> -x. */
+uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed);
+
+/* What an event at a face does to the velocities p [n]: an impact turns them round, a spring leaves them. */
+static inline void ric_flight_strike(int n, const ric_face *face, double *restrict p)
+{
+    if (face->spring == 0) ric_impact_reflect(n, face, p);
+}
+
+/* State w [2n] after a time tau; may work in place. */
+void ric_flight_go(const ric_model *m, uint64_t closed, double tau, const double *w, double *after);
+/* A dense flight with its matrix [2n * 2n]; not in place. */
+void ric_flight_map(const ric_model *m, uint64_t closed, double tau, const double *w, double *matrix, double *after);
+/* V [2n * ld] <- matrix * V, the first `columns` of each row. */
+void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V);
+
+/* dw/dt. */
+void ric_flight_rate(const ric_model *m, uint64_t closed, const double *w, double *rate);
+/* Energy, springs included (without the a of zero modes). */
+double ric_flight_energy(const ric_model *m, uint64_t closed, const double *w);
+/* Twice the mean gradient of the energy between two states: (w1 - w0) . h = 2 (E(w1) - E(w0)) exactly, and h = 2 grad E where they agree. */
+void ric_flight_secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1, double *h);
+
+#endif
