@@ -266,7 +266,7 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
 
 static char *refusals(const ric_node *node)
 {
-    const char *why = node->refusal ? node->refusal : "";
+    const char *why = ric_refusal_text(node->refusal);
     for (int i = 0; i < node->n_departure; i++)
         if (node->departures[i].why && !*why) why = node->departures[i].why;
     return strdup(why);
@@ -488,6 +488,26 @@ static void link_sheets(int n, sheet *sheets, const int *id)
     }
 }
 
+/* Rows are made one by one from what is finished: by all workers. */
+typedef struct {
+    const ric_graph *graph;
+    sheet *sheets;
+    mark *marks;
+} workshop;
+
+static ric_status sheet_in_shop(void *user, int i)
+{
+    const workshop *s = user;
+    return make_sheet(s->graph, &s->graph->edges[i], &s->sheets[i]);
+}
+
+static ric_status mark_in_shop(void *user, int i)
+{
+    const workshop *s = user;
+    int node = s->marks[i].index;
+    return make_mark(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
+}
+
 ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
 {
     ric_status status = RIC_OK;
@@ -504,11 +524,12 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
         goto out;
     }
     if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
-    for (int i = 0; i < g->n_edge && !status; i++) status = make_sheet(g, &g->edges[i], &sheets[n_sheet++]);
-    if (status) goto out;
-    for (int i = 0; i < g->n_node && !status; i++)
-        if (used_by(g, i)) status = make_mark(m, g->nodes[i], i, &marks[n_mark++]);
-    if (status) goto out;
+    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark};
+    n_sheet += g->n_edge;
+    for (int i = 0; i < g->n_node; i++)
+        if (used_by(g, i)) marks[n_mark++].index = i;
+    if ((status = ric_parallel(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
+    if ((status = ric_parallel(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
     qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
     qsort(marks, (size_t)n_mark, sizeof *marks, mark_order);
     for (int i = 0; i < n_mark; i++) {

@@ -99,12 +99,13 @@ static int find_or_add(ric_graph *g, ric_node *node, int depth)
     return g->n_node++;
 }
 
-static void mark(ric_node *node, unsigned choice, ric_departure_state state)
+static void mark(ric_graph *g, ric_node *node, unsigned choice, ric_departure_state state)
 {
     for (int i = 0; i < node->n_departure; i++) {
         ric_departure *d = &node->departures[i];
         if (d->choice != choice || d->state == RIC_DEPARTURE_TAKEN) continue;
         d->state = state;
+        if (d->job) ric_workers_withdraw(g->workers, d->job);
     }
 }
 
@@ -123,6 +124,13 @@ static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice,
     if (l->n_asked) snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
 }
 
+/* For later runs, or for the owner of the graph. */
+static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, size_t size)
+{
+    if (g->recall.worker) ric_memo_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
+    return g->store ? ric_store_trace_put(g->store, key, blob ? blob : "", size) : RIC_OK;
+}
+
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. */
 static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
 {
@@ -136,8 +144,11 @@ static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned c
     *out = NULL;
     trace_key(g, node, choice, side, key, sizeof key);
     if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
+    bool stored = blob != NULL;
+    if (!blob && g->recall.memo && !g->recall.worker) blob = ric_memo_take(g->recall.memo, key, strlen(key), &size);
     if (blob) {
         status = size ? ric_trace_unpack(g->model, &g->limits, blob, size, out) : RIC_OK;
+        if (!status && !stored) status = keep_trace(g, key, blob, size);
         free(blob);
         return status;
     }
@@ -146,8 +157,9 @@ static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned c
         if ((status = ric_trace_create(chain, u0, t0, ignore, &g->limits, out))) goto out;
         if ((status = ric_trace_run(*out))) goto out;
     }
-    if (g->store && !(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK)))
-        status = ric_store_trace_put(g->store, key, blob ? blob : "", size);
+    if (g->store || g->recall.worker) {
+        if (!(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK))) status = keep_trace(g, key, blob, size);
+    }
 out:
     if (status) {
         ric_trace_free(*out);
@@ -200,9 +212,10 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
     if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
     ric_cycle *cycle = ric_trace_cycle(tr, tr->end.u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    if (tr->arrival) status = ric_node_arrival(g->model, cycle, &node);
-    else if (at_corner(tr) || ric_node_coincident(g->model, cycle)) status = ric_node_corner(g->model, cycle, &node);
-    else status = ric_node_grazing(g->model, cycle, &node);
+    ric_solve solve = {.kind = tr->arrival                                                      ? RIC_SOLVE_ARRIVAL
+                               : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_SOLVE_CORNER
+                                                                                       : RIC_SOLVE_GRAZING};
+    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
         tr->why = "the junction at the end does not converge";
@@ -300,10 +313,11 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     bool multiplies = breaks_or_crosses(event->test) && ric_cycle_repeats(g->model, cycle, 1e-5);
     const ric_asked *asked = ric_trace_asked(e->trace, event->test);
     const ric_resonance *resonance = ric_trace_resonance(e->trace, event->test);
-    status = multiplies  ? ric_node_arrival(g->model, cycle, &node)
-             : asked     ? ric_node_user(g->model, cycle, asked, &node)
-             : resonance ? ric_node_multiplication(g->model, cycle, resonance->p, resonance->q, &node)
-                         : ric_node_interior(g->model, cycle, event->test, &node);
+    ric_solve solve = multiplies  ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
+                      : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
+                      : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
+                                  : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
+    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
     ric_cycle_free(cycle);
     if (status == RIC_E_NUMERIC || !node) return status == RIC_E_NUMERIC ? RIC_OK : status;
     int index = find_or_add(g, node, e->depth);
@@ -313,7 +327,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
         if (e->inner[i] == index && fabs(e->inner_at[i] - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
     unsigned choice;
     if ((status = passing_choice(g, e, event, g->nodes[index], multiplies, &choice))) return status;
-    mark(g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
+    mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
     return attach(e, index, event->s);
 }
 
@@ -391,7 +405,7 @@ static ric_status follow(ric_graph *g, int from, unsigned choice, int depth, boo
     if (status || !tr) return status;
     if ((status = end_node(g, tr, depth, &to, &arrive))) goto out;
     if (to >= 0) {
-        mark(g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
+        mark(g, g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
         if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;
     }
     int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
@@ -445,7 +459,7 @@ static ric_status follow_through(ric_graph *g, int inside, unsigned through, int
         }
         if (to[i] < 0 || !departs(g->nodes[to[i]])) continue;
         bool taken;
-        mark(g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
+        mark(g, g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
         status = follow(g, to[i], arrive[i], depth, &taken);
         goto out;
     }
@@ -454,7 +468,7 @@ static ric_status follow_through(ric_graph *g, int inside, unsigned through, int
     unsigned choice;
     if (!tr[first]->end.u) goto out;
     if ((status = trace_back(g, tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
-    if (far >= 0) mark(g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
+    if (far >= 0) mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
     status = finish_edge(g, whole, to[first], 0, far, choice, depth, -1);
     whole = NULL;
 out:
@@ -516,25 +530,34 @@ static bool astray(const ric_graph *g, const ric_node *node, unsigned choice)
     return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
 }
 
+static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice)
+{
+    /* the original of a duplicate may lie outside the frequency window */
+    double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
+    return period < g->limits.period[0] || period > g->limits.period[1] || astray(g, node, choice) ||
+           ric_node_impacts(node, choice) > g->options->impacts || (g->options->symmetric_only && !ric_node_half(g->model, node, choice));
+}
+
+static bool is_linear(const ric_node *node, unsigned choice)
+{
+    return node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, choice) == 0;
+}
+
 static ric_status take(ric_graph *g, int index, int place, int depth)
 {
     ric_node *node = g->nodes[index];
     ric_departure *d = &node->departures[place];
     unsigned choice = d->choice;
     ric_status status = RIC_OK;
-    if (node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, choice) == 0) {
+    if (is_linear(node, choice)) {
         d->state = RIC_DEPARTURE_KNOWN; /* the linear mode itself */
         return RIC_OK;
     }
-    double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
-    if (period < g->limits.period[0] || period > g->limits.period[1] || astray(g, node, choice)) {
-        d->state = RIC_DEPARTURE_OVER_BUDGET; /* the original of a duplicate may lie outside the frequency window */
-        return RIC_OK;
-    }
-    if (ric_node_impacts(node, choice) > g->options->impacts || (g->options->symmetric_only && !ric_node_half(g->model, node, choice))) {
+    if (over_budget(g, node, choice)) {
         d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
+    if (d->job) ric_workers_await(g->workers, d->job);
     if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
     if (ric_node_passes(node, choice)) {
         /* where two branches of one symmetry cross, the edges that pass have said which they are */
@@ -735,7 +758,50 @@ static void refuse_all(ric_graph *g, const char *why)
         }
 }
 
-ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
+/* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. */
+static void prepare(void *user, ric_node *node, unsigned choice)
+{
+    const ric_graph *g = user;
+    ric_graph *alone = calloc(1, sizeof *alone);
+    ric_node **nodes = malloc(sizeof *nodes);
+    if (alone && nodes) {
+        *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .recall = {g->recall.memo, true},
+                             .nodes = nodes, .n_node = 1, .node_capacity = 1};
+        nodes[0] = node;
+        for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
+        for (int i = 0; i < node->n_departure; i++)
+            if (node->departures[i].choice == choice) take(alone, 0, i, 1); /* an error is met again by the owner */
+        ric_graph_free(alone);
+    } else {
+        ric_node_free(node);
+        free(nodes);
+        free(alone);
+    }
+}
+
+/* What the owner comes to next. Of a branch that passes, the owner may know an edge that it is part of. */
+static void offer(ric_graph *g, int n, const open_departure *list)
+{
+    for (int i = 0; g->workers && i < n; i++) {
+        ric_node *node = g->nodes[list[i].index];
+        ric_departure *d = &node->departures[list[i].place];
+        bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
+        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice))
+            d->job = ric_workers_offer(g->workers, node, d->choice);
+    }
+}
+
+/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth are followed. */
+static void offer_ahead(ric_graph *g, int depth, int limit)
+{
+    int n;
+    if (!g->workers || depth + 1 > limit || ric_workers_waiting(g->workers) > 0) return;
+    open_departure *list = open_at(g, depth + 1, depth + 1 == limit, &n);
+    offer(g, n, list);
+    free(list);
+}
+
+static ric_status explore(ric_graph *g, const ric_run_options *run)
 {
     struct timespec start;
     clock_gettime(CLOCK_MONOTONIC, &start);
@@ -755,11 +821,13 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
             if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
             open_departure *list = open_at(g, depth, depth == limit, &n);
+            offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
                 if (stopped(g, run, seconds_since(&start), n - i, depth)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
                 else status = take(g, list[i].index, list[i].place, depth + 1);
                 if (!status) status = save_now_and_then(g, &start, &saved);
+                offer_ahead(g, depth, limit);
             }
             free(list);
         } while (n && !status);
@@ -767,5 +835,22 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
         if (!deeper) break;
     }
     if (!status) close_rest(g);
+    return status;
+}
+
+ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
+{
+    ric_status status = RIC_OK;
+    g->n_worker = run && run->workers > 1 ? run->workers : 1;
+    if (g->n_worker > 1) {
+        if ((status = ric_memo_create(&g->recall.memo))) goto out;
+        if ((status = ric_workers_create(g->n_worker, prepare, g, &g->workers))) goto out;
+    }
+    status = explore(g, run);
+out:
+    ric_workers_free(g->workers);
+    ric_memo_free(g->recall.memo);
+    g->workers = NULL;
+    g->recall.memo = NULL;
     return status;
 }

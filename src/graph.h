@@ -3,7 +3,9 @@
 #define RIC_GRAPH_H
 
 #include "node.h"
+#include "solve.h"
 #include "store.h"
+#include "workers.h"
 
 typedef struct {
     ric_trace *trace;
@@ -20,6 +22,9 @@ typedef struct {
     const ric_explore_options *options;
     ric_limits limits;
     ric_store *store;        /* traces of an earlier run; may be NULL */
+    ric_recall recall;       /* what workers have computed */
+    int n_worker;            /* the owner among them */
+    ric_workers *workers;    /* NULL: none beside the owner */
     int n_node, node_capacity;
     ric_node **nodes;
     int n_edge, edge_capacity;

@@ -32,6 +32,35 @@ void ric_node_free(ric_node *node)
     free(node);
 }
 
+ric_node *ric_node_copy(const ric_node *node)
+{
+    ric_node *copy = malloc(sizeof *copy);
+    if (!copy) return NULL;
+    *copy = *node;
+    copy->cycle = ric_cycle_copy(node->cycle);
+    copy->departures = malloc((size_t)(node->n_departure + 1) * sizeof *copy->departures);
+    copy->n_departure = copy->departures ? node->n_departure : 0;
+    for (int i = 0; i < copy->n_departure; i++) copy->departures[i] = (ric_departure){node->departures[i].choice, node->departures[i].state, NULL, 0};
+    if (copy->cycle && copy->departures) return copy;
+    ric_node_free(copy);
+    return NULL;
+}
+
+const char *ric_refusal_text(ric_refusal refusal)
+{
+    switch (refusal) {
+    case RIC_REFUSAL_TOUCHES: return "more touches at once than are enumerated";
+    case RIC_REFUSAL_TOGETHER:
+        return "two contacts with orthogonal normals close at one instant, and on the branches that go on they do so for good; such branches "
+               "are not followed by this version";
+    case RIC_REFUSAL_OBLIQUE:
+        return "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: the impact law does not say what "
+               "happens; the branch ends here";
+    case RIC_REFUSAL_NONE: break;
+    }
+    return "";
+}
+
 static ric_node *node_create(const ric_model *m, ric_kind kind, ric_cycle *cycle)
 {
     ric_node *node = cycle ? calloc(1, sizeof *node) : NULL;
@@ -295,7 +324,7 @@ static bool list_touches(const ric_model *m, ric_node *node)
         else fits = false;
     }
     free(W);
-    if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES) node->refusal = "more touches at once than are enumerated";
+    if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES) node->refusal = RIC_REFUSAL_TOUCHES;
     return true;
 }
 
@@ -419,11 +448,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node 
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_node *node = node_create(m, RIC_KIND_CORNER, ric_cycle_canonical(m, cycle));
     if (!node) return no_memory();
-    node->refusal = n_pair == RIC_CORNER_TOGETHER
-                        ? "two contacts with orthogonal normals close at one instant, and on the branches that go on they do so for good; such "
-                          "branches are not followed by this version"
-                        : "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: the impact law does "
-                          "not say what happens; the branch ends here";
+    node->refusal = n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE;
     *out = node;
     return RIC_OK;
 }

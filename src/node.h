@@ -19,7 +19,12 @@ typedef struct {
     unsigned choice;
     ric_departure_state state;
     char *why;           /* for refused, owned */
+    int job;             /* number under which workers prepare it; 0: they do not */
 } ric_departure;
+
+/* Why no branch leaves a junction at all. */
+typedef enum { RIC_REFUSAL_NONE, RIC_REFUSAL_TOUCHES, RIC_REFUSAL_TOGETHER, RIC_REFUSAL_OBLIQUE } ric_refusal;
+const char *ric_refusal_text(ric_refusal refusal);
 
 typedef struct {
     ric_kind kind;
@@ -32,7 +37,7 @@ typedef struct {
     double energy, period; /* internal units, of the original orbit */
     int n_departure;     /* of a grazing or a corner only when ric_subset_list has listed them */
     ric_departure *departures;
-    const char *refusal;
+    ric_refusal refusal;
     ric_asked asked;     /* of kind user */
     int mode;            /* linear mode that grazes here, from 0; -1 */
     int depth;
@@ -40,6 +45,8 @@ typedef struct {
 } ric_node;
 
 void ric_node_free(ric_node *node);
+/* Without the reasons for which departures were refused. NULL: no memory. */
+ric_node *ric_node_copy(const ric_node *node);
 
 /* The grazing of linear mode `mode` (index among seen modes). *out = NULL if it has none (zero frequency). */
 ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);

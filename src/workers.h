@@ -1,0 +1,30 @@
+/* Threads that prepare departures ahead of the owner of a graph: they follow each on a graph of its own and leave what they found in a memo
+ * (memo.h). The owner takes the departures in its own order and finds most of the work done; the atlas is the same for any number of them. */
+#ifndef RIC_WORKERS_H
+#define RIC_WORKERS_H
+
+#include "node.h"
+
+typedef struct ric_workers ric_workers;
+
+/* What is done with a departure; `node` is the callee's. Any thread. */
+typedef void ric_prepare(void *user, ric_node *node, unsigned choice);
+
+/* The owner and n - 1 threads beside it. */
+ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_workers **out);
+/* Waits for what is in hand and drops the rest. */
+void ric_workers_free(ric_workers *workers);
+
+/* Puts a departure at the end of the queue. Returns its number, 0 without memory. */
+int ric_workers_offer(ric_workers *workers, const ric_node *node, unsigned choice);
+/* The owner has no use for it any more, or does it on its own. */
+void ric_workers_withdraw(ric_workers *workers, int job);
+/* Returns when the departure is prepared or still untouched, in which case it is withdrawn; works on others while it is in hand. */
+void ric_workers_await(ric_workers *workers, int job);
+/* Departures that wait for a worker. */
+int ric_workers_waiting(ric_workers *workers);
+
+/* Calls each(user, i) for all i below `count`, on n threads, in any order; the status of one that failed. */
+ric_status ric_parallel(int n, int count, ric_status (*each)(void *user, int i), void *user);
+
+#endif

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# The atlas is the same, row for row, for any number of workers; and a run with workers that is killed goes on.
+set -u
+. tests/tap.sh
+
+study() # IMPACTS MULTIPLY DEPTH
+{
+    sed "s/^  impacts:.*/  impacts: $1/; s/^  multiply:.*/  multiply: $2/; s/^  depth:.*/  depth: $3/" examples/elementary/study.yaml
+}
+
+rows() # ATLAS: all tables but the cache of traces
+{
+    "$ricochet" branches "$1" --json && "$ricochet" junctions "$1" --json
+    for id in 1 2 3 5 8 13 21 34 55 89; do "$ricochet" points "$1" --branch $id --csv 2>/dev/null; done
+}
+
+same() { diff -q "$1" "$2"; }
+
+study 8 4 3 >"$folder/two.yaml"
+for case in "$folder/two.yaml" examples/three-masses/study.yaml examples/two-walls/study.yaml examples/cascade/study.yaml; do
+    for workers in 1 2 5; do
+        rm -f "$folder/a.ricochet"
+        ok "$(basename "$(dirname "$case")")/$(basename "$case") with $workers" "$ricochet" run "$case" -j $workers -o "$folder/a.ricochet"
+        rows "$folder/a.ricochet" >"$folder/$workers.txt"
+    done
+    ok "2 workers, the same rows" same "$folder/1.txt" "$folder/2.txt"
+    ok "5 workers, the same rows" same "$folder/1.txt" "$folder/5.txt"
+    ok "there are rows" test "$(grep -c '"word"' "$folder/1.txt")" -gt 5
+done
+
+study 10 4 4 >"$folder/long.yaml"
+ok "an undisturbed run" "$ricochet" run "$folder/long.yaml" -j 3 -o "$folder/whole.ricochet"
+rows "$folder/whole.ricochet" >"$folder/whole.txt"
+for delay in 0.05 0.2 0.4 0.8; do
+    "$ricochet" run "$folder/long.yaml" -j 3 -o "$folder/broken.ricochet" 2>/dev/null &
+    sleep $delay
+    kill -KILL $! 2>/dev/null
+    wait $! 2>/dev/null
+done
+ok "four kills later it comes to its end" "$ricochet" run "$folder/long.yaml" -j 2 -o "$folder/broken.ricochet"
+rows "$folder/broken.ricochet" >"$folder/broken.txt"
+ok "bit for bit" same "$folder/whole.txt" "$folder/broken.txt"
+
+ok "no workers are refused" sh -c "'$ricochet' run '$folder/two.yaml' -j 0 2>&1 | grep -q -- '-j'"
+finish
