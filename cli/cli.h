@@ -20,6 +20,12 @@ typedef struct {
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
     cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade;
 
+/* The whole program; returns its exit code. */
+int cli_main(int argc, char **argv);
+/* Who lends a hand to `run` besides its threads; NULL: nobody. */
+struct ric_crew;
+extern const struct ric_crew *cli_run_crew;
+
 typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 
 /* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns` (NULL-terminated) orders and selects

@@ -7,8 +7,11 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "../src/crew.h"
 #include "../src/study.h"
 #include "cli.h"
+
+const ric_crew *cli_run_crew = NULL;
 
 /* ---------------------------------------------------------------- progress */
 
@@ -96,7 +99,7 @@ static int explore(const ric_study *study, const char *path, long workers)
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
     cli_catch_signals();
-    ric_status status = ric_explore(study, path, &options);
+    ric_status status = ric_explore_with(study, path, &options, cli_run_crew);
     clear_progress(&d);
     if (status == RIC_E_INTERRUPTED) {
         fprintf(stderr, "ricochet: stopped; what was done is kept in %s, and the same command continues there\n", path);

@@ -88,7 +88,7 @@ static int dispatch(int argc, char **argv)
     return unknown_command(argv[1]);
 }
 
-int main(int argc, char **argv)
+int cli_main(int argc, char **argv)
 {
     /* The locale stays "C": numbers are written with a decimal point everywhere. */
     int code = dispatch(argc, argv);

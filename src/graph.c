@@ -28,6 +28,7 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     ric_graph *g = calloc(1, sizeof *g);
     *out = NULL;
     if (!g) return ric_fail(RIC_E_NOMEM, "no memory for an atlas");
+    g->study = study;
     g->model = m;
     g->options = o;
     g->store = store;
@@ -758,10 +759,9 @@ static void refuse_all(ric_graph *g, const char *why)
         }
 }
 
-/* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. */
-static void prepare(void *user, ric_node *node, unsigned choice)
+void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
 {
-    const ric_graph *g = user;
+    const ric_graph *g = graph;
     ric_graph *alone = calloc(1, sizeof *alone);
     ric_node **nodes = malloc(sizeof *nodes);
     if (alone && nodes) {
@@ -779,6 +779,19 @@ static void prepare(void *user, ric_node *node, unsigned choice)
     }
 }
 
+/* Whether an earlier run has followed the departure. */
+static bool followed_before(ric_graph *g, const ric_node *node, unsigned choice)
+{
+    char key[1024];
+    void *blob = NULL;
+    size_t size;
+    if (!g->store) return false;
+    trace_key(g, node, choice, 1, key, sizeof key);
+    bool found = !ric_store_trace_get(g->store, key, &blob, &size) && blob;
+    free(blob);
+    return found;
+}
+
 /* What the owner comes to next. Of a branch that passes, the owner may know an edge that it is part of. */
 static void offer(ric_graph *g, int n, const open_departure *list)
 {
@@ -786,7 +799,8 @@ static void offer(ric_graph *g, int n, const open_departure *list)
         ric_node *node = g->nodes[list[i].index];
         ric_departure *d = &node->departures[list[i].place];
         bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
-        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice))
+        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice) &&
+            !followed_before(g, node, d->choice))
             d->job = ric_workers_offer(g->workers, node, d->choice);
     }
 }
@@ -842,11 +856,13 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
 {
     ric_status status = RIC_OK;
     g->n_worker = run && run->workers > 1 ? run->workers : 1;
-    if (g->n_worker > 1) {
+    if (g->n_worker > 1 || g->crew) {
         if ((status = ric_memo_create(&g->recall.memo))) goto out;
-        if ((status = ric_workers_create(g->n_worker, prepare, g, &g->workers))) goto out;
+        if ((status = ric_workers_create(g->n_worker, ric_graph_prepare, g, &g->workers))) goto out;
     }
+    if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo))) goto out;
     status = explore(g, run);
+    if (g->crew) g->crew->leave(g->crew->user);
 out:
     ric_workers_free(g->workers);
     ric_memo_free(g->recall.memo);

@@ -32,14 +32,21 @@ static int next_job(ric_workers *w)
     return w->first < w->n_job ? w->first : -1;
 }
 
-/* Does job i, with the lock held before and after but not meanwhile. */
-static void work(ric_workers *w, int i)
+/* Job i is in hand from now on; its node is the caller's. With the lock held. */
+static ric_node *claim(ric_workers *w, int i)
 {
     ric_node *node = w->jobs[i].node;
-    unsigned choice = w->jobs[i].choice;
     w->jobs[i].state = IN_HAND;
     w->jobs[i].node = NULL;
     w->waiting--;
+    return node;
+}
+
+/* Does job i, with the lock held before and after but not meanwhile. */
+static void work(ric_workers *w, int i)
+{
+    ric_node *node = claim(w, i);
+    unsigned choice = w->jobs[i].choice;
     pthread_mutex_unlock(&w->lock);
     w->prepare(w->user, node, choice);
     pthread_mutex_lock(&w->lock);
@@ -152,6 +159,26 @@ void ric_workers_await(ric_workers *w, int number)
         if (i >= 0) work(w, i);
         else pthread_cond_wait(&w->finished, &w->lock);
     }
+    pthread_mutex_unlock(&w->lock);
+}
+
+int ric_workers_claim(ric_workers *w, ric_node **node, unsigned *choice)
+{
+    pthread_mutex_lock(&w->lock);
+    int i = next_job(w);
+    if (i >= 0) {
+        *node = claim(w, i);
+        *choice = w->jobs[i].choice;
+    }
+    pthread_mutex_unlock(&w->lock);
+    return i + 1;
+}
+
+void ric_workers_finish(ric_workers *w, int number)
+{
+    pthread_mutex_lock(&w->lock);
+    w->jobs[number - 1].state = DONE;
+    pthread_cond_broadcast(&w->finished);
     pthread_mutex_unlock(&w->lock);
 }
 

@@ -21,6 +21,10 @@ int ric_workers_offer(ric_workers *workers, const ric_node *node, unsigned choic
 void ric_workers_withdraw(ric_workers *workers, int job);
 /* Returns when the departure is prepared or still untouched, in which case it is withdrawn; works on others while it is in hand. */
 void ric_workers_await(ric_workers *workers, int job);
+/* For hands that are no threads of these workers: the number of a departure that waits, which is now in hand, and its node, which is the
+ * caller's; 0 if none waits. Finished, it is done. */
+int ric_workers_claim(ric_workers *workers, ric_node **node, unsigned *choice);
+void ric_workers_finish(ric_workers *workers, int job);
 /* Departures that wait for a worker. */
 int ric_workers_waiting(ric_workers *workers);
 
