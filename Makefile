@@ -48,7 +48,9 @@ demo: build
 	@echo "atlas    $(DEMO)/elementary.ricochet"
 	@echo "picture  $(DEMO)/elementary.svg  $(DEMO)/elementary.png"
 
-test: build
+test:
+	@tools/setup tests
+	@$(MAKE) --no-print-directory build
 	@tools/run-tests $(BUILD)
 
 bench: build

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Three ranks make the atlas of one; when one of them dies the run ends, and the same command completes the atlas.
+set -u
+mpi=$(dirname "${RICOCHET:?the program to test}")/ricochet-mpi
+command -v mpirun >/dev/null && [ -x "$mpi" ] || exit 77
+. tests/tap.sh
+
+ranks() # N COMMAND...
+{
+    local n=$1 root=
+    shift
+    [ "$(id -u)" -ne 0 ] || root=--allow-run-as-root
+    timeout 300 mpirun $root --oversubscribe --mca btl_base_warn_component_unused 0 -n "$n" "$@"
+}
+
+study() # IMPACTS
+{
+    sed "s/^  impacts:.*/  impacts: $1/; s/^  multiply:.*/  multiply: 4/; s/^  depth:.*/  depth: 3/" examples/elementary/study.yaml
+}
+
+rows() # ATLAS
+{
+    "$ricochet" branches "$1" --json && "$ricochet" junctions "$1" --json
+    for id in 1 2 3 5 8 13 21 34 55 89; do "$ricochet" points "$1" --branch $id --csv 2>/dev/null; done
+}
+
+same() { diff -q "$1" "$2"; }
+
+study 8 >"$folder/study.yaml"
+ok "one process" "$ricochet" run "$folder/study.yaml" -o "$folder/one.ricochet"
+rows "$folder/one.ricochet" >"$folder/one.txt"
+ok "there are rows" test "$(grep -c '"word"' "$folder/one.txt")" -gt 50
+for n in 1 3; do
+    ok "$n ranks" ranks $n "$mpi" run "$folder/study.yaml" -o "$folder/$n.ricochet"
+    rows "$folder/$n.ricochet" >"$folder/$n.txt"
+    ok "the same rows" same "$folder/one.txt" "$folder/$n.txt"
+done
+
+ok "a study that is wrong ends all ranks" sh -c "! '$mpi' run '$folder/none.yaml' 2>/dev/null"
+refused() { ranks 3 "$mpi" run "$folder/none.yaml"; [ $? -ne 0 ]; }
+ok "also under mpirun" refused
+
+study 10 >"$folder/long.yaml"
+ok "an undisturbed run" "$ricochet" run "$folder/long.yaml" -o "$folder/whole.ricochet"
+rows "$folder/whole.ricochet" >"$folder/whole.txt"
+for delay in 0.6 1.2; do
+    ranks 3 "$mpi" run "$folder/long.yaml" -o "$folder/broken.ricochet" >/dev/null 2>&1 &
+    sleep $delay
+    pkill -KILL -n -f "$mpi run $folder/long.yaml" # the youngest process: a rank
+    wait $!
+done
+ok "two dead ranks later it comes to its end" ranks 3 "$mpi" run "$folder/long.yaml" -o "$folder/broken.ricochet"
+rows "$folder/broken.ricochet" >"$folder/broken.txt"
+ok "bit for bit" same "$folder/whole.txt" "$folder/broken.txt"
+finish
