@@ -18,6 +18,8 @@
 #define TRUE_RESONANCE 1e-2
 /* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
 #define SAME_ORBIT 1e-5
+/* Within which it is worth to look for a better place along the branch: on sharp turns the zero of the determinant is off by that. */
+#define MAY_BE_SAME 1e-3
 /* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
 #define ALONG 0.9
 /* Part of the largest step within which two pairs that pass a resonance count as one event. */
@@ -356,26 +358,43 @@ static bool opposite(int size, const double *here, const double *near, const dou
     return product < -ALONG * sqrt(a * b);
 }
 
+/* How far towards `near`, as a part of the way, the middle between `here` and its image lies. */
+static double middle(int size, const double *here, const double *near, const double *image)
+{
+    double product = 0, square = 0;
+    for (int i = 0; i < size; i++) {
+        product += (image[i] - here[i]) * (near[i] - here[i]);
+        square += (near[i] - here[i]) * (near[i] - here[i]);
+    }
+    return product / (2 * square);
+}
+
 /* At a zero of the bordered determinant: some operation of the symmetry group keeps the orbit there and turns the branch round.
- * Then the branch ends: beyond is its own mirror image. */
-static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const double *beside)
+ * Then the branch ends: beyond is its own mirror image. Where it all but does, *aside is how far towards `beside` the middle between the
+ * orbit and its image lies; else 0. */
+static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const double *beside, double *aside)
 {
     ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
+    *aside = 0;
     ric_cycle *here = ric_trace_cycle(tr, at->u), *near = ric_trace_cycle(tr, beside);
     double *u = unknowns(m, here), *v = unknowns(m, near);
     for (int op = 0; u && v && !found && op < (m->symmetric ? 4 : 2); op++)
         for (int s = 0; s < here->N && !found; s++) {
             if (op == 0 && s == 0) continue;
             ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
-            bool fixed = image && image->pure == here->pure && image->flip == here->flip && ric_cycle_distance(here, image) < SAME_ORBIT;
+            double distance = image && image->pure == here->pure && image->flip == here->flip ? ric_cycle_distance(here, image) : HUGE_VAL;
+            double *same = distance < MAY_BE_SAME ? unknowns(m, image) : NULL;
             ric_cycle_free(image);
-            if (!fixed) continue;
+            if (!same) continue;
             image = ric_cycle_transform(m, near, s, op & 1, op & 2);
             double *w = unknowns(m, image);
-            found = w && opposite(c->n_unknown, u, v, w);
+            bool turned = w && opposite(c->n_unknown, u, v, w);
+            found = turned && distance < SAME_ORBIT;
+            if (turned && !found) *aside = middle(c->n_unknown, u, v, same);
             free(w);
+            free(same);
             ric_cycle_free(image);
         }
     free(u);
@@ -614,7 +633,12 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     double at = crossing_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     crossing_station(tr, &q, at, h, &tr->mid);
-    if (*end_test < 0 && meets_mirror_image(tr, &tr->mid, q.u)) *end_test = RIC_TEST_DET;
+    for (int i = 0; i < SETTLE_STEPS && *end_test < 0; i++) {
+        double aside, x;
+        if (meets_mirror_image(tr, &tr->mid, q.u, &aside)) *end_test = RIC_TEST_DET;
+        else if ((x = at + aside * (q.x[0] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
+        else crossing_station(tr, &q, at = x, h, &tr->mid);
+    }
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
     bool repeated = repeats(tr, &tr->mid);
