@@ -273,11 +273,11 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion 
         ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
         if (good) {
-            ric_chain_evaluate(q.chain, u);
-            if (q.test == RIC_TEST_APPROACH) q.place = slowest(q.chain);
-            if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             if (pass)
                 for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
+            ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded unknowns */
+            if (q.test == RIC_TEST_APPROACH) q.place = slowest(q.chain);
+            if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             good = solve_criterion(&q, u);
             out = good ? ric_cycle_from_chain(q.chain, u) : NULL;
         }
