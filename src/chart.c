@@ -24,12 +24,13 @@ typedef struct {
     int from, to;      /* nodes */
     const ric_edge *edge;
     int user;          /* first of the marks on a linear mode, in the numbering of nodes */
+    int ends[4];       /* ids of the junctions and ways out of them, which tell apart what is alike in all else */
 } sheet;
 
 /* The node number k that a branch passes. */
 static int passed(const sheet *s, int k)
 {
-    return s->edge ? s->edge->inner[k] : s->user + k;
+    return s->edge ? s->edge->inner[k].node : s->user + k;
 }
 
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
@@ -145,7 +146,7 @@ static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
     ric_cycle_free(cycle);
     ric_cycle_free(turned);
     if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return no_memory();
-    if (e->n_inner) memcpy(r->junction_at, e->inner_at, (size_t)e->n_inner * sizeof *r->junction_at);
+    for (int k = 0; k < e->n_inner; k++) r->junction_at[k] = e->inner[k].at;
     r->row.junctions = r->junctions;
     r->row.junction_at = r->junction_at;
     if (!(r->label = branch_label(m, &r->row))) return no_memory();
@@ -229,7 +230,9 @@ static int sheet_order(const void *p, const void *q)
     if ((order = compare_numbers(a->energy_min, b->energy_min))) return order;
     if ((order = compare_numbers(a->frequency_min, b->frequency_min))) return order;
     if ((order = compare_numbers(a->energy_max, b->energy_max))) return order;
-    return strcmp(a->mirror, b->mirror);
+    if ((order = strcmp(a->mirror, b->mirror))) return order;
+    for (int i = 0; i < 4 && !order; i++) order = ((const sheet *)p)->ends[i] - ((const sheet *)q)->ends[i];
+    return order;
 }
 
 /* ----------------------------------------------------------------- junctions */
@@ -364,7 +367,9 @@ static int mark_order(const void *p, const void *q)
     if ((order = compare_numbers(a->energy, b->energy))) return order;
     if ((order = compare_numbers(a->frequency, b->frequency))) return order;
     if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
-    return ((const mark *)p)->index - ((const mark *)q)->index;
+    const mark *k = p, *l = q;
+    if (k->node && l->node && (order = ric_node_order(k->node, l->node))) return order;
+    return k->index - l->index;
 }
 
 static bool same_family(const ric_junction *a, const ric_junction *b)
@@ -421,11 +426,21 @@ static ric_status name_marks(const ric_study *study, int n, mark *marks)
 
 /* --------------------------------------------------------------------- atlas */
 
+/* Whether a run starts at a mode. */
 static bool started(const ric_explore_options *o, int mode)
 {
     bool wanted = o->n_start == 0;
     for (int j = 0; j < o->n_start; j++) wanted |= o->start[j] == mode + 1;
     return wanted;
+}
+
+/* Whether the linear mode that grazes at a node was reached from there. */
+static bool departed(const ric_node *node)
+{
+    for (int i = 0; i < node->n_departure; i++)
+        if (ric_node_impacts(node, node->departures[i].choice) == 0)
+            return node->departures[i].state == RIC_DEPARTURE_KNOWN || node->departures[i].state == RIC_DEPARTURE_TAKEN;
+    return false;
 }
 
 static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n, mark *marks, int *n_mark)
@@ -436,12 +451,13 @@ static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n, mark 
     ric_status status = energy && contact ? ric_model_grazing_energies(m, energy, contact) : no_memory();
     for (int i = 0; i < m->n_dof && !status; i++) {
         int seen = -1, node = -1;
-        if (m->frequency[i] == 0 || !started(g->options, i)) continue;
         for (int k = 0; k < m->n; k++)
             if (m->mode[k] == i) seen = k;
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
+        if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;
         status = make_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
+        if (!started(g->options, i)) sheets[*n].record.row.depth = g->nodes[node]->depth + 1;
         if (!status) status = mark_linear_energies(g, i, &sheets[*n], marks, n_mark);
         (*n)++;
     }
@@ -457,7 +473,7 @@ static bool used_by(const ric_graph *g, int node)
         const ric_edge *e = &g->edges[i];
         if (e->from == node || e->to == node) return true;
         for (int k = 0; k < e->n_inner; k++)
-            if (e->inner[k] == node) return true;
+            if (e->inner[k].node == node) return true;
     }
     return false;
 }
@@ -475,6 +491,14 @@ static ric_status list_branches(mark *k, int n, const sheet *sheets)
     r->row.branches = r->branches;
     r->row.n_branch = count;
     return RIC_OK;
+}
+
+static void note_ends(sheet *s, const int *id)
+{
+    const ric_edge *e = s->edge;
+    if (!e) return;
+    const int ends[4] = {e->from >= 0 ? id[e->from] : 0, (int)e->leave, e->to >= 0 ? id[e->to] : 0, (int)e->arrive};
+    memcpy(s->ends, ends, sizeof ends);
 }
 
 static void link_sheets(int n, sheet *sheets, const int *id)
@@ -530,12 +554,13 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
         if (used_by(g, i)) marks[n_mark++].index = i;
     if ((status = ric_parallel(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
     if ((status = ric_parallel(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
-    qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
     qsort(marks, (size_t)n_mark, sizeof *marks, mark_order);
     for (int i = 0; i < n_mark; i++) {
         marks[i].record.row.id = i + 1;
         id[marks[i].index] = i + 1;
     }
+    for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
+    qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
     link_sheets(n_sheet, sheets, id);
     for (int i = 0; i < n_mark && !status; i++) status = list_branches(&marks[i], n_sheet, sheets);
     if (!status) status = label_marks(n_mark, marks);

@@ -44,7 +44,6 @@ static void edge_release(ric_edge *e)
 {
     ric_trace_free(e->trace);
     free(e->inner);
-    free(e->inner_at);
 }
 
 void ric_graph_free(ric_graph *g)
@@ -59,17 +58,19 @@ void ric_graph_free(ric_graph *g)
 
 /* -------------------------------------------------------------------- nodes */
 
-/* Smallest first: energy, then impacts, then period. */
-static int node_order(const ric_node *a, const ric_node *b)
+int ric_node_order(const ric_node *a, const ric_node *b)
 {
     double de = a->energy - b->energy, dt = a->period - b->period;
     if (fabs(de) > 1e-8 * (fabs(a->energy) + fabs(b->energy))) return de < 0 ? -1 : 1;
+    if (a == b) return 0;
     int na = a->cycle->N - a->n_touch, nb = b->cycle->N - b->n_touch;
     if (na != nb) return na < nb ? -1 : 1;
     if (fabs(dt) > 1e-8 * (a->period + b->period)) return dt > 0 ? -1 : 1;
     if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
-    return 0;
+    if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
+    if (a->cycle->N != b->cycle->N) return a->cycle->N - b->cycle->N;
+    return ric_cycle_compare(a->cycle, b->cycle); /* images of each other under what is no symmetry of the whole structure */
 }
 
 /* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */
@@ -263,24 +264,6 @@ static bool is_junction(const ric_chain *c, int test)
     return !(half_chain && (test == RIC_TEST_A || test == RIC_TEST_D));
 }
 
-/* Lists a junction that the edge passes, in order of arclength. */
-static ric_status attach(ric_edge *e, int node, double where)
-{
-    int *inner = realloc(e->inner, (size_t)(e->n_inner + 1) * sizeof *inner);
-    if (inner) e->inner = inner;
-    double *at = realloc(e->inner_at, (size_t)(e->n_inner + 1) * sizeof *at);
-    if (at) e->inner_at = at;
-    if (!inner || !at) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    int place = e->n_inner++;
-    for (; place > 0 && e->inner_at[place - 1] > where; place--) {
-        e->inner[place] = e->inner[place - 1];
-        e->inner_at[place] = e->inner_at[place - 1];
-    }
-    e->inner[place] = node;
-    e->inner_at[place] = where;
-    return RIC_OK;
-}
-
 static bool breaks_or_crosses(int test)
 {
     return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
@@ -325,11 +308,11 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
-        if (e->inner[i] == index && fabs(e->inner_at[i] - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
+        if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
     unsigned choice;
     if ((status = passing_choice(g, e, event, g->nodes[index], multiplies, &choice))) return status;
     mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
-    return attach(e, index, event->s);
+    return ric_edge_attach(e, index, choice, event->s);
 }
 
 /* Traces again from the far end, so that what is stored does not depend on which end was found first. */
@@ -339,7 +322,7 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     int home = -1;
     unsigned choice = 0;
     ric_node *a = g->nodes[from], *b = g->nodes[to];
-    int order = from == to ? (arrive < leave ? 1 : -1) : -node_order(b, a);
+    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
     *turned = false;
     if (order <= 0 || !departs(b)) return RIC_OK;
     ric_status status = trace_departure(g, b, arrive, 1, &back);
@@ -479,46 +462,6 @@ out:
     return status;
 }
 
-/* --------------------------------------------------------------- known orbits */
-
-/* Whether an edge passes through the orbit of a node; its arclength there. */
-static bool contains(const ric_graph *g, ric_edge *e, const ric_node *node, double *where)
-{
-    ric_trace *tr = e->trace;
-    ric_chain *c = tr->chain;
-    int size = c->n_unknown, iterations, shift;
-    bool reverse, mirror, found = false;
-    if (c->multiple * c->n_flight + 2 < node->cycle->N || e->trace->n_point < 2) return false;
-    double target = node->energy * g->model->energy_unit, du[size], u[size], t[size];
-    for (int i = 0; i + 1 < tr->n_point && !found; i++) {
-        const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
-        const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
-        if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy) continue;
-        const double *ua = (const double *)(a + 1), *ub = (const double *)(b + 1);
-        double x = (target - a->energy) / (b->energy - a->energy), step = 0;
-        for (int j = 0; j < size; j++) {
-            u[j] = ua[j] + x * (ub[j] - ua[j]);
-            t[j] = ub[j] - ua[j];
-            step += t[j] * t[j];
-        }
-        for (int k = 0; k < 12; k++) {
-            double origin[size];
-            memcpy(origin, u, sizeof origin);
-            if (!ric_trace_correct(c, u, origin, t, 0, du, &iterations)) break;
-            double slope, kernel[size], miss = ric_chain_energy(c) - node->energy;
-            ric_trace_tangent(c, t, kernel);
-            slope = ric_chain_energy_slope(c, kernel);
-            if (fabs(miss) < 1e-13 * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
-            for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
-        }
-        ric_cycle *cycle = ric_trace_cycle(tr, u);
-        found = cycle && ric_cycle_match(g->model, node->cycle, cycle, 1e-5, &shift, &reverse, &mirror);
-        ric_cycle_free(cycle);
-        *where = a->arclength + x * (b->arclength - a->arclength);
-    }
-    return found;
-}
-
 /* ----------------------------------------------------------------- exploring */
 
 /* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts from a mode, and what goes
@@ -566,9 +509,10 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         for (int i = 0; choice == RIC_THROUGH && !crossing && i < g->n_edge; i++) {
             double where;
             /* a branch that ends here has left, it does not pass */
-            if (g->edges[i].from == index || g->edges[i].to == index || !contains(g, &g->edges[i], node, &where)) continue;
+            if (g->edges[i].from == index || g->edges[i].to == index || !ric_edge_contains(g->model, &g->edges[i], node, &where))
+                continue;
             d->state = RIC_DEPARTURE_KNOWN;
-            return node->kind == RIC_KIND_START ? RIC_OK : attach(&g->edges[i], index, where);
+            return node->kind == RIC_KIND_START ? RIC_OK : ric_edge_attach(&g->edges[i], index, choice, where);
         }
         status = follow_through(g, index, choice, depth);
         node->departures[place].state = RIC_DEPARTURE_TAKEN;
@@ -594,9 +538,23 @@ typedef struct {
 static int departure_order(const void *a, const void *b)
 {
     const open_departure *p = a, *q = b;
-    int order = p->index == q->index ? 0 : node_order(p->node, q->node);
+    int order = p->index == q->index ? 0 : ric_node_order(p->node, q->node);
     if (order) return order;
     return p->index != q->index ? p->index - q->index : p->place - q->place;
+}
+
+/* Any order will do: Fisher and Yates' shuffle with the generator xorshift64. */
+static void shuffle(uint64_t seed, int n, open_departure *list)
+{
+    for (int i = n - 1; i > 0; i--) {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        int j = (int)(seed % (uint64_t)(i + 1));
+        open_departure moved = list[i];
+        list[i] = list[j];
+        list[j] = moved;
+    }
 }
 
 /* Open departures of nodes at `depth`, sorted; NULL with *n = 0 when there is none. At the last depth of the budget only corners: what goes
@@ -742,13 +700,6 @@ static bool stopped(const ric_graph *g, const ric_run_options *run, double secon
     return run->progress(&progress, run->user);
 }
 
-static void close_rest(ric_graph *g)
-{
-    for (int i = 0; i < g->n_node; i++)
-        for (int j = 0; j < g->nodes[i]->n_departure; j++)
-            if (g->nodes[i]->departures[j].state == RIC_DEPARTURE_OPEN) g->nodes[i]->departures[j].state = RIC_DEPARTURE_OVER_BUDGET;
-}
-
 static void refuse_all(ric_graph *g, const char *why)
 {
     for (int i = 0; i < g->n_node; i++)
@@ -835,6 +786,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
             if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
             open_departure *list = open_at(g, depth, depth == limit, &n);
+            if (g->shuffle) shuffle(g->shuffle, n, list);
             offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
@@ -848,8 +800,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         for (int i = 0; i < g->n_node; i++) deeper |= g->nodes[i]->depth > depth;
         if (!deeper) break;
     }
-    if (!status) close_rest(g);
-    return status;
+    return status ? status : ric_graph_settle(g);
 }
 
 ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)

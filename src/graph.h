@@ -7,13 +7,19 @@
 #include "solve.h"
 #include "store.h"
 
+/* A node that an edge passes, as the way out `choice` of it. */
+typedef struct {
+    int node;
+    unsigned choice;
+    double at;               /* arclength */
+} ric_passage;
+
 typedef struct {
     ric_trace *trace;
     int from, to;            /* nodes, -1 = none */
     unsigned leave, arrive;  /* choices at them */
     int n_inner;
-    int *inner;              /* nodes passed, in order */
-    double *inner_at;
+    ric_passage *inner;      /* in order */
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 
@@ -31,6 +37,7 @@ typedef struct {
     ric_node **nodes;
     int n_edge, edge_capacity;
     ric_edge *edges;
+    uint64_t shuffle;        /* 0; else departures of one depth are taken in another order: for tests, which expect the same atlas */
 } ric_graph;
 
 ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph **out);
@@ -40,6 +47,17 @@ void ric_graph_free(ric_graph *graph);
 ric_status ric_graph_explore(ric_graph *graph, const ric_run_options *run);
 /* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. Takes over the node. */
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice);
+
+/* Smallest first: energy, then impacts, then period. */
+int ric_node_order(const ric_node *a, const ric_node *b);
+
+/* Lists a node that the edge passes, in order of arclength. */
+ric_status ric_edge_attach(ric_edge *edge, int node, unsigned choice, double at);
+/* Whether an edge passes through the orbit of a node; its arclength there. */
+bool ric_edge_contains(const ric_model *model, const ric_edge *edge, const ric_node *node, double *at);
+/* Brings the departures of the finished graph to a state that does not depend on the order of work: nothing is open, what an edge passes is
+ * known, and of the ways to an edge one counts as taken. */
+ric_status ric_graph_settle(ric_graph *graph);
 
 /* A trace as bytes that another run can take up, and back (bit for bit). */
 ric_status ric_trace_pack(const ric_trace *trace, void **blob, size_t *size);

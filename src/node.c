@@ -328,6 +328,20 @@ static bool list_touches(const ric_model *m, ric_node *node)
     return true;
 }
 
+/* The linear mode that a grazing orbit without impacts is, wherever it was met; -1 if it is none. */
+static int linear_mode(const ric_node *node)
+{
+    const ric_cycle *c = node->cycle;
+    int most = 0;
+    double rest = 0;
+    if (node->n_touch < c->N) return -1;
+    for (int i = 1; i < c->n; i++)
+        if (hypot(c->w[i], c->w[c->n + i]) > hypot(c->w[most], c->w[c->n + most])) most = i;
+    for (int i = 0; i < c->n; i++)
+        if (i != most) rest = hypot(rest, hypot(c->w[i], c->w[c->n + i]));
+    return rest < SAME * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
+}
+
 static ric_status finish_grazing(const ric_model *m, ric_cycle *full, int multiple, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
@@ -337,6 +351,7 @@ static ric_status finish_grazing(const ric_model *m, ric_cycle *full, int multip
         ric_node_free(node);
         return no_memory();
     }
+    node->mode = linear_mode(node);
     *out = node;
     return RIC_OK;
 }
@@ -362,9 +377,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
 ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple, ric_node **out)
 {
     *out = NULL;
-    ric_status status = finish_grazing(m, ric_cycle_copy(node->cycle), multiple, out);
-    if (!status) (*out)->mode = node->mode;
-    return status;
+    return finish_grazing(m, ric_cycle_copy(node->cycle), multiple, out);
 }
 
 /* A linear mode with the amplitude at which it touches: all its contacts are touches, the cycle starts at the first. */
@@ -401,9 +414,7 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     ric_cycle *canonical = ric_cycle_canonical(m, c);
     ric_cycle_free(c);
     if (!canonical) return no_memory();
-    ric_status status = finish_grazing(m, canonical, 1, out);
-    if (!status) (*out)->mode = mode;
-    return status;
+    return finish_grazing(m, canonical, 1, out);
 }
 
 bool ric_node_coincident(const ric_model *m, const ric_cycle *cycle)

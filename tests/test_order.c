@@ -1,0 +1,96 @@
+/* Exploring is a function of the study: in whatever order the departures are taken, the atlas is the same bit for bit. */
+#include "stored_atlases.h"
+
+#include "explored.h"
+
+static ric_atlas *explore_shuffled(const ric_study *study, uint64_t seed)
+{
+    ric_graph *g = NULL;
+    ric_atlas *atlas = NULL;
+    assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
+    g->shuffle = seed;
+    if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
+    ric_graph_free(g);
+    return atlas;
+}
+
+static void say_difference(const ric_atlas *a, const ric_atlas *b, const char *name, unsigned long long seed)
+{
+    fprintf(stderr, "%s, order %llu: %d branches and %d junctions, against %d and %d\n", name, seed, b->n_branch, b->n_junction, a->n_branch, a->n_junction);
+    for (int i = 0; i < a->n_branch && i < b->n_branch; i++) {
+        const ric_branch *x = &a->branches[i].row, *y = &b->branches[i].row;
+        if (same_branch(&a->branches[i], &b->branches[i])) continue;
+        fprintf(stderr, "  branch %d %s: E %.17g to %.17g, %d points, junctions %d to %d, depth %d, %s %s\n", x->id, x->label, x->energy_min, x->energy_max,
+                x->n_point, x->from, x->to, x->depth, ric_stop_text(x->stop), x->why);
+        fprintf(stderr, "  becomes   %s: E %.17g to %.17g, %d points, junctions %d to %d, depth %d, %s %s\n", y->label, y->energy_min, y->energy_max,
+                y->n_point, y->from, y->to, y->depth, ric_stop_text(y->stop), y->why);
+    }
+    for (int i = 0; i < a->n_junction && i < b->n_junction; i++) {
+        const ric_junction *x = &a->junctions[i].row, *y = &b->junctions[i].row;
+        const ric_departures *d = &x->departures, *e = &y->departures;
+        if (same_junction(x, y, ric_model_n_dof(ric_atlas_model(a)))) continue;
+        fprintf(stderr, "  junction %d %s: E %.17g, departures %d %d %d %d %d\n", x->id, x->label, x->energy, d->taken, d->known, d->inadmissible,
+                d->over_budget, d->refused);
+        fprintf(stderr, "  becomes     %s: E %.17g, departures %d %d %d %d %d\n", y->label, y->energy, e->taken, e->known, e->inadmissible, e->over_budget,
+                e->refused);
+    }
+}
+
+static void check(const ric_study *study, const char *name)
+{
+    ric_atlas *usual = explore_shuffled(study, 0);
+    int different = 0;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        ric_atlas *atlas = explore_shuffled(study, seed * 0x9e3779b97f4a7c15u);
+        if (!same_atlas(usual, atlas)) {
+            different++;
+            say_difference(usual, atlas, name, seed);
+        }
+        ric_atlas_free(atlas);
+    }
+    ric_atlas_free(usual);
+    if (different) fail_msg("%s: another atlas in %d of 4 orders", name, different);
+}
+
+static void check_example(const char *name)
+{
+    char path[128];
+    ric_study *study = NULL;
+    snprintf(path, sizeof path, "examples/%s/study.yaml", name);
+    if (ric_study_read(path, &study)) fail_msg("%s", ric_detail());
+    check(study, name);
+    ric_study_free(study);
+}
+
+static void examples(void **state)
+{
+    static const char *const names[] = {"elementary", "symmetric-path", "three-masses", "corner", "loose-mass", "fractal-base"};
+    (void)state;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) check_example(names[i]);
+}
+
+static void multiplications(void **state)
+{
+    static const char *const options[] = {
+        "energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 2, depth: 3",
+        "energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 2, depth: 4",
+        "energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 4, depth: 2",
+        "start: [1], energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 3, depth: 3",
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\nexplore: {%s}\n", options[i]);
+        ric_study *study = study_of(text);
+        check(study, options[i]);
+        ric_study_free(study);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications)};
+    return cmocka_run_group_tests_name("order", tests, NULL, NULL);
+}
