@@ -140,7 +140,7 @@ const cli_command cli_branches = {
         "normal modes are rows too. The table leaves out what does not fit on a line; --csv and --json show everything.\n"
         "\n"
         "  from, to          junctions at the ends, by id\n"
-        "  stop, why         why the far end is where it is: junction, corner, window, budget, closed or failed, and a sentence on it\n"
+        "  stop, why         why the far end is where it is: junction, corner, window, budget, closed or failed, and a sentence on it, or on events that make no junction\n"
         "  junctions         ids of the junctions that the branch passes through, in order; junction_arclengths says where\n"
         "  depth             least number of departures from the start\n"
         "  stable_fraction   share of the arclength on which the orbits are stable\n"

@@ -68,6 +68,10 @@ static int print_summary(const char *path, const display *d)
         if (counts[i])
             fprintf(stderr, "%d branch%s stopped at: %s; `ricochet branches` says where\n", counts[i], counts[i] == 1 ? "" : "es",
                     ric_stop_text(reasons[i]));
+    int missing = ric_atlas_n_unplaced(atlas);
+    if (missing)
+        fprintf(stderr, "%d event%s on branches do%s not converge and make%s no junction; `why` in `ricochet branches --json` says where\n",
+                missing, missing == 1 ? "" : "s", missing == 1 ? "es" : "", missing == 1 ? "s" : "");
     ric_atlas_free(atlas);
     return CLI_DONE;
 }

@@ -221,7 +221,7 @@ typedef struct {
     double energy_min, energy_max, frequency_min, frequency_max;
     int from, to;         /* junction ids, 0 = none */
     ric_stop stop;        /* why the far end is where it is */
-    const char *why;      /* a sentence for window, budget, corner and failed; "" otherwise */
+    const char *why;      /* a sentence for window, budget, corner and failed, and one if events on it are no junctions; "" otherwise */
     int n_junction;
     const int *junctions; /* ids of the interior ones, in order */
     const double *junction_at; /* their arclengths */
@@ -267,6 +267,9 @@ void ric_atlas_free(ric_atlas *atlas);
 const ric_study *ric_atlas_study(const ric_atlas *atlas);
 const ric_model *ric_atlas_model(const ric_atlas *atlas);
 bool ric_atlas_finished(const ric_atlas *atlas);     /* false: the run was stopped before its end */
+/* Events seen on branches that are no junctions of the atlas, because they do not converge on their own equations. The sentence `why` of these
+ * branches says so. */
+int ric_atlas_n_unplaced(const ric_atlas *atlas);
 int ric_atlas_n_branch(const ric_atlas *atlas);
 int ric_atlas_n_junction(const ric_atlas *atlas);
 /* Ids run from 1. RIC_E_RANGE names the range. */

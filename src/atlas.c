@@ -80,6 +80,11 @@ bool ric_atlas_finished(const ric_atlas *atlas)
     return atlas->finished;
 }
 
+int ric_atlas_n_unplaced(const ric_atlas *atlas)
+{
+    return atlas->n_unplaced;
+}
+
 int ric_atlas_n_branch(const ric_atlas *atlas)
 {
     return atlas->n_branch;

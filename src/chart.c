@@ -120,6 +120,18 @@ static int backbone_mode(const ric_graph *g, const ric_edge *e)
     return 0;
 }
 
+/* Why a branch ends, and how many events on it make no junction. */
+static char *branch_why(const char *why, int n_unplaced)
+{
+    size_t size = strlen(why) + 80;
+    char *text = malloc(size);
+    if (!text) return NULL;
+    int used = snprintf(text, size, "%s", why);
+    if (n_unplaced) snprintf(text + used, size - (size_t)used, "%s%d event%s on it do%s not converge to a junction", *why ? "; " : "", n_unplaced,
+                             n_unplaced == 1 ? "" : "s", n_unplaced == 1 ? "es" : "");
+    return text;
+}
+
 static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
 {
     const ric_model *m = g->model;
@@ -136,7 +148,7 @@ static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
     r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
     r->word = turned ? malloc((size_t)N * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
-    r->why = strdup(tr->why ? tr->why : "");
+    r->why = branch_why(tr->why ? tr->why : "", e->n_unplaced);
     if (turned && r->word) memcpy(r->word, turned->face, (size_t)N * sizeof *r->word);
     r->row = (ric_branch){.impacts = N, .word = r->word, .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
                           .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why, .depth = e->depth,
@@ -576,6 +588,7 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
     }
     for (int i = 0; i < n_sheet; i++) atlas->branches[i] = sheets[i].record;
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
+    for (int i = 0; i < g->n_edge; i++) atlas->n_unplaced += g->edges[i].n_unplaced;
     atlas->n_branch = n_sheet;
     atlas->n_junction = n_mark;
     *out = atlas;

@@ -303,7 +303,11 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
                                   : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
     status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
     ric_cycle_free(cycle);
-    if (status == RIC_E_NUMERIC || !node) return status == RIC_E_NUMERIC ? RIC_OK : status;
+    if (status == RIC_E_NUMERIC) {
+        e->n_unplaced++;
+        return RIC_OK;
+    }
+    if (!node) return status;
     int index = find_or_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;

@@ -20,6 +20,7 @@ typedef struct {
     unsigned leave, arrive;  /* choices at them */
     int n_inner;
     ric_passage *inner;      /* in order */
+    int n_unplaced;          /* events whose junction does not converge */
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 

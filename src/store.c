@@ -115,7 +115,7 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     if (!status)
         status = ric_database_run(store->file, numbers);
     if (!status)
-        status = ric_store_put_study(store->file, study, false);
+        status = ric_store_put_study(store->file, study, false, 0);
     if (!status)
         status = ric_store_put_digest(store->file);
     if (!status)
@@ -254,7 +254,7 @@ ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
     if (!status)
         status = ric_store_put_junctions(file, atlas);
     if (!status)
-        status = ric_store_put_study(file, atlas->study, atlas->finished);
+        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced);
     if (!status)
         status = ric_store_put_digest(file);
     if (!status)

@@ -382,21 +382,25 @@ static ric_status check_orphans(ric_database file)
 
 static ric_status read_study(ric_database file, ric_atlas *atlas)
 {
-    char *study = NULL, *finished = NULL;
+    char *study = NULL, *finished = NULL, *unplaced = NULL;
     ric_status status = ric_store_get_meta(file, "study", &study);
     if (!status)
         status = ric_store_get_meta(file, "finished", &finished);
+    if (!status)
+        status = ric_store_get_meta(file, "unplaced", &unplaced); /* older programs did not count */
     if (!status && (!study || !finished))
         status = ric_store_fail_damaged(file.path, "its study is missing");
     if (status)
         goto out;
     atlas->finished = !strcmp(finished, "1");
+    atlas->n_unplaced = unplaced ? atoi(unplaced) : 0;
     status = ric_study_parse(study, file.path, ".", &atlas->study);
     if (status && status != RIC_E_NOMEM)
         status = ric_store_fail_damaged(file.path, "its study cannot be read");
 out:
     free(study);
     free(finished);
+    free(unplaced);
     return status;
 }
 

@@ -215,7 +215,7 @@ ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
     return status;
 }
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished)
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced)
 {
     char text[64];
     char *model = ric_store_model_text(ric_study_text(study));
@@ -232,6 +232,9 @@ ric_status ric_store_put_study(ric_database file, const ric_study *study, bool f
         status = ric_store_put_meta(file, "n_dof", text);
     if (!status)
         status = ric_store_put_meta(file, "finished", finished ? "1" : "0");
+    snprintf(text, sizeof text, "%d", n_unplaced);
+    if (!status)
+        status = ric_store_put_meta(file, "unplaced", text);
     free(model);
     return status;
 }

@@ -215,6 +215,16 @@ static void check_study(const ric_study *study, const char *name)
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
     if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
     for (int i = 0; i < g->n_node; i++) check_node(g, i, name);
+    int unplaced = 0, said = 0;
+    for (int i = 0; i < g->n_edge; i++) unplaced += g->edges[i].n_unplaced;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        int n = 0;
+        const char *text = branch_of(atlas, id).why, *last = strrchr(text, ';');
+        if (strstr(text, "to a junction")) sscanf(last ? last + 1 : text, "%d", &n);
+        said += n;
+    }
+    if (ric_atlas_n_unplaced(atlas) != unplaced || said != unplaced)
+        fail_msg("%s: %d events without a junction, the atlas counts %d, its branches %d", name, unplaced, ric_atlas_n_unplaced(atlas), said);
     check_modes(g, atlas, name);
     check_rows(atlas, name);
     ric_atlas_free(atlas);
