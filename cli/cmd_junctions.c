@@ -48,6 +48,7 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
     json_object_set_new(row, "rotation", junction->rotation[1] ? cli_integers(2, junction->rotation) : json_null());
     json_object_set_new(row, "a", multiplicity(junction, junction->a));
     json_object_set_new(row, "b", multiplicity(junction, junction->b));
+    json_object_set_new(row, "decided", junction->a ? json_boolean(junction->decided) : json_null());
     json_object_set_new(row, "energy", cli_number(d * d * junction->energy));
     json_object_set_new(row, "frequency", cli_number(junction->frequency));
     json_object_set_new(row, "state", numbers(2 * ric_model_n_dof(model), junction->state, d));
@@ -134,7 +135,7 @@ static int run_duplicates(const wanted *w, int argc, char **argv)
 static int run(int argc, char **argv)
 {
     static const char *const all[] = {
-        "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "a", "b", "energy", "frequency", "state",
+        "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "a", "b", "decided", "energy", "frequency", "state",
         "flights", "branches", "departures", "refusal", NULL};
     static const char *const few[] = {
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
@@ -166,6 +167,7 @@ const cli_command cli_junctions = {
         "  word         of the original orbit, touches left out; impacts is its length, grazings the number of touches\n"
         "  multiple     q of a q-tupling, 1 otherwise; rotation is its p/q\n"
         "  a, b         multiplicities of a point C_ab\n"
+        "  decided      whether they are measured; no: lost in rounding, those of the kind are given and the label ends in ?\n"
         "  frequency    where it is drawn: omega / q for a q-tupling\n"
         "  state        x then v right after the first impact of the word, at a mirror point if there is no impact\n"
         "  flights      flight times, or the period if there is no impact\n"

@@ -250,6 +250,7 @@ typedef struct {
     int multiple;         /* q, 1 unless a q-tupling */
     int rotation[2];      /* p, q; 0, 0 if none */
     int a, b;             /* multiplicities of the article's C_ab; 0, 0 if not such a point */
+    bool decided;         /* they are measured; else ranks are lost in rounding, a and b are those of the kind, and the label ends in ? */
     double energy;
     double frequency;     /* where it is drawn: omega / q for a q-tupling */
     const double *state;  /* x then v, [2 n_dof], of the original orbit */

@@ -329,7 +329,7 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
                             .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
     r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;
     if (node->kind == RIC_KIND_EXTREMUM || node->kind == RIC_KIND_BRANCH_POINT || node->kind == RIC_KIND_MULTIPLICATION)
-        status = ric_multiplicity(m, node->cycle, r->row.multiple, &r->row.a, &r->row.b);
+        status = ric_multiplicity(m, node, &r->row.a, &r->row.b, &r->row.decided);
     count_departures(node, r);
 out:
     ric_cycle_free(cycle);
@@ -401,7 +401,7 @@ static ric_status label_marks(int n, mark *marks)
         const char *l = letter(r->row.kind);
         if (r->row.kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, r->row.impacts * r->row.multiple,
                                                            r->row.grazings * r->row.multiple);
-        else if (*l == 'C' && r->row.a > 0) snprintf(text, sizeof text, "C%d_%d%d", number, r->row.a, r->row.b);
+        else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, r->row.a, r->row.b, r->row.decided ? "" : "?");
         else snprintf(text, sizeof text, "%s%d", l, number);
         if (!(r->label = strdup(text))) return no_memory();
         r->row.label = r->label;

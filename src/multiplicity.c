@@ -1,5 +1,6 @@
 #include "multiplicity.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,21 +9,39 @@
 
 #include "status.h"
 
-/* Singular values below this part of the largest are zero: junctions are located to about 1e-12, regular points beside them have 1e-3. */
-#define ZERO 1e-6
-#define LARGEST 400 /* rows of J; beyond it labels are left out */
+/* Error of the singular values of J, relative to its largest entry: rounding of the entries and of the decomposition. What vanishes for a reason
+ * stays below it. A deflation divides the error of all others by the smallest singular value that is kept, as it turns the two subspaces by
+ * that much. */
+#define ERROR (4 * DBL_EPSILON)
+#define PLACED 1e-9 /* a junction that is known less exactly than this has no ranks */
+#define CLEAR 30    /* a singular value above the error by this factor is none of a zero; in between nobody can tell */
+#define LOST (-2)
+#define NO_NUMBER (-1)
+#define LARGEST 400 /* rows of J; beyond it labels are those of the kind */
+
+/* What the kind of a junction lets expect (docs/theory.md section 7). */
+static void expected(const ric_node *node, int *a, int *b)
+{
+    bool half = node->cycle->half;
+    *b = node->kind == RIC_KIND_EXTREMUM ? 1 : 2;
+    *a = half ? 3 : 2;
+    if (node->kind == RIC_KIND_MULTIPLICATION) *a = *b = node->multiple == 2 && !half ? 2 : 3;
+}
 
 /* One step of the staircase form: with V2 the kernel of A [size * size] and V1 its complement, A is similar to [[V1'A V1, 0], [*, 0]],
  * so its eigenvalues are those of V1'A V1 and as many zeros as the kernel has dimensions. A is replaced by V1'A V1.
- * Returns the dimension of the kernel, -1 if LAPACK fails. Better conditioned than ranks of powers (Kublanovskaya 1966). */
-static int deflate(int size, double *A, double scale, double *work, double *V, double *s)
+ * Returns the dimension of the kernel, or what is wrong. Better conditioned than ranks of powers (Kublanovskaya 1966). Relative to scale, singular
+ * values are zero up to `zero_at`; *error is that of the others, then that of the next A. */
+static int deflate(int size, double *A, double scale, double zero_at, double *error, double *work, double *V, double *s)
 {
     int zero = 0;
     if (size == 0) return 0;
     memcpy(work, A, (size_t)size * size * sizeof *A);
-    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size)) return -1;
-    for (int i = 0; i < size; i++) zero += s[i] <= ZERO * scale;
+    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size)) return NO_NUMBER;
+    for (int i = 0; i < size; i++) zero += s[i] <= zero_at * scale;
     int kept = size - zero;
+    if (kept == 0 || s[kept - 1] < CLEAR * *error * scale) return LOST;
+    *error *= fmax(1, scale / s[kept - 1]);
     for (int i = 0; i < kept; i++) /* work = V1' A (rows of V are right singular vectors) */
         for (int j = 0; j < size; j++) {
             double sum = 0;
@@ -57,7 +76,17 @@ static void article_jacobian(int n, int N, const double *tau, const double *G, d
     for (int k = 0; k < N; k++) J[(size_t)(size - 1) * size + 2 * n + k] = 1;
 }
 
-ric_status ric_multiplicity(const ric_model *m, const ric_cycle *cycle, int multiple, int *a, int *b)
+/* The place of a junction is known to what is left of the singular values that vanish there, `b` of them at least. */
+static double located(int size, const double *J, double scale, int b, double *work, double *s)
+{
+    memcpy(work, J, (size_t)size * size * sizeof *J);
+    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, work, size, s, NULL, 1, NULL, 1, s + size)) return HUGE_VAL;
+    return fmax(ERROR, s[size - b] / scale);
+}
+
+/* Both multiplicities from the ranks; *decided = false where one of them is lost in rounding: two different points lie so close together that
+ * both seem to be in one place, or the orbit is too long for a dense matrix. `least`: of b. */
+static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multiple, int least, int *a, int *b, bool *decided)
 {
     ric_status status = RIC_OK;
     int n = m->n, N = cycle->N * multiple, size = 2 * n + N + 1;
@@ -65,6 +94,7 @@ ric_status ric_multiplicity(const ric_model *m, const ric_cycle *cycle, int mult
     double *u = NULL, *G = NULL, *J = NULL, *V = NULL, *work = NULL, *s = NULL;
     ric_cycle *whole = NULL;
     *a = *b = 0;
+    *decided = false;
     if (size > LARGEST) return RIC_OK;
     whole = ric_cycle_create(n, N);
     size_t square = (size_t)size * size;
@@ -87,15 +117,16 @@ ric_status ric_multiplicity(const ric_model *m, const ric_cycle *cycle, int mult
     article_jacobian(n, N, u + 2 * n, G, J);
     double scale = 0;
     for (int i = 0; i < size * size; i++) scale = fmax(scale, fabs(J[i]));
+    double zero_at = located(size, J, scale, least, work, s), error = zero_at;
+    if (zero_at > PLACED) goto out;
     for (int zero = 1; size > 0 && zero > 0; size -= zero) {
-        zero = deflate(size, J, scale, work, V, s);
-        if (zero < 0) {
-            status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
-            goto out;
-        }
+        zero = deflate(size, J, scale, zero_at, &error, work, V, s);
+        if (zero == NO_NUMBER) status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
+        if (zero < 0) goto out;
         if (!*b) *b = zero;
         *a += zero;
     }
+    *decided = *b > 0;
 out:
     ric_chain_free(chain);
     ric_cycle_free(whole);
@@ -106,4 +137,15 @@ out:
     free(work);
     free(s);
     return status;
+}
+
+ric_status ric_multiplicity(const ric_model *m, const ric_node *node, int *a, int *b, bool *decided)
+{
+    int kind_a, kind_b;
+    expected(node, &kind_a, &kind_b);
+    ric_status status = measure(m, node->cycle, node->multiple, kind_b, a, b, decided);
+    if (status || *decided) return status;
+    *a = kind_a;
+    *b = kind_b;
+    return RIC_OK;
 }

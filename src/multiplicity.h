@@ -2,9 +2,10 @@
 #ifndef RIC_MULTIPLICITY_H
 #define RIC_MULTIPLICITY_H
 
-#include "cycle.h"
+#include "node.h"
 
-/* Algebraic (a) and geometric (b) multiplicity at an orbit repeated `multiple` times; 0, 0 if it is too long for a dense matrix. */
-ric_status ric_multiplicity(const ric_model *model, const ric_cycle *cycle, int multiple, int *a, int *b);
+/* Algebraic (a) and geometric (b) multiplicity at an extremum, a branch point or a multiplication, on the duplicate where it lives. *decided =
+ * false: the ranks are lost in rounding, and a and b are those of the kind (docs/theory.md section 7). */
+ric_status ric_multiplicity(const ric_model *model, const ric_node *node, int *a, int *b, bool *decided);
 
 #endif

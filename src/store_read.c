@@ -322,6 +322,7 @@ static void take_junction(row_reader *row, int i, target *to)
     junction->rotation[1] = take_integer(row, 0, INT_MAX);
     junction->a = take_integer(row, 0, INT_MAX);
     junction->b = take_integer(row, 0, INT_MAX);
+    junction->decided = junction->a > 0 && junction->label && !strchr(junction->label, '?');
     junction->energy = take_real(row);
     junction->frequency = take_real(row);
     n_flight = junction->impacts > 0 && !row->wrong ? (size_t)junction->impacts : 1;
