@@ -61,7 +61,7 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
 
 /* -------------------------------------------------------------- duplicates */
 
-typedef struct { long branch, largest; } wanted; /* branch 0: all */
+typedef struct { long branch, largest; bool ghost; } wanted; /* branch 0: all */
 
 /* G_{kN,kp} where the k-duplicate of a grazing is no junction of its own, else its label. */
 static json_t *point_label(const ric_junction *junction, int times)
@@ -106,6 +106,57 @@ static ric_status duplicate_rows(const ric_atlas *atlas, const ric_branch *branc
     return status;
 }
 
+/* A multiplication p/q on the ghost beyond an end of the branch, as the k-duplicates with q | k have it. */
+static void ghost_row(const ric_branch *branch, const ric_ghost_multiplication *m, ric_end end, int k, double d, json_t *rows)
+{
+    const int times = k / m->rotation[1];
+    json_t *row = json_object();
+    json_object_set_new(row, "duplicate", cli_duplicate_label(branch, k));
+    json_object_set_new(row, "branch", json_integer(branch->id));
+    json_object_set_new(row, "k", json_integer(k));
+    json_object_set_new(row, "kind", json_string(ric_kind_text(RIC_KIND_MULTIPLICATION)));
+    json_object_set_new(row, "origin", json_string(ric_duplicate_origin_text(times == 1 ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED)));
+    json_object_set_new(row, "j", json_integer(times * m->rotation[0]));
+    json_object_set_new(row, "rotation", cli_integers(2, m->rotation));
+    json_object_set_new(row, "end", json_string(end == RIC_END_FROM ? "from" : "to"));
+    json_object_set_new(row, "admissible", json_boolean(m->admissible));
+    json_object_set_new(row, "energy", cli_number(d * d * m->energy));
+    json_object_set_new(row, "frequency", cli_number(m->frequency / k));
+    json_array_append_new(rows, row);
+}
+
+static ric_status ghost_rows(const ric_atlas *atlas, const ric_branch *branch, long largest, double d, json_t *rows)
+{
+    ric_ghost_limits limits;
+    ric_ghost **ghosts = NULL;
+    int n = 0;
+    ric_ghost_limits_init(atlas, &limits);
+    limits.multiply = (int)largest;
+    ric_status status = ric_ghost_find(atlas, branch->id, &limits, &n, &ghosts);
+    for (int k = 2; !status && k <= largest; k++)
+        for (int i = 0; !status && i < n; i++)
+            for (int j = 0; !status && j < ric_ghost_n_multiplication(ghosts[i]); j++) {
+                ric_ghost_multiplication m;
+                ric_ghost_data data;
+                ric_ghost_describe(ghosts[i], &data);
+                if (!(status = ric_ghost_multiplication_at(ghosts[i], j, &m)) && k % m.rotation[1] == 0)
+                    ghost_row(branch, &m, data.end, k, d, rows);
+            }
+    ric_ghosts_free(n, ghosts);
+    return status;
+}
+
+static ric_status all_ghosts(const ric_atlas *atlas, double d, const void *user, json_t *rows)
+{
+    const wanted *w = user;
+    ric_branch branch;
+    ric_status status = w->branch ? ric_atlas_branch(atlas, (int)w->branch, &branch) : RIC_OK;
+    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++)
+        if ((!w->branch || id == w->branch) && !(status = ric_atlas_branch(atlas, id, &branch)))
+            status = ghost_rows(atlas, &branch, w->largest, d, rows);
+    return status;
+}
+
 static ric_status all_duplicates(const ric_atlas *atlas, double d, const void *user, json_t *rows)
 {
     const wanted *w = user;
@@ -128,7 +179,10 @@ static int run_duplicates(const wanted *w, int argc, char **argv)
 {
     static const char *const columns[] = {
         "duplicate", "branch", "k", "kind", "origin", "j", "rotation", "label", "name", "junction", "energy", "frequency", NULL};
-    const cli_listing listing = {.command = &cli_junctions, .all = columns, .few = columns, .rows = all_duplicates, .user = w};
+    static const char *const of_ghosts[] = {"duplicate", "branch", "k",      "kind",      "origin", "j", "rotation", "end", "admissible",
+                                            "energy",    "frequency", NULL};
+    const cli_listing listing = {.command = &cli_junctions, .all = w->ghost ? of_ghosts : columns, .few = w->ghost ? of_ghosts : columns,
+                                 .rows = w->ghost ? all_ghosts : all_duplicates, .user = w};
     return cli_list(&listing, argc, argv);
 }
 
@@ -141,11 +195,13 @@ static int run(int argc, char **argv)
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
     static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction, .row = make_row, .all = all, .few = few};
     const char *largest, *branch;
-    wanted w = {0};
+    wanted w = {.ghost = cli_take_flag(&argc, argv, "--ghost")};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))
         return CLI_WRONG;
     if (branch && !largest)
         return cli_wrong("--branch chooses a branch whose duplicates are listed; say up to which with --duplicates K");
+    if (w.ghost && !largest)
+        return cli_wrong("--ghost lists the multiplications on the ghosts of duplicates; say up to which with --duplicates K");
     if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 1000, &w.largest))
         || (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
         return CLI_WRONG;
@@ -158,7 +214,7 @@ const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
     .help =
-        "usage: ricochet junctions ATLAS [--duplicates K [--branch ID]] [--physical] [--json | --csv]\n"
+        "usage: ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID]] [--physical] [--json | --csv]\n"
         "\n"
         "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not fit on a line; --csv and --json\n"
         "show everything.\n"
@@ -177,6 +233,8 @@ const cli_command cli_junctions = {
         "\n"
         "  --duplicates K   instead, the junctions on the k-duplicates of the branches, k = 1..K: the same motions at frequency / k\n"
         "  --branch ID      with it: of this branch only\n"
+        "  --ghost          with it: instead, the multiplications on the ghosts of the duplicates, where the equations hold beyond a grazing\n"
+        "                   and the orbits are no motions\n"
         "\n"
         "The columns then are\n"
         "  duplicate    its label, S2^{3-}[01] for k = 3; branch is the id of the original\n"
@@ -184,8 +242,10 @@ const cli_command cli_junctions = {
         "               point on the q-duplicate; copy: a junction of the branch itself\n"
         "  j            the rotation number is j/k, in lowest terms p/q in the column rotation\n"
         "  frequency    of the duplicate\n"
+        "  end          of ghosts: the end of the branch that it extends; admissible: yes where the orbit is a motion again\n"
         "\n"
         "example: ricochet junctions study.ricochet\n"
-        "example: ricochet junctions study.ricochet --duplicates 4 --branch 3\n",
+        "example: ricochet junctions study.ricochet --duplicates 4 --branch 3\n"
+        "         ricochet junctions study.ricochet --duplicates 6 --branch 3 --ghost\n",
     .run = run,
 };

@@ -367,6 +367,7 @@ typedef struct {
     double energy[2];     /* window, scaled */
     double frequency[2];  /* window, rad/s */
     int max_points;       /* of each ghost */
+    int multiply;         /* largest q of the multiplications that are located on it; below 2 none */
 } ric_ghost_limits;
 
 /* The windows of the study and the largest number of points that a listing should have. */
@@ -389,6 +390,16 @@ void ric_ghost_describe(const ric_ghost *ghost, ric_ghost_data *out);
 ric_status ric_ghost_point(const ric_ghost *ghost, int i, ric_point *point, double *state, double *flights);
 /* Multipliers at point i as ric_orbit_multipliers gives them. */
 ric_status ric_ghost_multipliers(const ric_ghost *ghost, int i, double *out);
+/* A multiplication on a ghost: an orbit whose multipliers are exp(+-2 pi i p/q), p/q in lowest terms (the red points of Fig. 20c of the article). */
+typedef struct {
+    int rotation[2];      /* p, q */
+    double arclength, energy, frequency; /* of the ghost itself: omega, not omega / q */
+    bool admissible;      /* whether the margins are those of a motion again */
+} ric_ghost_multiplication;
+
+/* Multiplications on the ghost, outwards from the end of the branch: their number, and number i from 0. */
+int ric_ghost_n_multiplication(const ric_ghost *ghost);
+ric_status ric_ghost_multiplication_at(const ric_ghost *ghost, int i, ric_ghost_multiplication *out);
 /* Whether the margins of a point are those of a motion: no gap penetrated, no impact from the wrong side, and no touch. */
 bool ric_point_admissible(const ric_point *point);
 

@@ -3,6 +3,7 @@
 
 #include "atlas.h"
 #include "motion.h"
+#include "reach.h"
 #include "status.h"
 #include "stored.h"
 #include "trace.h"
@@ -10,6 +11,8 @@
 /* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a stored end past the grazing. The orbit
  * problem is regular there, since no impact speed is divided by; only the margins change sign. */
 
+#define TWO_PI 6.283185307179586477
+#define RESONATES 1e-6  /* distance of lambda + 1/lambda from that of a root of unity at which an event is a multiplication */
 #define MAX_POINTS 2000 /* of one ghost; a branch of the examples has at most a few hundred */
 #define TOUCH 1e-9      /* margin, scaled, below which it counts as zero; at a stored end it is 1e-10 at most */
 #define INSIDE 1e-6     /* arclength from the end at which a stored point tells the direction of the branch */
@@ -137,8 +140,8 @@ static void describe(ric_ghost *g, ric_end end)
 
 static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end end, const ric_ghost_limits *limits, ric_ghost **out)
 {
-    /* what is zero at the very end is no event of the first step */
-    const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
+    /* what is zero at the very end, or has a pole there, is no event of the first step */
+    const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
     ric_chain *chain = NULL;
     double *u = NULL, *t = NULL;
     ric_ghost *g = calloc(1, sizeof *g);
@@ -147,6 +150,7 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
     g->model = ric_atlas_model(a);
     g->limits = ric_trace_limits(g->model, limits->energy, limits->frequency, ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
     g->limits.ghost = true;
+    g->limits.multiply = limits->multiply;
     ric_status status = start_at_end(a, b, end, g, &chain, &u, &t);
     if (!status) {
         status = ric_trace_create(chain, u, t, ignore, &g->limits, &g->trace);
@@ -214,6 +218,52 @@ ric_status ric_ghost_point(const ric_ghost *g, int i, ric_point *point, double *
     }
     if (!state && !flights) return RIC_OK;
     return ric_turn_write(g->model, g->trace->chain, (const double *)(p + 1), &g->turn, state, state ? state + g->model->n_dof : NULL, flights);
+}
+
+/* Whether the multipliers are there at an event. On a ghost impact speeds pass through zero, and lambda + 1/lambda through a pole. */
+static bool resonates(const ric_ghost *g, const ric_event *event)
+{
+    const ric_resonance *resonance = ric_trace_resonance(g->trace, event->test);
+    ric_floquet *f = &g->trace->floquet;
+    bool found = false;
+    if (!resonance) return false;
+    ric_chain_evaluate(g->trace->chain, event->u);
+    if (ric_floquet_compute(g->trace->chain, f)) return false;
+    for (int i = 0; i < f->n_pair; i++) found |= hypot(f->own[2 * i] - resonance->rho, f->own[2 * i + 1]) < RESONATES;
+    return found;
+}
+
+static const ric_event *resonance_event(const ric_ghost *g, int i)
+{
+    for (int k = 0; k < g->trace->n_event; k++)
+        if (resonates(g, &g->trace->events[k]) && i-- == 0) return &g->trace->events[k];
+    return NULL;
+}
+
+int ric_ghost_n_multiplication(const ric_ghost *g)
+{
+    int n = 0;
+    while (resonance_event(g, n)) n++;
+    return n;
+}
+
+ric_status ric_ghost_multiplication_at(const ric_ghost *g, int i, ric_ghost_multiplication *out)
+{
+    const ric_event *event = i < 0 ? NULL : resonance_event(g, i);
+    ric_chain *c = g->trace->chain;
+    if (!event) return ric_fail(RIC_E_RANGE, "no multiplication %d on the ghost: there are %d", i, ric_ghost_n_multiplication(g));
+    const ric_resonance *resonance = ric_trace_resonance(g->trace, event->test);
+    double least = HUGE_VAL;
+    ric_chain_fly(c, event->u);
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0) least = fmin(least, c->approach[k]);
+    ric_point p = {.reach = ric_reach(c, event->u, NULL), .approach = least};
+    *out = (ric_ghost_multiplication){.rotation = {resonance->p, resonance->q},
+                                      .arclength = g->origin + (g->data.end == RIC_END_FROM ? -1 : 1) * event->s,
+                                      .energy = ric_chain_energy(c) * g->model->energy_unit,
+                                      .frequency = TWO_PI / ric_chain_time(c, event->u) * g->model->omega_ref,
+                                      .admissible = ric_point_admissible(&p)};
+    return RIC_OK;
 }
 
 ric_status ric_ghost_multipliers(const ric_ghost *g, int i, double *out)

@@ -353,6 +353,64 @@ static void multipliers_of_ghosts(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Fig. 20c of the article: on the k-duplicates of A1[0] the multiplications are partly on the branch (black), partly on its ghosts (red). The rotation
+ * number passes every value up to 1/2 once, so that each p/q with q <= 9 is on one of them; on the ghosts it lies on the closed form, between
+ * points whose rotation numbers are on either side of it. */
+static void multiplications_beyond_the_grazing(void **state)
+{
+    (void)state;
+    enum { MOST = 9 };
+    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                                    "explore: {energy: [0, 200], frequency: [0.2, 30], impacts: 2, multiply: 9, depth: 1}\n");
+    const ric_branch b = branch_of(atlas, find_branch(atlas, "A1[0]", 0));
+    int seen[MOST + 1][MOST + 1] = {{0}}, red = 0, black = 0;
+    for (int i = 0; i < b.n_junction; i++) {
+        const ric_junction j = junction_of(atlas, b.junctions[i]);
+        if (j.kind != RIC_KIND_MULTIPLICATION) continue;
+        seen[j.rotation[0]][j.rotation[1]]++;
+        black++;
+    }
+    ric_ghost_limits limits;
+    ric_ghost **ghosts;
+    int n;
+    ric_ghost_limits_init(atlas, &limits);
+    limits.multiply = MOST;
+    assert_int_equal(ric_ghost_find(atlas, b.id, &limits, &n, &ghosts), RIC_OK);
+    for (int k = 0; k < n; k++) {
+        const int count = ric_ghost_n_multiplication(ghosts[k]), last = data_of(ghosts[k]).n_point - 1;
+        ric_ghost_multiplication m;
+        assert_int_equal(ric_ghost_multiplication_at(ghosts[k], count, &m), RIC_E_RANGE);
+        for (int i = 0; i < count; i++) {
+            assert_int_equal(ric_ghost_multiplication_at(ghosts[k], i, &m), RIC_OK);
+            const ric_point at = {.frequency = m.frequency};
+            const double energy = backbone_energy(ric_atlas_model(atlas), &at, false), gamma = (double)m.rotation[0] / m.rotation[1];
+            if (fabs(m.energy / energy - 1) > 1e-10) fail_msg("%d/%d: E %.15g, closed form %.15g", m.rotation[0], m.rotation[1], m.energy, energy);
+            assert_false(m.admissible);
+            int between = 0; /* a multiplication is a stored point: between its neighbours, gamma = 1/2 at the edge of stability */
+            for (int p = 1; p <= last - 1; p++) {
+                const ric_point before = point_of(ghosts[k], p - 1, NULL, NULL), after = point_of(ghosts[k], p + 1, NULL, NULL);
+                if ((before.arclength - m.arclength) * (after.arclength - m.arclength) >= 0) continue;
+                const double low = isnan(before.rotation) ? 0.5 : before.rotation, high = isnan(after.rotation) ? 0.5 : after.rotation;
+                between += gamma >= fmin(low, high) && gamma <= fmax(low, high);
+            }
+            assert_true(between > 0);
+            seen[m.rotation[0]][m.rotation[1]]++;
+            red++;
+        }
+    }
+    for (int q = 2; q <= MOST; q++)
+        for (int p = 1; p < q; p++) {
+            int a = p, c = q;
+            for (int rest; c; a = c, c = rest) rest = a % c;
+            if (seen[p][q] != (a == 1 && 2 * p <= q)) fail_msg("%d/%d: %d times", p, q, seen[p][q]);
+        }
+    assert_int_equal(black, 8); /* 1/4 is the first */
+    assert_int_equal(red, 6);
+    ric_ghosts_free(n, ghosts);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -364,6 +422,7 @@ int main(void)
         cmocka_unit_test(ghosts_stay_in_the_window),
         cmocka_unit_test(linear_modes_have_none),
         cmocka_unit_test(multipliers_of_ghosts),
+        cmocka_unit_test(multiplications_beyond_the_grazing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
