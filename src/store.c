@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "status.h"
@@ -46,25 +47,50 @@ struct ric_store {
 
 /* The lock lies on a file beside the atlas, PATH-lock: closing any descriptor of the atlas itself would end the locks of SQLite.
  * The system releases it when the process ends, however it ends; a file left over by a kill locks nothing. */
+static void sign_lock(int lock)
+{
+    char host[65] = "this machine", when[32] = "", text[160];
+    time_t now = time(NULL);
+    struct tm local;
+    gethostname(host, sizeof host - 1);
+    if (localtime_r(&now, &local)) strftime(when, sizeof when, "%Y-%m-%d %H:%M", &local);
+    int size = snprintf(text, sizeof text, "process %ld on %s since %s", (long)getpid(), host, when);
+    /* a disk that takes no more leaves the lock without a name */
+    if (ftruncate(lock, 0) == 0 && size > 0 && pwrite(lock, text, (size_t)size, 0) < 0) return;
+}
+
+/* Who has signed the lock; whatever stands there that is no plain text is left out. */
+static void read_signature(int lock, char *text, size_t size)
+{
+    ssize_t length = pread(lock, text, size - 1, 0);
+    text[length > 0 ? length : 0] = 0;
+    for (char *c = text; *c; c++)
+        if (*c < ' ' || *c > '~') *c = '?';
+}
+
 static ric_status take_lock(ric_store *store)
 {
     for (;;) {
+        char holder[160];
         struct stat held, named;
         int lock = open(store->lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (lock < 0)
             return ric_fail(RIC_E_IO, "%s: cannot write in its folder (%s); choose another file with -o", store->path, strerror(errno));
         if (flock(lock, LOCK_EX | LOCK_NB)) {
             int reason = errno;
+            read_signature(lock, holder, sizeof holder);
             close(lock);
             if (reason == EINTR)
                 continue;
             return reason == EWOULDBLOCK
-                ? ric_fail(RIC_E_BUSY, "%s: in use by another run; wait for its end, or choose another file with -o", store->path)
+                ? ric_fail(RIC_E_BUSY, "%s: in use by another run (%s); wait for its end, or choose another file with -o", store->path,
+                           *holder ? holder : "it did not sign")
                 : ric_fail(RIC_E_IO, "%s: cannot be locked (%s); choose a file on another disk with -o", store->path, strerror(reason));
         }
         /* A run removes the file when it ends: what is locked here may no longer be what others find. */
         if (!fstat(lock, &held) && !stat(store->lock_path, &named) && held.st_ino == named.st_ino && held.st_dev == named.st_dev) {
             store->lock = lock;
+            sign_lock(lock);
             return RIC_OK;
         }
         close(lock);
@@ -145,6 +171,19 @@ static ric_status open_file(ric_store *store, const ric_study *study)
     return status;
 }
 
+/* A power failure can leave a journal that takes the file back to the state before it was made, which is no atlas but an empty file. */
+static ric_status recover(ric_store *store, bool *exists, bool *empty)
+{
+    ric_database file = {0};
+    char journal[strlen(store->path) + sizeof "-journal"];
+    sprintf(journal, "%s-journal", store->path);
+    if (*empty || access(journal, F_OK) || ric_store_check_identity(store->path)) return RIC_OK; /* what is wrong is said later */
+    ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &file);
+    if (!status) status = ric_database_run(file, "SELECT count(*) FROM sqlite_master");
+    sqlite3_close(file.db);
+    return status ? status : ric_store_look(store->path, exists, empty);
+}
+
 ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out)
 {
     ric_store *store = calloc(1, sizeof *store);
@@ -168,6 +207,8 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
         status = take_lock(store);
     if (!status)
         status = ric_store_look(store->path, &exists, &empty); /* again, now that nobody else creates it */
+    if (!status && exists)
+        status = recover(store, &exists, &empty);
     if (!status)
         status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
     if (!status)

@@ -91,11 +91,13 @@ static ric_status check_bytes(const ric_yaml *r, const char *text, size_t size)
     return RIC_OK;
 }
 
-static ric_status syntax_error(const ric_yaml *r, const yaml_parser_t *parser)
+/* libyaml names every problem but, now and then, that of memory. */
+static ric_status parser_failed(const ric_yaml *r, const yaml_parser_t *parser)
 {
+    if (parser->error == YAML_MEMORY_ERROR || !parser->problem) return ric_yaml_no_memory(r);
     return wrong_at(r, parser->problem_mark.line + 1, "syntax", "%s%s%s; check indentation, brackets and colons near column %zu",
                     parser->context ? parser->context : "", parser->context ? ", " : "",
-                    parser->problem ? parser->problem : "not YAML", parser->problem_mark.column + 1);
+                    parser->problem, parser->problem_mark.column + 1);
 }
 
 typedef struct {
@@ -141,7 +143,7 @@ static ric_status check_limits(const ric_yaml *r, const char *text, size_t size)
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
     for (bool end = false; !end && !status;) {
         if (!yaml_parser_parse(&parser, &event)) {
-            status = parser.error == YAML_MEMORY_ERROR ? ric_yaml_no_memory(r) : syntax_error(r, &parser);
+            status = parser_failed(r, &parser);
             break;
         }
         status = count_event(r, &event, &t);
@@ -163,7 +165,7 @@ static ric_status load(ric_yaml *r, const char *text, size_t size)
     yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
     if (!yaml_parser_load(&parser, &r->document))
-        status = parser.error == YAML_MEMORY_ERROR ? ric_yaml_no_memory(r) : syntax_error(r, &parser);
+        status = parser_failed(r, &parser);
     yaml_parser_delete(&parser);
     return status;
 }

@@ -25,7 +25,9 @@ static void a_second_run_is_told(void **state)
     }
     assert_int_equal(read(ready[0], &byte, 1), 1);
     assert_int_equal(byte, 0);
-    assert_refused(in_folder("a"), pair_text, RIC_E_BUSY, "another run");
+    char holder[40];
+    snprintf(holder, sizeof holder, "(process %ld on ", (long)child);
+    assert_refused(in_folder("a"), pair_text, RIC_E_BUSY, holder);
     assert_done(ric_atlas_read(in_folder("a"), &atlas)); /* reading is possible all the time */
     ric_atlas_free(atlas);
     kill(child, SIGKILL);
