@@ -18,7 +18,7 @@ typedef struct {
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
-    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade;
+    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas;
 
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);
@@ -55,6 +55,9 @@ typedef struct {
 
 /* Takes `ATLAS [--physical] [--json | --csv]`, prints the rows and returns an exit code. */
 int cli_list(const cli_listing *listing, int argc, char **argv);
+
+/* What `ricochet report` lists: rows with item, value and detail. */
+ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);
 
 /* Takes --json or --csv out of argv; false (with a message) when both are given. */
 bool cli_take_format(int *argc, char **argv, cli_format *format);

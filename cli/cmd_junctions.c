@@ -24,6 +24,16 @@ static json_t *departures(const ric_departures *count)
     return object;
 }
 
+/* Which budgets were exceeded, and how often: {"impacts": 2}. */
+static json_t *budgets(const ric_departures *count)
+{
+    json_t *object = json_object();
+    for (int i = 0; i < RIC_N_BUDGET; i++)
+        if (count->over[i])
+            json_object_set_new(object, ric_budget_text((ric_budget)i), json_integer(count->over[i]));
+    return object;
+}
+
 /* A multiplicity of C_ab, null where there is none. */
 static json_t *multiplicity(const ric_junction *junction, int value)
 {
@@ -56,6 +66,7 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
     json_object_set_new(row, "branches", cli_integers(junction->n_branch, junction->branches));
     json_object_set_new(row, "departures", departures(&junction->departures));
     json_object_set_new(row, "refusal", json_string(junction->refusal));
+    json_object_set_new(row, "budgets", budgets(&junction->departures));
     return RIC_OK;
 }
 
@@ -190,7 +201,7 @@ static int run(int argc, char **argv)
 {
     static const char *const all[] = {
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "a", "b", "decided", "energy", "frequency", "state",
-        "flights", "branches", "departures", "refusal", NULL};
+        "flights", "branches", "departures", "refusal", "budgets", NULL};
     static const char *const few[] = {
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
     static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction, .row = make_row, .all = all, .few = few};
@@ -229,6 +240,7 @@ const cli_command cli_junctions = {
         "  flights      flight times, or the period if there is no impact\n"
         "  branches     ids of the branches that end at it or pass through it\n"
         "  departures   what became of the candidates: taken, known, inadmissible, over_budget, refused; refusal says why\n"
+        "  budgets      of those over budget, how many exceed which one first\n"
         "  --physical   lengths, speeds and energies in the units of the study, not scaled by the clearance\n"
         "\n"
         "  --duplicates K   instead, the junctions on the k-duplicates of the branches, k = 1..K: the same motions at frequency / k\n"

@@ -47,33 +47,43 @@ static void clear_progress(const display *d)
 
 /* ----------------------------------------------------------------- summary */
 
+/* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none of is left out. */
+static void print_report(const json_t *rows)
+{
+    const char *last = "";
+    size_t i;
+    json_t *row;
+    json_array_foreach(rows, i, row) {
+        const char *item = json_string_value(json_object_get(row, "item")), *detail = json_string_value(json_object_get(row, "detail"));
+        const json_t *value = json_object_get(row, "value");
+        if (json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
+            continue;
+        fprintf(stderr, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
+        last = item;
+        if (json_is_integer(value))
+            fprintf(stderr, "%lld", (long long)json_integer_value(value));
+        else
+            fprintf(stderr, "%.1e", json_real_value(value));
+        if (*detail)
+            fprintf(stderr, " (%s)", detail);
+    }
+    fputc('\n', stderr);
+}
+
 static int print_summary(const char *path, const display *d)
 {
-    static const ric_stop reasons[] = {RIC_STOP_FAILED, RIC_STOP_BUDGET, RIC_STOP_CORNER};
     ric_atlas *atlas = NULL;
-    int counts[sizeof reasons / sizeof *reasons] = {0};
-    ric_status status = ric_atlas_read(path, &atlas);
-    if (status)
-        return cli_report(status);
-    int n = ric_atlas_n_branch(atlas);
-    for (int id = 1; id <= n; id++) {
-        ric_branch branch;
-        if (ric_atlas_branch(atlas, id, &branch))
-            continue;
-        for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
-            counts[i] += branch.stop == reasons[i];
+    json_t *rows = json_array();
+    ric_status status = rows ? ric_atlas_read(path, &atlas) : RIC_E_NOMEM;
+    if (!status) {
+        fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
+                seconds_since(&d->start));
+        if (!(status = cli_report_rows(atlas, rows)))
+            print_report(rows);
     }
-    fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, n, ric_atlas_n_junction(atlas), seconds_since(&d->start));
-    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
-        if (counts[i])
-            fprintf(stderr, "%d branch%s stopped at: %s; `ricochet branches` says where\n", counts[i], counts[i] == 1 ? "" : "es",
-                    ric_stop_text(reasons[i]));
-    int missing = ric_atlas_n_unplaced(atlas);
-    if (missing)
-        fprintf(stderr, "%d event%s on branches do%s not converge and make%s no junction; `why` in `ricochet branches --json` says where\n",
-                missing, missing == 1 ? "" : "s", missing == 1 ? "es" : "", missing == 1 ? "s" : "");
+    json_decref(rows);
     ric_atlas_free(atlas);
-    return CLI_DONE;
+    return status ? cli_report(status) : CLI_DONE;
 }
 
 /* ----------------------------------------------------------------- command */

@@ -237,7 +237,23 @@ typedef enum {
 } ric_kind;
 const char *ric_kind_text(ric_kind kind);
 
-typedef struct { int taken, known, inadmissible, over_budget, refused; } ric_departures;
+/* The budgets of a study that a departure may exceed; the first in this order counts. */
+typedef enum {
+    RIC_BUDGET_WINDOW,     /* the frequency of the branch that leaves */
+    RIC_BUDGET_MULTIPLY,   /* multiply, or the list of a cascade or a base */
+    RIC_BUDGET_IMPACTS,
+    RIC_BUDGET_SYMMETRIC,  /* explore.symmetric */
+    RIC_BUDGET_TOUCHES,    /* more touches at once than are enumerated */
+    RIC_BUDGET_DEPTH,
+    RIC_N_BUDGET,
+} ric_budget;
+/* Its key in a study, or "touches". */
+const char *ric_budget_text(ric_budget budget);
+
+typedef struct {
+    int taken, known, inadmissible, over_budget, refused;
+    int over[RIC_N_BUDGET]; /* over_budget, by budget */
+} ric_departures;
 
 typedef struct {
     int id;               /* from 1 */

@@ -275,7 +275,9 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
         case RIC_DEPARTURE_KNOWN: d->known++; break;
         case RIC_DEPARTURE_INADMISSIBLE: d->inadmissible++; break;
         case RIC_DEPARTURE_REFUSED: d->refused++; break;
-        default: d->over_budget++;
+        default:
+            d->over_budget++;
+            d->over[node->departures[i].budget % RIC_N_BUDGET]++;
         }
 }
 

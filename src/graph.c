@@ -478,12 +478,16 @@ static bool astray(const ric_graph *g, const ric_node *node, unsigned choice)
     return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
 }
 
-static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice)
+static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice, ric_budget *which)
 {
     /* the original of a duplicate may lie outside the frequency window */
     double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
-    return period < g->limits.period[0] || period > g->limits.period[1] || astray(g, node, choice) ||
-           ric_node_impacts(node, choice) > g->options->impacts || (g->options->symmetric_only && !ric_node_half(g->model, node, choice));
+    *which = period < g->limits.period[0] || period > g->limits.period[1]                         ? RIC_BUDGET_WINDOW
+             : astray(g, node, choice)                                                            ? RIC_BUDGET_MULTIPLY
+             : ric_node_impacts(node, choice) > g->options->impacts                               ? RIC_BUDGET_IMPACTS
+             : g->options->symmetric_only && !ric_node_half(g->model, node, choice)               ? RIC_BUDGET_SYMMETRIC
+                                                                                                  : RIC_N_BUDGET;
+    return *which != RIC_N_BUDGET;
 }
 
 static bool is_linear(const ric_node *node, unsigned choice)
@@ -501,7 +505,7 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         d->state = RIC_DEPARTURE_KNOWN; /* the linear mode itself */
         return RIC_OK;
     }
-    if (over_budget(g, node, choice)) {
+    if (over_budget(g, node, choice, &d->budget)) {
         d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
@@ -754,7 +758,7 @@ static void offer(ric_graph *g, int n, const open_departure *list)
         ric_node *node = g->nodes[list[i].index];
         ric_departure *d = &node->departures[list[i].place];
         bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
-        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice) &&
+        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice, &d->budget) &&
             !followed_before(g, node, d->choice))
             d->job = ric_workers_offer(g->workers, node, d->choice);
     }

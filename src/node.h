@@ -19,6 +19,7 @@ typedef struct {
     unsigned choice;
     ric_departure_state state;
     char *why;           /* for refused, owned */
+    ric_budget budget;   /* the one that it exceeds */
     int job;             /* number under which workers prepare it; 0: they do not */
 } ric_departure;
 

@@ -118,7 +118,10 @@ ric_status ric_graph_settle(ric_graph *g)
         for (int j = 0; j < g->nodes[i]->n_departure && !status; j++) {
             ric_departure *d = &g->nodes[i]->departures[j];
             status = find_passage(g, i, d);
-            if (d->state == RIC_DEPARTURE_OPEN) d->state = RIC_DEPARTURE_OVER_BUDGET;
+            if (d->state == RIC_DEPARTURE_OPEN) {
+                d->state = RIC_DEPARTURE_OVER_BUDGET;
+                d->budget = RIC_BUDGET_DEPTH;
+            }
             if (d->state == RIC_DEPARTURE_TAKEN && g->nodes[i]->kind != RIC_KIND_START) d->state = RIC_DEPARTURE_KNOWN;
         }
     for (int i = 0; i < g->n_edge && !status; i++) choose_way(g, &g->edges[i]);

@@ -32,7 +32,9 @@ static const char schema[] =
     " impacts INTEGER NOT NULL, word TEXT NOT NULL, grazings INTEGER NOT NULL, multiple INTEGER NOT NULL,"
     " rotation_p INTEGER NOT NULL, rotation_q INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT NULL, energy, frequency,"
     " state BLOB NOT NULL, flights BLOB NOT NULL, taken INTEGER NOT NULL, known INTEGER NOT NULL, inadmissible INTEGER NOT NULL,"
-    " over_budget INTEGER NOT NULL, refused INTEGER NOT NULL, refusal TEXT NOT NULL);"
+    " over_budget INTEGER NOT NULL, refused INTEGER NOT NULL, refusal TEXT NOT NULL,"
+    " over_window INTEGER NOT NULL, over_multiply INTEGER NOT NULL, over_impacts INTEGER NOT NULL, over_symmetric INTEGER NOT NULL,"
+    " over_touches INTEGER NOT NULL, over_depth INTEGER NOT NULL);"
     "CREATE TABLE junction_branch (junction INTEGER NOT NULL REFERENCES junction, branch INTEGER NOT NULL REFERENCES branch,"
     " PRIMARY KEY (junction, branch)) WITHOUT ROWID;";
 

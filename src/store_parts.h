@@ -22,7 +22,8 @@ enum {
     "period, trace, log_trace"
 #define JUNCTION_COLUMNS \
     "id, kind, label, name, impacts, word, grazings, multiple, rotation_p, rotation_q, a, b, energy, frequency, state, flights, " \
-    "taken, known, inadmissible, over_budget, refused, refusal"
+    "taken, known, inadmissible, over_budget, refused, refusal, over_window, over_multiply, over_impacts, over_symmetric, " \
+    "over_touches, over_depth"
 #define JUNCTION_BRANCH_COLUMNS "junction, branch"
 
 typedef struct {

@@ -337,6 +337,7 @@ static void take_junction(row_reader *row, int i, target *to)
     count->over_budget = take_integer(row, 0, INT_MAX);
     count->refused = take_integer(row, 0, INT_MAX);
     junction->refusal = record->refusal = take_text(row);
+    for (int b = 0; b < RIC_N_BUDGET; b++) count->over[b] = take_integer(row, 0, INT_MAX);
 }
 
 static void take_junction_branch(row_reader *row, int i, target *to)

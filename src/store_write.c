@@ -163,6 +163,7 @@ static ric_status write_junction(row_writer *row, const ric_model *model, const 
     put_integer(row, count->over_budget);
     put_integer(row, count->refused);
     put_text(row, junction->refusal);
+    for (int i = 0; i < RIC_N_BUDGET; i++) put_integer(row, count->over[i]);
     return writer_row(row);
 }
 

@@ -146,7 +146,7 @@ static bool add(ric_node *node, int *capacity, ric_departure departure)
 bool ric_subset_list(ric_node *node)
 {
     int n, capacity = 0;
-    if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET});
+    if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET, .budget = RIC_BUDGET_TOUCHES});
     unsigned char *table = permutations(node, &n);
     bool good = table;
     for (unsigned choice = 0; good && choice < 1u << (node->n_touch * node->multiple); choice++)

@@ -145,6 +145,7 @@ for row in branches:
         assert row["id"] in junctions[inner - 1]["branches"], row
 for row in junctions:
     assert set(row["departures"]) == {"taken", "known", "inadmissible", "over_budget", "refused"}
+    assert sum(row["budgets"].values()) == row["departures"]["over_budget"], row
     assert len(row["state"]) == 4 and len(row["flights"]) == max(1, row["impacts"])
 mine = branches[branch - 1]
 assert len(points) == mine["points"]

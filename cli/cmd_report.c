@@ -1,0 +1,167 @@
+/* ricochet report ATLAS: what a run did, what it left out and why, and how good what it found is; all of it from the file. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cli.h"
+
+enum { SAMPLE = 64 }; /* branches whose middle point is replayed */
+
+static void add(json_t *rows, const char *item, json_t *value, const char *detail)
+{
+    json_t *row = json_object();
+    json_object_set_new(row, "item", json_string(item));
+    json_object_set_new(row, "value", value);
+    json_object_set_new(row, "detail", json_string(detail));
+    json_array_append_new(rows, row);
+}
+
+static void add_count(json_t *rows, const char *item, int count, const char *detail)
+{
+    add(rows, item, json_integer(count), detail);
+}
+
+/* ------------------------------------------------------------------ branches */
+
+static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
+{
+    int n = ric_atlas_n_branch(atlas), stops[16] = {0}, points = 0;
+    double residual = 0;
+    for (int id = 1; id <= n; id++) {
+        ric_branch branch;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (status)
+            return status;
+        stops[branch.stop % 16]++;
+        points += branch.n_point;
+        for (int i = 0; i < branch.n_point; i++) {
+            ric_point point;
+            if ((status = ric_atlas_point(atlas, id, i, &point, NULL, NULL)))
+                return status;
+            residual = fmax(residual, point.residual);
+        }
+    }
+    add_count(rows, "branches", n, "");
+    for (int i = 0; i < 16; i++)
+        if (stops[i])
+            add_count(rows, "branches that stop", stops[i], ric_stop_text((ric_stop)i));
+    add_count(rows, "points", points, "");
+    add(rows, "largest residual", cli_number(residual), "relative to 1 + |state|");
+    return RIC_OK;
+}
+
+/* ---------------------------------------------------------------- departures */
+
+/* Counts each reason once; few are different. */
+static void add_refusals(json_t *rows, const ric_atlas *atlas)
+{
+    json_t *reasons = json_object();
+    const char *why;
+    json_t *count;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction junction;
+        if (ric_atlas_junction(atlas, id, &junction) || !junction.departures.refused)
+            continue;
+        json_int_t before = json_integer_value(json_object_get(reasons, junction.refusal));
+        json_object_set_new(reasons, junction.refusal, json_integer(before + junction.departures.refused));
+    }
+    json_object_foreach(reasons, why, count) add(rows, "departures refused", json_incref(count), why);
+    json_decref(reasons);
+}
+
+static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
+{
+    static const char *const over[RIC_N_BUDGET] = {
+        [RIC_BUDGET_WINDOW] = "outside the frequency window", [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
+        [RIC_BUDGET_IMPACTS] = "more than `impacts`", [RIC_BUDGET_SYMMETRIC] = "not symmetric",
+        [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated", [RIC_BUDGET_DEPTH] = "beyond `depth`"};
+    ric_departures sum = {0};
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction junction;
+        ric_status status = ric_atlas_junction(atlas, id, &junction);
+        if (status)
+            return status;
+        sum.taken += junction.departures.taken;
+        sum.known += junction.departures.known;
+        sum.inadmissible += junction.departures.inadmissible;
+        for (int i = 0; i < RIC_N_BUDGET; i++)
+            sum.over[i] += junction.departures.over[i];
+    }
+    add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
+    if (ric_atlas_n_unplaced(atlas))
+        add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas), "their junction does not converge");
+    add_count(rows, "departures taken", sum.taken, "");
+    add_count(rows, "departures known", sum.known, "the branch was found another way");
+    add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");
+    add_refusals(rows, atlas);
+    for (int i = 0; i < RIC_N_BUDGET; i++)
+        if (sum.over[i])
+            add_count(rows, "departures not tried", sum.over[i], over[i]);
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- replay */
+
+static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
+{
+    int n = ric_atlas_n_branch(atlas), step = n / SAMPLE + 1, replayed = 0, failed = 0;
+    double flight = 0, back = 0, energy = 0;
+    for (int id = 1; id <= n; id += step) {
+        ric_branch branch;
+        ric_check check;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (status)
+            return status;
+        if (!branch.n_point)
+            continue;
+        if ((status = ric_verify_point(atlas, id, branch.n_point / 2, &check)))
+            return status;
+        replayed++;
+        failed += !check.passed;
+        flight = fmax(flight, check.flight_error);
+        back = fmax(back, isnan(check.return_error) ? 0 : check.return_error / fmax(1, 1e-7 * check.condition));
+        energy = fmax(energy, check.energy_error);
+    }
+    add_count(rows, "orbits replayed", replayed, "the middle of a sample of branches; `ricochet verify` does more");
+    add_count(rows, "of them wrong", failed, "");
+    add(rows, "largest flight error", cli_number(flight), "time and state at the next impact");
+    add(rows, "largest return error", cli_number(back), "after one period, over max(1, 1e-7 largest multiplier)");
+    add(rows, "largest energy drift", cli_number(energy), "");
+    return RIC_OK;
+}
+
+ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
+{
+    ric_status status = add_branches(rows, atlas);
+    if (!status)
+        status = add_departures(rows, atlas);
+    return status ? status : add_replay(rows, atlas);
+}
+
+static ric_status rows_of(const ric_atlas *atlas, double d, const void *user, json_t *rows)
+{
+    (void)d;
+    (void)user;
+    return cli_report_rows(atlas, rows);
+}
+
+static int run(int argc, char **argv)
+{
+    static const char *const columns[] = {"item", "value", "detail", NULL};
+    static const cli_listing listing = {.command = &cli_report_atlas, .rows = rows_of, .all = columns, .few = columns};
+    return cli_list(&listing, argc, argv);
+}
+
+const cli_command cli_report_atlas = {
+    .name = "report",
+    .summary = "what a run did, what it left out and why, and how good what it found is",
+    .help =
+        "usage: ricochet report ATLAS [--json | --csv]\n"
+        "\n"
+        "Counts the branches and how they end, and what became of the departures from every junction: taken, known, inadmissible,\n"
+        "refused and why, not tried and for which budget. The largest residual is that of all points; the errors of replay are those of\n"
+        "the middle points of at most 64 branches, which the simulator of `ricochet verify` flies again. All of it comes from the file.\n"
+        "\n"
+        "example: ricochet report study.ricochet\n",
+    .run = run,
+};
