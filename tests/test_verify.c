@@ -1,7 +1,7 @@
 /* The verification of atlas points: what is right passes, what is a little wrong does not. */
 #include "simulated_models.h"
 
-#include "atlas.h"
+#include "explored.h"
 
 /* An atlas of one branch with the points given: `states` [n_point * 4], `flights` [n_point * max(impacts, 1)]. */
 typedef struct {
@@ -211,6 +211,75 @@ static void verify_touches(void **state)
     ric_model_free(model);
 }
 
+/* Where A9[001010101] and A10[0101010101] end, an impact has 1e-7 of the largest speed and the multipliers are 1e15 and 1e25: the orbit cannot be
+ * polished, and the time of that impact is uncertain by the rounding of the gap over its speed, 1e-9. */
+static void verify_slowest_impact(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                                    "explore: {start: [2], energy: [1.8, 3], frequency: [0.35, 2.2], impacts: 10, multiply: 6, base: 6, depth: 2}\n");
+    double slowest = 1, largest = 1;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        for (int i = 0; i < b.n_point && b.impacts >= 9; i++) {
+            ric_check c;
+            ric_point p;
+            assert_int_equal(ric_verify_point(atlas, id, i, &c), RIC_OK);
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!c.passed) fail_msg("%s, point %d: flight %.3g, return %.3g, condition %.3g", b.label, i, c.flight_error, c.return_error, c.condition);
+            if (p.approach > 1e-9) slowest = fmin(slowest, p.approach);
+            largest = fmax(largest, c.condition);
+        }
+    }
+    assert_true(slowest < 1e-6 && largest > 1e20);
+    ric_atlas_free(atlas);
+}
+
+/* Impacts as slow as 1e-7 of the largest speed, beside the grazing of S6[010101] and of A5[00101], are not checked less for that. */
+static void verify_slow_impacts(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                                    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n");
+    int checked = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        if (strcmp(b.label, "S6[010101]") && strcmp(b.label, "A5[00101]")) continue;
+        for (int k = 0; k < 40; k++) {
+            double below = b.energy_max * pow(10, -4 - 0.2 * k);
+            ric_orbit **orbits = NULL;
+            int n = 0;
+            if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, b.energy_max - below, &n, &orbits)) continue;
+            for (int i = 0; i < n; i++) {
+                ric_point point;
+                double x[4], flights[8];
+                int word[8];
+                one_branch a;
+                ric_orbit_data(orbits[i], &point, x, flights, word);
+                if (!(point.approach > 1e-7 && point.approach < 1e-4)) continue;
+                make_atlas(&a, b.impacts, word, 1, x, flights);
+                expect(&a, 0, true);
+                assert_true(verify(&a, 0).flight_error < 1e-12);
+                free_atlas(&a);
+                for (int j = 0; j < 4; j++) { /* a state that is off by 1e-9 is found out all the same */
+                    double y[4];
+                    memcpy(y, x, sizeof y);
+                    y[j] += 1e-9 * (1 + fabs(y[j]));
+                    make_atlas(&a, b.impacts, word, 1, y, flights);
+                    expect(&a, 0, false);
+                    free_atlas(&a);
+                }
+                checked++;
+            }
+            ric_orbits_free(n, orbits);
+        }
+    }
+    assert_true(checked > 10);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -218,6 +287,8 @@ int main(void)
         cmocka_unit_test(verify_condition),
         cmocka_unit_test(verify_linear),
         cmocka_unit_test(verify_touches),
+        cmocka_unit_test(verify_slowest_impact),
+        cmocka_unit_test(verify_slow_impacts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
