@@ -121,6 +121,7 @@ static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multip
     if (zero_at > PLACED) goto out;
     for (int zero = 1; size > 0 && zero > 0; size -= zero) {
         zero = deflate(size, J, scale, zero_at, &error, work, V, s);
+        zero_at = ERROR; /* what the place of the junction leaves open is in the error, and no zero */
         if (zero == NO_NUMBER) status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
         if (zero < 0) goto out;
         if (!*b) *b = zero;
