@@ -309,6 +309,32 @@ static void any_step_length_elsewhere(void **state)
     }
 }
 
+/* And with multiplications and duplicates of grazings. */
+static void any_step_length_with_multiplications(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"impacts: 12, multiply: 2, depth: 3", "impacts: 8, multiply: 4, depth: 3"};
+    static const double steps[] = {0.01, 0.04, 0.2, 0.7};
+    for (int i = 0; i < 2; i++) {
+        char text[512], what[128];
+        ric_study *study = NULL;
+        snprintf(text, sizeof text,
+                 "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                 "explore: {energy: [0, 200], frequency: [0.2, 10], %s}\n", options[i]);
+        if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
+        ric_atlas *usual = explore(study, 0, NULL);
+        for (int k = 0; k < 4; k++) {
+            snprintf(what, sizeof what, "%s, step %.4g", options[i], steps[k]);
+            ric_atlas *atlas = explore(study, steps[k], NULL);
+            check_same_atlas(usual, atlas, 1, what);
+            ric_atlas_free(atlas);
+        }
+        ric_atlas_free(usual);
+        ric_study_free(study);
+    }
+}
+
 static ric_atlas *explore_in_units(double mass, double stiffness, double length, ric_study **study)
 {
     char text[1024];
@@ -395,7 +421,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(junctions_of_the_article), cmocka_unit_test(branches_of_the_article), cmocka_unit_test(any_step_length),
-        cmocka_unit_test(any_step_length_elsewhere),
+        cmocka_unit_test(any_step_length_elsewhere), cmocka_unit_test(any_step_length_with_multiplications),
         cmocka_unit_test(any_units),                cmocka_unit_test(departures_add_up),
     };
     return cmocka_run_group_tests_name("reference", tests, NULL, NULL);
