@@ -18,7 +18,7 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
     }
     json_object_set_new(row, "id", json_integer(branch->id));
     json_object_set_new(row, "label", json_string(branch->label));
-    json_object_set_new(row, "word", cli_word(model, branch->impacts, branch->word));
+    json_object_set_new(row, "word", cli_word(model, branch->letters, branch->word));
     json_object_set_new(row, "impacts", json_integer(branch->impacts));
     json_object_set_new(row, "symmetric", json_boolean(branch->symmetric));
     json_object_set_new(row, "reversible", json_boolean(branch->reversible));

@@ -150,7 +150,7 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
         json_object_set_new(row, "return_error", cli_number(s.return_error));
         json_object_set_new(row, "stop", s.multiple > 1 ? json_null() : json_string(ric_stop_text(s.stop)));
         json_object_set_new(row, "points", json_integer(s.n_point));
-        set_word(row, ric_atlas_model(atlas), s.impacts, s.word);
+        set_word(row, ric_atlas_model(atlas), s.letters, s.word);
         json_array_append_new(rows, row);
     }
     code = cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
@@ -236,7 +236,7 @@ static void add_row(finder *f, int step, int branch, const ric_junction *j, bool
     json_object_set_new(row, "frequency", j ? cli_number(own_frequency(j)) : json_null());
     json_object_set_new(row, "ratio", end ? json_null() : cli_number(ratio_at(f, step)));
     json_object_set_new(row, "stop", end ? json_string(ric_stop_text(b.stop)) : json_null());
-    set_word(row, ric_atlas_model(f->atlas), j ? j->impacts : b.impacts, j ? j->word : b.word);
+    set_word(row, ric_atlas_model(f->atlas), j ? j->letters : b.letters, j ? j->word : b.word);
     json_array_append_new(f->rows, row);
 }
 

@@ -51,7 +51,7 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
     json_object_set_new(row, "kind", json_string(ric_kind_text(junction->kind)));
     json_object_set_new(row, "label", json_string(junction->label));
     json_object_set_new(row, "name", json_string(junction->name));
-    json_object_set_new(row, "word", cli_word(model, junction->impacts, junction->word));
+    json_object_set_new(row, "word", cli_word(model, junction->letters, junction->word));
     json_object_set_new(row, "impacts", json_integer(junction->impacts));
     json_object_set_new(row, "grazings", json_integer(junction->grazings));
     json_object_set_new(row, "multiple", json_integer(junction->multiple));
@@ -62,7 +62,7 @@ static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row
     json_object_set_new(row, "energy", cli_number(d * d * junction->energy));
     json_object_set_new(row, "frequency", cli_number(junction->frequency));
     json_object_set_new(row, "state", numbers(2 * ric_model_n_dof(model), junction->state, d));
-    json_object_set_new(row, "flights", numbers(junction->impacts ? junction->impacts : 1, junction->flights, 1));
+    json_object_set_new(row, "flights", numbers(junction->letters ? junction->letters : 1, junction->flights, 1));
     json_object_set_new(row, "branches", cli_integers(junction->n_branch, junction->branches));
     json_object_set_new(row, "departures", departures(&junction->departures));
     json_object_set_new(row, "refusal", json_string(junction->refusal));

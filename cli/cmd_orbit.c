@@ -19,12 +19,12 @@ enum {
 typedef struct {
     const ric_orbit *orbit;
     const ric_model *model;
-    int n_dof, n_impact;
+    int n_dof, n_letter;
     double period, d;   /* d: unit of lengths */
     ric_point point;
     double *state;      /* [2 n_dof] */
-    double *flights;    /* [max(n_impact, 1)] */
-    int *word;          /* [n_impact] */
+    double *flights;    /* [max(n_letter, 1)] */
+    int *word;          /* [n_letter] */
     double *x, *v;      /* [n_dof] each, work */
     double *multipliers;/* [4 n_mode] */
 } subject;
@@ -41,11 +41,11 @@ static void subject_free(subject *s)
 
 static bool subject_init(subject *s, const ric_orbit *orbit, const ric_model *model, double d)
 {
-    size_t n = (size_t)ric_model_n_dof(model), n_impact = (size_t)ric_orbit_impacts(orbit);
-    *s = (subject){.orbit = orbit, .model = model, .n_dof = (int)n, .n_impact = (int)n_impact, .d = d};
+    size_t n = (size_t)ric_model_n_dof(model), n_letter = (size_t)ric_orbit_letters(orbit);
+    *s = (subject){.orbit = orbit, .model = model, .n_dof = (int)n, .n_letter = (int)n_letter, .d = d};
     s->state = calloc(2 * n, sizeof *s->state);
-    s->flights = calloc(n_impact + 1, sizeof *s->flights);
-    s->word = calloc(n_impact + 1, sizeof *s->word);
+    s->flights = calloc(n_letter + 1, sizeof *s->flights);
+    s->word = calloc(n_letter + 1, sizeof *s->word);
     s->x = calloc(n, sizeof *s->x);
     s->v = calloc(n, sizeof *s->v);
     s->multipliers = calloc(4 * (size_t)ric_model_n_mode(model) + 1, sizeof *s->multipliers);
@@ -116,7 +116,7 @@ static bool find_amplitudes(subject *s, double *amplitudes)
 {
     double *frequencies = calloc((size_t)s->n_dof, sizeof *frequencies), *samples = NULL;
     double highest = 0, longest = 0, begin = 0;
-    int n_flight = s->n_impact > 0 ? s->n_impact : 1;
+    int n_flight = s->n_letter > 0 ? s->n_letter : 1;
     if (!frequencies || ric_model_frequencies(s->model, frequencies)) {
         free(frequencies);
         return false;
@@ -151,12 +151,40 @@ static double speed_at_impact(subject *s, int k, const double *normal)
     return fabs(speed);
 }
 
-/* The momentum exchanged is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over all modes. */
+/* What each spring exchanges from its closing, letter k, to its opening, as the simulator tells over a period; NAN where it does not. */
+static ric_status collect_spring_impulses(subject *s, double *exchanged)
+{
+    ric_simulator *sim = NULL;
+    bool hit = true, springs = false;
+    int faces = ric_model_n_face(s->model);
+    for (int k = 0; k < s->n_letter; k++) {
+        exchanged[k] = NAN;
+        springs |= s->word[k] >= faces;
+    }
+    ric_status status = springs ? ric_simulator_create(s->model, &sim) : RIC_OK;
+    if (!status && springs)
+        status = ric_simulator_start(sim, s->state, s->state + s->n_dof);
+    while (!status && springs && hit) { /* on into the next period: some are closed at its end */
+        ric_impact impact;
+        status = ric_simulator_advance(sim, 2 * s->period, &hit, &impact);
+        for (int k = 0; !status && hit && impact.opens && k < s->n_letter; k++)
+            if (s->word[k] == impact.face && isnan(exchanged[k])) {
+                exchanged[k] = impact.impulse;
+                break;
+            }
+    }
+    ric_simulator_free(sim);
+    return status;
+}
+
+/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over all modes. */
 static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
 {
-    double *compliance = calloc((size_t)s->n_dof, sizeof *compliance);
-    ric_status status = compliance ? RIC_OK : RIC_E_NOMEM;
-    for (int k = 0; !status && k < s->n_impact; k++) {
+    double *compliance = calloc((size_t)s->n_dof, sizeof *compliance), *exchanged = calloc((size_t)s->n_letter + 1, sizeof *exchanged);
+    ric_status status = compliance && exchanged ? collect_spring_impulses(s, exchanged) : RIC_E_NOMEM;
+    for (int k = 0; !status && k < s->n_letter; k++) {
+        if (s->word[k] >= ric_model_n_face(s->model)) /* a spring opens: told where it closes */
+            continue;
         ric_contact contact;
         int index = 0;
         status = ric_model_face(s->model, s->word[k], &index, NULL, NULL);
@@ -168,8 +196,9 @@ static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
             break;
         double speed = s->d * speed_at_impact(s, k, contact.normal);
         json_array_append_new(speeds, cli_number(speed));
-        json_array_append_new(impulses, cli_number(2 * speed / compliance[s->n_dof - 1]));
+        json_array_append_new(impulses, cli_number(contact.law == RIC_LAW_BILINEAR ? s->d * exchanged[k] : 2 * speed / compliance[s->n_dof - 1]));
     }
+    free(exchanged);
     free(compliance);
     return status;
 }
@@ -204,9 +233,9 @@ static ric_status add_orbit(json_t *rows, subject *s)
     double *amplitudes = calloc((size_t)s->n_dof, sizeof *amplitudes);
     ric_status status = amplitudes && find_amplitudes(s, amplitudes) ? RIC_OK : RIC_E_NOMEM;
     json_array_append_new(rows, row);
-    json_object_set_new(row, "word", cli_word(s->model, s->n_impact, s->word));
+    json_object_set_new(row, "word", cli_word(s->model, s->n_letter, s->word));
     json_object_set_new(row, "state", numbers(2 * s->n_dof, s->state, s->d));
-    json_object_set_new(row, "flights", numbers(s->n_impact > 0 ? s->n_impact : 1, s->flights, 1));
+    json_object_set_new(row, "flights", numbers(s->n_letter > 0 ? s->n_letter : 1, s->flights, 1));
     json_object_set_new(row, "period", cli_number(s->period));
     json_object_set_new(row, "frequency", cli_number(s->point.frequency));
     json_object_set_new(row, "energy", cli_number(s->d * s->d * s->point.energy));

@@ -122,6 +122,7 @@ static void add_impact(simulation *s, const ric_impact *impact)
     json_object_set_new(row, "face", json_integer(impact->face));
     json_object_set_new(row, "approach", cli_number(impact->approach * s->length));
     json_object_set_new(row, "impulse", cli_number(impact->impulse * s->length));
+    json_object_set_new(row, "opens", json_boolean(impact->opens));
     json_array_append_new(s->rows, row);
 }
 
@@ -171,7 +172,7 @@ static void simulation_free(simulation *s)
 /* What was found before the motion came to an end is printed all the same. */
 static int simulate_and_print(simulation *s, cli_format format)
 {
-    static const char *const impact_columns[] = {"t", "face", "approach", "impulse", NULL};
+    static const char *const impact_columns[] = {"t", "face", "approach", "impulse", "opens", NULL};
     ric_status status = simulate(s);
     int code = cli_report(status);
     if (code == CLI_WRONG)
@@ -227,7 +228,8 @@ const cli_command cli_simulate = {
         "  --state X.. V..  2n numbers; a state on a face that moves into it is just before the impact\n"
         "  --time T         where to stop\n"
         "  --steps N        number of steps of the history: 200 unless given\n"
-        "  --impacts        list the impacts instead: t, face, approach (speed of the gap coordinate), impulse\n"
+        "  --impacts        list the impacts instead: t, face, approach (speed of the gap coordinate), impulse, opens; a contact of law bilinear\n"
+        "                   has two rows: it closes (impulse 0), and opens (approach < 0) with the impulse of the whole contact\n"
         "  --physical       state, history and impacts in the study's own units of length\n"
         "\n"
         "Where the impact law gives no motion (two stops met together whose impacts disturb each other, chatter that ends in a lasting\n"

@@ -154,7 +154,7 @@ static double read_quantity(const quantity *q, const ric_branch *branch, int n_d
     case APPROACH: return p->approach;
     case DISPLACEMENT: return state[q->index];
     case SPEED: return state[n_dof + q->index];
-    case FLIGHT: return q->index < (branch->impacts > 0 ? branch->impacts : 1) ? flights[q->index] : NAN;
+    case FLIGHT: return q->index < (branch->letters > 0 ? branch->letters : 1) ? flights[q->index] : NAN;
     }
     return NAN;
 }
@@ -163,7 +163,7 @@ static double read_quantity(const quantity *q, const ric_branch *branch, int n_d
 static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x, const quantity *y, plot_track *t)
 {
     const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
-    double *state = calloc(2 * (size_t)n_dof, sizeof *state), *flights = calloc((size_t)branch->impacts + 1, sizeof *flights);
+    double *state = calloc(2 * (size_t)n_dof, sizeof *state), *flights = calloc((size_t)branch->letters + 1, sizeof *flights);
     ric_status status = state && flights ? RIC_OK : RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
         ric_point p;

@@ -28,7 +28,7 @@ typedef struct {
     const ric_model *model;
     int n; /* degrees of freedom */
     /* What is drawn. */
-    int impacts, *word;
+    int impacts, *word; /* letters of the word, [impacts]; from n_face on a spring opens */
     double *state, *flights, period, tolerance;
     char title[400];
     /* The motion: row i is t, x [n], v [n]; flight k owns the rows first[k] .. first[k + 1] - 1. */
@@ -68,15 +68,27 @@ static double gap_of(const orbit *o, int contact, const double *x)
 typedef struct {
     int n;
     double *omega, *shapes, *q, *p; /* modes; modal state at the start of the flight */
+    ric_simulator *springs;         /* of a model with contacts of law bilinear: it flies, from `state` [2 n]; NULL without */
+    double *state;
 } modal;
+
+static bool is_spring(const ric_model *model, int face)
+{
+    int contact;
+    ric_contact c;
+    return !ric_model_face(model, face, &contact, NULL, NULL) && !ric_model_contact(model, contact, &c) && c.law == RIC_LAW_BILINEAR;
+}
 
 static ric_status modal_create(const ric_model *model, modal *m)
 {
     const size_t n = (size_t)ric_model_n_dof(model);
     *m = (modal){.n = (int)n, .omega = calloc(n, sizeof(double)), .shapes = calloc(n * n, sizeof(double)), .q = calloc(n, sizeof(double)),
-                 .p = calloc(n, sizeof(double))};
-    if (!m->omega || !m->shapes || !m->q || !m->p)
+                 .p = calloc(n, sizeof(double)), .state = calloc(2 * n, sizeof(double))};
+    if (!m->omega || !m->shapes || !m->q || !m->p || !m->state)
         return RIC_E_NOMEM;
+    for (int f = 0; f < ric_model_n_face(model); f++)
+        if (is_spring(model, f) && !m->springs && ric_simulator_create(model, &m->springs) != RIC_OK)
+            return RIC_E_NOMEM;
     const ric_status status = ric_model_frequencies(model, m->omega);
     return status == RIC_OK ? ric_model_modes(model, m->shapes) : status;
 }
@@ -87,12 +99,15 @@ static void modal_free(modal *m)
     free(m->shapes);
     free(m->q);
     free(m->p);
+    free(m->state);
+    ric_simulator_free(m->springs);
 }
 
 /* q = Phi^T M x, p = Phi^T M v */
 static void modal_start(modal *m, const double *mass, const double *state)
 {
     const int n = m->n;
+    memcpy(m->state, state, 2 * (size_t)n * sizeof *state);
     for (int k = 0; k < n; k++) {
         m->q[k] = m->p[k] = 0;
         for (int i = 0; i < n; i++)
@@ -107,6 +122,12 @@ static void modal_start(modal *m, const double *mass, const double *state)
 static void modal_at(const modal *m, double t, double *out)
 {
     const int n = m->n;
+    if (m->springs && t >= 0) { /* closed or not, the simulator knows; a short flight, so that nothing grows */
+        bool hit = ric_simulator_start(m->springs, m->state, m->state + n) == RIC_OK;
+        while (hit && ric_simulator_advance(m->springs, t, &hit, NULL) == RIC_OK) {}
+        ric_simulator_state(m->springs, NULL, out, out + n);
+        return;
+    }
     memset(out, 0, 2 * (size_t)n * sizeof *out);
     for (int k = 0; k < n; k++) {
         const double w = m->omega[k], c = cos(w * t), s = sin(w * t);
@@ -116,6 +137,18 @@ static void modal_at(const modal *m, double t, double *out)
             out[n + i] += m->shapes[i * n + k] * p;
         }
     }
+}
+
+/* x and v of the modal state. */
+static void modal_out(const modal *m, double *out)
+{
+    const int n = m->n;
+    memset(out, 0, 2 * (size_t)n * sizeof *out);
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++) {
+            out[i] += m->shapes[i * n + k] * m->q[k];
+            out[n + i] += m->shapes[i * n + k] * m->p[k];
+        }
 }
 
 /* To the end of a flight, and the elastic impact there: p - 2 (c.p)/(c.c) c. face < 0: none. */
@@ -239,6 +272,23 @@ static bool touches_of_flight(orbit *o, const modal *m, double begin, double len
     return true;
 }
 
+/* To the start of flight k + 1. */
+static void step(modal *m, const orbit *o, int k)
+{
+    int face = o->impacts ? o->word[(k + 1) % o->impacts] % ric_model_n_face(o->model) : -1;
+    const bool spring = face >= 0 && is_spring(o->model, face);
+    double state[2 * m->n];
+    if (m->springs)
+        modal_at(m, o->flights[k], state);
+    if (m->springs)
+        modal_start(m, ric_model_mass(o->model), state);
+    modal_step(m, o->model, m->springs ? 0 : o->flights[k], spring ? -1 : face);
+    if (!m->springs)
+        return;
+    modal_out(m, state);
+    memcpy(m->state, state, sizeof state);
+}
+
 static ric_status make_motion(orbit *o)
 {
     const int flights = o->impacts > 0 ? o->impacts : 1;
@@ -258,10 +308,10 @@ static ric_status make_motion(orbit *o)
                 good = sample_flight(o, &m, begin, o->flights[k], work);
             if (!touches)
                 o->first[k + 1] = o->n_row;
-            if (!touches && o->impacts)
+            if (!touches && o->impacts && o->word[k] < ric_model_n_face(o->model)) /* not where a spring opens */
                 good = good && add_event(o, begin, o->word[k], false, o->first[k]);
             begin += o->flights[k];
-            modal_step(&m, o->model, o->flights[k], o->impacts ? o->word[(k + 1) % o->impacts] : -1);
+            step(&m, o, k);
         }
         if (!touches && o->impacts && good) /* the first impact again, where the period ends */
             good = add_event(o, begin, o->word[0], false, o->n_row - 1);
@@ -311,7 +361,7 @@ static int take_junction(orbit *o, const char *text)
     if (status != RIC_OK)
         return cli_report(status);
     o->tolerance = junction.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
-    if (!keep_orbit(o, junction.impacts, junction.word, junction.state, junction.flights))
+    if (!keep_orbit(o, junction.letters, junction.word, junction.state, junction.flights))
         return cli_report(RIC_E_NOMEM);
     plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof name, name);
     set_title(o, name, junction.energy, "");
@@ -336,7 +386,7 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
     if (n > 1 && !w->which)
         fprintf(stderr, "ricochet: %d orbits fit, this is the first; --which K draws another\n", n);
     const ric_orbit *chosen = orbits[which - 1];
-    const int impacts = ric_orbit_impacts(chosen), room = impacts > 0 ? impacts : 1;
+    const int impacts = ric_orbit_letters(chosen), room = impacts > 0 ? impacts : 1;
     double *state = calloc(2 * (size_t)o->n, sizeof *state), *flights = calloc((size_t)room, sizeof *flights);
     int *word = calloc((size_t)room, sizeof *word);
     int code = CLI_DONE;

@@ -160,7 +160,9 @@ ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bo
 ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t *out);
 /* Next independent word in ascending order, in place; *more = false at the end. Start with word[0] = -1. */
 ric_status ric_word_next(const ric_model *model, int n, bool reversal, int *word, bool *more);
-/* Letters 0-9a-z, numbers with dots beyond 36 faces. out [size]. */
+/* The word of an orbit with contacts of law bilinear has two letters for each of them: face f where it closes, n_face + f where it opens. In
+ * text the opening is left out where it follows its closing at once; elsewhere it is the letter of the face behind a minus sign.
+ * Letters 0-9a-z, numbers with dots beyond 36 faces. out [size]. */
 ric_status ric_word_format(const ric_model *model, int n, const int *word, size_t size, char *out);
 
 /* --------------------------------------------------------------- simulator */
@@ -171,20 +173,21 @@ typedef struct ric_simulator ric_simulator;
 typedef struct {
     double time;      /* seconds */
     int face;
-    double approach;  /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch */
-    double impulse;   /* momentum exchanged along the normal, scaled */
+    double approach;  /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch; < 0 where a spring opens */
+    double impulse;   /* momentum exchanged along the normal, scaled; of a spring, from its closing on, known where it opens */
+    bool opens;       /* a contact of law bilinear ends: its face opens. Its beginning is an impact without an impulse */
 } ric_impact;
 
 ric_status ric_simulator_create(const ric_model *model, ric_simulator **out);
 void ric_simulator_free(ric_simulator *sim);
-/* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a stop is RIC_E_INPUT.
+/* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a rigid stop is RIC_E_INPUT; springs that it is beyond are closed.
  * A state on a face that moves into it counts as just before the impact. */
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v);
-/* Runs to the next impact or to time t, whichever is first. *hit tells; impact may be NULL. State and time are kept inside. */
+/* Runs to the next impact, or closing or opening of a spring, or to time t, whichever is first. *hit tells; impact may be NULL. State and time are kept inside. */
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact);
 /* Present time and state (after the impact, if one has just happened). Any pointer may be NULL. */
 void ric_simulator_state(const ric_simulator *sim, double *time, double *x, double *v);
-/* Largest gap coordinate over clearance met since start outside impacts (touches show as 1 -+ rounding). */
+/* Largest gap coordinate over clearance met since start outside impacts, of open faces (touches show as 1 -+ rounding). */
 double ric_simulator_reach(const ric_simulator *sim);
 
 /* ------------------------------------------------------------------ branch */
@@ -213,7 +216,8 @@ typedef struct {
     int id;               /* from 1 */
     const char *label;    /* S2-[01], A5[00101], S0+ */
     int impacts;
-    const int *word;      /* [impacts] */
+    int letters;          /* of the word: impacts, and the openings of springs */
+    const int *word;      /* [letters] */
     bool symmetric, reversible;
     const char *mirror;   /* mirror points, e.g. "centre-impact", "" if not reversible */
     double stable_fraction;
@@ -261,7 +265,8 @@ typedef struct {
     const char *label;    /* G2,4 or C32 with a number: G1_2,4 C1_32 */
     const char *name;     /* from the study's list, or "" */
     int impacts;          /* N of the original orbit, touches not counted */
-    const int *word;
+    int letters;
+    const int *word;      /* [letters] */
     int grazings;         /* p, 0 unless a grazing */
     int multiple;         /* q, 1 unless a q-tupling */
     int rotation[2];      /* p, q; 0, 0 if none */
@@ -270,7 +275,7 @@ typedef struct {
     double energy;
     double frequency;     /* where it is drawn: omega / q for a q-tupling */
     const double *state;  /* x then v, [2 n_dof], of the original orbit */
-    const double *flights;/* [impacts], or [1] = the period if there is no impact */
+    const double *flights;/* [letters], or [1] = the period if there is no impact */
     int n_branch;
     const int *branches;  /* ids of the branches that end at or pass through it, ascending */
     ric_departures departures;
@@ -292,7 +297,7 @@ int ric_atlas_n_junction(const ric_atlas *atlas);
 /* Ids run from 1. RIC_E_RANGE names the range. */
 ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out);
 ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out);
-/* Point i of a branch: its numbers, state [2 n_dof: x then v], flights [max(impacts, 1)]. Any pointer may be NULL. */
+/* Point i of a branch: its numbers, state [2 n_dof: x then v], flights [max(letters, 1)]. Any pointer may be NULL. */
 ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights);
 
 /* ----------------------------------------------------------------- queries */
@@ -365,7 +370,8 @@ typedef enum { RIC_AT_POINT, RIC_AT_ENERGY, RIC_AT_FREQUENCY } ric_at;
 ric_status ric_orbit_find(const ric_atlas *atlas, int branch, ric_at at, double value, int *n, ric_orbit ***out);
 void ric_orbits_free(int n, ric_orbit **orbits);
 int ric_orbit_impacts(const ric_orbit *orbit);
-/* Point data, state [2 n_dof], flights [max(impacts,1)], word [impacts]. Any pointer may be NULL. */
+int ric_orbit_letters(const ric_orbit *orbit);
+/* Point data, state [2 n_dof], flights [max(letters,1)], word [letters]. Any pointer may be NULL. */
 void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, double *flights, int *word);
 /* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs. */
 ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
@@ -439,7 +445,8 @@ typedef struct {
     int multiple;          /* q of the family that leaves; 1 at the end of the last family, which is no multiplication */
     int rotation[2];       /* p, q; 0, 0 at an end */
     int impacts;           /* of the orbit, touches not counted */
-    const int *word;       /* [impacts] */
+    int letters;
+    const int *word;       /* [letters] */
     bool symmetric;
     int grazings;          /* touches at an end */
     ric_stop stop;         /* why the last family ends; RIC_STOP_JUNCTION elsewhere */
@@ -448,7 +455,7 @@ typedef struct {
     double return_error;   /* relative distance of the simulated state from the start after one period; NaN if the faces differ or it touches */
     double ratio;          /* of the last two differences of energies, where three doublings not at a symmetry break follow each other; else NaN */
     const double *state;   /* [2 n_dof] x then v right after impact 0 */
-    const double *flights; /* [impacts] */
+    const double *flights; /* [letters] */
     int n_point;           /* points of the family that was followed to it; 0 for the first */
 } ric_cascade_step;
 

@@ -39,9 +39,9 @@ void ric_junction_record_free(ric_junction_record *junction)
     *junction = (ric_junction_record){0};
 }
 
-size_t ric_point_stride(int n_dof, int impacts)
+size_t ric_point_stride(int n_dof, int letters)
 {
-    return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof + (size_t)(impacts > 0 ? impacts : 1);
+    return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof + (size_t)(letters > 0 ? letters : 1);
 }
 
 /* ------------------------------------------------------------------- atlas */
@@ -131,7 +131,7 @@ ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point 
         return n_point ? ric_fail(RIC_E_RANGE, "no point %d: branch %d has points 0 to %d", i, branch, n_point - 1)
                        : ric_fail(RIC_E_RANGE, "no point %d: branch %d has no points", i, branch);
     size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
-    size_t n_flight = record->row.impacts > 0 ? (size_t)record->row.impacts : 1;
+    size_t n_flight = record->row.letters > 0 ? (size_t)record->row.letters : 1;
     const double *at = record->points + (size_t)i * record->stride;
     if (point)
         memcpy(point, at, sizeof *point);

@@ -33,6 +33,6 @@ struct ric_atlas {
 /* Releases what the records own, not the array itself. */
 void ric_branch_record_free(ric_branch_record *branch);
 void ric_junction_record_free(ric_junction_record *junction);
-size_t ric_point_stride(int n_dof, int impacts);
+size_t ric_point_stride(int n_dof, int letters);
 
 #endif

@@ -29,6 +29,7 @@ typedef struct {
     ric_stop stop;
     double energy, frequency, residual, return_error, ratio;
     double *state, *flights;
+    int *word;
 } stage;
 
 struct ric_cascade {
@@ -54,6 +55,7 @@ static void stage_clear(stage *s)
     ric_trace_free(s->trace);
     free(s->state);
     free(s->flights);
+    free(s->word);
     *s = (stage){0};
 }
 
@@ -88,11 +90,14 @@ static ric_status simulate(const ric_model *m, const ric_cycle *orbit, const dou
     bool hit = true, agree = true;
     if (!status) status = ric_simulator_start(sim, state, state + n);
     /* a little longer than the period: the last impact is the first one again */
+    uint64_t closed = orbit->closed, springs = ric_cycle_springs(m);
     while (!status && hit && agree && found < orbit->N) {
         if ((status = ric_simulator_advance(sim, period + margin, &hit, &impact)) || !hit) break;
-        if (impact.approach < TOUCH) continue;
+        /* the state lies on the face of event 0, which may be met again at once */
+        if (fabs(impact.approach) < TOUCH || (found == 0 && impact.time < margin)) continue;
         found++;
-        agree = impact.face == orbit->face[found % orbit->N];
+        agree = impact.face == orbit->face[found % orbit->N] && impact.opens == (closed >> impact.face & 1);
+        if (springs >> impact.face & 1) closed ^= (uint64_t)1 << impact.face;
     }
     *error = NAN;
     if (!status && agree && found == orbit->N) {
@@ -110,7 +115,9 @@ static ric_status measure(const ric_model *m, stage *s)
     int N = s->orbit->N;
     s->state = calloc(2 * (size_t)m->n_dof, sizeof *s->state);
     s->flights = calloc((size_t)N + 1, sizeof *s->flights);
-    if (!s->state || !s->flights) return no_memory();
+    s->word = calloc((size_t)N + 1, sizeof *s->word);
+    if (!s->state || !s->flights || !s->word) return no_memory();
+    ric_cycle_word(m, s->orbit, s->word);
     ric_model_to_state(m, s->orbit->w, s->state, s->state + m->n_dof);
     for (int k = 0; k < N; k++) s->flights[k] = s->orbit->tau[k] / m->omega_ref;
     s->energy = ric_cycle_energy(m, s->orbit) * m->energy_unit;
@@ -393,7 +400,8 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     ric_status status = check_step(c, step);
     if (status) return status;
     const stage *s = &c->stages[step];
-    *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0}, .impacts = s->orbit->N, .word = s->orbit->face,
+    *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0}, .impacts = ric_cycle_impacts(ric_cycle_springs(c->model), s->orbit),
+                              .letters = s->orbit->N, .word = s->word,
                               .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop, .energy = s->energy,
                               .frequency = s->frequency, .residual = s->residual, .return_error = s->return_error, .ratio = s->ratio,
                               .state = s->state, .flights = s->flights, .n_point = s->n_point};

@@ -54,11 +54,12 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->closed = calloc(flights + 1, sizeof *c->closed);
     c->map = calloc(flights * c->stride + 1, sizeof(double));
     c->approach = calloc(flights + 1, sizeof(double));
+    c->tau = calloc(flights + 1, sizeof(double));
     c->hv = calloc(vectors * ld, sizeof(double));
     c->beta = calloc(vectors, sizeof(double));
     c->zeta = calloc(vectors, sizeof(double));
     c->X = calloc(6 * nn * ld, sizeof(double));
-    if (!c->face || !c->w || !c->before || !c->closed || !c->map || !c->approach || !c->hv || !c->beta || !c->zeta || !c->X) {
+    if (!c->face || !c->w || !c->before || !c->closed || !c->map || !c->approach || !c->tau || !c->hv || !c->beta || !c->zeta || !c->X) {
         ric_chain_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
@@ -70,8 +71,11 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
 
 void ric_chain_close(ric_chain *c, uint64_t closed)
 {
+    double fastest = 0;
     c->closed[0] = closed;
     for (int k = 0; k < c->n_flight; k++) c->closed[k + 1] = ric_flight_toggle(c->model, c->closed[k], c->face[k + 1]);
+    for (int k = 0; k < c->n_flight; k++) fastest = fmax(fastest, ric_flight_fastest(c->model, c->closed[k]));
+    c->fastest = fastest;
 }
 
 ric_chain *ric_chain_copy(const ric_chain *c)
@@ -91,6 +95,7 @@ void ric_chain_free(ric_chain *c)
     free(c->closed);
     free(c->map);
     free(c->approach);
+    free(c->tau);
     free(c->hv);
     free(c->beta);
     free(c->zeta);
@@ -132,7 +137,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
     const ric_model *m = c->model;
     double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1);
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
-    if (ric_flight_dense(m, c->closed[k])) ric_flight_map(m, c->closed[k], tau, c->w + 2 * n * k, map, w);
+    c->tau[k] = tau;
+    if (ric_flight_dense(m, c->closed[k])) ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w);
     else {
         ric_flight_trig(m, n, tau, map);
         ric_flight(n, map, c->w + 2 * n * k, w);
@@ -146,6 +152,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
         double factor = 2 * speed / face->cc;
         for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
     }
+    if (face->spring > 0 && c->face[k] == c->face[k + 1] && !c->plain)
+        return ric_flight_chord(m, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, NULL, NULL);
     return ric_gap(n, face, w) - face->gap;
 }
 
@@ -173,6 +181,9 @@ static void set_residual(ric_chain *c, const double *u, double largest)
     const double *end = c->w + 2 * n * c->n_flight;
     for (int k = c->n_start; k < c->n_unknown; k++) longest = fmax(longest, u[k]);
     for (int i = 0; i < n; i++) fastest = fmax(fastest, c->model->kappa[i] * fmax(fabs(end[i]), fabs(end[n + i])));
+    double reach = 0;
+    for (int i = 0; i < n; i++) reach += end[i] * end[i];
+    c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
     c->grain = longest * fastest / c->scale;
     c->residual = largest / c->scale;
     if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
@@ -260,12 +271,30 @@ static void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
     for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = rate[i];
 }
 
+/* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are still at its start; the
+ * derivative by its time is returned. */
+static double chord_row(const ric_chain *c, int n, int nz, int k, int ld, double *g, double *offset)
+{
+    double by_w[2 * n], by_tau, tau = c->tau[k];
+    ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, by_w, &by_tau);
+    *offset = 0;
+    for (int j = 0; j < nz; j++) g[j] = 0;
+    for (int i = 0; i < 2 * n; i++) {
+        for (int j = 0; j < nz; j++) g[j] += by_w[i] * c->X[i * ld + j];
+        *offset += by_w[i] * c->X[i * ld + ld - 1];
+    }
+    return by_tau;
+}
+
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
 static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned, int rows, int ld)
 {
     const ric_model *m = c->model;
     const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
-    double *X = c->X, rho = 1;
+    double *X = c->X, rho = 1, g[ld], offset = 0, by_tau = 0;
+    bool chord = ric_chain_between(c, k) && pinned;
+    if (c->closed[k]) ric_flight_onto(m, c->closed[k], ric_chain_event(c, k), ld, X);
+    if (chord) by_tau = chord_row(c, n, nz, k, ld, g, &offset);
     if (ric_flight_dense(m, c->closed[k])) carry_dense(c, n, nz, k, ld);
     else
         for (int i = 0; i < n; i++) {
@@ -287,9 +316,9 @@ static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, i
     const ric_face *face = &m->face[c->face[k + 1]];
     int columns = nz + 1;
     if (pinned) {
-        double g[columns], offset = 0;
-        for (int j = 0; j <= nz; j++) g[j] = 0;
-        for (int i = 0; i < n; i++) {
+        if (chord) g[nz] = by_tau;
+        for (int j = 0; j <= nz && !chord; j++) g[j] = 0;
+        for (int i = 0; i < n && !chord; i++) {
             for (int j = 0; j <= nz; j++) g[j] += face->g[i] * X[i * ld + j];
             offset += face->g[i] * X[i * ld + ld - 1];
         }
@@ -525,6 +554,12 @@ static void push(const ric_chain *c, const double *du, double *column)
     if (c->face[0] >= 0) column[k++] = ric_gap(n, &m->face[c->face[0]], dw);
     for (int i = 0; i < c->n_flight; i++) {
         const double *map = c->map + c->stride * (size_t)i;
+        double by_w[2 * n], by_tau = 0, chord = 0;
+        if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_chain_event(c, i), 1, dw);
+        if (ric_chain_between(c, i)) {
+            ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i], c->w + 2 * n * i, by_w, &by_tau);
+            chord = ric_dot(2 * n, by_w, dw) + by_tau * du[c->n_start + i];
+        }
         if (ric_flight_dense(m, c->closed[i])) ric_flight_carry(n, map, 1, 1, dw);
         else ric_flight(n, map, dw, dw);
         arriving(c, n, i, end);
@@ -532,7 +567,7 @@ static void push(const ric_chain *c, const double *du, double *column)
         for (int j = 0; j < 2 * n; j++) dw[j] += f[j] * du[c->n_start + i];
         if (c->face[i + 1] < 0) continue;
         const ric_face *face = &m->face[c->face[i + 1]];
-        if (!(general(c) && i + 1 == c->n_flight)) column[k++] = ric_gap(n, face, dw);
+        if (!(general(c) && i + 1 == c->n_flight)) column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
         if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
     }
     for (int i = 0; i < rows; i++) {

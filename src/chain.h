@@ -22,19 +22,23 @@ typedef struct {
     int multiple;          /* period = multiple * sum of the flight times */
     int n_flight;
     int *face;             /* [n_flight + 1]: face at the start, then at the end of each flight; -1 where there is no impact */
+    double fastest;        /* largest frequency while springs are closed, 0 if none ever is */
     uint64_t *closed;      /* [n_flight + 1] springs that are closed in each flight, and after the end (flight.h) */
+    bool plain;            /* no divided differences, and no state moved onto a face: the equations as they are written down */
     int n_start;           /* unknowns of the start block: w (general), a (rest), p (centre), a and speed (impact) */
     int n_unknown;         /* n_start + n_flight */
 
     /* set by ric_chain_evaluate */
     double *w;             /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if there is one,
                             * but before it at an impact that is the end mirror) */
+    double *tau;           /* [n_flight] */
     double *before;        /* [n_flight * n] velocities at the end of each flight, before the impact */
     size_t stride;         /* doubles in the map of a flight */
     double *map;           /* [n_flight * stride]: 3n of cos, kappa sin / omega, omega sin / kappa, or a matrix (flight.h) */
     double *approach;      /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an impact mirror */
     double residual;       /* largest residual relative to 1 + |w| */
     double scale;          /* 1 + |w| */
+    double stiff;          /* what closed springs make of an error of the displacements, relative to scale: a velocity so much larger */
     double grain;          /* how far the state moves within the last digit of the longest flight time, relative to scale, over epsilon */
     double end_det;        /* product of the end pivots, signed: with the tangent's orientation, the sign of the bordered determinant */
     double smallest;       /* smallest end pivot in modulus: 0 where the kernel has more than one dimension */
@@ -52,6 +56,28 @@ typedef struct {
 static inline bool ric_chain_halves(const ric_chain *chain)
 {
     return chain->multiple == 4 || chain->sigma < 0;
+}
+
+/* Whether flight k lies between two switches of one spring: it closes at its start and opens at its end, or the other way round. Where such a
+ * flight vanishes its two conditions become one, and that at its end is replaced by their divided difference (docs/theory.md section 10). */
+static inline bool ric_chain_between(const ric_chain *c, int k)
+{
+    return c->face[k + 1] >= 0 && c->face[k] == c->face[k + 1] && c->model->face[c->face[k]].spring > 0;
+}
+
+/* The event at the start of flight k as a flight takes it. */
+static inline int ric_chain_event(const ric_chain *c, int k)
+{
+    return c->plain ? -1 : c->face[k];
+}
+
+/* Whether flight k is one, or half of one that has its mirror point of rest in the middle. */
+static inline bool ric_chain_touches(const ric_chain *c, int k)
+{
+    int f = c->face[k], g = c->face[k + 1];
+    if (f >= 0 && g >= 0) return ric_chain_between(c, k);
+    return (k == 0 && f < 0 && c->start == RIC_MIRROR_REST && g >= 0 && c->model->face[g].spring > 0) ||
+           (k + 1 == c->n_flight && g < 0 && c->end == RIC_MIRROR_REST && f >= 0 && c->model->face[f].spring > 0);
 }
 
 /* A chain over `face` [n_flight + 1]; sigma counts only in the general form. */

@@ -60,7 +60,7 @@ static char *mirror_text(const ric_chain *c)
 /* S2+[01], A5[00101], S2(3)[01]; the mark of the mode only on backbones. */
 static char *branch_label(const ric_model *m, const ric_branch *b)
 {
-    size_t size = 64 + 4 * (size_t)b->impacts;
+    size_t size = 64 + 5 * (size_t)b->letters;
     char *text = malloc(size), mark[16] = "";
     if (!text) return NULL;
     if (b->mode > 0) {
@@ -70,7 +70,7 @@ static char *branch_label(const ric_model *m, const ric_branch *b)
     int used = snprintf(text, size, "%s%d%s", b->symmetric ? "S" : "A", b->impacts, mark);
     if (b->impacts > 0) {
         text[used++] = '[';
-        ric_word_format(m, b->impacts, b->word, size - (size_t)used - 2, text + used);
+        ric_word_format(m, b->letters, b->word, size - (size_t)used - 2, text + used);
         strcat(text, "]");
     }
     return text;
@@ -149,8 +149,9 @@ static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
     r->word = turned ? malloc((size_t)N * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
     r->why = branch_why(tr->why ? tr->why : "", e->n_unplaced);
-    if (turned && r->word) memcpy(r->word, turned->face, (size_t)N * sizeof *r->word);
-    r->row = (ric_branch){.impacts = N, .word = r->word, .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
+    if (turned && r->word) ric_cycle_word(m, turned, r->word);
+    r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word, .symmetric = cycle->half,
+                          .reversible = cycle->pure >= 0 || cycle->flip >= 0,
                           .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why, .depth = e->depth,
                           .mode = backbone_mode(g, e), .n_junction = e->n_inner};
     r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
@@ -220,7 +221,8 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
 static int compare_words(const ric_branch *a, const ric_branch *b)
 {
     if (a->impacts != b->impacts) return a->impacts - b->impacts;
-    for (int i = 0; i < a->impacts; i++)
+    if (a->letters != b->letters) return a->letters - b->letters;
+    for (int i = 0; i < a->letters; i++)
         if (a->word[i] != b->word[i]) return a->word[i] - b->word[i];
     return 0;
 }
@@ -321,12 +323,12 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
         goto out;
     }
     ric_model_to_state(m, cycle ? cycle->w : node->cycle->w, r->state, r->state + n);
+    if (cycle) ric_cycle_word(m, cycle, r->word);
     for (int i = 0; i < N; i++) {
-        r->word[i] = cycle->face[i];
         r->flights[i] = cycle->tau[i] / m->omega_ref;
     }
     if (!N) r->flights[0] = node->period / m->omega_ref;
-    r->row = (ric_junction){.kind = node->kind, .impacts = N, .word = r->word, .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
+    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0, .letters = N, .word = r->word, .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
                             .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]},
                             .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
     r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;

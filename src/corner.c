@@ -4,6 +4,11 @@
 
 #include "motion.h"
 
+bool ric_corner_commute(const ric_model *m, const ric_face *f, const ric_face *g)
+{
+    return (f->spring > 0 && g->spring > 0) || ric_model_orthogonal(m, f->contact, g->contact);
+}
+
 int ric_corner_pairs(const ric_model *m, const ric_cycle *c, double speed, int capacity, int *pairs)
 {
     int N = c->N, n = c->n, count = 0;
@@ -15,7 +20,7 @@ int ric_corner_pairs(const ric_model *m, const ric_cycle *c, double speed, int c
         const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[j]];
         bool pair = c->tau[i] < RIC_COINCIDENT && f->contact != g->contact;
         /* three at once: the impact in the middle belongs to two pairs */
-        if (pair && (!ric_model_orthogonal(m, f->contact, g->contact) || count == capacity)) defined = false;
+        if (pair && (!ric_corner_commute(m, f, g) || count == capacity)) defined = false;
         if (!pair || !defined) continue;
         touch |= fabs(ric_dot(n, f->c, W + 2 * n * i + n)) < speed || fabs(ric_dot(n, g->c, W + 2 * n * j + n)) < speed;
         three |= count > 0 && (pairs[count - 1] == i - 1 || (pairs[0] == 0 && i == N - 1));
@@ -35,6 +40,8 @@ ric_cycle *ric_corner_swap(const ric_model *m, const ric_cycle *c, int n_pair, c
         out->face[i] = c->face[j];
         out->face[j] = face;
         /* w is the state between the two */
+        if (i == 0)
+            for (int side = 0; side < 2; side++) out->closed = ric_flight_toggle(m, out->closed, c->face[side]);
         if (i == 0)
             for (int side = 0; side < 2; side++) ric_flight_strike(c->n, &m->face[c->face[side]], out->w + c->n);
     }
@@ -59,7 +66,7 @@ ric_cycle *ric_corner_least(const ric_model *m, const ric_cycle *c, int n_pair, 
             return NULL;
         }
         int more = best ? symmetries(canonical) - symmetries(best) : 1;
-        if (more > 0 || (more == 0 && ric_cycle_compare(canonical, best) < 0)) {
+        if (more > 0 || (more == 0 && ric_cycle_compare(ric_cycle_springs(m), canonical, best) < 0)) {
             ric_cycle *old = best;
             best = canonical;
             canonical = old;

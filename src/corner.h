@@ -8,6 +8,10 @@
 
 enum { RIC_CORNER_UNDEFINED = -1, RIC_CORNER_TOGETHER = -2 };
 
+/* Whether two events at one instant may change their order: their impacts do not disturb each other, or both are switches of springs, at which
+ * no velocity changes. */
+bool ric_corner_commute(const ric_model *model, const ric_face *f, const ric_face *g);
+
 /* Pairs of impacts of different contacts at one instant: the place of the first of each, in order, and their number. UNDEFINED: the normals
  * of a pair are not orthogonal in the metric of M^-1, or there are more than `capacity` pairs. TOGETHER: an impact slower than `speed` (a
  * touch) is one of a pair, or three meet: what goes on keeps them together. */

@@ -130,7 +130,7 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
 static void advance(const ric_model *m, const ric_cycle *c, int i, uint64_t *closed, const double *w, double *after)
 {
     int face = c->face[(i + 1) % c->N];
-    ric_flight_go(m, *closed, c->tau[i], w, after);
+    ric_flight_go(m, *closed, c->face[i], c->tau[i], w, after);
     ric_flight_strike(c->n, &m->face[face], after + c->n);
     *closed = ric_flight_toggle(m, *closed, face);
 }
@@ -143,8 +143,22 @@ void ric_cycle_states(const ric_model *m, const ric_cycle *c, double *W)
     for (int i = 1; i < c->N; i++) advance(m, c, i - 1, &closed, W + 2 * n * (i - 1), W + 2 * n * i);
 }
 
-/* The springs that are closed in flight i. */
-static uint64_t closed_in(const ric_model *m, const ric_cycle *c, int i)
+uint64_t ric_cycle_springs(const ric_model *m)
+{
+    uint64_t springs = 0;
+    for (int f = 0; f < m->n_face && f < RIC_FACES_MAX; f++)
+        if (m->face[f].spring > 0) springs |= (uint64_t)1 << f;
+    return springs;
+}
+
+int ric_cycle_impacts(uint64_t springs, const ric_cycle *c)
+{
+    int switches = 0;
+    for (int i = 0; springs && i < c->N; i++) switches += springs >> c->face[i] & 1;
+    return c->N - switches / 2;
+}
+
+uint64_t ric_cycle_closed(const ric_model *m, const ric_cycle *c, int i)
 {
     uint64_t closed = c->closed;
     for (int k = 1; k <= i; k++) closed = ric_flight_toggle(m, closed, c->face[k]);
@@ -163,7 +177,7 @@ void ric_cycle_at_time(const ric_model *m, const ric_cycle *c, double t, double 
         t -= c->tau[k];
         advance(m, c, k, &closed, w, w);
     }
-    ric_flight_go(m, closed, t, w, w);
+    ric_flight_go(m, closed, c->face[k], t, w, w);
 }
 
 double ric_cycle_period(const ric_cycle *c)
@@ -178,8 +192,37 @@ double ric_cycle_energy(const ric_model *m, const ric_cycle *c)
     return ric_flight_energy(m, c->closed, c->w);
 }
 
+/* Where a chain of the general form may start: the condition there stands for itself, so not behind a flight between two switches of one
+ * spring, if there is another event. */
+int ric_cycle_start(const ric_model *m, const ric_cycle *c)
+{
+    if (!m->springs) return 0;
+    uint64_t closed = c->closed;
+    int closing = -1;
+    for (int i = 0; i < c->N; i++) {
+        const ric_face *face = &m->face[c->face[i]];
+        if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
+        if (face->spring == 0 || c->face[modulo(i - 1, c->N)] != c->face[i]) return i;
+        if (closing < 0 && closed >> c->face[i] & 1) closing = i;
+    }
+    return closing < 0 ? 0 : closing;
+}
+
+static ric_status to_general(const ric_model *m, const ric_cycle *cycle, ric_chain **chain, double **u);
+
+static ric_status from_event(const ric_model *m, const ric_cycle *c, int first, ric_chain **chain, double **u)
+{
+    ric_cycle *turned = ric_cycle_transform(m, c, first, false, false);
+    if (!turned) return ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", c->N);
+    ric_status status = to_general(m, turned, chain, u);
+    ric_cycle_free(turned);
+    return status;
+}
+
 static ric_status to_general(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
 {
+    int first = ric_cycle_start(m, c);
+    if (first > 0) return from_event(m, c, first, chain, u);
     int n = c->n, nf = c->half ? c->N / 2 : c->N, face[nf + 1];
     for (int i = 0; i < nf; i++) face[i] = c->face[i];
     face[nf] = c->half ? m->face[c->face[0]].mirror : c->face[0];
@@ -229,13 +272,13 @@ static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1
     }
     ric_mirror start = hit0 ? RIC_MIRROR_IMPACT : in_flight0, end = hit1 ? RIC_MIRROR_IMPACT : in_flight1;
     if ((status = ric_chain_create(m, start, end, 1, nf, face, chain))) goto out;
-    ric_chain_close(*chain, closed_in(m, c, modulo(first, N)));
+    ric_chain_close(*chain, ric_cycle_closed(m, c, modulo(first, N)));
     if (!(u = calloc((size_t)(*chain)->n_unknown, sizeof *u))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
     }
     memcpy(w, W + 2 * n * modulo(first, N), sizeof w);
-    if (!hit0) ric_flight_go(m, (*chain)->closed[0], c->tau[modulo(first, N)] / 2, w, w);
+    if (!hit0) ric_flight_go(m, (*chain)->closed[0], c->face[modulo(first, N)], c->tau[modulo(first, N)] / 2, w, w);
     if (start == RIC_MIRROR_CENTRE) memcpy(u, w + n, (size_t)n * sizeof *u);
     else memcpy(u, w, (size_t)n * sizeof *u);
     if (start == RIC_MIRROR_IMPACT) {
@@ -352,7 +395,7 @@ ric_cycle *ric_cycle_keep(const ric_model *m, const ric_cycle *c, const bool *ke
     }
     ric_cycle_states(m, c, W);
     memcpy(out->w, W + 2 * n * first, 2 * (size_t)n * sizeof *W);
-    out->closed = closed_in(m, c, first);
+    out->closed = ric_cycle_closed(m, c, first);
     for (int i = first, j = -1; i < first + N; i++) {
         if (keep[i % N]) out->face[++j] = c->face[i % N];
         out->tau[j] += c->tau[i % N];
@@ -496,11 +539,40 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
     return q;
 }
 
-int ric_cycle_compare(const ric_cycle *a, const ric_cycle *b)
+void ric_cycle_word(const ric_model *m, const ric_cycle *c, int *word)
 {
+    uint64_t closed = c->closed;
+    for (int i = 0; i < c->N; i++) {
+        if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
+        word[i] = m->face[c->face[i]].spring > 0 && !(closed >> c->face[i] & 1) ? m->n_face + c->face[i] : c->face[i];
+    }
+}
+
+void ric_cycle_spell(const ric_model *m, ric_cycle *c, const int *word)
+{
+    uint64_t met = 0;
+    c->closed = 0;
+    for (int i = 0; i < c->N; i++) {
+        bool opens = word[i] >= m->n_face;
+        int f = c->face[i] = opens ? word[i] - m->n_face : word[i];
+        /* what it is after event 0: what that made of it, or the other of what comes first */
+        if (m->face[f].spring > 0 && !(met >> f & 1) && opens == (i > 0)) c->closed |= (uint64_t)1 << f;
+        if (m->face[f].spring > 0) met |= (uint64_t)1 << f;
+    }
+}
+
+int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b)
+{
+    uint64_t x = a->closed, y = b->closed;
     double size = size_of(a);
-    for (int i = 0; i < a->N; i++)
+    for (int i = 0; i < a->N; i++) {
+        uint64_t f = (uint64_t)1 << (a->face[i] % RIC_FACES_MAX) & springs, g = (uint64_t)1 << (b->face[i] % RIC_FACES_MAX) & springs;
+        if (i > 0) x ^= f;
+        if (i > 0) y ^= g;
+        bool opens = f && !(x & f), other = g && !(y & g);
+        if (opens != other) return opens ? 1 : -1; /* closings first: the smallest word starts with one */
         if (a->face[i] != b->face[i]) return a->face[i] < b->face[i] ? -1 : 1;
+    }
     if (a->closed != b->closed) return a->closed < b->closed ? -1 : 1;
     for (int i = 0; i < 2 * a->n; i++)
         if (fabs(a->w[i] - b->w[i]) > 1e-7 * size) return a->w[i] < b->w[i] ? -1 : 1;
@@ -515,7 +587,7 @@ ric_cycle *ric_cycle_canonical(const ric_model *m, const ric_cycle *c)
     for (int op = 0; best && op < (m->symmetric ? 4 : 2); op++)
         for (int s = 0; s < c->N; s++) {
             ric_cycle *image = ric_cycle_transform(m, c, s, op & 1, op & 2);
-            if (image && ric_cycle_compare(image, best) < 0) {
+            if (image && ric_cycle_compare(ric_cycle_springs(m), image, best) < 0) {
                 ric_cycle *swap = best;
                 best = image;
                 image = swap;

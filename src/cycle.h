@@ -1,4 +1,4 @@
-/* One period of an orbit as a closed list of impacts, and what maps it to itself. Chains (chain.h) are made from it and turned back.
+/* One period of an orbit as a closed list of events: impacts, and the closings and openings of springs, and what maps it to itself. Chains (chain.h) are made from it and turned back.
  *
  * Impact i is followed by flight i. The group that acts: time shifts (the first impact changes), time reversal, and x -> -x where the
  * structure allows it. On the circle of 2N half positions, 2i is impact i and 2i + 1 the middle of flight i; a reversal that takes
@@ -25,8 +25,20 @@ void ric_cycle_free(ric_cycle *cycle);
 
 /* The orbit of a chain at u (evaluated or flown there); symmetries are those of the chain's form. NULL: no memory. */
 ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u);
+/* The event from which a chain of the general form starts. */
+int ric_cycle_start(const ric_model *model, const ric_cycle *cycle);
 /* The chain of the form that the cycle's symmetries allow, and its unknowns, *u allocated. */
 ric_status ric_cycle_to_chain(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
+
+/* Springs of a model: bits, one per face. */
+uint64_t ric_cycle_springs(const ric_model *model);
+/* Impacts of a cycle, a contact of a spring from closing to opening counted as one. */
+int ric_cycle_impacts(uint64_t springs, const ric_cycle *cycle);
+/* Its letters [N] as they leave the library: n_face + face where a spring opens. And back: faces, and the springs that are closed. */
+void ric_cycle_word(const ric_model *model, const ric_cycle *cycle, int *word);
+void ric_cycle_spell(const ric_model *model, ric_cycle *cycle, const int *word);
+/* The springs that are closed in flight i. */
+uint64_t ric_cycle_closed(const ric_model *model, const ric_cycle *cycle, int i);
 
 /* States after every impact [N * 2n]. */
 void ric_cycle_states(const ric_model *model, const ric_cycle *cycle, double *W);
@@ -56,7 +68,7 @@ ric_cycle *ric_cycle_nearest(const ric_model *model, const ric_cycle *orbit, con
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
 int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */
-int ric_cycle_compare(const ric_cycle *a, const ric_cycle *b);
+int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b);
 /* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as equal). */
 ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
 

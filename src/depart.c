@@ -10,6 +10,7 @@
 #include "motion.h"
 #include "subset.h"
 #include "ring.h"
+#include "soft.h"
 #include "status.h"
 #include "stored.h"
 
@@ -26,7 +27,7 @@ static const char *together(const ric_model *m, const ric_cycle *c)
     for (int i = 0; i < c->N; i++) {
         int f = m->face[c->face[i]].contact, g = m->face[c->face[(i + 1) % c->N]].contact;
         if (f == g || c->tau[i] > RIC_COINCIDENT) continue;
-        return ric_model_orthogonal(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
+        return ric_corner_commute(m, &m->face[c->face[i]], &m->face[c->face[(i + 1) % c->N]]) ? "two contacts close together for a whole branch; such branches are not followed by this version"
                                              : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
                                                "the impact law does not say what happens";
     }
@@ -42,10 +43,12 @@ static int admissible(ric_chain *c, const double *u0, const double *t, double h)
     if (!ric_trace_correct(c, u, u0, t, h, du, &iterations)) return -1;
     double lost = 4 * ric_trace_tolerance(c) * c->scale * (1 + 1 / c->smallest);
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0 && fabs(c->approach[k]) <= lost) return -1;
-        else if (c->face[k] >= 0 && c->approach[k] < 0) return 0;
+        if (c->face[k] < 0 || c->model->face[c->face[k]].spring > 0) continue;
+        else if (fabs(c->approach[k]) <= lost) return -1;
+        else if (c->approach[k] < 0) return 0;
     for (int k = 0; k < c->n_flight; k++)
-        if (!(u[c->n_start + k] > 0)) return 0;
+        if (c->model->springs && ric_chain_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
+        else if (!(u[c->n_start + k] > 0)) return 0;
     return ric_reach(c, u, NULL) < 1;
 }
 
@@ -86,7 +89,8 @@ static void drop(ric_chain **chain, double **u0, double **t0)
 }
 
 /* From a grazing or a corner. */
-static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
+                                bool *singular)
 {
     ric_cycle *cycle = ric_subset_cycle(m, node, choice);
     int found = 0;
@@ -95,6 +99,12 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
     ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_cycle_to_chain(m, cycle, chain, u0);
     ric_cycle_free(cycle);
     if (status) return status;
+    if (ric_soft_applies(node)) {
+        drop(chain, u0, t0);
+        status = ric_soft_depart(m, node, choice, chain, u0, t0, singular);
+        if (status) drop(chain, u0, t0);
+        return status;
+    }
     *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
     status = *t0 ? find_side(*chain, *u0, *t0, &found) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     if (status || !found) drop(chain, u0, t0);
@@ -291,19 +301,31 @@ static void orient(const ric_chain *c, int side, double length, double *t0)
     for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
 }
 
+/* Whether a spring is met from here on: the contact is short as the distance x from the grazing, and energy and period change as x^2. */
+static bool keeps_soft(const ric_node *node, unsigned choice)
+{
+    for (int bit = 0; bit < node->n_touch * node->multiple; bit++)
+        if (choice & 1u << bit && ric_node_soft(node, bit % node->n_touch)) return true;
+    return false;
+}
+
 ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain, double **u0,
                            double **t0, unsigned *ignore)
 {
     const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+    bool singular = false;
     *chain = NULL;
     *u0 = *t0 = NULL;
     if (node->kind == RIC_KIND_GRAZING) {
         *ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
-        return depart_subset(m, node, choice, chain, u0, t0);
+        if (keeps_soft(node, choice)) *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
+        ric_status status = depart_subset(m, node, choice, chain, u0, t0, &singular);
+        if (singular) *ignore |= 1u << RIC_TEST_DET | RIC_SINGULAR_START;
+        return status;
     }
     if (node->kind == RIC_KIND_CORNER) {
         *ignore = 1u << RIC_TEST_FLIGHT;
-        return depart_subset(m, node, choice, chain, u0, t0);
+        return depart_subset(m, node, choice, chain, u0, t0, &singular);
     }
     *ignore = breaks | 1u << RIC_TEST_DET;
     if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) {

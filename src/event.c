@@ -488,6 +488,13 @@ static bool approach_crossing(ric_trace *tr, double h)
     return true;
 }
 
+/* Functions that are looked at a little before an end of kind `test`: the factors of the map, and where a contact of a spring shrinks to
+ * nothing dE/ds and dT/ds, which vanish with it. */
+static unsigned late_at(const ric_trace *tr, int test)
+{
+    return singular | (tr->chain->model->springs && test == RIC_TEST_APPROACH ? extrema : 0);
+}
+
 /* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and its distance. `limit` holds
  * the test functions there, the singular ones a little before. */
 static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, double *limit, bool *retry)
@@ -507,7 +514,7 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
     memcpy(limit, tr->mid.test, sizeof tr->mid.test);
     if ((status = station_at(tr, *end * BEFORE, h, &tr->mid, &good))) return status;
     for (int i = 0; i < RIC_N_TEST; i++)
-        if (singular & 1u << i) limit[i] = tr->mid.test[i];
+        if (late_at(tr, *test) & 1u << i) limit[i] = tr->mid.test[i];
     return RIC_OK;
 }
 
@@ -710,7 +717,7 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
     return RIC_OK;
 }
 
-static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, bool *retry)
+static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, unsigned late, bool *retry)
 {
     int n = 0, size = 2 * tr->floquet.n_pair;
     root roots[RIC_N_TEST + tr->n_resonance + STRETCHES * tr->limits->n_asked];
@@ -719,8 +726,8 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     /* at an end the last look was a little before it */
     memcpy(own, ends ? tr->mid.own : tr->next.own, (size_t)size * sizeof *own);
     unsigned inner = ~terminal & ((1u << RIC_N_TEST) - 1);
-    ric_status status = find_roots(tr, inner & ~singular, to, limit, h, roots, &n, retry);
-    if (!status && !*retry) status = find_roots(tr, inner & singular, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
+    ric_status status = find_roots(tr, inner & ~late, to, limit, h, roots, &n, retry);
+    if (!status && !*retry) status = find_roots(tr, inner & late, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
     if (!status && !*retry) status = find_resonances(tr, ends ? to * BEFORE : to, own, h, roots, &n, retry);
     if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &n, retry);
     if (status || *retry) return status;
@@ -786,7 +793,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;
     int read = -1; /* the end, read off cubics */
     if (crossed) status = cross(tr, h, &read, &end);
-    else status = inner_events(tr, h, test >= 0, end, limit, retry);
+    else status = inner_events(tr, h, test >= 0, end, limit, late_at(tr, test), retry);
     if (status || *retry) return status;
     if (test < 0 && !closed && read < 0) return RIC_OK;
     *done = true;

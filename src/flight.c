@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "phase.h"
+
 uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 {
     uint64_t image = 0;
@@ -13,20 +15,44 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 
 /* --------------------------------------------------------------------- maps */
 
-void ric_flight_go(const ric_model *m, uint64_t closed, double tau, const double *w, double *after)
+/* The phase of a set of closed springs. Without one, for want of memory or because both faces of a contact would be closed, the states are no
+ * numbers, and the chain does not converge. */
+static const ric_phase *phase_of(const ric_model *m, uint64_t closed, size_t size, double *lost)
+{
+    const ric_phase *phase;
+    ric_phase_get(m, closed, &phase);
+    for (size_t i = 0; !phase && i < size; i++) lost[i] = NAN;
+    return phase;
+}
+
+static const ric_face *closing(const ric_model *m, uint64_t closed, int event)
+{
+    return event >= 0 && closed >> event & 1 ? &m->face[event] : NULL;
+}
+
+void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after)
 {
     int n = m->n;
     double trig[3 * n];
-    (void)closed;
+    if (closed) {
+        const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
+        if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after);
+        return;
+    }
     ric_flight_trig(m, n, tau, trig);
     ric_flight(n, trig, w, after);
 }
 
-void ric_flight_map(const ric_model *m, uint64_t closed, double tau, const double *w, double *matrix, double *after)
+void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after)
 {
     int n = m->n;
     double trig[3 * n];
-    (void)closed;
+    if (closed) {
+        const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
+        if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after);
+        if (phase) ric_phase_matrix(phase, tau, matrix);
+        return;
+    }
     ric_flight_trig(m, n, tau, trig);
     ric_flight(n, trig, w, after);
     memset(matrix, 0, 4 * (size_t)n * n * sizeof *matrix);
@@ -45,6 +71,29 @@ void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld,
         for (int i = 0; i < size; i++) column[i] = V[i * ld + j];
         for (int i = 0; i < size; i++) V[i * ld + j] = ric_dot(size, matrix + i * size, column);
     }
+}
+
+double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau)
+{
+    const ric_phase *phase;
+    double lost = NAN;
+    if (ric_phase_get(m, closed, &phase)) return lost;
+    return ric_phase_chord(phase, closing(m, closed, event), m->face[face].contact, tau, w, by_w, by_tau);
+}
+
+void ric_flight_onto(const ric_model *m, uint64_t closed, int event, int ld, double *X)
+{
+    const ric_face *from = closing(m, closed, event);
+    if (from) ric_phase_onto(m->n, from, ld, X);
+}
+
+double ric_flight_fastest(const ric_model *m, uint64_t closed)
+{
+    const ric_phase *phase;
+    double fastest = 0;
+    if (!closed || ric_phase_get(m, closed, &phase)) return 0;
+    for (int i = 0; i < m->n; i++) fastest = fmax(fastest, phase->omega[i]);
+    return fastest;
 }
 
 /* ------------------------------------------------------------------- forces */

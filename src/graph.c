@@ -70,7 +70,7 @@ int ric_node_order(const ric_node *a, const ric_node *b)
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
     if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
     if (a->cycle->N != b->cycle->N) return a->cycle->N - b->cycle->N;
-    return ric_cycle_compare(a->cycle, b->cycle); /* images of each other under what is no symmetry of the whole structure */
+    return ric_cycle_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the whole structure */
 }
 
 /* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */
@@ -118,6 +118,7 @@ static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice,
 {
     const ric_limits *l = &g->limits;
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
+    hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
     int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
              node->energy, node->period, choice, side,
@@ -595,7 +596,7 @@ static ric_status list_duplicates(ric_graph *g, int depth)
         ric_node *node = g->nodes[i];
         if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded || node->refusal) continue;
         node->expanded = true;
-        int flown = node->cycle->N - node->n_touch;
+        int flown = ric_cycle_impacts(node->springs, node->cycle) - node->n_touch;
         for (int k = 2; k <= g->options->multiply && k * flown < g->options->impacts && k * node->period <= g->limits.period[1]; k++) {
             ric_node *duplicate = NULL;
             if (g->options->base % k) continue;
@@ -668,6 +669,9 @@ static ric_status start_loose(ric_graph *g)
     for (int f = 0; f < m->n_face && upper < 0; f++)
         if (m->face[f].mirror >= 0 && m->face[f].side > 0) upper = f;
     if (!loose || upper < 0 || m->n_contact > 1) return RIC_OK;
+    if (m->springs)
+        return ric_fail(RIC_E_INPUT, "the structure can move as a rigid body against a contact of law bilinear: such families have no closed form to "
+                        "start from in this version; hold the structure by a soft spring, or make the contact rigid");
     ric_chain *chain = NULL;
     face[1] = upper;
     ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);

@@ -7,6 +7,7 @@
 
 #include <lapacke.h>
 
+#include "phase.h"
 #include "status.h"
 
 /* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
@@ -486,6 +487,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
     if ((status = allocate_scaled(m))) goto out;
     scale_modes(m);
     make_faces(m);
+    if ((status = ric_phases_create(m))) goto out;
     *out = m;
     m = NULL;
 out:
@@ -500,6 +502,7 @@ void ric_model_free(ric_model *m)
     void *owned[] = {m->M, m->K, m->b, m->contact, m->spring, m->frequency, m->frequency_low, m->Phi, m->normal, m->seen, m->mode,
                      m->omega, m->omega_low, m->kappa, m->stiff, m->c, m->g, m->E, m->face, m->to_modal, m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
+    ric_phases_free(m);
     free(m);
 }
 

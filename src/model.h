@@ -52,6 +52,7 @@ struct ric_model {
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
     double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d */
     double *to_space;   /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
+    struct ric_phases *phases; /* phase.h: what contacts of law bilinear make of the modes while they are closed */
 };
 
 /* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */

@@ -112,10 +112,17 @@ static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multip
         whole->tau[i] = cycle->tau[i % cycle->N];
     }
     memcpy(whole->w, cycle->w, 2 * (size_t)n * sizeof *whole->w);
+    whole->closed = cycle->closed;
     if ((status = ric_cycle_to_chain(m, whole, &chain, &u))) goto out;
+    chain->plain = true; /* the article's equations, of which the multiplicities are */
     ric_chain_jacobian(chain, u, G);
     article_jacobian(n, N, u + 2 * n, G, J);
     double scale = 0;
+    lapack_int low, high; /* stiff springs make entries of all sizes; a similarity by a diagonal matrix evens them out */
+    if (m->springs && LAPACKE_dgebal(LAPACK_ROW_MAJOR, 'S', size, J, size, &low, &high, s)) {
+        status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
+        goto out;
+    }
     for (int i = 0; i < size * size; i++) scale = fmax(scale, fabs(J[i]));
     double zero_at = located(size, J, scale, least, work, s), error = zero_at;
     if (zero_at > PLACED) goto out;

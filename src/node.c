@@ -79,6 +79,7 @@ static ric_node *node_create(const ric_model *m, ric_kind kind, ric_cycle *cycle
     node->test = -1;
     node->multiple = 1;
     node->mode = -1;
+    node->springs = ric_cycle_springs(m);
     node->energy = ric_cycle_energy(m, cycle);
     node->period = ric_cycle_period(cycle);
     return node;
@@ -97,6 +98,7 @@ typedef struct {
     ric_floquet floquet;
     int test;
     int place;     /* in the chain, of the impact or flight in question */
+    bool soft;     /* at a grazing: a flight between two switches of a spring, and no impact */
     const double *u;
     int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
     const ric_asked *asked;
@@ -183,7 +185,7 @@ static double evaluate(criterion *q, const double *u, const double *t, double or
 {
     const ric_chain *c = q->chain;
     switch (q->test) {
-    case RIC_TEST_APPROACH: return c->approach[q->place];
+    case RIC_TEST_APPROACH: return q->soft ? q->u[c->n_start + q->place] : c->approach[q->place];
     case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, t) / c->scale;
     case RIC_TEST_DET: return orientation * c->end_det;
     case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
@@ -246,12 +248,23 @@ static bool solve_criterion(criterion *q, double *u)
     return !by_determinant || least <= AT_ZERO * c->scale * slope;
 }
 
-/* Impact of the chain (index into approach) whose speed is smallest. */
-static int slowest(const ric_chain *c)
+/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is shortest. */
+static int slowest(const ric_chain *c, const double *u, bool *soft)
 {
     int best = -1;
+    double least = HUGE_VAL;
+    *soft = false;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0 && (best < 0 || fabs(c->approach[k]) < fabs(c->approach[best]))) best = k;
+        if (c->face[k] >= 0 && c->model->face[c->face[k]].spring == 0 && fabs(c->approach[k]) < least) {
+            least = fabs(c->approach[k]);
+            best = k;
+        }
+    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+        if (ric_chain_touches(c, k) && fabs(u[c->n_start + k]) < least) {
+            least = fabs(u[c->n_start + k]);
+            best = k;
+            *soft = true;
+        }
     return best;
 }
 
@@ -282,9 +295,9 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion 
             if (pass)
                 for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
             ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded unknowns */
-            if (q.test == RIC_TEST_APPROACH) q.place = slowest(q.chain);
+            if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
             if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
-            good = solve_criterion(&q, u);
+            good = good && solve_criterion(&q, u);
             out = good ? ric_cycle_from_chain(q.chain, u) : NULL;
         }
         ric_cycle_free(source);
@@ -325,7 +338,8 @@ static bool list_touches(const ric_model *m, ric_node *node)
     if (!W) return false;
     ric_cycle_states(m, c, W);
     for (int i = 0; i < c->N; i++) {
-        if (fabs(impact_speed(m, c, W, i)) > NO_SPEED) continue;
+        bool spring = m->face[c->face[i]].spring > 0, pair = spring && c->face[(i + 1) % c->N] == c->face[i];
+        if (spring ? !pair || fabs(c->tau[i]) > NO_SPEED : fabs(impact_speed(m, c, W, i)) > NO_SPEED) continue;
         if (node->n_touch < RIC_MAX_TOUCHES) node->touch[node->n_touch++] = i;
         else fits = false;
     }
@@ -340,7 +354,9 @@ static int linear_mode(const ric_node *node)
     const ric_cycle *c = node->cycle;
     int most = 0;
     double rest = 0;
-    if (node->n_touch < c->N) return -1;
+    int events = 0;
+    for (int i = 0; i < node->n_touch; i++) events += ric_node_soft(node, i) ? 2 : 1;
+    if (events < c->N) return -1;
     for (int i = 1; i < c->n; i++)
         if (hypot(c->w[i], c->w[c->n + i]) > hypot(c->w[most], c->w[c->n + most])) most = i;
     for (int i = 0; i < c->n; i++)
@@ -401,7 +417,7 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
         }
     }
     double sign = m->face[first].gap / m->face[first].g[mode] > 0 ? 1 : -1;
-    ric_cycle *c = ric_cycle_create(n, m->n_face);
+    ric_cycle *c = ric_cycle_create(n, 2 * m->n_face);
     if (!c) return no_memory();
     c->w[mode] = sign * amplitude;
     double last = 0;
@@ -412,9 +428,11 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
             double t = phase * 3.14159265358979323846 / omega;
             if (count) c->tau[count - 1] = t - last;
             last = t;
+            if (m->face[f].spring > 0) c->face[count++] = f; /* it closes, and opens at once */
             c->face[count++] = f;
         }
     c->N = count;
+    c->closed = ric_flight_toggle(m, 0, c->face[0]);
     c->tau[count - 1] = 2 * 3.14159265358979323846 / omega - last;
     ric_cycle_find_symmetries(m, c, SAME);
     ric_cycle *canonical = ric_cycle_canonical(m, c);
@@ -658,6 +676,11 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
 
 /* ------------------------------------------------------------------ identity */
 
+bool ric_node_soft(const ric_node *node, int touch)
+{
+    return node->kind == RIC_KIND_GRAZING && node->springs >> node->cycle->face[node->touch[touch]] & 1;
+}
+
 bool ric_node_chooses(const ric_node *node)
 {
     return node->kind == RIC_KIND_GRAZING || node->kind == RIC_KIND_CORNER;
@@ -701,11 +724,11 @@ ric_cycle *ric_node_regular(const ric_model *m, const ric_node *node)
 
 int ric_node_impacts(const ric_node *node, unsigned choice)
 {
-    int count = node->cycle->N;
+    int count = ric_cycle_impacts(node->springs, node->cycle), missing = 0;
     if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH) return count * node->multiple;
     if (node->kind != RIC_KIND_GRAZING) return count;
-    for (int i = 0; i < node->n_touch * node->multiple; i++) count -= !(choice & 1u << i);
-    return count + (node->multiple - 1) * node->cycle->N;
+    for (int i = 0; i < node->n_touch * node->multiple; i++) missing += !(choice & 1u << i);
+    return count * node->multiple - missing;
 }
 
 bool ric_node_half(const ric_model *m, const ric_node *node, unsigned choice)

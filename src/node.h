@@ -29,9 +29,10 @@ const char *ric_refusal_text(ric_refusal refusal);
 
 typedef struct {
     ric_kind kind;
-    ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed */
+    ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a spring with no time between */
+    uint64_t springs;    /* faces that are springs */
     int n_touch;
-    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; at a corner of the first impact of each pair */
+    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; of a pair, and at a corner, of the first impact of each pair */
     int test;            /* which test function vanishes on the branch that passes; -1 */
     int multiple, rotation[2];
     int a, b;
@@ -68,6 +69,8 @@ ric_status ric_node_start(const ric_model *model, const ric_cycle *cycle, ric_no
 /* The symmetric orbit that a branch arrives at. */
 ric_status ric_node_arrival(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 
+/* Whether a touch is that of a spring, two switches in the cycle. */
+bool ric_node_soft(const ric_node *node, int touch);
 /* Whether the ways out are subsets: of touches, or of pairs of impacts. */
 bool ric_node_chooses(const ric_node *node);
 /* Where the rotation number of the orbit passes p / q. */

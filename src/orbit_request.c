@@ -72,7 +72,7 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     ric_floquet_multipliers(&floquet, o->multipliers);
     double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0) approach = fmin(approach, c->approach[k]);
+        if (c->face[k] >= 0) approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
     o->point = (ric_point){.arclength = stored->arclength, .energy = ric_chain_energy(c) * m->energy_unit,
                            .frequency = TWO_PI / ric_chain_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
                            .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN, .approach = approach * m->omega_ref,
@@ -274,16 +274,21 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
 
 int ric_orbit_impacts(const ric_orbit *o)
 {
+    return o->cycle ? ric_cycle_impacts(ric_cycle_springs(o->model), o->cycle) : 0;
+}
+
+int ric_orbit_letters(const ric_orbit *o)
+{
     return o->cycle ? o->cycle->N : 0;
 }
 
 void ric_orbit_data(const ric_orbit *o, ric_point *point, double *state, double *flights, int *word)
 {
-    int N = ric_orbit_impacts(o);
+    int N = ric_orbit_letters(o);
     if (point) *point = o->point;
     if (state) memcpy(state, o->state, 2 * (size_t)o->model->n_dof * sizeof *state);
     if (flights) memcpy(flights, o->flights, (size_t)(N ? N : 1) * sizeof *flights);
-    if (word && N) memcpy(word, o->cycle->face, (size_t)N * sizeof *word);
+    if (word && N) ric_cycle_word(o->model, o->cycle, word);
 }
 
 ric_status ric_orbit_multipliers(const ric_orbit *o, double *out)

@@ -46,6 +46,7 @@ ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
         int32_t face = c->face[i];
         write(&to, &face, sizeof face);
     }
+    if (c->model->springs) write(&to, c->closed, sizeof *c->closed);
     write(&to, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
     for (int i = 0; i < tr->n_event; i++) write_event(&to, &tr->events[i], c->n_unknown);
     write_event(&to, &tr->end, c->n_unknown);
@@ -114,6 +115,9 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
         face[i] = f;
     }
     if ((status = ric_chain_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face, &tr->chain))) goto out;
+    uint64_t closed = 0;
+    if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
+    ric_chain_close(tr->chain, closed);
     if (!ric_trace_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
     size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);

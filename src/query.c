@@ -25,7 +25,8 @@ static bool same_grazing(int n_state, const ric_junction *a, const ric_junction 
 {
     if (b->kind != RIC_KIND_GRAZING || a->impacts != b->impacts || a->grazings != b->grazings || !close_to(a->energy, b->energy))
         return false;
-    for (int i = 0; i < a->impacts; i++)
+    if (a->letters != b->letters) return false;
+    for (int i = 0; i < a->letters; i++)
         if (a->word[i] != b->word[i])
             return false;
     for (int i = 0; i < n_state; i++)

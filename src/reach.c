@@ -1,13 +1,16 @@
 #include "reach.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-#include "motion.h"
+#include "phase.h"
 
 /* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both ends.
  * On an interval of length h the cubic through values and slopes differs from s by at most D4 h^4 / 384 and its slope by at most
  * D4 h^3 sqrt(3) / 216, D4 = sum |g_i| omega_i^4 |w_i| (interpolation error of Hermite's cubic: Birkhoff and Priver,
- * J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can hide. */
+ * J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can hide.
+ * While springs are closed the sinusoids are those of the phase, about its equilibrium (docs/theory.md section 10). A closed face is looked at
+ * from the other side: it must stay beyond the clearance d, and what counts is 2 - s / d, which is 1 where it touches. */
 
 #define SLOPE_BOUND 0.008018753738744785 /* sqrt(3) / 216 */
 #define LEVELS 48
@@ -22,6 +25,11 @@ typedef struct {
 typedef struct {
     const ric_chain *chain;
     int flight, contact, n;
+    const ric_phase *phase; /* NULL while all springs are open */
+    double *start, *end; /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
+    const double *omega, *kappa, *g; /* [n] of the phase; g of the contact */
+    double rest; /* of the gap coordinate */
+    bool closed; /* a face of the contact is: only that one counts, the other way round */
     int upper, lower; /* faces, -1 if none */
     double gap;       /* > 0 */
     double D3, D4, tau;
@@ -35,17 +43,16 @@ typedef struct {
 
 static sample sample_at(const search *q, double t)
 {
-    const ric_model *m = q->chain->model;
     int n = q->n;
-    const double *w = q->chain->w + 2 * n * q->flight, *g = m->g + q->contact * n;
-    sample out = {t, 0, 0};
+    const double *w = q->start, *g = q->g, *omega = q->omega;
+    sample out = {t, q->rest, 0};
     for (int i = 0; i < n; i++) {
         double a = w[i], p = w[n + i];
-        if (m->omega[i] > 0) {
+        if (omega[i] > 0) {
             double si, co;
-            sincos(m->omega[i] * t, &si, &co);
+            sincos(omega[i] * t, &si, &co);
             out.s += g[i] * (a * co + p * si);
-            out.ds += g[i] * m->omega[i] * (p * co - a * si);
+            out.ds += g[i] * omega[i] * (p * co - a * si);
         } else {
             out.s += g[i] * (a + p * t);
             out.ds += g[i] * p;
@@ -56,22 +63,21 @@ static sample sample_at(const search *q, double t)
 
 static double curvature(const search *q, double t)
 {
-    const ric_model *m = q->chain->model;
     int n = q->n;
-    const double *w = q->chain->w + 2 * n * q->flight, *g = m->g + q->contact * n;
+    const double *w = q->start, *g = q->g, *omega = q->omega;
     double sum = 0;
     for (int i = 0; i < n; i++) {
         double si, co;
-        sincos(m->omega[i] * t, &si, &co);
-        sum -= g[i] * m->omega[i] * m->omega[i] * (w[i] * co + w[n + i] * si);
+        sincos(omega[i] * t, &si, &co);
+        sum -= g[i] * omega[i] * omega[i] * (w[i] * co + w[n + i] * si);
     }
     return sum;
 }
 
 static void offer(search *q, double t, double s, int side, bool kink)
 {
-    int face = side > 0 ? q->upper : q->lower;
-    double value = side * s / q->gap;
+    int face = q->closed ? q->chain->model->face[q->upper].side == -side ? q->upper : -1 : side > 0 ? q->upper : q->lower;
+    double value = q->closed ? 2 + side * s / q->gap : side * s / q->gap;
     if (face < 0) return;
     if (!q->touches) {
         q->best = fmax(q->best, value);
@@ -82,12 +88,12 @@ static void offer(search *q, double t, double s, int side, bool kink)
     q->count++;
 }
 
-/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal: then only a maximum that happens to fall
+/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring: then only a maximum that happens to fall
  * on the impact must not be lost between the flights before and after. */
-static void offer_impact(search *q, int other, sample at)
+static void offer_impact(search *q, const ric_face *other, sample at)
 {
-    bool kink = !ric_model_orthogonal(q->chain->model, q->contact, other);
-    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau) offer(q, at.t, at.s, at.s > 0 ? 1 : -1, kink);
+    bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
+    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau) offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, kink);
 }
 
 static double largest(double a, double b, double c, double d)
@@ -120,6 +126,19 @@ static double level(const search *q)
     return (q->touches ? q->threshold : q->best) * q->gap;
 }
 
+/* The largest of four values of s on the scale of the level: towards the faces that count. */
+static double towards(const search *q, double a, double b, double c, double d)
+{
+    double reach = -HUGE_VAL;
+    if (q->closed) {
+        int side = q->chain->model->face[q->upper].side;
+        return 2 * q->gap + largest(-side * a, -side * b, -side * c, -side * d);
+    }
+    if (q->upper >= 0) reach = largest(a, b, c, d);
+    if (q->lower >= 0) reach = fmax(reach, largest(-a, -b, -c, -d));
+    return reach;
+}
+
 /* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one sign change of the slope. */
 static bool undecided(const search *q, sample l, sample r, bool *single)
 {
@@ -132,10 +151,8 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     if (fmin(l.ds, r.ds) > chord || fmax(l.ds, r.ds) < -chord) return false;
     /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
     if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
-    double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384, reach = -HUGE_VAL;
-    if (q->upper >= 0) reach = largest(l.s, b1, b2, r.s);
-    if (q->lower >= 0) reach = fmax(reach, largest(-l.s, -b1, -b2, -r.s));
-    if (reach + value <= level(q) * (1 + 1e-13)) return false;
+    double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
+    if (towards(q, l.s, b1, b2, r.s) + value <= level(q) * (1 + 1e-13)) return false;
     /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s'' (D4 h^2 / 12) */
     double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
     *single = l.ds * r.ds < 0 && ((d1 > bend && d2 > bend) || (d1 < -bend && d2 < -bend));
@@ -174,15 +191,16 @@ static void search_contact(search *q)
     const ric_chain *c = q->chain;
     const ric_model *m = c->model;
     int n = q->n, k = q->flight, last = c->n_flight - 1;
-    const double *w = c->w + 2 * n * k, *e = c->w + 2 * n * (k + 1), *before = c->before + n * k, *g = m->g + q->contact * n;
-    sample l = {0, 0, 0}, r = {q->tau, 0, 0};
+    const double *w = q->start, *e = q->end, *g = q->g = q->phase ? q->phase->G + q->contact * n : m->g + q->contact * n;
+    q->rest = q->phase ? q->phase->rest[q->contact] : 0;
+    sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
     q->D3 = q->D4 = q->bend_start = q->bend_end = 0;
     for (int i = 0; i < n; i++) {
-        double omega = m->omega[i];
+        double omega = q->omega[i];
         l.s += g[i] * w[i];
         r.s += g[i] * e[i];
-        l.ds += g[i] * m->kappa[i] * w[n + i];
-        r.ds += g[i] * m->kappa[i] * before[i];
+        l.ds += g[i] * q->kappa[i] * w[n + i];
+        r.ds += g[i] * q->kappa[i] * e[n + i];
         double third = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega * omega : 0;
         q->D3 += third;
         q->D4 += third * omega;
@@ -204,23 +222,65 @@ static void search_contact(search *q)
     search_flight(q, l, r);
     if (k == last && c->end == RIC_MIRROR_REST) offer(q, q->tau, r.s, curvature(q, q->tau) < 0 ? 1 : -1, false);
     /* the start of the chain counts for the end in the general form */
-    if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, m->face[f0].contact, l);
-    if (f1 >= 0 && !q->own_end) offer_impact(q, m->face[f1].contact, r);
+    if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, &m->face[f0], l);
+    if (f1 >= 0 && !q->own_end) offer_impact(q, &m->face[f1], r);
+}
+
+/* The ends of the present flight in coordinates of its phase; false where it has none. */
+static bool enter_flight(search *q)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    int n = q->n, k = q->flight;
+    memcpy(q->start, c->w + 2 * n * k, 2 * (size_t)n * sizeof *q->start);
+    memcpy(q->end, c->w + 2 * n * (k + 1), (size_t)n * sizeof *q->end);
+    memcpy(q->end + n, c->before + n * k, (size_t)n * sizeof *q->end);
+    q->phase = NULL;
+    q->omega = m->omega;
+    q->kappa = m->kappa;
+    if (!c->closed[k]) return true;
+    if (ric_phase_get(m, c->closed[k], &q->phase)) return false;
+    q->omega = q->phase->omega;
+    q->kappa = q->phase->kappa;
+    ric_phase_enter(q->phase, q->start, q->start);
+    ric_phase_enter(q->phase, q->end, q->end);
+    return true;
+}
+
+/* The faces of a contact that count, the first of them `first`. */
+static void choose_faces(search *q, int first)
+{
+    const ric_face *face = &q->chain->model->face[first];
+    uint64_t closed = q->chain->closed[q->flight];
+    q->contact = face->contact;
+    q->gap = fabs(face->gap);
+    q->upper = face->side > 0 ? first : -1;
+    q->lower = face->side < 0 ? first : face->mirror;
+    q->closed = false;
+    for (int f = first; closed && f >= 0 && !q->closed; f = f == first ? face->mirror : -1)
+        if (closed >> f & 1) {
+            q->closed = true;
+            q->upper = q->lower = f;
+        }
 }
 
 static void search_all(search *q, const double *u)
 {
     const ric_chain *c = q->chain;
     const ric_model *m = c->model;
+    double ends[4 * q->n];
+    q->start = ends;
+    q->end = ends + 2 * q->n;
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
         if (!(q->tau > 0)) continue;
+        if (!enter_flight(q)) {
+            q->best = HUGE_VAL;
+            continue;
+        }
         for (int f = 0; f < m->n_face;) {
             const ric_face *face = &m->face[f];
-            q->contact = face->contact;
-            q->gap = fabs(face->gap);
-            q->upper = face->side > 0 ? f : -1;
-            q->lower = face->side < 0 ? f : face->mirror;
+            choose_faces(q, f);
             search_contact(q);
             f += face->mirror >= 0 ? 2 : 1;
         }

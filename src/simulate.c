@@ -1,10 +1,14 @@
-/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself.
+/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself, and every closing and opening of a spring.
  *
  * It shares no code with the orbit solver, so that agreement between the two means something (docs/theory.md section 11). It makes its
  * own modal decomposition, K phi = omega^2 M phi with phi' M phi = 1, by Jacobi rotations in extended precision. Flight is closed form
  * from the last impact on: with h = omega tau / 2,
  *     q(tau) = q + 2 sin h (cos h p / omega - sin h q),   p(tau) = p cos 2h - omega q sin 2h,
  * which keeps the relative accuracy of q(tau) - q for short times; q + p tau where omega = 0. Impact on face f: p -= (1+eps) (c.p)/(c.c) c.
+ *
+ * Contacts of law bilinear switch: while faces are closed the structure has K + sum k_f b_f b_f' for its stiffness and the modes of that, and
+ * q counts from its equilibrium. A closed face is searched like an open one, with the sign of its gap turned round: it opens where the gap
+ * coordinate falls through the clearance. State and acceleration are continuous there.
  *
  * The next impact is searched with a guarantee. On [a, b], h = b - a, the cubic Hermite interpolant H of a gap g satisfies
  *     |g - H| <= D4 h^4 / 384,  |g' - H'| <= D4 h^3 sqrt(3) / 216,  |g'' - H''| <= D4 h^2 / 12   (Birkhoff and Priver 1967),
@@ -34,32 +38,52 @@ typedef ric_real real;
 #define ORTHOGONAL 1e-12
 /* Accelerations below this part of their bound have no certain sign. */
 #define STEADY 1e-10
+/* A mode whose displacement at a spring is less than this part of its terms is not held by it. */
+#define EXTENDED (64 * LDBL_EPSILON)
 /* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in a lasting contact. */
 #define CHATTER 1e-6
 
 typedef struct {
     int contact, side;
     real limit;          /* scaled clearance: the face is at side * s = limit */
-    const real *c;       /* [n] modal normal, borrowed from the simulator */
+    real spring;         /* stiffness of law bilinear, 0: rigid */
     real cc;
     real noise;          /* what the rounding of the given state leaves uncertain in s */
+    bool closed;         /* the spring is engaged */
+    real impulse;        /* exchanged since the face closed */
     /* of the present flight */
-    real start;          /* side * s - level at its start; exactly 0 on the face */
-    real level;          /* limit, or a little more if the flight starts beyond it by rounding */
+    const real *c;       /* [n] modal normal in its frame */
+    int sign;            /* side, or -side while closed: an event is sign * s rising beyond edge */
+    real edge;           /* limit, or -limit while closed */
+    real start;          /* sign * s - level at its start; exactly 0 on the face */
+    real level;          /* edge, or a little more if the flight starts beyond it by rounding */
     real D[5];           /* D[k] bounds the k-th derivative of s; D[0] = infinity if a free mode drifts */
+    real rest;           /* s in equilibrium */
     real band;           /* rounding of s */
 } face_t;
 
-struct ric_simulator {
-    int n, n_face;
-    real restitution;
-    bool started;
+/* The structure with some faces closed, in modes of its own. */
+typedef struct frame {
+    struct frame *next;
+    bool *closed;        /* [n_face] */
     real *omega;         /* [n] rad/s, 0 for a free mode */
     real *phi, *mphi;    /* [n * n] row i is mode i: phi_i and M phi_i */
     real *c;             /* [n_contact * n] */
+    real *rest;          /* [n] equilibrium */
+} frame;
+
+struct ric_simulator {
+    int n, n_face, n_contact;
+    real restitution;
+    bool started;
+    frame *open;         /* the frame with every spring open; the others follow as they are met */
+    const frame *frame;  /* of the present flight */
+    const real *omega;   /* [n] of that */
+    const double *M, *K; /* raw matrices, copied */
     face_t *face;          /* [n_face] */
     real *b;             /* [n_contact * n] raw normals */
-    real *q, *p;         /* [n] modal state at the start of the flight */
+    real *q, *p;         /* [n] modal state at the start of the flight, from the equilibrium of the frame */
+    real *x;             /* [2n] scratch: displacement, velocity */
     double *rough;       /* [3n + n_contact n] omega, q, p, c in double, for the search */
     real origin, origin_low; /* time of that, with what rounding dropped from it */
     real now;            /* present time, from the origin */
@@ -72,7 +96,7 @@ struct ric_simulator {
     real *store;         /* what the arrays above lie in */
 };
 
-/* A face's gap g = side * s - level and its first two derivatives at one time. */
+/* A face's gap g = sign * s - level and its first two derivatives at one time. */
 typedef struct { double t, g[3]; } sample;
 
 /* ------------------------------------------------------------------- modes */
@@ -154,56 +178,83 @@ static bool jacobi(int n, real *A, real *V)
     return false;
 }
 
-/* omega_i of row phi_i. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K themselves. */
-static real frequency(int n, const double *K, const real *phi)
+/* omega_i of row phi_i in a frame. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K themselves, and no spring
+ * holds it. */
+static real frequency(const ric_simulator *sim, const bool *closed, const real *phi)
 {
-    real sum = 0, size = 0;
+    int n = sim->n;
+    real sum = 0, size = 0, springs = 0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
-            real term = phi[i] * K[i * n + j] * phi[j];
+            real term = phi[i] * sim->K[i * n + j] * phi[j];
             sum += term;
             size += fabs(term);
         }
-    return sum <= ROUNDING * size ? 0 : sqrt(sum);
+    for (int f = 0; f < sim->n_face; f++) {
+        const face_t *face = &sim->face[f];
+        real s = 0, largest = 0;
+        if (!closed[f]) continue;
+        for (int i = 0; i < n; i++) {
+            s += phi[i] * sim->b[face->contact * n + i];
+            largest = fmax(largest, fabs(phi[i] * sim->b[face->contact * n + i]));
+        }
+        if (fabs(s) > EXTENDED * largest) springs += face->spring * s * s;
+    }
+    return sum + springs <= ROUNDING * size ? 0 : sqrt(sum + springs);
 }
 
-static void store_modes(ric_simulator *sim, const ric_model *model, const real *phi)
+static void store_modes(ric_simulator *sim, frame *out, const real *phi)
 {
     int n = sim->n;
-    const double *M = ric_model_mass(model);
     for (int i = 0; i < n; i++) {
-        sim->omega[i] = frequency(n, ric_model_stiffness(model), phi + i * n);
+        out->omega[i] = frequency(sim, out->closed, phi + i * n);
         for (int j = 0; j < n; j++) {
             real sum = 0;
-            for (int k = 0; k < n; k++) sum += phi[i * n + k] * M[k * n + j];
-            sim->phi[i * n + j] = phi[i * n + j];
-            sim->mphi[i * n + j] = sum;
+            for (int k = 0; k < n; k++) sum += phi[i * n + k] * sim->M[k * n + j];
+            out->phi[i * n + j] = phi[i * n + j];
+            out->mphi[i * n + j] = sum;
         }
     }
-    for (int f = 0; f < ric_model_n_contact(model); f++)
+    for (int f = 0; f < sim->n_contact; f++)
         for (int i = 0; i < n; i++) {
             real sum = 0;
             for (int j = 0; j < n; j++) sum += phi[i * n + j] * sim->b[f * n + j];
-            sim->c[f * n + i] = sum;
+            out->c[f * n + i] = sum;
         }
+    for (int f = 0; f < sim->n_face; f++) {
+        const face_t *face = &sim->face[f];
+        for (int i = 0; i < n && out->closed[f]; i++) {
+            real omega = out->omega[i];
+            if (omega > 0) out->rest[i] += face->spring * face->side * face->limit * out->c[face->contact * n + i] / (omega * omega);
+        }
+    }
+}
+
+/* K and the springs of closed faces. */
+static void assemble(const ric_simulator *sim, const bool *closed, real *A)
+{
+    int n = sim->n;
+    for (int i = 0; i < n * n; i++) A[i] = sim->K[i];
+    for (int f = 0; f < sim->n_face; f++) {
+        const real *b = sim->b + sim->face[f].contact * n;
+        for (int i = 0; i < n && closed[f]; i++)
+            for (int j = 0; j < n; j++) A[i * n + j] += sim->face[f].spring * b[i] * b[j];
+    }
 }
 
 /* M = L L', A = L^-1 K L^-T = V' diag V, phi = L^-T V. */
-static ric_status make_modes(ric_simulator *sim, const ric_model *model)
+static ric_status make_modes(ric_simulator *sim, frame *out)
 {
     ric_status status = RIC_OK;
     int n = sim->n;
     size_t nn = (size_t)n * (size_t)n;
-    const double *M = ric_model_mass(model), *K = ric_model_stiffness(model);
     real *L = calloc(3 * nn, sizeof *L), *A = L + nn, *V = A + nn;
     if (!L) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", n);
         goto out;
     }
-    for (size_t i = 0; i < nn; i++) {
-        L[i] = M[i];
-        A[i] = K[i];
-    }
+    for (size_t i = 0; i < nn; i++) L[i] = sim->M[i];
+    assemble(sim, out->closed, A);
     for (int i = 0; i < n; i++) V[i * n + i] = 1;
     if (!cholesky(n, L)) {
         status = ric_fail(RIC_E_INPUT, "mass matrix is not positive definite");
@@ -221,10 +272,105 @@ static ric_status make_modes(ric_simulator *sim, const ric_model *model)
             for (int k = i + 1; k < n; k++) V[r * n + i] -= L[k * n + i] * V[r * n + k];
             V[r * n + i] /= L[i * n + i];
         }
-    store_modes(sim, model, V);
+    store_modes(sim, out, V);
 out:
     free(L);
     return status;
+}
+
+static void frame_free(frame *f)
+{
+    if (!f) return;
+    free(f->closed);
+    free(f->omega);
+    free(f);
+}
+
+static ric_status frame_create(ric_simulator *sim, const bool *closed, frame **out)
+{
+    size_t n = (size_t)sim->n, faces = (size_t)sim->n_face;
+    frame *f = calloc(1, sizeof *f);
+    *out = NULL;
+    if (!f || !(f->closed = calloc(faces + 1, sizeof *f->closed)) ||
+        !(f->omega = calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n, sizeof *f->omega))) {
+        frame_free(f);
+        return ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", sim->n);
+    }
+    for (size_t i = 0; closed && i < faces; i++) f->closed[i] = closed[i];
+    f->rest = f->omega + n;
+    f->phi = f->rest + n;
+    f->mphi = f->phi + n * n;
+    f->c = f->mphi + n * n;
+    ric_status status = make_modes(sim, f);
+    if (status) frame_free(f);
+    else *out = f;
+    return status;
+}
+
+static void enter_frame(ric_simulator *sim, const frame *f)
+{
+    int n = sim->n;
+    sim->frame = f;
+    sim->omega = f->omega;
+    for (int i = 0; i < n; i++) sim->rough[i] = (double)f->omega[i];
+    for (int i = 0; i < sim->n_contact * n; i++) sim->rough[3 * n + i] = (double)f->c[i];
+    for (int k = 0; k < sim->n_face; k++) {
+        face_t *face = &sim->face[k];
+        face->closed = f->closed[k];
+        face->sign = face->closed ? -face->side : face->side;
+        face->edge = face->closed ? -face->limit : face->limit;
+        face->c = f->c + face->contact * n;
+        face->rest = 0;
+        for (int i = 0; i < n; i++) face->rest += face->c[i] * f->rest[i];
+    }
+}
+
+/* The frame with these faces closed, made when it is first met. */
+static ric_status find_frame(ric_simulator *sim, const bool *closed, const frame **out)
+{
+    frame *last = sim->open, *made;
+    for (frame *f = sim->open; f; last = f, f = f->next)
+        if (!memcmp(f->closed, closed, (size_t)sim->n_face * sizeof *closed)) {
+            *out = f;
+            return RIC_OK;
+        }
+    ric_status status = frame_create(sim, closed, &made);
+    if (!status) *out = last->next = made;
+    return status;
+}
+
+/* Displacement and velocity [2n] of a modal state of the present frame, and back. */
+static void to_space(const ric_simulator *sim, const real *q, const real *p, real *x)
+{
+    int n = sim->n;
+    for (int j = 0; j < n; j++) {
+        x[j] = x[n + j] = 0;
+        for (int i = 0; i < n; i++) {
+            x[j] += sim->frame->phi[i * n + j] * (q[i] + sim->frame->rest[i]);
+            x[n + j] += sim->frame->phi[i * n + j] * p[i];
+        }
+    }
+}
+
+static void to_modal(const ric_simulator *sim, const frame *f, const real *x, real *w)
+{
+    int n = sim->n;
+    for (int i = 0; i < n; i++) {
+        w[i] = -f->rest[i];
+        w[n + i] = 0;
+        for (int j = 0; j < n; j++) {
+            w[i] += f->mphi[i * n + j] * x[j];
+            w[n + i] += f->mphi[i * n + j] * x[n + j];
+        }
+    }
+}
+
+/* From the modal state in q, p of the present frame to that of another one. */
+static void change_frame(ric_simulator *sim, const frame *f)
+{
+    to_space(sim, sim->q, sim->p, sim->x);
+    enter_frame(sim, f);
+    to_modal(sim, f, sim->x, sim->q); /* p follows q in memory */
 }
 
 /* ------------------------------------------------------------------ create */
@@ -236,13 +382,14 @@ static ric_status make_faces(ric_simulator *sim, const ric_model *model)
         ric_contact contact;
         ric_status status = ric_model_contact(model, f, &contact);
         if (status) return status;
-        if (contact.law != RIC_LAW_RIGID)
-            return ric_fail(RIC_E_INPUT, "contact %d has no rigid law; the simulator knows rigid stops only", f + 1);
+        if (contact.law == RIC_LAW_POWER)
+            return ric_fail(RIC_E_INPUT, "contact %d has law power; the simulator knows rigid stops and bilinear springs", f + 1);
         for (int i = 0; i < n; i++) sim->b[f * n + i] = contact.normal[i];
         for (int side = 1; side >= -1; side -= 2) {
             if (contact.sides == (side > 0 ? RIC_SIDES_LOWER : RIC_SIDES_UPPER)) continue;
             sim->face[sim->n_face++] = (face_t){
-                .contact = f, .side = side, .limit = contact.clearance / ric_model_length(model), .c = sim->c + f * n};
+                .contact = f, .side = side, .limit = contact.clearance / ric_model_length(model),
+                .spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0};
         }
     }
     return RIC_OK;
@@ -261,26 +408,30 @@ ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
     int n = ric_model_n_dof(model), n_contact = ric_model_n_contact(model);
     size_t nn = (size_t)n * (size_t)n, cn = (size_t)n_contact * (size_t)n;
     ric_simulator *sim = calloc(1, sizeof *sim);
+    double *raw = NULL;
     *out = NULL;
-    if (!sim || !(sim->store = calloc(3 * (size_t)n + 2 * nn + 2 * cn, sizeof(real))) ||
-        !(sim->rough = calloc(3 * (size_t)n + cn, sizeof(double))) ||
+    if (!sim || !(sim->store = calloc(4 * (size_t)n + cn, sizeof(real))) ||
+        !(sim->rough = calloc(3 * (size_t)n + cn + 2 * nn, sizeof(double))) ||
         !(sim->face = calloc(2 * (size_t)n_contact + 1, sizeof *sim->face))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a simulator of %d degrees of freedom", n);
         goto out;
     }
     sim->n = n;
+    sim->n_contact = n_contact;
     sim->restitution = ric_model_restitution(model);
-    sim->omega = sim->store;
-    sim->q = sim->omega + n;
+    sim->q = sim->store;
     sim->p = sim->q + n;
-    sim->phi = sim->p + n;
-    sim->mphi = sim->phi + nn;
-    sim->c = sim->mphi + nn;
-    sim->b = sim->c + cn;
+    sim->x = sim->p + n;
+    sim->b = sim->x + 2 * n;
+    raw = sim->rough + 3 * (size_t)n + cn;
+    memcpy(raw, ric_model_mass(model), nn * sizeof *raw);
+    memcpy(raw + nn, ric_model_stiffness(model), nn * sizeof *raw);
+    sim->M = raw;
+    sim->K = raw + nn;
     if ((status = make_faces(sim, model))) goto out;
-    if ((status = make_modes(sim, model))) goto out;
+    if ((status = frame_create(sim, NULL, &sim->open))) goto out;
+    enter_frame(sim, sim->open);
     for (int f = 0; f < sim->n_face; f++) sim->face[f].cc = dot(n, sim->face[f].c, sim->face[f].c);
-    for (int i = 0; i < n_contact * n; i++) sim->rough[3 * n + i] = (double)sim->c[i];
     *out = sim;
     sim = NULL;
 out:
@@ -291,6 +442,10 @@ out:
 void ric_simulator_free(ric_simulator *sim)
 {
     if (!sim) return;
+    for (frame *f = sim->open, *next; f; f = next) {
+        next = f->next;
+        frame_free(f);
+    }
     free(sim->store);
     free(sim->rough);
     free(sim->face);
@@ -318,7 +473,7 @@ static sample look(const ric_simulator *sim, const face_t *face, double t)
             v += c[i] * p[i];
         }
     }
-    return (sample){t, {(double)face->start + face->side * s, face->side * v, face->side * a}};
+    return (sample){t, {(double)face->start + face->sign * s, face->sign * v, face->sign * a}};
 }
 
 /* g, g', g'' in full precision. */
@@ -333,9 +488,9 @@ static void look_closely(const ric_simulator *sim, const face_t *face, real t, r
         v += c * (p * one - omega * q * both);
         a -= c * omega * (omega * q * one + p * both);
     }
-    g[0] = face->start + face->side * s;
-    g[1] = face->side * v;
-    g[2] = face->side * a;
+    g[0] = face->start + face->sign * s;
+    g[1] = face->sign * v;
+    g[2] = face->sign * a;
 }
 
 /* Modal state at time t of the flight; may work in place. */
@@ -349,7 +504,7 @@ static void fly_mode(const ric_simulator *sim, int i, real t, real *q, real *p)
 
 static void bound_face(const ric_simulator *sim, face_t *face)
 {
-    real s = 0, size = face->limit;
+    real s = face->rest, size = face->limit + fabs(face->rest);
     memset(face->D, 0, sizeof face->D);
     for (int i = 0; i < sim->n; i++) {
         real c = fabs(face->c[i]), omega = sim->omega[i], speed = c * hypot(omega * sim->q[i], sim->p[i]);
@@ -359,15 +514,15 @@ static void bound_face(const ric_simulator *sim, face_t *face)
         for (int k = 1; k <= 4; k++, speed *= omega) face->D[k] += speed;
     }
     face->band = ROUNDING * size + face->noise;
-    face->level = fmax(face->limit, face->side * s);
-    face->start = face->side * s - face->level;
+    face->level = fmax(face->edge, face->sign * s);
+    face->start = face->sign * s - face->level;
     if (face->start >= -face->band) face->start = 0;
 }
 
 /* From the modal state in sim->q, sim->p at the present origin on. */
 static void begin_flight(ric_simulator *sim)
 {
-    for (int i = 0; i < 3 * sim->n; i++) sim->rough[i] = (double)sim->omega[i]; /* q and p follow omega in memory */
+    for (int i = 0; i < 2 * sim->n; i++) sim->rough[sim->n + i] = (double)sim->q[i]; /* p follows q in memory */
     for (int f = 0; f < sim->n_face; f++) bound_face(sim, &sim->face[f]);
     sim->now = sim->known = sim->scanned = 0;
     sim->next = INFINITY;
@@ -487,7 +642,7 @@ static double panel(const face_t *face)
 
 static real search_face(const ric_simulator *sim, const face_t *face, double from, double to)
 {
-    if (face->D[0] < face->level) return INFINITY;
+    if (face->sign * face->rest + face->D[0] < face->level) return INFINITY;
     real found = INFINITY;
     double h = panel(face);
     sample a = look(sim, face, from);
@@ -502,7 +657,7 @@ static real search_face(const ric_simulator *sim, const face_t *face, double fro
 
 /* ------------------------------------------------------------------- reach */
 
-/* g <-> reach, the gap coordinate over the clearance. */
+/* g <-> reach, the gap coordinate over the clearance, of open faces. */
 static double to_reach(const face_t *face, double g)
 {
     return (g + face->level) / face->limit;
@@ -514,7 +669,7 @@ static void scan_reach(ric_simulator *sim, double to)
         const face_t *face = &sim->face[f];
         double h = panel(face);
         sample a = look(sim, face, sim->scanned);
-        while (a.t < to && face->D[0] > sim->reach * face->limit + face->band) {
+        while (a.t < to && !face->closed && face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
             sample b = look(sim, face, fmin(to, a.t + h));
             if (b.t <= a.t) break;
             double level = sim->reach * face->limit - face->level, top = highest(sim, face, &a, &b, level);
@@ -532,7 +687,7 @@ static void start_reach(ric_simulator *sim)
         const face_t *face = &sim->face[f];
         sample a = look(sim, face, 0);
         bool still = fabs(a.g[1]) <= ROUNDING * face->D[1], left = a.g[0] >= -BEYOND * face->limit && !still;
-        if (a.g[1] <= 0 || still)
+        if (!face->closed && (a.g[1] <= 0 || still))
             if (!left) sim->reach = fmax(sim->reach, to_reach(face, a.g[0]));
     }
 }
@@ -543,14 +698,15 @@ double ric_simulator_reach(const ric_simulator *sim)
     if (!sim->started || sim->now == 0) return (double)reach;
     for (int f = 0; f < sim->n_face; f++) {
         sample a = look(sim, &sim->face[f], sim->now);
-        if (a.g[1] >= 0) reach = fmax(reach, to_reach(&sim->face[f], a.g[0]));
+        if (a.g[1] >= 0 && !sim->face[f].closed) reach = fmax(reach, to_reach(&sim->face[f], a.g[0]));
     }
     return (double)reach;
 }
 
 /* ------------------------------------------------------------------ events */
 
-/* A face that the flight starts on: moving into it is an impact at once; resting on it under an acceleration into it, or rebounding ever
+/* A face that the flight starts on: moving into it is an impact at once, or a switch; a switch, too, is resting on it under an acceleration
+ * into it. On a stop, resting on it under an acceleration into it, or rebounding ever
  * faster (the sum of all flights 2u/a (1 + eps + eps^2 + ...) is over before the acceleration a changes), is a lasting contact. */
 static ric_status examine_face(ric_simulator *sim, int f)
 {
@@ -565,6 +721,13 @@ static ric_status examine_face(ric_simulator *sim, int f)
         return RIC_OK;
     }
     if (acceleration <= STEADY * face->D[2]) return RIC_OK;
+    if (face->spring > 0) {
+        if (fabs(u) <= still) {
+            sim->next = 0;
+            sim->next_face = f;
+        }
+        return RIC_OK;
+    }
     if (fabs(u) <= still)
         return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
                         "contact is outside the impact law, so the motion ends here", time_of(sim, 0), f, (double)acceleration);
@@ -593,7 +756,7 @@ static ric_status find_next(ric_simulator *sim, real to)
         bool open = false;
         for (int f = 0; f < sim->n_face; f++) {
             real t = search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
-            open |= sim->face[f].D[0] >= sim->face[f].level;
+            open |= sim->face[f].sign * sim->face[f].rest + sim->face[f].D[0] >= sim->face[f].level;
             if (t >= sim->next) continue;
             sim->next = t;
             sim->next_face = f;
@@ -604,13 +767,13 @@ static ric_status find_next(ric_simulator *sim, real to)
     return RIC_OK;
 }
 
-/* Two faces at one instant: only if their normals are orthogonal in M^-1 does the order not matter. */
+/* Two stops at one instant: only if their normals are orthogonal in M^-1 does the order not matter. A spring that closes has no force yet. */
 static ric_status check_alone(const ric_simulator *sim, int f, real t)
 {
     const face_t *face = &sim->face[f];
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
-        if (k == f || other->contact == face->contact) continue;
+        if (k == f || other->contact == face->contact || other->spring > 0) continue;
         real g = look(sim, other, t).g[0];
         if (fabs(g) > TOGETHER * other->limit + other->band) continue;
         if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
@@ -625,17 +788,64 @@ static void kink_reach(ric_simulator *sim, const face_t *face, real t, real chan
 {
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
-        if (other->contact == face->contact) continue;
+        if (other->contact == face->contact || other->closed) continue;
         sample a = look(sim, other, t);
         real after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
         if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, to_reach(other, a.g[0]));
     }
 }
 
+/* What closed springs exchange up to time t of the flight: the integral of k (side s - limit). */
+static void collect_impulses(ric_simulator *sim, real t)
+{
+    for (int f = 0; f < sim->n_face; f++) {
+        face_t *face = &sim->face[f];
+        if (!face->closed) continue;
+        real sum = face->rest * t;
+        for (int i = 0; i < sim->n; i++) {
+            real omega = sim->omega[i], sine, cosine;
+            sincosl(omega * t / 2, &sine, &cosine);
+            sum += face->c[i] * (omega > 0 ? 2 * sine / omega * (cosine * sim->q[i] + sine * sim->p[i] / omega)
+                                           : sim->q[i] * t + sim->p[i] * t * t / 2);
+        }
+        face->impulse += face->spring * (face->side * sum - face->limit * t);
+    }
+}
+
+static void move_state(ric_simulator *sim, real t)
+{
+    collect_impulses(sim, t);
+    for (int i = 0; i < sim->n; i++) fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
+    move_origin(sim, t);
+}
+
+/* A spring engages or lets go: the state is continuous, the modes are others. */
+static ric_status toggle(ric_simulator *sim, ric_impact *impact)
+{
+    bool closed[sim->n_face];
+    int f = sim->next_face;
+    face_t *face = &sim->face[f];
+    const frame *other;
+    real g[3], t = sim->next;
+    scan_reach(sim, t);
+    sim->now = t;
+    look_closely(sim, face, t, g);
+    for (int k = 0; k < sim->n_face; k++) closed[k] = sim->face[k].closed != (k == f);
+    ric_status status = find_frame(sim, closed, &other);
+    if (status) return status;
+    move_state(sim, t);
+    if (!face->closed) face->impulse = 0;
+    if (impact) *impact = (ric_impact){time_of(sim, 0), f, (double)(face->closed ? -g[1] : g[1]), (double)face->impulse, face->closed};
+    change_frame(sim, other);
+    begin_flight(sim);
+    return RIC_OK;
+}
+
 static ric_status strike(ric_simulator *sim, ric_impact *impact)
 {
     int n = sim->n, f = sim->next_face;
     const face_t *face = &sim->face[f];
+    if (face->spring > 0) return toggle(sim, impact);
     real t = sim->next;
     scan_reach(sim, t);
     sim->now = t;
@@ -647,13 +857,10 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
     if (t == 0 && speed <= ROUNDING * face->D[1])
         return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
                         "ends here", time_of(sim, 0), f);
-    if (impact) *impact = (ric_impact){time_of(sim, t), f, (double)speed, (double)fabs(change)};
+    if (impact) *impact = (ric_impact){time_of(sim, t), f, (double)speed, (double)fabs(change), false};
     kink_reach(sim, face, t, change);
-    for (int i = 0; i < n; i++) {
-        fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
-        sim->p[i] += change * face->c[i];
-    }
-    move_origin(sim, t);
+    move_state(sim, t);
+    for (int i = 0; i < n; i++) sim->p[i] += change * face->c[i];
     begin_flight(sim);
     return RIC_OK;
 }
@@ -670,7 +877,7 @@ static void start_noise(ric_simulator *sim, const double *x, const double *v)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) {
                 real size = fabs(x[j]) + (sim->omega[i] > 0 ? fabs(v[j]) / sim->omega[i] : 0);
-                face->noise += 2 * DBL_EPSILON * fabs(face->c[i] * sim->mphi[i * n + j]) * size;
+                face->noise += 2 * DBL_EPSILON * fabs(face->c[i] * sim->frame->mphi[i * n + j]) * size;
             }
     }
 }
@@ -683,23 +890,23 @@ static ric_status check_start(const ric_simulator *sim, const double *x, const d
     return RIC_OK;
 }
 
-static ric_status check_inside(const ric_simulator *sim)
+/* From the modal state of the open frame, with given springs closed or, if none are given, those that it lies beyond. */
+static ric_status start_here(ric_simulator *sim, const bool *given)
 {
+    bool closed[sim->n_face + 1];
+    const frame *other;
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
         real s = face->side * dot(sim->n, face->c, sim->q);
-        if (s > face->limit * (1 + BEYOND))
+        closed[f] = face->spring > 0 && (given ? given[f] : s > face->limit * (1 + BEYOND));
+        if (!(face->spring > 0) && s > face->limit * (1 + BEYOND))
             return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g: its gap coordinate is %.9g and the stop is at %.9g; start on this "
                             "side of it", f, (double)(s - face->limit), (double)(face->side * s), (double)(face->side * face->limit));
     }
-    return RIC_OK;
-}
-
-static ric_status start_here(ric_simulator *sim)
-{
-    ric_status status = check_inside(sim);
-    sim->started = false;
+    ric_status status = find_frame(sim, closed, &other);
     if (status) return status;
+    for (int f = 0; f < sim->n_face; f++) sim->face[f].impulse = 0;
+    change_frame(sim, other);
     sim->origin = sim->origin_low = 0;
     sim->reach = 0;
     begin_flight(sim);
@@ -711,13 +918,12 @@ static ric_status start_here(ric_simulator *sim)
 void ric_simulator_modal(const ric_simulator *sim, const double *x, const double *v, ric_real *w)
 {
     int n = sim->n;
-    for (int i = 0; i < n; i++) {
-        w[i] = w[n + i] = 0;
-        for (int j = 0; j < n; j++) {
-            w[i] += sim->mphi[i * n + j] * x[j];
-            w[n + i] += sim->mphi[i * n + j] * v[j];
-        }
+    real state[2 * n];
+    for (int j = 0; j < n; j++) {
+        state[j] = x[j];
+        state[n + j] = v[j];
     }
+    to_modal(sim, sim->open, state, w);
 }
 
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v)
@@ -725,16 +931,19 @@ ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double
     ric_status status = check_start(sim, x, v);
     sim->started = false;
     if (status) return status;
+    enter_frame(sim, sim->open);
     ric_simulator_modal(sim, x, v, sim->q); /* p follows q in memory */
     start_noise(sim, x, v);
-    return start_here(sim);
+    return start_here(sim, NULL);
 }
 
-ric_status ric_simulator_start_modal(ric_simulator *sim, const ric_real *w)
+ric_status ric_simulator_start_modal(ric_simulator *sim, const bool *closed, const ric_real *w)
 {
+    sim->started = false;
+    enter_frame(sim, sim->open);
     memcpy(sim->q, w, 2 * (size_t)sim->n * sizeof *w);
     for (int f = 0; f < sim->n_face; f++) sim->face[f].noise = 0;
-    return start_here(sim);
+    return start_here(sim, closed);
 }
 
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact)
@@ -757,31 +966,73 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
     return RIC_OK;
 }
 
+/* Displacement and velocity now, x [2n]. */
+static void present(const ric_simulator *sim, real *x)
+{
+    real w[2 * sim->n];
+    for (int i = 0; i < sim->n; i++) fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
+    to_space(sim, w, w + sim->n, x);
+}
+
 void ric_simulator_state(const ric_simulator *sim, double *time, double *x, double *v)
 {
     int n = sim->n;
+    real state[2 * n];
     if (time) *time = time_of(sim, sim->now);
+    present(sim, state);
     for (int j = 0; j < n; j++) {
-        real sum_x = 0, sum_v = 0;
-        for (int i = 0; i < n; i++) {
-            real q, p;
-            fly_mode(sim, i, sim->now, &q, &p);
-            sum_x += sim->phi[i * n + j] * q;
-            sum_v += sim->phi[i * n + j] * p;
-        }
-        if (x) x[j] = (double)sum_x;
-        if (v) v[j] = (double)sum_v;
+        if (x) x[j] = (double)state[j];
+        if (v) v[j] = (double)state[n + j];
     }
 }
 
 void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_real *w)
 {
+    int n = sim->n;
+    real state[2 * n];
     if (time) *time = sim->origin + (sim->origin_low + sim->now);
-    for (int i = 0; i < sim->n; i++) fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
+    if (sim->frame == sim->open) {
+        for (int i = 0; i < n; i++) fly_mode(sim, i, sim->now, w + i, w + n + i);
+        return;
+    }
+    present(sim, state);
+    to_modal(sim, sim->open, state, w);
+}
+
+ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w, ric_real *after)
+{
+    int n = sim->n;
+    const frame *f;
+    real x[2 * n], z[2 * n];
+    ric_status status = find_frame(sim, closed, &f);
+    if (status) return status;
+    for (int j = 0; j < n; j++) {
+        x[j] = x[n + j] = 0;
+        for (int i = 0; i < n; i++) {
+            x[j] += sim->open->phi[i * n + j] * w[i];
+            x[n + j] += sim->open->phi[i * n + j] * w[n + i];
+        }
+    }
+    to_modal(sim, f, x, z);
+    for (int i = 0; i < n; i++) {
+        real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i] + f->rest[i] - rest, p = z[n + i];
+        sincosl(omega * t, &sine, &cosine);
+        z[i] = rest + (omega > 0 ? q * cosine + p / omega * sine : q + p * t);
+        z[n + i] = p * cosine - omega * q * sine;
+    }
+    for (int j = 0; j < n; j++) {
+        x[j] = x[n + j] = 0;
+        for (int i = 0; i < n; i++) {
+            x[j] += f->phi[i * n + j] * z[i];
+            x[n + j] += f->phi[i * n + j] * z[n + i];
+        }
+    }
+    to_modal(sim, sim->open, x, after);
+    return RIC_OK;
 }
 
 void ric_simulator_frame(const ric_simulator *sim, const ric_real **omega, const ric_real **c)
 {
-    *omega = sim->omega;
-    *c = sim->c;
+    *omega = sim->open->omega;
+    *c = sim->open->c;
 }

@@ -121,6 +121,7 @@ ric_status ric_node_unpack(const ric_model *m, const void *bytes, size_t size, r
     node->refusal = (ric_refusal)h.refusal;
     node->asked = (ric_asked){h.frequency, h.asked};
     node->mode = h.mode;
+    node->springs = ric_cycle_springs(m);
     *out = node;
     return RIC_OK;
 damaged:

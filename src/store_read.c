@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "status.h"
+#include "word.h"
 
 enum { READER_WAIT = 60000 }; /* ms that a reader waits for a run that is just writing */
 
@@ -77,45 +78,15 @@ static void take_float64s(row_reader *row, size_t n, double *values)
         row->wrong = true;
 }
 
-static int letter_value(char c)
-{
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'z' ? c - 'a' + 10 : INT_MAX;
-}
-
-/* The inverse of ric_word_format. False unless the text is exactly n faces of the model. */
-static bool parse_word(const ric_model *model, const char *text, int n, int *word)
-{
-    int n_face = ric_model_n_face(model);
-    for (int i = 0; i < n; i++) {
-        if (n_face <= 36) {
-            word[i] = letter_value(*text);
-            text += *text != '\0';
-        } else {
-            char *end;
-            if ((i > 0 && *text++ != '.') || *text < '0' || *text > '9')
-                return false;
-            long face = strtol(text, &end, 10);
-            word[i] = face < n_face ? (int)face : INT_MAX;
-            text = end;
-        }
-        if (word[i] >= n_face)
-            return false;
-    }
-    return *text == '\0';
-}
-
-static int *take_word(row_reader *row, const ric_model *model, int n)
+/* A word with `impacts` impacts; *n letters. */
+static int *take_word(row_reader *row, const ric_model *model, int impacts, int *n)
 {
     char *text = take_text(row);
-    int *word = NULL;
-    if (text && strlen(text) >= (size_t)n)
-        word = calloc((size_t)n + 1, sizeof *word);
-    else
-        row->wrong = true;
-    if (word)
-        row->wrong |= !parse_word(model, text, n, word);
-    else
-        row->no_memory |= !row->wrong;
+    int *word = text ? ric_word_read(model, text, n) : NULL;
+    row->no_memory |= text && !word;
+    row->wrong |= !text || (word && (*n < 0 || ric_word_impacts(model, *n, word) != impacts));
+    if (row->wrong || !word)
+        *n = 0;
     free(text);
     return word;
 }
@@ -212,7 +183,7 @@ static void take_branch(row_reader *row, int i, target *to)
     branch->id = take_integer(row, i + 1, i + 1);
     branch->label = record->label = take_text(row);
     branch->impacts = take_integer(row, 0, INT_MAX / 2);
-    branch->word = record->word = take_word(row, model, branch->impacts);
+    branch->word = record->word = take_word(row, model, branch->impacts, &branch->letters);
     branch->symmetric = take_integer(row, 0, 1);
     branch->reversible = take_integer(row, 0, 1);
     branch->mirror = record->mirror = take_text(row);
@@ -228,7 +199,7 @@ static void take_branch(row_reader *row, int i, target *to)
     branch->why = record->why = take_text(row);
     branch->depth = take_integer(row, 0, INT_MAX);
     branch->mode = take_integer(row, 0, ric_model_n_dof(model));
-    record->stride = ric_point_stride(ric_model_n_dof(model), branch->impacts);
+    record->stride = ric_point_stride(ric_model_n_dof(model), branch->letters);
 }
 
 static void take_point(row_reader *row, int i, target *to)
@@ -251,7 +222,7 @@ static void take_point(row_reader *row, int i, target *to)
     memcpy(at, &point, sizeof point);
     at += sizeof point / sizeof *at;
     take_float64s(row, n_state, at);
-    take_float64s(row, branch->impacts > 0 ? (size_t)branch->impacts : 1, at + n_state);
+    take_float64s(row, branch->letters > 0 ? (size_t)branch->letters : 1, at + n_state);
 }
 
 static void take_branch_junction(row_reader *row, int i, target *to)
@@ -315,7 +286,7 @@ static void take_junction(row_reader *row, int i, target *to)
     junction->label = record->label = take_text(row);
     junction->name = record->name = take_text(row);
     junction->impacts = take_integer(row, 0, INT_MAX / 2);
-    junction->word = record->word = take_word(row, model, junction->impacts);
+    junction->word = record->word = take_word(row, model, junction->impacts, &junction->letters);
     junction->grazings = take_integer(row, 0, INT_MAX);
     junction->multiple = take_integer(row, 1, INT_MAX);
     junction->rotation[0] = take_integer(row, INT_MIN, INT_MAX);
@@ -325,7 +296,7 @@ static void take_junction(row_reader *row, int i, target *to)
     junction->decided = junction->a > 0 && junction->label && !strchr(junction->label, '?');
     junction->energy = take_real(row);
     junction->frequency = take_real(row);
-    n_flight = junction->impacts > 0 && !row->wrong ? (size_t)junction->impacts : 1;
+    n_flight = junction->letters > 0 && !row->wrong ? (size_t)junction->letters : 1;
     junction->state = record->state = calloc(n_state, sizeof *record->state);
     junction->flights = record->flights = calloc(n_flight, sizeof *record->flights);
     row->no_memory |= !record->state || !record->flights;

@@ -88,7 +88,7 @@ static ric_status write_branch(row_writer *row, const ric_model *model, const ri
     put_integer(row, branch->id);
     put_text(row, branch->label);
     put_integer(row, branch->impacts);
-    put_word(row, model, branch->impacts, branch->word);
+    put_word(row, model, branch->letters, branch->word);
     put_integer(row, branch->symmetric);
     put_integer(row, branch->reversible);
     put_text(row, branch->mirror);
@@ -116,7 +116,7 @@ static double log_trace(double y)
 static ric_status write_point(row_writer *row, int n_dof, const ric_branch *branch, int i, const double *at)
 {
     ric_point point;
-    size_t n_flight = branch->impacts > 0 ? (size_t)branch->impacts : 1;
+    size_t n_flight = branch->letters > 0 ? (size_t)branch->letters : 1;
     memcpy(&point, at, sizeof point);
     at += sizeof point / sizeof *at;
     put_integer(row, branch->id);
@@ -146,7 +146,7 @@ static ric_status write_junction(row_writer *row, const ric_model *model, const 
     put_text(row, junction->label);
     put_text(row, junction->name);
     put_integer(row, junction->impacts);
-    put_word(row, model, junction->impacts, junction->word);
+    put_word(row, model, junction->letters, junction->word);
     put_integer(row, junction->grazings);
     put_integer(row, junction->multiple);
     put_integer(row, junction->rotation[0]);
@@ -156,7 +156,7 @@ static ric_status write_junction(row_writer *row, const ric_model *model, const 
     put_real(row, junction->energy);
     put_real(row, junction->frequency);
     put_float64s(row, 2 * (size_t)ric_model_n_dof(model), junction->state);
-    put_float64s(row, junction->impacts > 0 ? (size_t)junction->impacts : 1, junction->flights);
+    put_float64s(row, junction->letters > 0 ? (size_t)junction->letters : 1, junction->flights);
     put_integer(row, count->taken);
     put_integer(row, count->known);
     put_integer(row, count->inadmissible);

@@ -13,13 +13,13 @@ static ric_status no_memory(void)
 ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_point *point, ric_cycle **out)
 {
     const ric_model *m = ric_atlas_model(a);
-    int n = m->n_dof, N = b->impacts;
+    int n = m->n_dof, N = b->letters;
     double *state = calloc(2 * (size_t)n, sizeof *state), *flights = calloc((size_t)N + 1, sizeof *flights);
     ric_status status = state && flights ? ric_atlas_point(a, b->id, i, point, state, flights) : no_memory();
     *out = NULL;
     if (!status && !(*out = ric_cycle_create(m->n, N))) status = no_memory();
     if (!status) {
-        memcpy((*out)->face, b->word, (size_t)N * sizeof *b->word);
+        ric_cycle_spell(m, *out, b->word);
         for (int k = 0; k < N; k++) (*out)->tau[k] = flights[k] * m->omega_ref;
         ric_model_from_state(m, state, state + n, (*out)->w);
     }

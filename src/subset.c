@@ -18,25 +18,34 @@ ric_cycle *ric_subset_touches(const ric_model *m, const ric_cycle *cycle, bool *
     ric_chain *chain = NULL;
     ric_touch touches[4 * RIC_MAX_TOUCHES];
     double *u = NULL;
-    int n = cycle->n, count, k = 0;
+    int n = cycle->n, count, more, k = 0;
     if (!plain) return NULL;
     plain->half = false;
     plain->pure = plain->flip = -1;
     if (ric_cycle_to_chain(m, plain, &chain, &u)) goto out;
     ric_chain_fly(chain, u);
     count = ric_reach_all(chain, u, 1 - TOUCH, 4 * RIC_MAX_TOUCHES, touches);
-    if (count > 4 * RIC_MAX_TOUCHES || !(out = ric_cycle_create(n, cycle->N + count))) goto out;
+    int first = ric_cycle_start(m, plain);
+    if ((more = count) > 4 * RIC_MAX_TOUCHES) goto out;
+    for (int j = 0; j < count; j++) more += m->face[touches[j].face].spring > 0;
+    if (!(out = ric_cycle_create(n, cycle->N + more))) goto out;
     memcpy(out->w, cycle->w, 2 * (size_t)n * sizeof *out->w);
+    out->closed = cycle->closed;
     if (kept && !(*kept = calloc((size_t)out->N, sizeof **kept))) goto out;
-    for (int i = 0, j = 0; i < cycle->N; i++) {
+    for (int i = 0; i < cycle->N; i++) {
         double left = cycle->tau[i], past = 0;
         if (kept) (*kept)[k] = true;
         out->face[k] = cycle->face[i];
-        for (; j < count && touches[j].flight == i; j++) {
+        for (int j = 0; j < count; j++) {
+            if ((touches[j].flight + first) % cycle->N != i) continue;
             out->tau[k++] = touches[j].time - past;
             left = cycle->tau[i] - touches[j].time;
             past = touches[j].time;
             out->face[k] = touches[j].face;
+            if (m->face[touches[j].face].spring > 0) { /* switched there and back at once */
+                out->tau[k++] = 0;
+                out->face[k] = touches[j].face;
+            }
         }
         out->tau[k++] = left;
     }
@@ -61,8 +70,8 @@ static int image(const ric_node *node, operation o, int i)
 {
     const ric_cycle *c = node->cycle;
     int N = c->N, all = N * node->multiple, shift = o.shift * N;
-    /* at a corner a bit stands for an impact and the next one, which a reversal exchanges */
-    int next = node->kind == RIC_KIND_CORNER;
+    /* at a corner, and at the touch of a spring, a bit stands for an event and the next one, which a reversal exchanges */
+    int next = node->kind == RIC_KIND_CORNER || node->springs >> c->face[i % N] & 1;
     int out = o.element == 0 ? i + shift : o.element == 1 ? i + N / 2 + shift : (o.element == 2 ? c->pure : c->flip) + shift - i - next;
     return (out % all + all) % all;
 }
@@ -165,7 +174,11 @@ ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned c
     ric_cycle *whole = ric_cycle_repeat(node->cycle, node->multiple), *out = NULL;
     if (!whole) return NULL;
     for (int i = 0; i < all; i++) keep[i] = true;
-    for (int bit = 0; bit < p * node->multiple; bit++) keep[bit / p * N + node->touch[bit % p]] = choice & 1u << bit;
+    for (int bit = 0; bit < p * node->multiple; bit++) {
+        int place = bit / p * N + node->touch[bit % p];
+        keep[place] = choice & 1u << bit;
+        if (ric_node_soft(node, bit % p)) keep[(place + 1) % all] = keep[place];
+    }
     for (int i = 0; i < all; i++) kept += keep[i];
     int pure = keeper(node, 2, 0, choice), flip = keeper(node, 3, 0, choice), half = (node->multiple - 1) / 2;
     whole->half = node->cycle->half && node->multiple % 2 && mapped(node, (operation){1, half}, choice) == choice;

@@ -34,10 +34,11 @@ ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const do
 
 /* ---------------------------------------------------------------- corrector */
 
-/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
+/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. A closed spring makes a velocity
+ * of the rounding of the displacement at which it was met. */
 static double rounding(const ric_chain *c)
 {
-    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n) * (1 + c->stiff);
 }
 
 double ric_trace_tolerance(const ric_chain *c)
@@ -89,12 +90,26 @@ double ric_trace_tangent(const ric_chain *c, const double *along, double *t)
 
 /* ------------------------------------------------------------------ stations */
 
-static double smallest_approach(const ric_chain *c)
+/* Of the impacts; `springs`: of the closings too. */
+static double smallest_approach(const ric_chain *c, bool springs)
 {
+    const ric_model *m = c->model;
     double least = HUGE_VAL;
     if (c->start == RIC_MIRROR_IMPACT) least = c->approach[0];
-    for (int k = 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0) least = fmin(least, c->approach[k]);
+    for (int k = 1; k <= c->n_flight; k++) {
+        if (c->face[k] < 0) continue;
+        bool spring = m->face[c->face[k]].spring > 0, closes = spring && c->closed[k] >> c->face[k] & 1;
+        if (!spring || springs) least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
+    }
+    return least;
+}
+
+/* Smallest time between two switches of one spring: it vanishes where an impact would lose its speed, at a grazing. */
+static double smallest_touch(const ric_chain *c, const double *u)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+        if (ric_chain_touches(c, k)) least = fmin(least, u[c->n_start + k]);
     return least;
 }
 
@@ -107,6 +122,7 @@ static double smallest_flight(const ric_chain *c, const double *u, bool ghost)
     for (int k = 0; k < c->n_flight; k++) {
         int f = c->face[k], g = c->face[k + 1];
         double tau = u[c->n_start + k];
+        if (ric_chain_touches(c, k)) continue;
         if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
     }
     return least;
@@ -199,13 +215,13 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     const ric_limits *lim = tr->limits;
     ric_status status = ric_floquet_compute(c, &tr->floquet);
     if (status) return status;
-    double reach = ric_reach(c, p->u, NULL), approach = smallest_approach(c), time = ric_chain_time(c, p->u);
-    double energy = ric_chain_energy(c), slope = 0;
+    double reach = ric_reach(c, p->u, NULL), approach = smallest_approach(c, false), time = ric_chain_time(c, p->u);
+    double energy = ric_chain_energy(c), slope = 0, closing = smallest_approach(c, true);
     for (int k = c->n_start; k < c->n_unknown; k++) slope += p->t[k];
     double *F = p->test;
     sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
     F[RIC_TEST_REACH] = 1 - reach;
-    F[RIC_TEST_APPROACH] = approach;
+    F[RIC_TEST_APPROACH] = fmin(approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
     F[RIC_TEST_SLOPE] = definite(ric_chain_energy_slope(c, p->t) / c->scale, ric_trace_blur(c, RIC_TEST_SLOPE));
@@ -216,7 +232,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_F_MIN] = lim->period[1] - time;
     p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit, .frequency = TWO_PI / time * m->omega_ref,
                          .trace = tr->floquet.trace_asinh, .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
-                         .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN, .residual = (float)c->residual,
+                         .approach = closing < HUGE_VAL ? closing * m->omega_ref : NAN, .residual = (float)c->residual,
                          .stable = tr->floquet.stable};
     return keep_definite(tr, p, approach);
 }

@@ -12,7 +12,7 @@
 /* Test functions; an event is a zero of one of them. */
 enum {
     RIC_TEST_REACH,    /* 1 - reach */
-    RIC_TEST_APPROACH, /* smallest approach speed */
+    RIC_TEST_APPROACH, /* smallest approach speed, and time between two switches of one spring */
     RIC_TEST_FLIGHT,   /* smallest flight time between different contacts; on a ghost, of all */
     RIC_TEST_DET,      /* bordered determinant */
     RIC_TEST_SLOPE,    /* dE/ds */

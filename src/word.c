@@ -4,12 +4,13 @@
  * Counts by Burnside's lemma over the cyclic or dihedral group times the flip.
  * Enumeration in ascending order by Duval's step from one necklace to the next (Duval, J. Algorithms 4 (1983) 363-381), skipping every
  * prefix that an image undercuts; without that, the gaps between canonical words grow exponentially with n. */
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ricochet.h"
 #include "status.h"
+#include "word.h"
 
 __extension__ typedef unsigned __int128 wide;
 
@@ -29,6 +30,14 @@ static int mirror_of(const ric_model *model, int face)
     if (!model)
         return 1 - face;
     return ric_model_face(model, face, NULL, NULL, &mirror) ? -1 : mirror;
+}
+
+/* Whether a face belongs to a contact of law bilinear. */
+static bool is_spring(const ric_model *model, int face)
+{
+    ric_contact contact;
+    int index;
+    return model && !ric_model_face(model, face, &index, NULL, NULL) && !ric_model_contact(model, index, &contact) && contact.law == RIC_LAW_BILINEAR;
 }
 
 static ric_status check_letters(const ric_model *model, int n, const int *word)
@@ -280,27 +289,106 @@ out:
     return status;
 }
 
+/* Whether an opening follows its closing at once: it is left out. */
+static bool implied(int n, const int *word, int i, int faces)
+{
+    return word[i] >= faces && word[(i + n - 1) % n] == word[i] - faces;
+}
+
 ric_status ric_word_format(const ric_model *model, int n, const int *word, size_t size, char *out)
 {
     static const char letters[] = "0123456789abcdefghijklmnopqrstuvwxyz";
-    bool dots = n_face(model) > 36;
+    int faces = n_face(model);
+    bool dots = faces > 36;
     size_t used = 0;
-    ric_status status = check_letters(model, n, word);
+    ric_status status = RIC_OK;
     if (size > 0)
         out[0] = '\0';
-    if (status)
-        return status;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n && !status; i++) {
+        int face = word[i] >= faces && is_spring(model, word[i] - faces) ? word[i] - faces : word[i];
         char text[16];
+        if ((status = check_letters(model, 1, &face)) || implied(n, word, i, faces))
+            continue;
+        const char *sign = word[i] == face ? "" : "-";
         if (dots)
-            snprintf(text, sizeof text, "%s%d", i ? "." : "", word[i]);
+            snprintf(text, sizeof text, "%s%s%d", used ? "." : "", sign, face);
         else
-            snprintf(text, sizeof text, "%c", letters[word[i]]);
+            snprintf(text, sizeof text, "%s%c", sign, letters[face]);
         size_t length = strlen(text);
         if (used + length + 1 > size)
             return ric_fail(RIC_E_RANGE, "the text of a word of %d letters needs more than %zu bytes", n, size);
         memcpy(out + used, text, length + 1);
         used += length;
     }
-    return RIC_OK;
+    return status;
+}
+
+/* ----------------------------------------------------------------- reading */
+
+static int letter_value(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'z' ? c - 'a' + 10 : INT_MAX;
+}
+
+/* The letters as they are written; their number, -1 if the text is no word of the model. */
+static int read_letters(const ric_model *model, const char *text, int *word)
+{
+    int faces = n_face(model), n = 0;
+    while (*text) {
+        if (faces > 36 && n > 0 && *text++ != '.')
+            return -1;
+        bool opens = *text == '-';
+        text += opens;
+        long face = letter_value(*text);
+        if (faces > 36) {
+            char *end;
+            if (*text < '0' || *text > '9')
+                return -1;
+            face = strtol(text, &end, 10);
+            text = end;
+        } else
+            text += *text != '\0';
+        if (face >= faces || (opens && !is_spring(model, (int)face)))
+            return -1;
+        word[n++] = (int)face + (opens ? faces : 0);
+    }
+    return n;
+}
+
+/* Whether the opening that belongs to the closing i is not written: the face closes again, or the word is over, before it opens. */
+static bool opens_at_once(const ric_model *model, int n, const int *word, int i)
+{
+    int faces = n_face(model);
+    if (word[i] >= faces || !is_spring(model, word[i]))
+        return false;
+    for (int k = 1; k < n; k++) {
+        int other = word[(i + k) % n];
+        if (other % faces == word[i])
+            return other < faces;
+    }
+    return true;
+}
+
+int *ric_word_read(const ric_model *model, const char *text, int *n)
+{
+    size_t room = strlen(text) + 1;
+    int *raw = malloc(room * sizeof *raw), *word = malloc(2 * room * sizeof *word), written = raw && word ? read_letters(model, text, raw) : -1;
+    *n = 0;
+    for (int i = 0; i < written; i++) {
+        word[(*n)++] = raw[i];
+        if (opens_at_once(model, written, raw, i))
+            word[(*n)++] = raw[i] + n_face(model);
+    }
+    if (raw && word && written < 0)
+        *n = -1;
+    free(raw);
+    return word;
+}
+
+int ric_word_impacts(const ric_model *model, int n, const int *word)
+{
+    int impacts = 0, faces = n_face(model);
+    for (int i = 0; i < n; i++)
+        impacts += word[i] < faces;
+    return impacts;
 }

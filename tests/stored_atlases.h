@@ -77,7 +77,7 @@ static inline int *random_word(int n, int n_face)
 
 static inline void fill_points(ric_branch_record *branch, int n_dof)
 {
-    branch->stride = ric_point_stride(n_dof, branch->row.impacts);
+    branch->stride = ric_point_stride(n_dof, branch->row.letters);
     branch->points = calloc((size_t)branch->row.n_point + 1, branch->stride * sizeof(double));
     for (int i = 0; i < branch->row.n_point; i++) {
         double *at = branch->points + (size_t)i * branch->stride;
@@ -108,7 +108,7 @@ static inline ric_branch_record random_branch(int id, int n_junction, const ric_
         branch.junction_at[i] = random_double();
     }
     branch.row = (ric_branch){
-        .id = id, .label = branch.label, .impacts = n, .word = branch.word, .symmetric = below(2), .reversible = below(2),
+        .id = id, .label = branch.label, .impacts = n, .letters = n, .word = branch.word, .symmetric = below(2), .reversible = below(2),
         .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25, .n_point = below(30), .energy_min = random_double(),
         .energy_max = random_double(), .frequency_min = random_double(), .frequency_max = random_double(),
         .from = below(n_junction + 1), .to = below(n_junction + 1), .stop = (ric_stop)below(6), .why = branch.why,
@@ -138,7 +138,7 @@ static inline ric_junction_record random_junction(int id, int n_branch, const ri
         if (below(3) == 0)
             junction.branches[n_at++] = i;
     junction.row = (ric_junction){
-        .id = id, .kind = (ric_kind)below(8), .label = junction.label, .name = junction.name, .impacts = n, .word = junction.word,
+        .id = id, .kind = (ric_kind)below(8), .label = junction.label, .name = junction.name, .impacts = n, .letters = n, .word = junction.word,
         .grazings = below(7), .multiple = 1 + below(6), .rotation = {below(5), below(6)}, .a = below(4),
         .b = below(4), .energy = random_double(), .frequency = random_double(), .state = junction.state,
         .flights = junction.flights, .n_branch = n_at, .branches = junction.branches,

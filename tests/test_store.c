@@ -289,7 +289,7 @@ static ric_atlas *atlas_with_a_touchless_branch(void)
     for (int i = 0; i < 3; i++) {
         ric_branch_record *branch = &made->branches[i];
         free(branch->points);
-        branch->row.impacts = i ? branch->row.impacts : 0;
+        branch->row.impacts = branch->row.letters = i ? branch->row.impacts : 0;
         branch->row.n_point = 5;
         fill_points(branch, 2);
     }
