@@ -510,7 +510,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
-    if (d->job) ric_workers_await(g->workers, d->job);
+    if (d->job && !ric_workers_await(g->workers, d->job, g->limits.stop, g->limits.user))
+        return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
     if (ric_node_passes(node, choice)) {
         /* where two branches of one symmetry cross, the edges that pass have said which they are */
@@ -531,6 +532,7 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         status = follow(g, index, choice, depth, &taken);
         if (!status && !taken) node->departures[place].state = RIC_DEPARTURE_INADMISSIBLE;
     }
+    if (status == RIC_E_INTERRUPTED) node->departures[place].state = RIC_DEPARTURE_OPEN;
     if (status == RIC_E_NUMERIC) {
         node->departures[place].state = RIC_DEPARTURE_REFUSED;
         node->departures[place].why = strdup(ric_detail());
@@ -697,19 +699,30 @@ static double seconds_since(const struct timespec *start)
 }
 
 /* Now and then what was traced is made safe against a kill. */
-static ric_status save_now_and_then(ric_graph *g, const struct timespec *start, double *saved)
+static ric_status save_now_and_then(ric_graph *g, double *saved)
 {
-    double now = seconds_since(start);
+    double now = seconds_since(&g->start);
     if (!g->store || now - *saved < SAVE_EVERY) return RIC_OK;
     *saved = now;
     return ric_store_commit(g->store);
 }
 
-static bool stopped(const ric_graph *g, const ric_run_options *run, double seconds, int open, int depth)
+/* Shows how far the owner has come and asks whether to stop. */
+static bool stopped(void *user)
 {
-    if (!run || !run->progress) return false;
-    ric_progress progress = {.branches = g->n_edge, .junctions = g->n_node, .open = open, .seconds = seconds, .depth = depth};
-    return run->progress(&progress, run->user);
+    ric_graph *g = user;
+    if (!g->run || !g->run->progress) return false;
+    g->progress.branches = g->n_edge;
+    g->progress.junctions = g->n_node;
+    g->progress.seconds = seconds_since(&g->start);
+    if (g->run->progress(&g->progress, g->run->user)) g->stopping = true;
+    return g->stopping;
+}
+
+/* The same for a worker, who follows the owner. */
+static bool owner_stopped(void *user)
+{
+    return ((ric_graph *)user)->stopping;
 }
 
 static void refuse_all(ric_graph *g, const char *why)
@@ -724,12 +737,14 @@ static void refuse_all(ric_graph *g, const char *why)
 
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
 {
-    const ric_graph *g = graph;
+    ric_graph *g = graph;
     ric_graph *alone = calloc(1, sizeof *alone);
     ric_node **nodes = malloc(sizeof *nodes);
     if (alone && nodes) {
         *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .recall = {g->recall.memo, true},
                              .nodes = nodes, .n_node = 1, .node_capacity = 1};
+        alone->limits.stop = owner_stopped;
+        alone->limits.user = g;
         nodes[0] = node;
         for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
         for (int i = 0; i < node->n_departure; i++)
@@ -780,8 +795,11 @@ static void offer_ahead(ric_graph *g, int depth, int limit)
 
 static ric_status explore(ric_graph *g, const ric_run_options *run)
 {
-    struct timespec start;
-    clock_gettime(CLOCK_MONOTONIC, &start);
+    clock_gettime(CLOCK_MONOTONIC, &g->start);
+    g->run = run;
+    g->stopping = false;
+    g->limits.stop = stopped;
+    g->limits.user = g;
     ric_status status = start_modes(g);
     if (status) return status;
     if (g->model->n_part > 1) {
@@ -802,9 +820,11 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
             offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
-                if (stopped(g, run, seconds_since(&start), n - i, depth)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+                g->progress.open = n - i;
+                g->progress.depth = depth;
+                if (stopped(g)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
                 else status = take(g, list[i].index, list[i].place, depth + 1);
-                if (!status) status = save_now_and_then(g, &start, &saved);
+                if (!status) status = save_now_and_then(g, &saved);
                 offer_ahead(g, depth, limit);
             }
             free(list);

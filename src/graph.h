@@ -2,6 +2,9 @@
 #ifndef RIC_GRAPH_H
 #define RIC_GRAPH_H
 
+#include <stdatomic.h>
+#include <time.h>
+
 #include "crew.h"
 #include "node.h"
 #include "solve.h"
@@ -32,6 +35,10 @@ typedef struct {
     ric_store *store;        /* traces of an earlier run; may be NULL */
     ric_recall recall;       /* what workers have computed */
     const ric_crew *crew;    /* NULL: nobody beside the threads of this process */
+    const ric_run_options *run; /* of the present exploration; may be NULL */
+    ric_progress progress;
+    struct timespec start;
+    atomic_bool stopping;    /* somebody asked to stop */
     int n_worker;            /* the owner among them */
     ric_workers *workers;    /* NULL: none beside the owner */
     int n_node, node_capacity;

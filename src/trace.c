@@ -487,6 +487,9 @@ ric_status ric_trace_run(ric_trace *tr)
 {
     bool done = false;
     ric_status status = RIC_OK;
-    while (!done && !status) status = ric_trace_advance(tr, &done);
+    for (int step = 0; !done && !status; step++) {
+        status = ric_trace_advance(tr, &done);
+        if (step % 32 == 31 && tr->limits->stop && tr->limits->stop(tr->limits->user)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+    }
     return status;
 }

@@ -53,6 +53,8 @@ typedef struct {
     int n_asked;         /* energies and frequencies whose passages are events */
     ric_asked asked[RIC_ASKED_MAX];
     bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
+    bool (*stop)(void *user); /* NULL, or asked now and then whether to leave a trace unfinished */
+    void *user;
 } ric_limits;
 
 /* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
@@ -93,7 +95,7 @@ void ric_trace_free(ric_trace *trace);
 
 /* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
 ric_status ric_trace_advance(ric_trace *trace, bool *done);
-/* Steps to the end. */
+/* Steps to the end, or to RIC_E_INTERRUPTED. */
 ric_status ric_trace_run(ric_trace *trace);
 
 /* The orbit at the unknowns u of the trace's chain, flown there; symmetries are those of the form. NULL: no memory. */

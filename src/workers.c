@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "status.h"
 
@@ -150,16 +151,30 @@ void ric_workers_withdraw(ric_workers *w, int number)
     pthread_mutex_unlock(&w->lock);
 }
 
-void ric_workers_await(ric_workers *w, int number)
+/* Waits for the end of some job, a tenth of a second at most. */
+static void doze(ric_workers *w)
 {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 100000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_cond_timedwait(&w->finished, &w->lock, &until);
+}
+
+bool ric_workers_await(ric_workers *w, int number, bool (*stop)(void *user), void *user)
+{
+    bool stopped = false;
     pthread_mutex_lock(&w->lock);
     withdraw(w, &w->jobs[number - 1]);
-    while (w->jobs[number - 1].state != DONE) {
+    while (w->jobs[number - 1].state != DONE && !stopped) {
         int i = next_job(w);
         if (i >= 0) work(w, i);
-        else pthread_cond_wait(&w->finished, &w->lock);
+        else doze(w);
+        stopped = stop && stop(user);
     }
     pthread_mutex_unlock(&w->lock);
+    return !stopped;
 }
 
 int ric_workers_claim(ric_workers *w, ric_node **node, unsigned *choice)

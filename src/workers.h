@@ -19,8 +19,9 @@ void ric_workers_free(ric_workers *workers);
 int ric_workers_offer(ric_workers *workers, const ric_node *node, unsigned choice);
 /* The owner has no use for it any more, or does it on its own. */
 void ric_workers_withdraw(ric_workers *workers, int job);
-/* Returns when the departure is prepared or still untouched, in which case it is withdrawn; works on others while it is in hand. */
-void ric_workers_await(ric_workers *workers, int job);
+/* Returns true when the departure is prepared or still untouched, in which case it is withdrawn; works on others while it is in hand.
+ * False when `stop` (may be NULL), asked now and then, says so. */
+bool ric_workers_await(ric_workers *workers, int job, bool (*stop)(void *user), void *user);
 /* For hands that are no threads of these workers: the number of a departure that waits, which is now in hand, and its node, which is the
  * caller's; 0 if none waits. Finished, it is done. */
 int ric_workers_claim(ric_workers *workers, ric_node **node, unsigned *choice);
