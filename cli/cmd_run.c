@@ -56,7 +56,7 @@ static void print_report(const json_t *rows)
     json_array_foreach(rows, i, row) {
         const char *item = json_string_value(json_object_get(row, "item")), *detail = json_string_value(json_object_get(row, "detail"));
         const json_t *value = json_object_get(row, "value");
-        if (json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
+        if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
         fprintf(stderr, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
         last = item;

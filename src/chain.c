@@ -484,7 +484,7 @@ bool ric_chain_plane(const ric_chain *c, double *kernel, double *second)
     int rows = c->n_end, columns = rows + 1;
     double L[rows * columns], V[columns * columns], values[rows], super[rows + 1];
     for (int r = 0; r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
-    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super)) return false;
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super))) return false;
     *second = values[rows - 1];
     for (int i = 0; i < 2; i++) {
         /* row r pinned column n_end - r */

@@ -59,7 +59,7 @@ static ric_status kernels(crossing *q)
     ric_chain_fly(c, q->u0);
     equations = ric_chain_jacobian(c, q->u0, q->J);
     if (n < 3 || equations != (whole ? n : n - 1) ||
-        LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super) || s[rank] > SMALL * s[0] ||
+        ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super)) || s[rank] > SMALL * s[0] ||
         s[rank] > GAP * s[rank - 1])
         return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     memcpy(q->kernel, q->V + (size_t)rank * n, 2 * (size_t)n * sizeof *q->kernel);

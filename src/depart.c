@@ -121,7 +121,7 @@ static bool dense_plane(ric_chain *c, const double *u, double *kernel)
     bool found = false;
     if (J && s && super && V) {
         int equations = ric_chain_jacobian(c, u, J);
-        if (!LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super)) {
+        if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
             double second = size - 2 < equations ? s[size - 2] : 0;
             found = size > 2 && second <= 1e-8 * s[0] && second <= 1e-3 * s[size - 3];
             memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);

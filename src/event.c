@@ -755,7 +755,7 @@ static ric_status settle(ric_chain *c, double *u)
     for (int i = 0; i < SETTLE_STEPS; i++) {
         int rows = ric_chain_jacobian(c, v, J);
         ric_chain_residuals(c, v, r);
-        if (!rows || LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, SINGULAR, &rank)) goto out;
+        if (!rows || ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, SINGULAR, &rank))) goto out;
         for (int j = 0; j < columns; j++) v[j] -= r[j];
     }
     ric_chain_fly(c, v);

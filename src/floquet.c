@@ -200,7 +200,7 @@ static double determinant(int k, int ld, const double *A, double *work, double r
     if (k == 0) return 1;
     lapack_int pivot[k];
     for (int i = 0; i < k; i++) memcpy(work + i * k, A + i * ld, (size_t)k * sizeof *work);
-    if (k > 1) LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot);
+    if (k > 1) ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot));
     else pivot[0] = 1;
     for (int i = 0; i < k; i++) {
         double p = work[i * k + i];
@@ -220,7 +220,7 @@ static bool eigenvalues(int k, double *A, double *out)
     double re[k + 1], im[k + 1];
     for (int i = 0; i < k * k; i++)
         if (!isfinite(A[i])) return false;
-    if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', k, A, k, re, im, NULL, 1, NULL, 1)) return false;
+    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', k, A, k, re, im, NULL, 1, NULL, 1))) return false;
     for (int i = 0; i < k; i++) {
         out[2 * i] = re[i];
         out[2 * i + 1] = im[i];

@@ -130,6 +130,7 @@ static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice,
 /* For later runs, or for the owner of the graph. */
 static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, size_t size)
 {
+    if (ric_starved()) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     if (g->recall.worker) ric_memo_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
     return g->store ? ric_store_trace_put(g->store, key, blob ? blob : "", size) : RIC_OK;
 }
@@ -532,7 +533,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         status = follow(g, index, choice, depth, &taken);
         if (!status && !taken) node->departures[place].state = RIC_DEPARTURE_INADMISSIBLE;
     }
-    if (status == RIC_E_INTERRUPTED) node->departures[place].state = RIC_DEPARTURE_OPEN;
+    if (ric_starved()) status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    if (status == RIC_E_INTERRUPTED || status == RIC_E_NOMEM) node->departures[place].state = RIC_DEPARTURE_OPEN;
     if (status == RIC_E_NUMERIC) {
         node->departures[place].state = RIC_DEPARTURE_REFUSED;
         node->departures[place].why = strdup(ric_detail());
@@ -737,6 +739,7 @@ static void refuse_all(ric_graph *g, const char *why)
 
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
 {
+    ric_forget_hunger();
     ric_graph *g = graph;
     ric_graph *alone = calloc(1, sizeof *alone);
     ric_node **nodes = malloc(sizeof *nodes);
@@ -798,6 +801,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     clock_gettime(CLOCK_MONOTONIC, &g->start);
     g->run = run;
     g->stopping = false;
+    ric_forget_hunger();
     g->limits.stop = stopped;
     g->limits.user = g;
     ric_status status = start_modes(g);
@@ -832,6 +836,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         for (int i = 0; i < g->n_node; i++) deeper |= g->nodes[i]->depth > depth;
         if (!deeper) break;
     }
+    if (!status && ric_starved()) status = ric_fail(RIC_E_NOMEM, "no memory for an atlas");
     return status ? status : ric_graph_settle(g);
 }
 

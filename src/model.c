@@ -99,7 +99,7 @@ static ric_status check_mass(int n, const double *M)
         goto out;
     }
     memcpy(A, M, (size_t)n * n * sizeof *A);
-    if (LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n, A, n, value)) {
+    if (ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n, A, n, value))) {
         status = ric_fail(RIC_E_NUMERIC, "the eigenvalues of the mass matrix could not be computed");
         goto out;
     }
@@ -192,7 +192,7 @@ static ric_status eigenmodes(ric_model *m)
     }
     memcpy(m->Phi, m->K, (size_t)n * n * sizeof *B);
     memcpy(B, m->M, (size_t)n * n * sizeof *B);
-    if (LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency)) {
+    if (ric_lapack(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
         status = ric_fail(RIC_E_NUMERIC, "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
         goto out;
     }
@@ -233,7 +233,7 @@ static ric_status rotate_equal(ric_model *m, int first, int last)
     for (int i = 0; i < f; i++)
         for (int j = 0; j < k; j++)
             for (int l = 0; l < n; l++) C[i * k + j] += m->b[i * n + l] * m->Phi[l * n + first + j];
-    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super)) {
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super))) {
         status = ric_fail(RIC_E_NUMERIC, "equal frequencies could not be separated");
         goto out;
     }
@@ -601,7 +601,7 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++)
             for (int k = 0; k < n; k++) A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];
-    if (n > 1 && LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n - 1, A, n - 1, out)) {
+    if (n > 1 && ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n - 1, A, n - 1, out))) {
         status = ric_fail(RIC_E_NUMERIC, "the locked frequencies could not be computed");
         goto out;
     }

@@ -37,7 +37,7 @@ static int deflate(int size, double *A, double scale, double zero_at, double *er
     int zero = 0;
     if (size == 0) return 0;
     memcpy(work, A, (size_t)size * size * sizeof *A);
-    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size)) return NO_NUMBER;
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size))) return NO_NUMBER;
     for (int i = 0; i < size; i++) zero += s[i] <= zero_at * scale;
     int kept = size - zero;
     if (kept == 0 || s[kept - 1] < CLEAR * *error * scale) return LOST;
@@ -80,7 +80,7 @@ static void article_jacobian(int n, int N, const double *tau, const double *G, d
 static double located(int size, const double *J, double scale, int b, double *work, double *s)
 {
     memcpy(work, J, (size_t)size * size * sizeof *J);
-    if (LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, work, size, s, NULL, 1, NULL, 1, s + size)) return HUGE_VAL;
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, work, size, s, NULL, 1, NULL, 1, s + size))) return HUGE_VAL;
     return fmax(ERROR, s[size - b] / scale);
 }
 
@@ -119,7 +119,7 @@ static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multip
     article_jacobian(n, N, u + 2 * n, G, J);
     double scale = 0;
     lapack_int low, high; /* stiff springs make entries of all sizes; a similarity by a diagonal matrix evens them out */
-    if (m->springs && LAPACKE_dgebal(LAPACK_ROW_MAJOR, 'S', size, J, size, &low, &high, s)) {
+    if (m->springs && ric_lapack(LAPACKE_dgebal(LAPACK_ROW_MAJOR, 'S', size, J, size, &low, &high, s))) {
         status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
         goto out;
     }

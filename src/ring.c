@@ -89,7 +89,7 @@ static ric_status kernels(ring *q, double *right, double *left)
         free(V);
         return ric_fail(RIC_E_NOMEM, "no memory for a departure");
     }
-    if (!LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', n, n, q->J, n, s, U, n, V, n, super))
+    if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', n, n, q->J, n, s, U, n, V, n, super)))
         three = n > 3 && s[n - 3] <= SMALL * s[0] && s[n - 3] <= GAP * s[n - 4];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < n; j++) {
@@ -287,7 +287,7 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
         /* at rounding level, and no longer falling */
         if (size <= ric_trace_tolerance(c) * c->scale && size > 0.1 * last) return true;
         last = size;
-        if (LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1)) return false;
+        if (ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1))) return false;
         for (int j = 0; j < n; j++) u[j] -= q->b[j];
         energy -= q->b[n];
         *g -= q->b[n + 1];

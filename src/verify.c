@@ -661,7 +661,7 @@ static ric_status find_condition(replay *r)
         r->amplification = fmax(r->amplification, scale + log((real)m));
     }
     for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
-    if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1)) {
+    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1))) {
         status = ric_fail(RIC_E_NUMERIC, "the multipliers of branch %d, point %d could not be computed", r->check->branch, r->check->point);
         goto out;
     }
@@ -772,7 +772,7 @@ static ric_status polish(replay *r)
         jacobian(r, column, J);
         residuals(r, F);
         equilibrate(m, N, J, F, columns);
-        if (LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, m, 1, J, m, F, 1, values, REGULAR, &rank)) {
+        if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, m, 1, J, m, F, 1, values, REGULAR, &rank))) {
             status = ric_fail(RIC_E_NUMERIC, "branch %d, point %d could not be polished", r->check->branch, r->check->point);
             goto out;
         }
