@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "smooth.h"
 #include "phase.h"
 
 uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
@@ -14,6 +15,21 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 }
 
 /* --------------------------------------------------------------------- maps */
+
+/* Law power: the workspace is kept on the stack unless the structure is large. Where the flow cannot be followed the state is infinite, and
+ * no orbit is found there. */
+static void go_smooth(const ric_model *m, double tau, double *w, int columns, double *X)
+{
+    enum { SMALL = 1 << 15 };
+    size_t size = ric_smooth_work(m, columns), small = size <= SMALL ? size : 1;
+    _Alignas(16) double stack[small];
+    double *work = size <= SMALL ? stack : malloc(size * sizeof *work);
+    if (!work || !ric_smooth_fly(m, tau, w, columns, X, work)) {
+        for (int i = 0; i < 2 * m->n; i++) w[i] = HUGE_VAL;
+        for (int i = 0; i < 2 * m->n * columns; i++) X[i] = 0;
+    }
+    if (work != stack) free(work);
+}
 
 /* The phase of a set of closed springs. Without one, for want of memory or because both faces of a contact would be closed, the states are no
  * numbers, and the chain does not converge. */
@@ -34,6 +50,11 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
 {
     int n = m->n;
     double trig[3 * n];
+    if (m->smooth) {
+        if (after != w) memcpy(after, w, 2 * (size_t)n * sizeof *w);
+        go_smooth(m, tau, after, 0, NULL);
+        return;
+    }
     if (closed) {
         const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
         if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after);
@@ -47,6 +68,13 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
 {
     int n = m->n;
     double trig[3 * n];
+    if (m->smooth) {
+        memcpy(after, w, 2 * (size_t)n * sizeof *w);
+        memset(matrix, 0, 4 * (size_t)n * n * sizeof *matrix);
+        for (int i = 0; i < 2 * n; i++) matrix[i * 2 * n + i] = 1;
+        go_smooth(m, tau, after, 2 * n, matrix);
+        return;
+    }
     if (closed) {
         const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
         if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after);

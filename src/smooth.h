@@ -1,0 +1,18 @@
+/* The smooth flow of a structure with power-law contacts: state and neighbours by Taylor series (docs/theory.md section 10).
+ *
+ * da_i/dt = kappa_i p_i, dp_i/dt = -stiff_i a_i - sum_f c_fi spring_f s_f^m_f, s_f = g_f . a, in the scaled frame of model.h. */
+#ifndef RIC_SMOOTH_H
+#define RIC_SMOOTH_H
+
+#include "model.h"
+
+/* Doubles of workspace for `columns` neighbours; it starts at a multiple of 16 bytes. */
+size_t ric_smooth_work(const ric_model *model, int columns);
+
+/* Takes the state w [2n] through the time tau, of either sign, and with it the columns of X [2n * columns], derivatives of the state, row by
+ * row, an even number of them; X may be NULL with columns = 0. Truncation stays below rounding in every step. False, with w and X undefined:
+ * the state overflows or the flight takes more than RIC_SMOOTH_STEPS steps. Cost O(columns order^2) per contact and step, no allocation. */
+enum { RIC_SMOOTH_STEPS = 20000 };
+bool ric_smooth_fly(const ric_model *model, double tau, double *w, int columns, double *X, double *work);
+
+#endif
