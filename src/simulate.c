@@ -23,6 +23,7 @@
 #include <tgmath.h>
 
 #include "simulate.h"
+#include "springs.h"
 #include "status.h"
 
 /* Extended where the machine has it, so that the replay of an unstable orbit loses less than its check allows. */
@@ -73,6 +74,8 @@ typedef struct frame {
 } frame;
 
 struct ric_simulator {
+    ric_springs *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing else here is used */
+    real *y;
     int n, n_face, n_contact;
     real restitution;
     bool started;
@@ -428,6 +431,12 @@ ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
     memcpy(raw + nn, ric_model_stiffness(model), nn * sizeof *raw);
     sim->M = raw;
     sim->K = raw + nn;
+    if (n_contact > 0 && ric_model_n_face(model) == 0) {
+        sim->y = sim->x;
+        if ((status = ric_springs_create(model, &sim->springs))) goto out;
+        *out = sim;
+        return RIC_OK;
+    }
     if ((status = make_faces(sim, model))) goto out;
     if ((status = frame_create(sim, NULL, &sim->open))) goto out;
     enter_frame(sim, sim->open);
@@ -442,6 +451,7 @@ out:
 void ric_simulator_free(ric_simulator *sim)
 {
     if (!sim) return;
+    ric_springs_free(sim->springs);
     for (frame *f = sim->open, *next; f; f = next) {
         next = f->next;
         frame_free(f);
@@ -931,6 +941,15 @@ ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double
     ric_status status = check_start(sim, x, v);
     sim->started = false;
     if (status) return status;
+    if (sim->springs) {
+        for (int i = 0; i < sim->n; i++) {
+            sim->y[i] = x[i];
+            sim->y[sim->n + i] = v[i];
+        }
+        sim->now = sim->reach = 0;
+        sim->started = true;
+        return RIC_OK;
+    }
     enter_frame(sim, sim->open);
     ric_simulator_modal(sim, x, v, sim->q); /* p follows q in memory */
     start_noise(sim, x, v);
@@ -954,6 +973,11 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
     if (!isfinite(t) || to < sim->now - 4 * DBL_EPSILON * fabs(t))
         return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, time_of(sim, sim->now));
     to = fmax(to, sim->now);
+    if (sim->springs) {
+        ric_status gone = ric_springs_go(sim->springs, to - sim->now, sim->y);
+        sim->now = to;
+        return gone;
+    }
     ric_status status = find_next(sim, to);
     if (status) return status;
     if (sim->next <= to) {
@@ -979,6 +1003,11 @@ void ric_simulator_state(const ric_simulator *sim, double *time, double *x, doub
     int n = sim->n;
     real state[2 * n];
     if (time) *time = time_of(sim, sim->now);
+    for (int j = 0; sim->springs && j < n; j++) {
+        if (x) x[j] = (double)sim->y[j];
+        if (v) v[j] = (double)sim->y[n + j];
+    }
+    if (sim->springs) return;
     present(sim, state);
     for (int j = 0; j < n; j++) {
         if (x) x[j] = (double)state[j];

@@ -1,0 +1,14 @@
+/* Motion under power-law springs, for those who check: from M, K and the contacts alone, in extended precision, by extrapolation. */
+#ifndef RIC_SPRINGS_H
+#define RIC_SPRINGS_H
+
+#include "simulate.h"
+
+typedef struct ric_springs ric_springs;
+
+ric_status ric_springs_create(const ric_model *model, ric_springs **out);
+void ric_springs_free(ric_springs *springs);
+/* Scaled state y [2 n_dof] = x, v through a time in seconds. */
+ric_status ric_springs_go(ric_springs *springs, ric_real time, ric_real *y);
+
+#endif

@@ -1,0 +1,9 @@
+/* Replay of orbits under power-law springs (docs/theory.md section 11). */
+#ifndef RIC_VERIFY_SMOOTH_H
+#define RIC_VERIFY_SMOOTH_H
+
+#include "ricochet.h"
+
+ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out);
+
+#endif
