@@ -12,7 +12,7 @@ typedef struct {
     double *frequency, *energy; /* [n] */
     bool *seen;                 /* [n] */
     int *contact;               /* [n] */
-    double *face_normal;        /* [n_face * n] */
+    double *normal;             /* [m * n] */
     double *compliance;         /* [m * n], cumulative */
     double *locked;             /* [m * (n - 1)] */
     int *face;                  /* [m] first face of a contact */
@@ -24,7 +24,7 @@ static void facts_free(facts *f)
     free(f->energy);
     free(f->seen);
     free(f->contact);
-    free(f->face_normal);
+    free(f->normal);
     free(f->compliance);
     free(f->locked);
     free(f->face);
@@ -32,17 +32,23 @@ static void facts_free(facts *f)
 
 static bool facts_allocate(facts *f, const ric_model *model)
 {
-    size_t n = (size_t)ric_model_n_dof(model), m = (size_t)ric_model_n_contact(model), k = (size_t)ric_model_n_face(model);
+    size_t n = (size_t)ric_model_n_dof(model), m = (size_t)ric_model_n_contact(model);
     *f = (facts){.model = model, .n = (int)n, .m = (int)m};
     f->frequency = malloc(n * sizeof *f->frequency);
     f->energy = malloc(n * sizeof *f->energy);
     f->seen = malloc(n * sizeof *f->seen);
     f->contact = malloc(n * sizeof *f->contact);
-    f->face_normal = malloc(k * n * sizeof *f->face_normal);
+    f->normal = malloc(m * n * sizeof *f->normal);
     f->compliance = malloc(m * n * sizeof *f->compliance);
     f->locked = malloc(m * n * sizeof *f->locked);
     f->face = malloc(m * sizeof *f->face);
-    return f->frequency && f->energy && f->seen && f->contact && f->face_normal && f->compliance && f->locked && f->face;
+    return f->frequency && f->energy && f->seen && f->contact && f->normal && f->compliance && f->locked && f->face;
+}
+
+/* No stops, but springs that are met at once. */
+static bool is_smooth(const facts *f)
+{
+    return ric_model_n_face(f->model) == 0;
 }
 
 static ric_status facts_ask(facts *f)
@@ -53,11 +59,15 @@ static ric_status facts_ask(facts *f)
     if (!status)
         status = ric_model_grazing_energies(f->model, f->energy, f->contact);
     if (!status)
-        status = ric_model_modal_normals(f->model, f->face_normal);
+        status = ric_model_modal_normals(f->model, f->normal);
     for (int i = 0; i < f->m && !status; i++) {
         status = ric_model_compliance(f->model, i, f->compliance + (size_t)i * (size_t)f->n);
         if (!status && f->n > 1)
             status = ric_model_locked_frequencies(f->model, i, f->locked + (size_t)i * (size_t)(f->n - 1));
+    }
+    for (int i = 0; i < f->n && is_smooth(f); i++) {
+        f->energy[i] = NAN;
+        f->contact[i] = -1;
     }
     for (int face = ric_model_n_face(f->model) - 1, contact; face >= 0 && !status; face--) {
         status = ric_model_face(f->model, face, &contact, NULL, NULL);
@@ -102,7 +112,7 @@ static json_t *mode_row(const facts *f, int i)
     json_object_set_new(row, "grazing_energy", cli_number(f->energy[i]));
     json_object_set_new(row, "grazing_contact", f->contact[i] < 0 ? json_null() : json_integer(f->contact[i] + 1));
     for (int j = 0; j < f->m; j++) {
-        set_numbered(row, "normal", j + 1, f->face_normal[(size_t)f->face[j] * (size_t)f->n + (size_t)i]);
+        set_numbered(row, "normal", j + 1, f->normal[(size_t)j * (size_t)f->n + (size_t)i]);
         set_numbered(row, "compliance", j + 1, f->compliance[(size_t)j * (size_t)f->n + (size_t)i]);
         set_numbered(row, "locked", j + 1, i + 1 < f->n ? f->locked[(size_t)j * (size_t)(f->n - 1) + (size_t)i] : NAN);
     }
@@ -145,6 +155,18 @@ static void print_head(const facts *f, const ric_study *study)
     int parts = ric_model_n_part(model);
     if (ric_study_title(study)[0])
         printf("%s\n\n", ric_study_title(study));
+    if (is_smooth(f)) {
+        ric_contact first;
+        bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
+        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n", f->n, plural(f->n), ric_model_n_mode(model),
+               f->m, plural(f->m));
+        printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n", ric_model_length(model),
+               own ? "the length of contact 1" : "as contact 1 is given by its stiffness", ric_model_length(model) * ric_model_length(model));
+        puts("symmetry: x -> -x maps the structure to itself");
+        if (parts > 1)
+            printf("parts: %d groups of modes that no contact joins; they move independently, each with its own families\n", parts);
+        return;
+    }
     printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->n, plural(f->n),
            ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model), plural(ric_model_n_face(model)),
            ric_model_restitution(model));
@@ -157,7 +179,7 @@ static void print_head(const facts *f, const ric_study *study)
 
 static void print_modes(const facts *f)
 {
-    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen", "first touch at scaled energy");
+    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen", is_smooth(f) ? "" : "first touch at scaled energy");
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#14.10g  ", i + 1, f->frequency[i]);
         if (f->frequency[i] > 0)
@@ -165,7 +187,9 @@ static void print_modes(const facts *f)
         else
             printf("%14s  ", "-");
         printf("%-6s ", f->seen[i] ? "yes" : "no");
-        if (f->contact[i] >= 0)
+        if (is_smooth(f))
+            puts(f->frequency[i] == 0 ? "rigid motion" : f->seen[i] ? "starts a branch at energy 0" : "stays linear");
+        else if (f->contact[i] >= 0)
             printf("%16.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
         else
             printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
@@ -179,23 +203,32 @@ static void print_contact(const facts *f, int contact)
     char faces[40];
     int mirror = -1;
     size_t n = (size_t)f->n, k = (size_t)contact;
-    if (ric_model_contact(f->model, contact, &about) || ric_model_face(f->model, f->face[contact], NULL, NULL, &mirror))
+    if (ric_model_contact(f->model, contact, &about) || (!is_smooth(f) && ric_model_face(f->model, f->face[contact], NULL, NULL, &mirror)))
         return;
-    if (mirror < 0)
+    if (is_smooth(f)) {
+        printf("\ncontact %d%s%s%s: ", contact + 1, about.name ? " '" : "", about.name ? about.name : "", about.name ? "'" : "");
+        if (about.length > 0)
+            printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length, about.exponent);
+        else
+            printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
+        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+    } else if (mirror < 0)
         snprintf(faces, sizeof faces, "face %d", f->face[contact]);
     else
         snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
-    printf("\ncontact %d%s%s%s: %s, clearance %g, %s\n", contact + 1, about.name ? " '" : "", about.name ? about.name : "",
-           about.name ? "'" : "", sides[about.sides], about.clearance, faces);
-    printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+    if (!is_smooth(f))
+        printf("\ncontact %d%s%s%s: %s, clearance %g, %s\n", contact + 1, about.name ? " '" : "", about.name ? about.name : "",
+               about.name ? "'" : "", sides[about.sides], about.clearance, faces);
+    if (!is_smooth(f))
+        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
     for (int i = 0; i < f->n; i++) {
-        printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->face_normal[(size_t)f->face[contact] * n + (size_t)i], f->compliance[k * n + (size_t)i]);
+        printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i], f->compliance[k * n + (size_t)i]);
         if (i + 1 < f->n)
             printf("%#16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
         else
             printf("%16s\n", "-");
     }
-    if (grows(f, contact))
+    if (!is_smooth(f) && grows(f, contact))
         printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a truncated continuum,\n"
                "its impact orbits do not converge with the number of modes; the cures are a mass of its own at the contact point, or a\n"
                "bilinear contact (not in this version).\n", 100 * late_growth(f, contact));
@@ -212,7 +245,7 @@ static void print_remarks(const facts *f)
     if (unseen || seen_rigid || ric_model_restitution(f->model) < 1)
         putchar('\n');
     if (unseen)
-        printf("%d mode%s no stop sees stay%s linear for ever and %s left out of the impact orbits\n", unseen, plural(unseen),
+        printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen, plural(unseen),
                unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
     if (unseen_rigid)
         puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are given in the frame that moves along");

@@ -108,7 +108,7 @@ static ric_status find_window(const fep *f, span *energy, span *frequency)
             status = ric_atlas_point(f->atlas, id, i, &p, NULL, NULL);
             if (status != RIC_OK || !wanted(o->has_energy, o->energy, p.energy) || !add_frequencies(o, p.frequency, frequency))
                 continue;
-            if (p.energy > 0 && (branch.impacts > 0 || o->has_energy))
+            if (p.energy > 0 && (branch.impacts > 0 || branch.depth > 0 || o->has_energy))
                 span_add(energy, p.energy);
             else if (p.energy > 0 && p.energy >= branch.energy_max) { /* and enough of the line to be seen */
                 span_add(energy, p.energy);
@@ -180,7 +180,7 @@ static void tag_branch(fep *f, const ric_branch *branch, int k_duplicate, const 
     if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED
         || (f->options->labels == LABELS_MAIN && branch->depth > 3))
         return;
-    if (f->options->labels == LABELS_MAIN && k_duplicate > 1 && !(branch->mode && branch->impacts))
+    if (f->options->labels == LABELS_MAIN && k_duplicate > 1 && !(branch->mode && branch->depth))
         return;
     const int group = ++f->n_group;
     const double weight = 20 - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric + fmin(length, 400) / 40 - 0.2 * branch->impacts;
@@ -195,7 +195,7 @@ static void tag_branch(fep *f, const ric_branch *branch, int k_duplicate, const 
             tag->clear = 3;
             tag->weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
             tag->group = group;
-            tag->colour = branch->impacts == 0 ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
+            tag->colour = plot_branch_family(branch) == PLOT_LINEAR ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
             tag->leader = false;
             plot_branch_title(branch, k_duplicate, sizeof tag->text, tag->text);
         }
@@ -211,7 +211,7 @@ static ric_status add_joints(const fep *f, const ric_branch *branch, int k_dupli
         const ric_status status = ric_atlas_junction(f->atlas, branch->junctions[k], &junction);
         if (status != RIC_OK)
             return status;
-        const double frequency = junction.frequency * (branch->impacts > junction.impacts ? 1 : junction.multiple);
+        const double frequency = junction.frequency * ric_junction_level(&junction, branch);
         if (!plot_track_add(t, (plot_point){junction.energy, frequency / k_duplicate}, branch->junction_at[k], PLOT_JOINT))
             return RIC_E_NOMEM;
     }
@@ -400,7 +400,7 @@ static plot_point junction_place(const fep *f, const ric_junction *junction)
         for (int i = 0; i < junction->n_branch; i++) {
             ric_branch branch;
             if (ric_atlas_branch(f->atlas, junction->branches[i], &branch) == RIC_OK)
-                departed |= branch.impacts > junction->impacts;
+                departed |= junction->impacts ? branch.impacts > junction->impacts : ric_junction_level(junction, &branch) == 1;
         }
         if (!departed)
             frequency = f->options->duplicates > 1 ? NAN : frequency * junction->multiple;

@@ -48,6 +48,8 @@ static double *row(const orbit *o, int i)
 
 static double clearance_of(const orbit *o, const ric_contact *contact)
 {
+    if (contact->law == RIC_LAW_POWER) /* nothing to touch: its own length, or that of the scale */
+        return contact->length > 0 ? contact->length / ric_model_length(o->model) : 1;
     return contact->clearance / ric_model_length(o->model);
 }
 
@@ -272,6 +274,31 @@ static bool touches_of_flight(orbit *o, const modal *m, double begin, double len
     return true;
 }
 
+/* Under a power law the motion is that of the simulator. */
+static ric_status make_smooth_motion(orbit *o)
+{
+    enum { SAMPLES = 960 };
+    ric_simulator *simulator = NULL;
+    double *state = calloc(2 * (size_t)o->n, sizeof *state);
+    ric_status status = state && (o->first = calloc(2, sizeof *o->first)) ? ric_simulator_create(o->model, &simulator) : RIC_E_NOMEM;
+    if (status == RIC_OK)
+        status = ric_simulator_start(simulator, o->state, o->state + o->n);
+    for (int i = 0; i <= SAMPLES && status == RIC_OK; i++) {
+        const double t = o->flights[0] * i / SAMPLES;
+        bool hit;
+        if (i > 0)
+            status = ric_simulator_advance(simulator, t, &hit, NULL);
+        ric_simulator_state(simulator, NULL, state, state + o->n);
+        if (status == RIC_OK && !add_row(o, t, state))
+            status = RIC_E_NOMEM;
+    }
+    if (o->first)
+        o->first[1] = o->n_row;
+    ric_simulator_free(simulator);
+    free(state);
+    return status;
+}
+
 /* To the start of flight k + 1. */
 static void step(modal *m, const orbit *o, int k)
 {
@@ -291,6 +318,8 @@ static void step(modal *m, const orbit *o, int k)
 
 static ric_status make_motion(orbit *o)
 {
+    if (ric_model_n_face(o->model) == 0)
+        return make_smooth_motion(o);
     const int flights = o->impacts > 0 ? o->impacts : 1;
     modal m;
     double *work = calloc(2 * (size_t)o->n, sizeof *work), begin = 0;

@@ -232,6 +232,8 @@ typedef struct {
     int depth;
     int mode;             /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
 } ric_branch;
+/* A linear mode: no contact acts. Under a power law only modes that no contact sees. */
+bool ric_branch_linear(const ric_model *model, const ric_branch *branch);
 
 /* ------------------------------------------------------------------- atlas */
 
@@ -281,6 +283,8 @@ typedef struct {
     ric_departures departures;
     const char *refusal;  /* why departures were refused, "" if none were */
 } ric_junction;
+/* Which duplicate of a branch passes a junction where that is drawn: q for the branch that a q-tupling lies on, 1 for what leaves there. */
+int ric_junction_level(const ric_junction *junction, const ric_branch *branch);
 
 typedef struct ric_atlas ric_atlas;
 

@@ -7,6 +7,8 @@
 
 #include "status.h"
 
+#define SMOOTH_ROUNDING 4 /* of a flight of law power, relative to its growth, in units of epsilon: measured, with a margin */
+
 static bool general(const ric_chain *c)
 {
     return c->start == RIC_MIRROR_NONE;
@@ -170,6 +172,14 @@ static double end_residual(const ric_chain *c, int i)
     }
 }
 
+/* Largest entry of the matrix of a smooth flight. */
+static double growth(const ric_chain *c)
+{
+    double most = 0;
+    for (int i = 0; i < 4 * c->n * c->n; i++) most = fmax(most, fabs(c->map[i]));
+    return SMOOTH_ROUNDING * most;
+}
+
 static void set_residual(ric_chain *c, const double *u, double largest)
 {
     int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
@@ -185,6 +195,7 @@ static void set_residual(ric_chain *c, const double *u, double largest)
     for (int i = 0; i < n; i++) reach += end[i] * end[i];
     c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
     c->grain = longest * fastest / c->scale;
+    if (c->model->smooth) c->grain += growth(c); /* rounding on the way grows with the neighbours */
     c->residual = largest / c->scale;
     if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
 }
@@ -528,7 +539,7 @@ int ric_chain_residuals(ric_chain *c, const double *u, double *r)
 {
     int n = c->n, k = 0, rows = general(c) ? 2 * n : c->n_end;
     double gap = start_state(c, u);
-    if (c->face[0] >= 0) r[k++] = gap;
+    if (c->face[0] >= 0 || general(c)) r[k++] = gap; /* without an event: the phase, which is free */
     for (int i = 0; i < c->n_flight; i++) {
         gap = fly_one(c, n, i, u[c->n_start + i]);
         if (c->face[i + 1] >= 0 && !(general(c) && i + 1 == c->n_flight)) r[k++] = gap;
@@ -552,6 +563,10 @@ static void push(const ric_chain *c, const double *du, double *column)
     }
     memcpy(dw0, dw, sizeof dw);
     if (c->face[0] >= 0) column[k++] = ric_gap(n, &m->face[c->face[0]], dw);
+    else if (general(c)) {
+        ric_flight_rate(m, c->closed[0], c->w, f);
+        column[k++] = ric_dot(2 * n, f, dw) / sqrt(ric_dot(2 * n, f, f));
+    }
     for (int i = 0; i < c->n_flight; i++) {
         const double *map = c->map + c->stride * (size_t)i;
         double by_w[2 * n], by_tau = 0, chord = 0;

@@ -67,7 +67,9 @@ static char *branch_label(const ric_model *m, const ric_branch *b)
         if (m->n_dof == 2 && m->n == 2) snprintf(mark, sizeof mark, "%s", b->mode == 1 ? "+" : "-");
         else snprintf(mark, sizeof mark, "(%d)", b->mode);
     }
-    int used = snprintf(text, size, "%s%d%s", b->symmetric ? "S" : "A", b->impacts, mark);
+    char count[16] = "";
+    if (!m->smooth || ric_branch_linear(m, b)) snprintf(count, sizeof count, "%d", b->impacts);
+    int used = snprintf(text, size, "%s%s%s", b->symmetric ? "S" : "A", count, mark);
     if (b->impacts > 0) {
         text[used++] = '[';
         ric_word_format(m, b->letters, b->word, size - (size_t)used - 2, text + used);
@@ -114,6 +116,7 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
 static int backbone_mode(const ric_graph *g, const ric_edge *e)
 {
     const int ends[] = {e->from, e->to};
+    if (g->model->smooth) return e->mode >= 0 ? g->model->mode[e->mode] + 1 : 0;
     for (int i = 0; i < 2; i++)
         if (e->mode >= 0 && ends[i] >= 0 && g->nodes[ends[i]]->mode == e->mode && g->nodes[ends[i]]->multiple == 1)
             return g->model->mode[e->mode] + 1;
@@ -143,10 +146,10 @@ static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
     if (!cycle) return no_memory();
     if (!canonical_turn(m, e, &t)) t = (ric_turn){0, false, false};
     turned = ric_cycle_transform(m, cycle, t.shift, t.reverse, t.mirror);
-    int N = cycle->N;
+    int N = ric_cycle_letters(cycle);
     *r = (ric_branch_record){.stride = ric_point_stride(m->n_dof, N)};
     r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
-    r->word = turned ? malloc((size_t)N * sizeof *r->word) : NULL;
+    r->word = turned ? malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
     r->why = branch_why(tr->why ? tr->why : "", e->n_unplaced);
     if (turned && r->word) ric_cycle_word(m, turned, r->word);
@@ -237,7 +240,11 @@ static int sheet_order(const void *p, const void *q)
 {
     const ric_branch *a = &((const sheet *)p)->record.row, *b = &((const sheet *)q)->record.row;
     int order;
-    if (!a->impacts && !b->impacts) return a->mode - b->mode;
+    bool linear[2] = {((const sheet *)p)->edge == NULL, ((const sheet *)q)->edge == NULL};
+    if (linear[0] && linear[1]) return a->mode - b->mode;
+    if (linear[0] != linear[1]) return linear[0] ? -1 : 1;
+    if (a->impacts == 0 && !a->mode != !b->mode) return a->mode ? -1 : 1;
+    if (a->impacts == 0 && a->mode && a->mode != b->mode) return a->mode - b->mode;
     if (!a->impacts != !b->impacts) return a->impacts ? 1 : -1;
     if (a->depth != b->depth) return a->depth - b->depth;
     if ((order = compare_words(a, b))) return order;
@@ -312,7 +319,7 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
     int n = m->n_dof;
     bool bare;
     ric_cycle *cycle = original_orbit(m, node, &bare);
-    int N = cycle ? cycle->N : 0;
+    int N = cycle ? ric_cycle_letters(cycle) : 0;
     *out = (mark){.node = node, .index = index};
     r->word = calloc((size_t)N + 1, sizeof *r->word);
     r->state = calloc(2 * (size_t)n, sizeof *r->state);
@@ -469,6 +476,7 @@ static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n, mark 
         int seen = -1, node = -1;
         for (int k = 0; k < m->n; k++)
             if (m->mode[k] == i) seen = k;
+        if (m->smooth && seen >= 0) continue; /* its branch is traced */
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
         if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;

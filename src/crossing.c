@@ -5,7 +5,7 @@
 
 #include <lapacke.h>
 
-#include "motion.h"
+#include "flight.h"
 #include "status.h"
 
 #define SMALL 1e-8      /* singular values below this part of the largest, */
@@ -49,7 +49,7 @@ static ric_status crossing_create(const ric_model *m, const ric_node *node, cros
     return RIC_OK;
 }
 
-/* Kernel and the left null vector: in the general form that one of two which is perpendicular to w_N + sigma w_0 (section 3). */
+/* Kernel and the left null vector: in the general form that one of two which is perpendicular to the mean gradient of the energy (section 3). */
 static ric_status kernels(crossing *q)
 {
     ric_chain *c = q->chain;
@@ -64,11 +64,11 @@ static ric_status kernels(crossing *q)
         return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     memcpy(q->kernel, q->V + (size_t)rank * n, 2 * (size_t)n * sizeof *q->kernel);
     if (whole) {
-        const double *end = c->w + 2 * c->n * c->n_flight;
-        double h[2] = {0};
+        double from[2 * c->n], gradient[2 * c->n], h[2] = {0};
+        for (int i = 0; i < 2 * c->n; i++) from[i] = c->sigma * c->w[i];
+        ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * c->n * c->n_flight, gradient);
         for (int i = 0; i < 2 * c->n; i++)
-            for (int j = 0; j < 2; j++)
-                if (i >= c->n || c->model->stiff[i] != 0) h[j] += (end[i] + c->sigma * c->w[i]) * q->U[(first + i) * n + rank + j];
+            for (int j = 0; j < 2; j++) h[j] += gradient[i] * q->U[(first + i) * n + rank + j];
         part[0] = h[1] / hypot(h[0], h[1]);
         part[1] = -h[0] / hypot(h[0], h[1]);
     }

@@ -97,6 +97,7 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
 {
     const ric_model *m = chain->model;
     int n = chain->n, nf = chain->n_flight;
+    if (m->smooth) return ric_cycle_from_smooth(chain, u);
     if (chain->start == RIC_MIRROR_NONE) return from_general(chain, u);
     ric_cycle *c = ric_cycle_create(n, 4 * nf + 2);
     double open = 0, before_first = 0;
@@ -131,6 +132,7 @@ static void advance(const ric_model *m, const ric_cycle *c, int i, uint64_t *clo
 {
     int face = c->face[(i + 1) % c->N];
     ric_flight_go(m, *closed, c->face[i], c->tau[i], w, after);
+    if (face < 0) return; /* a mark */
     ric_flight_strike(c->n, &m->face[face], after + c->n);
     *closed = ric_flight_toggle(m, *closed, face);
 }
@@ -154,6 +156,7 @@ uint64_t ric_cycle_springs(const ric_model *m)
 int ric_cycle_impacts(uint64_t springs, const ric_cycle *c)
 {
     int switches = 0;
+    if (ric_cycle_letters(c) == 0) return 0;
     for (int i = 0; springs && i < c->N; i++) switches += springs >> c->face[i] & 1;
     return c->N - switches / 2;
 }
@@ -303,6 +306,7 @@ out:
 ric_status ric_cycle_to_chain(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
 {
     int N = c->N;
+    if (m->smooth) return ric_cycle_to_smooth(m, c, chain, u);
     if (c->half && c->pure >= 0) {
         int x0 = modulo(c->pure + N / 2, N); /* a centre lies N / 2 half positions from every rest or impact mirror */
         return between(m, c, x0, x0 + N / 2, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, chain, u);
@@ -332,7 +336,7 @@ static void rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle 
 static void reverse_time(const ric_model *m, ric_cycle *c)
 {
     int n = c->n, N = c->N;
-    ric_flight_strike(n, &m->face[c->face[0]], c->w + n);
+    if (c->face[0] >= 0) ric_flight_strike(n, &m->face[c->face[0]], c->w + n);
     c->closed = ric_flight_toggle(m, c->closed, c->face[0]);
     for (int i = 0; i < n; i++) c->w[n + i] = -c->w[n + i];
     for (int i = 1, j = N - 1; i < j; i++, j--) {
@@ -356,7 +360,7 @@ ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift
     rotate(m, c, modulo(shift, c->N), out);
     if (reverse) reverse_time(m, out);
     if (mirror) {
-        for (int i = 0; i < c->N; i++) out->face[i] = m->face[out->face[i]].mirror;
+        for (int i = 0; i < c->N; i++) out->face[i] = mirrored(m, out->face[i], true);
         for (int i = 0; i < 2 * c->n; i++) out->w[i] = -out->w[i];
         out->closed = ric_flight_mirror(m, out->closed);
     }
@@ -424,6 +428,11 @@ ric_cycle *ric_cycle_shorten(const ric_cycle *c, int q)
     return out;
 }
 
+int ric_cycle_letters(const ric_cycle *c)
+{
+    return c->N && c->face[0] < 0 ? 0 : c->N;
+}
+
 ric_cycle *ric_cycle_repeat(const ric_cycle *c, int q)
 {
     ric_cycle *out = ric_cycle_create(c->n, c->N * q);
@@ -458,7 +467,7 @@ static bool same_word(const ric_model *m, const ric_cycle *a, const ric_cycle *b
     int N = a->N;
     for (int i = 0; i < N; i++) {
         int f = b->face[modulo(shift + (reverse ? -i : i), N)];
-        if (mirror && (f = m->face[f].mirror) < 0) return false;
+        if (f >= 0 && mirror && (f = m->face[f].mirror) < 0) return false;
         if (f != a->face[i]) return false;
     }
     return true;
@@ -495,6 +504,7 @@ bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b,
 
 bool ric_cycle_repeats(const ric_model *m, const ric_cycle *c, double tolerance)
 {
+    if (m->smooth) return ric_cycle_copies(m, c, tolerance) > 1;
     for (int s = 1; s < c->N; s++)
         if (c->N % s == 0 && image_distance(m, c, c, s, false, false) <= tolerance) return true;
     return false;
@@ -524,6 +534,10 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
     int N = c->N, q = 1;
     c->half = false;
     c->pure = c->flip = -1;
+    if (m->smooth) {
+        q = ric_cycle_copies(m, c, tolerance);
+        if (!ric_cycle_mark(c, N = 2 * q)) return 1;
+    }
     for (int s = 1; s < N; s++)
         if (N % s == 0 && image_distance(m, c, c, s, false, false) <= tolerance) {
             q = N / s;
@@ -536,6 +550,8 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
         if (c->pure < 0 && image_distance(m, c, c, s, true, false) <= tolerance) c->pure = s;
         if (m->symmetric && c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
     }
+    /* smooth orbits with all symmetries start at a centre */
+    if (m->smooth && c->half && c->pure == 0) ric_cycle_half_mark(m, c);
     return q;
 }
 

@@ -72,4 +72,16 @@ int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b);
 /* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as equal). */
 ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
 
+
+/* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no memory. */
+bool ric_cycle_mark(ric_cycle *cycle, int marks);
+ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u);
+ric_status ric_cycle_to_smooth(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
+/* The same orbit started half a mark later. */
+void ric_cycle_half_mark(const ric_model *model, ric_cycle *cycle);
+/* How often a shorter orbit is gone through. */
+int ric_cycle_copies(const ric_model *model, const ric_cycle *cycle, double tolerance);
+/* Letters of its word: N, or none where there are only marks. */
+int ric_cycle_letters(const ric_cycle *cycle);
+
 #endif

@@ -741,21 +741,34 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
 /* Newton's method onto the curve from a point read off cubics at a branch point, where the kernel has more dimensions than one: the
  * shortest correction, without the directions that singular values below SINGULAR leave undetermined. u stays where it was if that does
  * not bring it to rounding level close by. */
+/* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to drop is known. */
+static double cut(const ric_chain *c, int rows, int columns, const double *J, double *work, double *right)
+{
+    int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
+    double values[rows];
+    if (!c->model->smooth || rows <= dropped) return SINGULAR;
+    memcpy(work, J, (size_t)rows * columns * sizeof *J);
+    memset(right, 0, (size_t)columns * sizeof *right);
+    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank))) return SINGULAR;
+    return fmin(1.5 * values[rows - dropped], sqrt(values[rows - dropped] * values[rows - dropped - 1])) / values[0];
+}
+
 static ric_status settle(ric_chain *c, double *u)
 {
     ric_status status = RIC_OK;
     int columns = c->n_unknown, capacity = c->n_flight + 2 * c->n + 2, m = capacity > columns ? capacity : columns, rank;
     double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
-    double values[m], v[m], moved = 0;
-    if (!J || !r) {
+    double *work = calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
+    if (!J || !r || !work) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
         goto out;
     }
     memcpy(v, u, (size_t)columns * sizeof *u);
     for (int i = 0; i < SETTLE_STEPS; i++) {
         int rows = ric_chain_jacobian(c, v, J);
+        double least = rows ? cut(c, rows, columns, J, work, right) : SINGULAR;
         ric_chain_residuals(c, v, r);
-        if (!rows || ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, SINGULAR, &rank))) goto out;
+        if (!rows || ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank))) goto out;
         for (int j = 0; j < columns; j++) v[j] -= r[j];
     }
     ric_chain_fly(c, v);
@@ -764,6 +777,7 @@ static ric_status settle(ric_chain *c, double *u)
 out:
     free(J);
     free(r);
+    free(work);
     return status;
 }
 

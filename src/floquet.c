@@ -11,6 +11,7 @@
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
+#define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a period */
 #define NO_SPEED 1e-60
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
@@ -291,6 +292,12 @@ static void judge_pairs(ric_floquet *f, bool quarter, double error)
     f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
 }
 
+/* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
+static double roundings(const ric_chain *c)
+{
+    return c->model->smooth ? SMOOTH_STEPS : c->n_flight + 2;
+}
+
 static ric_status reversible(const ric_chain *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
@@ -307,11 +314,11 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     double size = 0;
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
     size = fmax(size, growth);
-    double rounding = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
+    double rounding = ROUNDING * DBL_EPSILON * roundings(c) * size;
     f->det_a = determinant(k, k, a, tmp, rounding, &f->error_a);
     f->det_b = determinant(k, k, b, tmp, rounding, &f->error_b);
     f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
-    double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
+    double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
         return RIC_OK;
@@ -356,35 +363,84 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
 }
 
 
+/* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into the flow; a unitary basis of
+ * the complement of the gradient is a symplectic basis of what is perpendicular to both, real parts first. V [2n * ld] as states, and with
+ * `dual` scaled such that inner products with it are coordinates. */
+static void smooth_section(const ric_chain *c, bool dual, double *V)
+{
+    int n = c->n, k = n - 1, ld = 2 * k;
+    const ric_model *m = c->model;
+    double h[2 * n], norm = 0, lead;
+    double complex eta[n];
+    ric_flight_secant(m, 0, c->w, c->w, h);
+    for (int i = 0; i < n; i++) {
+        eta[i] = m->kappa[i] * h[i] + I * h[n + i];
+        norm += creal(eta[i]) * creal(eta[i]) + cimag(eta[i]) * cimag(eta[i]);
+    }
+    /* rows 1.. of the Householder reflection that takes eta to a multiple of e_0 */
+    norm = sqrt(norm);
+    lead = cabs(eta[0]);
+    eta[0] += lead > 0 ? eta[0] / lead * norm : norm;
+    double beta = 1 / (norm * (norm + lead));
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < n; i++) {
+            double complex e = (i == j + 1) - beta * eta[i] * conj(eta[j + 1]);
+            double kappa = dual ? 1 / m->kappa[i] : m->kappa[i];
+            V[i * ld + j] = kappa * creal(e);
+            V[(n + i) * ld + j] = cimag(e);
+            V[i * ld + k + j] = -kappa * cimag(e);
+            V[(n + i) * ld + k + j] = creal(e);
+        }
+}
+
+/* P [ld * ld] of the return map on the section. */
+static void return_map(const ric_chain *c, double *V, double *P, int *exponent, double *growth)
+{
+    int n = c->n, ld = 2 * (n - 1);
+    if (!c->model->smooth) {
+        const double *E = c->model->face[c->face[0]].E;
+        section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], E, V);
+        propagate(c, V, exponent, growth);
+        project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], E, V, P);
+        return;
+    }
+    double dual[2 * n * ld];
+    smooth_section(c, false, V);
+    smooth_section(c, true, dual);
+    propagate(c, V, exponent, growth);
+    for (int r = 0; r < ld; r++)
+        for (int j = 0; j < ld; j++) {
+            P[r * ld + j] = 0;
+            for (int i = 0; i < 2 * n; i++) P[r * ld + j] += dual[i * ld + r] * V[i * ld + j];
+        }
+}
+
 static ric_status whole(const ric_chain *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
     double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld, *tmp = A + ld * ld, growth;
-    const double *E = c->model->face[c->face[0]].E;
-    section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], E, V);
-    propagate(c, V, &exponent, &growth);
-    project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], E, V, P);
+    return_map(c, V, P, &exponent, &growth);
     double size = growth, trace = 0;
     for (int i = 0; i < ld * ld; i++) {
         P[i] *= c->sigma;
         size = fmax(size, fabs(P[i]));
     }
     for (int i = 0; i < ld; i++) trace += P[i * ld + i];
-    double error = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
+    double error = ROUNDING * DBL_EPSILON * roundings(c) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
     f->error_a = f->error_b = f->error_d = 0;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
     memcpy(A, P, (size_t)ld * ld * sizeof *A);
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
     f->det_a = 1;
-    if (c->sigma < 0 && k > 1) f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size, &f->error_a);
+    if (c->sigma < 0 && k > 1) f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * roundings(c) * size, &f->error_a);
     if (k == 1) {
         /* det(1 + P) = 2 + trace P, without the cancellation */
         if (c->sigma < 0) {
             f->det_a = ldexp(2, -exponent) + trace;
-            f->error_a = ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size;
+            f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
         }
-        judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * (c->n_flight + 2) * size);
+        judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;

@@ -17,6 +17,7 @@
 #define MAX_POINTS 200000
 #define AT_END 1e-9    /* arclength within which an event belongs to the end of its branch */
 #define NEAR_END 1e-2  /* part of a branch near its end where that end's own junction is not met again */
+#define END_NEAR 1e-4  /* of the size: how far off an end read off cubics may be */
 #define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
 
 /* ------------------------------------------------------------------- create */
@@ -206,6 +207,44 @@ static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric
     return RIC_OK;
 }
 
+/* Under a power law the end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images, as
+ * orbits of the branch's own problem, the one that lies there. */
+static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node *node, unsigned choice)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    double nearest = END_NEAR * c->scale, best[size];
+    if (!g->model->smooth || !ric_node_leaves(node, choice)) return RIC_OK;
+    ric_problem problem = ric_node_problem(node, choice);
+    ric_cycle *whole = ric_problem_cycle(node->cycle, &problem);
+    if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+    for (int k = 0; k < 4 * whole->N; k++) {
+        ric_chain *chain = NULL;
+        double *u = NULL, off = 0;
+        ric_cycle *image = ric_cycle_transform(g->model, whole, k / 4, k & 1, k & 2);
+        bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && chain->start == c->start && chain->end == c->end;
+        for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
+        if (fits && off < nearest) {
+            nearest = off;
+            memcpy(best, u, sizeof best);
+        }
+        ric_cycle_free(image);
+        ric_chain_free(chain);
+        free(u);
+    }
+    ric_cycle_free(whole);
+    if (nearest == END_NEAR * c->scale) return RIC_OK;
+    double *last = tr->points + (size_t)(tr->n_point - 1) * tr->stride;
+    ric_point *row = (ric_point *)last;
+    memcpy(tr->end.u, best, sizeof best);
+    memcpy(last + sizeof *row / sizeof *last, best, sizeof best);
+    ric_chain_fly(c, best);
+    row->energy = ric_chain_energy(c) * g->model->energy_unit;
+    row->frequency = TWO_PI / ric_chain_time(c, best) * g->model->omega_ref;
+    row->residual = (float)c->residual;
+    return RIC_OK;
+}
+
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
 static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
 {
@@ -236,9 +275,10 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
                 tr->why = "the branch does not fit the junction at its end";
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else if (ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        } else if (!g->model->smooth && ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
         else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
+    if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
     ric_cycle_free(cycle);
     return status;
 }
@@ -443,7 +483,7 @@ static ric_status follow_through(ric_graph *g, int inside, unsigned through, int
         if ((status = trace_departure(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
         if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
         if (tr[i]->stop == RIC_STOP_CLOSED) {
-            status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, -1);
+            status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, g->nodes[inside]->mode);
             tr[i] = NULL;
             goto out;
         }
@@ -459,7 +499,7 @@ static ric_status follow_through(ric_graph *g, int inside, unsigned through, int
     if (!tr[first]->end.u) goto out;
     if ((status = trace_back(g, tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
     if (far >= 0) mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
-    status = finish_edge(g, whole, to[first], 0, far, choice, depth, -1);
+    status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
     whole = NULL;
 out:
     ric_trace_free(tr[0]);
@@ -613,6 +653,49 @@ static ric_status list_duplicates(ric_graph *g, int depth)
     return RIC_OK;
 }
 
+/* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts higher, the branch is
+ * followed up to there. *out = NULL: it does not come so far. */
+static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
+{
+    static const int face[] = {-1, -1};
+    const ric_model *m = g->model;
+    ric_chain *chain = NULL;
+    ric_trace *way = NULL;
+    ric_cycle *cycle = NULL;
+    int n = m->n, iterations;
+    double u[n + 1], t[n + 1], du[n + 1], energy = 2 * RIC_LINEAR_ENERGY / m->energy_unit;
+    ric_limits limits = g->limits;
+    *out = NULL;
+    if (m->omega[mode] == 0) return RIC_OK;
+    ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
+    if (status) return status;
+    memset(u, 0, sizeof u);
+    u[mode] = sqrt(2 * energy);
+    u[n] = TWO_PI / (4 * m->omega[mode]);
+    if (!ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
+        status = ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge", m->mode[mode] + 1);
+        goto out;
+    }
+    if (energy > limits.energy[0]) cycle = ric_cycle_from_chain(chain, u);
+    else {
+        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + RIC_LINEAR_ENERGY)}, .period = {0, HUGE_VAL},
+                              .max_step = limits.max_step, .max_points = limits.max_points};
+        memset(t, 0, sizeof t);
+        t[mode] = 1;
+        status = ric_trace_create(chain, u, t, 0, &limits, &way);
+        chain = NULL;
+        if (status || (status = ric_trace_run(way)) || way->end.test != RIC_TEST_E_MAX) goto out;
+        cycle = ric_trace_cycle(way, way->end.u);
+    }
+    status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (*out) (*out)->mode = mode;
+out:
+    ric_cycle_free(cycle);
+    ric_trace_free(way);
+    ric_chain_free(chain);
+    return status;
+}
+
 static ric_status start_modes(ric_graph *g)
 {
     const ric_model *m = g->model;
@@ -621,7 +704,7 @@ static ric_status start_modes(ric_graph *g)
         bool wanted = g->options->n_start == 0;
         for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == m->mode[i] + 1;
         if (!wanted) continue;
-        ric_status status = ric_node_linear(m, i, &node);
+        ric_status status = m->smooth ? smooth_start(g, i, &node) : ric_node_linear(m, i, &node);
         if (status) return status;
         if (!node) continue;
         if (node->energy > g->limits.energy[1]) {

@@ -57,7 +57,8 @@ static int deflate(int size, double *A, double scale, double zero_at, double *er
     return zero;
 }
 
-/* J of eq. 29: unknowns w0, beta, T with tau_k = beta_k T; rows w_N - w_0, the N gaps, sum beta - 1. G: gaps then closure. */
+/* J of eq. 29: unknowns w0, beta, T with tau_k = beta_k T; rows w_N - w_0, the N gaps, sum beta - 1. G: gaps then closure. Under a power law
+ * N = 1 and the phase condition takes the place of the gap. */
 static void article_jacobian(int n, int N, const double *tau, const double *G, double *J)
 {
     int size = 2 * n + N + 1, unknowns = 2 * n + N;
@@ -89,14 +90,14 @@ static double located(int size, const double *J, double scale, int b, double *wo
 static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multiple, int least, int *a, int *b, bool *decided)
 {
     ric_status status = RIC_OK;
-    int n = m->n, N = cycle->N * multiple, size = 2 * n + N + 1;
+    int n = m->n, N = m->smooth ? 1 : cycle->N * multiple, size = 2 * n + N + 1;
     ric_chain *chain = NULL;
     double *u = NULL, *G = NULL, *J = NULL, *V = NULL, *work = NULL, *s = NULL;
     ric_cycle *whole = NULL;
     *a = *b = 0;
     *decided = false;
     if (size > LARGEST) return RIC_OK;
-    whole = ric_cycle_create(n, N);
+    whole = m->smooth ? ric_cycle_repeat(cycle, multiple) : ric_cycle_create(n, N);
     size_t square = (size_t)size * size;
     G = calloc((size_t)(2 * n + N + 2) * (size_t)(2 * n + N), sizeof *G);
     J = calloc(square, sizeof *J);
@@ -107,7 +108,7 @@ static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multip
         status = ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
         goto out;
     }
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N && !m->smooth; i++) {
         whole->face[i] = cycle->face[i % cycle->N];
         whole->tau[i] = cycle->tau[i % cycle->N];
     }

@@ -18,6 +18,7 @@
 #define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a tenth) */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
+#define ARRIVED 1e-3     /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
 #define UNDECIDED (-1)
 #define TEST_ASKED 101   /* criterion: energy or frequency is what was asked for */
 #define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding / distance */
@@ -703,7 +704,15 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cy
     bool reverse, mirror;
     ric_cycle *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_cycle_repeat(node->cycle, node->multiple) : NULL, *home = NULL;
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
-    if (ric_cycle_match(m, repeated, cycle, 1e-3, &shift, &reverse, &mirror)) home = ric_cycle_transform(m, cycle, shift, reverse, mirror);
+    ric_cycle *here = ric_cycle_copy(cycle);
+    bool found = here && (!m->smooth || ric_cycle_mark(here, repeated->N));
+    found = found && ric_cycle_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
+    if (here && !found && m->smooth) { /* one starts at a rest, the other at a centre */
+        ric_cycle_half_mark(m, here);
+        found = ric_cycle_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
+    }
+    if (found) home = ric_cycle_transform(m, here, shift, reverse, mirror);
+    ric_cycle_free(here);
     ric_problem other = ric_node_problem(node, RIC_OTHER_SIDE);
     /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those a period (2N half positions) apart are
      * the same, those half a period apart are not */

@@ -69,13 +69,14 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     o->model = m;
     ric_model_to_state(m, o->cycle->w, o->state, o->state + m->n_dof);
     for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
+    if (m->smooth) o->flights[0] = ric_cycle_period(o->cycle) / m->omega_ref;
     ric_floquet_multipliers(&floquet, o->multipliers);
     double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] >= 0) approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
     o->point = (ric_point){.arclength = stored->arclength, .energy = ric_chain_energy(c) * m->energy_unit,
                            .frequency = TWO_PI / ric_chain_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
-                           .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN, .approach = approach * m->omega_ref,
+                           .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN, .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN,
                            .residual = (float)c->residual, .stable = floquet.stable};
     *out = o;
     o = NULL;
@@ -250,7 +251,7 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
         return ric_fail(RIC_E_RANGE, "branch %d has no point %g; they run from 0 to %d", branch, value, b.n_point - 1);
     ric_orbit **list = calloc((size_t)b.n_point + 1, sizeof *list);
     if (!list) return no_memory();
-    if (b.impacts == 0) status = find_linear(a, &b, at, value, n, list);
+    if (ric_branch_linear(ric_atlas_model(a), &b)) status = find_linear(a, &b, at, value, n, list);
     else if (at == RIC_AT_POINT) status = at_point(a, &b, (int)value, &list[(*n)++]);
     else {
         ric_point p;
@@ -279,7 +280,7 @@ int ric_orbit_impacts(const ric_orbit *o)
 
 int ric_orbit_letters(const ric_orbit *o)
 {
-    return o->cycle ? o->cycle->N : 0;
+    return o->cycle ? ric_cycle_letters(o->cycle) : 0;
 }
 
 void ric_orbit_data(const ric_orbit *o, ric_point *point, double *state, double *flights, int *word)

@@ -13,7 +13,14 @@
 
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 {
-    return junction->kind == RIC_KIND_MULTIPLICATION && branch->impacts == junction->impacts ? junction->multiple : 1;
+    double once = junction->frequency, slack = 1e-9 * once;
+    if (junction->kind != RIC_KIND_MULTIPLICATION || branch->impacts != junction->impacts) return 1;
+    if (branch->impacts > 0) return junction->multiple;
+    /* under a power law impacts do not tell; what ends here has left, and of the others the range of frequencies tells */
+    if (branch->from == junction->id || branch->to == junction->id) return 1;
+    if (junction->multiple * (once + slack) >= branch->frequency_min && junction->multiple * (once - slack) <= branch->frequency_max)
+        return junction->multiple;
+    return 1;
 }
 
 static bool close_to(double a, double b)

@@ -290,6 +290,10 @@ static void search_all(search *q, const double *u)
 double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
 {
     search q = {.chain = chain, .n = chain->n};
+    if (chain->model->smooth) { /* nothing to touch */
+        if (where) where->face = -1;
+        return 0;
+    }
     search_all(&q, u);
     if (where) {
         where->face = -1;
@@ -301,6 +305,7 @@ double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
 int ric_reach_all(const ric_chain *chain, const double *u, double threshold, int capacity, ric_touch *touches)
 {
     search q = {.chain = chain, .n = chain->n, .threshold = threshold, .capacity = capacity, .touches = touches};
+    if (chain->model->smooth) return 0;
     search_all(&q, u);
     return q.count;
 }

@@ -20,14 +20,17 @@
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define MEASURED 4           /* safety of a measured error */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
+#define ON_OTHER 1e-9        /* of the size: an orbit this near to one with more symmetry is that one */
+#define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
 #define MARGIN 1e-11         /* margins that count as rounding */
 #define BORDER 5e-13         /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
 
 ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)
 {
+    double lowest = m->smooth && energy[0] < RIC_LINEAR_ENERGY ? RIC_LINEAR_ENERGY : energy[0];
     double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
-    return (ric_limits){.energy = {energy[0] / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
+    return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
                         .period = {TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
                         .max_step = max_step, .max_points = max_points};
 }
@@ -419,6 +422,26 @@ static void swap_stations(ric_trace *tr)
     tr->has_past = true;
 }
 
+/* The two halves of the period of an orbit between two mirror points of one kind are images of each other: then its branch is another one. */
+static bool symmetric_after_all(const ric_chain *c)
+{
+    int n = c->n;
+    double off = 0;
+    if (!c->model->smooth || c->start != c->end || c->start == RIC_MIRROR_NONE) return false;
+    for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(c->w[i] + c->w[2 * n + i]));
+    return off < ON_OTHER * c->scale;
+}
+
+/* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips over to it. The bordered
+ * determinant tells: its zero ahead, by the secant, is approached by steps that leave some of the way. */
+static double before_crossing(const ric_trace *tr, double h)
+{
+    double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET], least = LAST_STEP * tr->chain->scale;
+    if (!tr->chain->model->smooth || !tr->has_past || tr->ignore || !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) || h <= least) return h;
+    double x = (tr->now.s - tr->past.s) * f1 / (f0 - f1);
+    return fmin(h, fmax(x / 3, least));
+}
+
 ric_status ric_trace_advance(ric_trace *tr, bool *done)
 {
     ric_status status = RIC_OK;
@@ -433,6 +456,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     int order;
     tr->longest = HUGE_VAL;
     if ((status = ric_repeat_ahead(tr, &h, &order, &tr->mid))) return status;
+    h = before_crossing(tr, h);
     if (order > 3) {
         *done = true;
         return ric_event_arrive(tr, &tr->mid);
@@ -447,6 +471,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
         tr->evaluations += iterations + 1;
         bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
+        good = good && !symmetric_after_all(tr->chain);
         if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT) {
             if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {

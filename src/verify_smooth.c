@@ -98,7 +98,7 @@ static ric_status differentiate(replay *r, double *condition)
         r->D[i * (n + 1) + n] = (double)((ahead[i] - r->end[i]) / brief * r->period / unit(r, i));
     }
     *condition = 1;
-    if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', n, M, n, re, im, NULL, 1, NULL, 1))
+    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', n, M, n, re, im, NULL, 1, NULL, 1)))
         return ric_fail(RIC_E_NUMERIC, "the multipliers of a replayed orbit could not be computed");
     for (int i = 0; i < n; i++) *condition = fmax(*condition, hypot(re[i], im[i]));
     return RIC_OK;
@@ -113,7 +113,7 @@ static ric_status polish(replay *r)
         for (int i = 0; i < n; i++) F[i] = (double)((r->end[i] - r->start[i]) / unit(r, i));
         F[n] = 0;
         memcpy(A, r->D, sizeof A);
-        if (LAPACKE_dgelsd(LAPACK_ROW_MAJOR, n, n + 1, 1, A, n + 1, F, 1, values, REGULAR, &rank))
+        if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, n, n + 1, 1, A, n + 1, F, 1, values, REGULAR, &rank)))
             return ric_fail(RIC_E_NUMERIC, "a stored orbit could not be polished");
         for (int i = 0; i < n; i++) r->start[i] -= F[i] * unit(r, i);
         r->period -= F[n] * r->period;

@@ -1,0 +1,135 @@
+/* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face -1 and without effect, to which the
+ * operations of cycle.h refer. An orbit with mirror points starts at one of them; one without at the instant of largest |s| of the first
+ * contact, which every symmetry respects (docs/theory.md section 10). */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cycle.h"
+#include "flight.h"
+#include "status.h"
+
+#define SAMPLES 48       /* per turn of the fastest mode, at least: where the largest |s| is looked for */
+#define MOST_SAMPLES 4096
+#define MOST_COPIES 24   /* repetitions that are looked for */
+
+bool ric_cycle_mark(ric_cycle *c, int marks)
+{
+    double period = ric_cycle_period(c);
+    int *face = realloc(c->face, ((size_t)marks + 1) * sizeof *face);
+    if (face) c->face = face;
+    double *tau = realloc(c->tau, ((size_t)marks + 1) * sizeof *tau);
+    if (tau) c->tau = tau;
+    if (!face || !tau) return false;
+    c->N = marks;
+    for (int i = 0; i < marks; i++) {
+        face[i] = -1;
+        tau[i] = period / marks;
+    }
+    return true;
+}
+
+void ric_cycle_half_mark(const ric_model *m, ric_cycle *c)
+{
+    ric_flight_go(m, 0, -1, ric_cycle_period(c) / (2 * c->N), c->w, c->w);
+    if (c->pure >= 0) c->pure = (c->pure + c->N - 1) % c->N;
+    if (c->flip >= 0) c->flip = (c->flip + c->N - 1) % c->N;
+}
+
+static double gap_of(const ric_model *m, const double *w)
+{
+    return ric_dot(m->n, m->g, w);
+}
+
+/* Moves w to where |s| of the first contact is largest within the period: sampled, then Newton on ds/dt = 0. */
+static void to_summit(const ric_model *m, double period, double *w)
+{
+    int n = m->n, count = (int)fmin(MOST_SAMPLES, SAMPLES * (1 + period * m->omega[n - 1] / 6.283185307179586));
+    double best[2 * n], now[2 * n], rate[2 * n], last = 0;
+    memcpy(now, w, sizeof now);
+    memcpy(best, w, sizeof best);
+    for (int i = 0; i < count; i++) {
+        double s = fabs(gap_of(m, now));
+        if (s > last) {
+            last = s;
+            memcpy(best, now, sizeof best);
+        }
+        ric_flight_go(m, 0, -1, period / count, now, now);
+    }
+    for (int i = 0; i < 8; i++) {
+        double slope = 0, bend = 0;
+        ric_flight_rate(m, 0, best, rate);
+        for (int k = 0; k < n; k++) {
+            slope += m->g[k] * rate[k];
+            bend += m->g[k] * m->kappa[k] * rate[n + k];
+        }
+        double t = -slope / bend;
+        if (!isfinite(t) || fabs(t) > period / count) break;
+        ric_flight_go(m, 0, -1, t, best, best);
+        if (fabs(t) < 1e-15 * period) break;
+    }
+    memcpy(w, best, sizeof best);
+}
+
+ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u)
+{
+    ric_cycle *c = ric_cycle_create(chain->n, 2);
+    if (!c) return NULL;
+    double period = ric_chain_time(chain, u);
+    c->face[0] = c->face[1] = -1;
+    c->tau[0] = c->tau[1] = period / 2;
+    memcpy(c->w, chain->w, 2 * (size_t)chain->n * sizeof *c->w);
+    if (chain->start == RIC_MIRROR_NONE) {
+        c->half = chain->sigma < 0;
+        to_summit(chain->model, period, c->w);
+        return c;
+    }
+    /* half positions: the mirror at the start and, half a period on, 2; a quarter on, 1 */
+    c->half = chain->multiple == 4;
+    if (chain->start == RIC_MIRROR_CENTRE) c->flip = 0;
+    else c->pure = 0;
+    if (c->half && chain->end == RIC_MIRROR_CENTRE) c->flip = 1;
+    else if (c->half) c->pure = 1;
+    return c;
+}
+
+ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
+{
+    static const int face[] = {-1, -1};
+    int n = c->n, N = c->N, from = 0;
+    ric_mirror start = RIC_MIRROR_NONE, end = RIC_MIRROR_NONE;
+    double period = ric_cycle_period(c), w[2 * n];
+    if (c->pure >= 0) {
+        start = c->half ? RIC_MIRROR_CENTRE : RIC_MIRROR_REST;
+        end = RIC_MIRROR_REST;
+        from = (c->pure + (c->half ? N / 2 : 0)) % N; /* a centre lies N / 2 half positions from every rest */
+    } else if (c->flip >= 0) {
+        start = end = RIC_MIRROR_CENTRE;
+        from = c->flip;
+    }
+    ric_status status = ric_chain_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face, chain);
+    *u = NULL;
+    if (status) return status;
+    if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
+        ric_chain_free(*chain);
+        *chain = NULL;
+        return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
+    }
+    memcpy(w, c->w, sizeof w);
+    if (from) ric_flight_go(m, 0, -1, from * period / (2 * N), w, w);
+    memcpy(*u, start == RIC_MIRROR_CENTRE ? w + n : w, (size_t)(*chain)->n_start * sizeof **u);
+    (*u)[(*chain)->n_start] = period / (*chain)->multiple;
+    return RIC_OK;
+}
+
+int ric_cycle_copies(const ric_model *m, const ric_cycle *c, double tolerance)
+{
+    int n = c->n;
+    double w[2 * n], period = ric_cycle_period(c), size = 1 + sqrt(ric_dot(2 * n, c->w, c->w));
+    for (int q = MOST_COPIES; q > 1; q--) {
+        double off = 0;
+        ric_flight_go(m, 0, -1, period / q, c->w, w);
+        for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(w[i] - c->w[i]));
+        if (off <= tolerance * size) return q;
+    }
+    return 1;
+}
