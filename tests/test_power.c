@@ -1,0 +1,242 @@
+/* Structures with power-law contacts: published numbers, the symmetric path, duplicates, and orbits confirmed by CVODE. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "explored.h"
+
+#include "cvode_flow.h"
+
+/* The two masses of the article, eq. 51, and those of Peeters et al. 2009. */
+static const char article[] = "{mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],"
+                              " contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}";
+static const char peeters[] = "{mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]],"
+                              " contacts: [{normal: [1, 0], law: power, exponent: %d, stiffness: 0.5}]}";
+
+static ric_atlas *explore(const char *model, int exponent, const char *options, double max_step)
+{
+    char text[1024], filled[512];
+    snprintf(filled, sizeof filled, model, exponent);
+    snprintf(text, sizeof text, "title: power\nmodel: %s\nexplore: {%s}\n", filled, options);
+    return explore_text_with(text, NULL, max_step);
+}
+
+static bool near(double a, double b, double tolerance)
+{
+    return fabs(a - b) <= tolerance * fabs(b);
+}
+
+/* ------------------------------------------------------------ published numbers */
+
+static double frequency_at(const ric_atlas *atlas, int branch, double energy)
+{
+    int n;
+    ric_orbit **orbits;
+    ric_point point;
+    if (ric_orbit_find(atlas, branch, RIC_AT_ENERGY, energy, &n, &orbits)) fail_msg("%s", ric_detail());
+    assert_int_equal(n, 1);
+    ric_orbit_data(orbits[0], &point, NULL, NULL, NULL);
+    assert_true(near(point.energy, energy, 1e-13));
+    ric_orbits_free(n, orbits);
+    return point.frequency;
+}
+
+static void published_frequencies(void **state)
+{
+    static const struct {
+        const char *model;
+        int mode;
+        double energy, frequency;
+    } rows[] = {
+        {article, 1, 0.1, 0.9702075828}, {article, 1, 1, 1.1344581549}, {article, 1, 10, 1.3645473094}, {article, 1, 100, 1.5174431415},
+        {article, 2, 0.1, 2.158130071}, {article, 2, 1, 2.2045300075}, {article, 2, 10, 2.8125826533}, {article, 2, 100, 4.7422508771},
+        {peeters, 1, 0.1, 1.0089740489232}, {peeters, 1, 1, 1.0659067704481}, {peeters, 1, 10, 1.2069054736664},
+        {peeters, 2, 0.1, 1.733868548993}, {peeters, 2, 1, 1.7515011762514}, {peeters, 2, 10, 2.0295858271784},
+    };
+    (void)state;
+    const char *options = "energy: [0, 105], frequency: [0.2, 10], multiply: 1, depth: 1";
+    ric_atlas *atlases[2] = {explore(article, 3, options, 0), explore(peeters, 3, options, 0)};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const ric_atlas *atlas = atlases[rows[i].model == peeters];
+        ric_branch b = branch_of(atlas, rows[i].mode);
+        assert_int_equal(b.mode, rows[i].mode);
+        double frequency = frequency_at(atlas, b.id, rows[i].energy);
+        if (!near(frequency, rows[i].frequency, 1e-9))
+            fail_msg("mode %d at energy %g: %.12g, published %.12g", rows[i].mode, rows[i].energy, frequency, rows[i].frequency);
+    }
+    ric_atlas_free(atlases[0]);
+    ric_atlas_free(atlases[1]);
+}
+
+/* --------------------------------------------------------------- symmetric path */
+
+/* Place of the first junction of a kind on a branch from place `from` on, -1: none. */
+static int next_of(const ric_atlas *atlas, const ric_branch *b, int from, ric_kind kind, int multiple)
+{
+    for (int i = from; i < b->n_junction; i++) {
+        ric_junction j = junction_of(atlas, b->junctions[i]);
+        if (j.kind == kind && j.multiple == multiple) return i;
+    }
+    return -1;
+}
+
+/* From the linear mode over C32 to C33 with an energy extremum beside it, and on to energy 1e3: the same for steps over a factor 100. */
+static void symmetric_path(void **state)
+{
+    static const int exponents[] = {3, 7, 21};
+    (void)state;
+    for (int e = 0; e < 3; e++) {
+        double seen[64][2];
+        int count = 0;
+        for (int step = 0; step < 20; step++) {
+            ric_atlas *atlas = explore(article, exponents[e], "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
+                                       0.002 * pow(100, step / 19.0));
+            ric_branch b = branch_of(atlas, 1);
+            assert_int_equal(ric_atlas_n_branch(atlas), 1);
+            assert_int_equal(b.stop, RIC_STOP_WINDOW);
+            assert_true(b.symmetric && b.impacts == 0 && near(b.energy_max, 1000, 1e-9));
+            int first = next_of(atlas, &b, 0, RIC_KIND_BRANCH_POINT, 1), tripling = next_of(atlas, &b, first, RIC_KIND_MULTIPLICATION, 3);
+            int fold = next_of(atlas, &b, first, RIC_KIND_EXTREMUM, 1);
+            assert_true(first >= 0 && tripling > first && fold > first);
+            if (exponents[e] == 3) { /* published */
+                assert_true(near(junction_of(atlas, b.junctions[first]).frequency, 1.2411838299, 1e-9));
+                assert_true(near(junction_of(atlas, b.junctions[first]).energy, 2.764187897, 1e-9));
+            }
+            if (step == 0) count = b.n_junction;
+            assert_int_equal(b.n_junction, count);
+            for (int i = 0; i < count; i++) {
+                ric_junction j = junction_of(atlas, b.junctions[i]);
+                if (step == 0) {
+                    seen[i][0] = j.energy;
+                    seen[i][1] = j.frequency;
+                } else if (!near(j.energy, seen[i][0], 1e-9) || !near(j.frequency, seen[i][1], 1e-9))
+                    fail_msg("n = %d: junction %d at E %.14g omega %.14g, with the smallest step E %.14g omega %.14g", exponents[e], i, j.energy,
+                             j.frequency, seen[i][0], seen[i][1]);
+            }
+            ric_atlas_free(atlas);
+        }
+    }
+}
+
+/* The eight-duplicate of the segment between the extremum near omega 1.609 and the branch point near 1.584 carries exactly the multiplications
+ * p/8, p = 1..7. */
+static void eight_duplicate(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1000], frequency: [0.1, 10], multiply: 8, depth: 1", 0);
+    ric_branch b = branch_of(atlas, 1);
+    int found[8] = {0}, total = 0, inside = 0, ends = 0;
+    for (int i = 0; i < b.n_junction; i++) {
+        ric_junction j = junction_of(atlas, b.junctions[i]);
+        bool point = j.kind == RIC_KIND_BRANCH_POINT && near(j.frequency, 1.584, 3e-4);
+        bool extremum = j.kind == RIC_KIND_EXTREMUM && near(j.frequency, 1.609, 3e-4);
+        if (point || extremum) {
+            inside = !inside;
+            ends++;
+        }
+        if (!inside || j.kind != RIC_KIND_MULTIPLICATION || 8 % j.multiple) continue;
+        found[j.rotation[0] * 8 / j.multiple]++;
+        total++;
+    }
+    assert_int_equal(ends, 2);
+    assert_int_equal(inside, 0);
+    for (int p = 1; p < 8; p++)
+        if (found[p] + found[8 - p] != 2) fail_msg("%d multiplications %d/8 or %d/8", found[p] + found[8 - p], p, 8 - p);
+    assert_int_equal(total, 7);
+    ric_atlas_free(atlas);
+}
+
+/* The 3:1 tongue of the in-phase mode is gone through to its end and back to the backbone, and touches the 3-duplicate of the other mode. */
+static void tongue(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(peeters, 3, "energy: [0, 10000], frequency: [0.2, 20], multiply: 3, depth: 1", 0);
+    ric_branch in = branch_of(atlas, 1), out = branch_of(atlas, 2);
+    int touch = -1;
+    for (int i = 0; i < in.n_junction; i++)
+        for (int k = 0; k < out.n_junction; k++)
+            if (in.junctions[i] == out.junctions[k] && junction_of(atlas, in.junctions[i]).multiple == 3) touch = i;
+    assert_true(touch >= 0);
+    ric_junction j = junction_of(atlas, in.junctions[touch]);
+    assert_true(near(3 * j.frequency, frequency_at(atlas, out.id, j.energy), 1e-9));
+    /* the way back: two extrema of the energy, and then up to the end of the window */
+    int extrema = 0;
+    for (int i = touch + 1; i < in.n_junction; i++) {
+        ric_junction k = junction_of(atlas, in.junctions[i]);
+        extrema += k.kind == RIC_KIND_EXTREMUM;
+    }
+    assert_true(extrema >= 2);
+    assert_int_equal(in.stop, RIC_STOP_WINDOW);
+    assert_true(near(in.energy_max, 10000, 1e-9));
+    ric_atlas_free(atlas);
+}
+
+/* ------------------------------------------------------------- from outside */
+
+static double largest_multiplier(const ric_atlas *atlas, int branch, int point)
+{
+    int n;
+    ric_orbit **orbits;
+    double multipliers[8], most = 1;
+    if (ric_orbit_find(atlas, branch, RIC_AT_POINT, point, &n, &orbits)) fail_msg("%s", ric_detail());
+    assert_int_equal(n, 1);
+    assert_int_equal(ric_orbit_multipliers(orbits[0], multipliers), RIC_OK);
+    for (int i = 0; i < 2 * (ric_model_n_dof(ric_atlas_model(atlas)) - 1); i++) most = fmax(most, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
+    ric_orbits_free(n, orbits);
+    return most;
+}
+
+/* Period and energy of stored orbits: the replay of the program, and CVODE on the raw matrices. */
+static void orbits_return(void **state)
+{
+    static const int exponents[] = {3, 7, 21};
+    (void)state;
+    for (int e = 0; e < 3; e++) {
+        ric_atlas *atlas = explore(article, exponents[e], "energy: [0, 40], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
+        const ric_model *m = ric_atlas_model(atlas);
+        ric_contact contact;
+        int tried = 0;
+        assert_int_equal(ric_model_contact(m, 0, &contact), RIC_OK);
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            ric_branch b = branch_of(atlas, id);
+            for (int i = 0; i < b.n_point; i += 1 + b.n_point / 5, tried++) {
+                ric_point p;
+                ric_check check;
+                double x[4], y[4], flight, off = 0, size = 0, E;
+                if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
+                if (!check.passed) fail_msg("n = %d: branch %d, point %d returns with %g", exponents[e], id, i, check.return_error);
+                assert_int_equal(ric_atlas_point(atlas, id, i, &p, x, &flight), RIC_OK);
+                memcpy(y, x, sizeof y);
+                double own = cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, flight, y, y + 2);
+                for (int k = 0; k < 4; k++) {
+                    off = fmax(off, fabs(y[k] - x[k]));
+                    size = fmax(size, fabs(x[k]));
+                }
+                E = ric_model_energy(m, y, y + 2);
+                double allowed = 1e-9 * fmax(1, 1e-7 * largest_multiplier(atlas, id, i)) + 10 * own;
+                if (!(off <= allowed * size && own < 1e-6 && near(E, p.energy, 1e-9 + 10 * own)))
+                    fail_msg("n = %d: branch %d, point %d: CVODE returns with %g, sure of %g, energy %.13g for %.13g", exponents[e], id, i,
+                             off / size, own, E, p.energy);
+            }
+        }
+        assert_true(tried > 10);
+        ric_atlas_free(atlas);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(published_frequencies),
+        cmocka_unit_test(symmetric_path),
+        cmocka_unit_test(eight_duplicate),
+        cmocka_unit_test(tongue),
+        cmocka_unit_test(orbits_return),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
