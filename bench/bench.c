@@ -215,7 +215,7 @@ static void show(const course *q, const figures *f)
     char goal[32] = "", text[96];
     if (q->edge) snprintf(text, sizeof text, "%s", q->name);
     else snprintf(text, sizeof text, "%s on %g..%g", q->name, q->from, q->to);
-    if (aim(f->N) > 0) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
+    if (aim(f->N) > 0 && !q->model->smooth) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
     say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N, f->rate, goal, 1e6 / f->rate,
         (double)f->evaluations / (double)f->points, 100 * (double)f->short_steps / (double)f->points, f->residual,
         f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");
@@ -351,6 +351,40 @@ static void show_demo(const ric_graph *g, const char *path, double seconds)
     say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path, g->n_edge, g->n_node, points, evaluations, seconds);
 }
 
+/* ---------------------------------------------------------- power-law contacts */
+
+/* The in-phase path of the article's two masses with springs of power n, from energy 0.1 on. */
+static void smooth_paths(double seconds)
+{
+    static const struct {
+        int exponent;
+        double aim;
+    } rows[] = {{3, 30000}, {7, 15000}, {21, 6000}};
+    say("\npower-law contacts, in-phase path from energy 0.1 on\n");
+    show_head();
+    for (int i = 0; i < 3; i++) {
+        char text[400], name[40];
+        ric_study *study;
+        ric_graph *graph;
+        double spent;
+        snprintf(text, sizeof text,
+                 "title: power\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],\n  contacts: [{normal: [-1, 1], law: power, "
+                 "exponent: %d, length: 1, reference: 1}]}\nexplore: {start: [1], energy: [0, %d], multiply: 1, depth: 1}\n",
+                 rows[i].exponent, ENERGY);
+        need(!ric_study_parse(text, "bench", ".", &study), ric_detail());
+        explore(study, &graph, &spent);
+        const ric_trace *path = graph->edges[0].trace;
+        int from = 1;
+        while (from + 2 < path->n_point && ((const ric_point *)(path->points + (size_t)from * path->stride))->energy < 0.1) from++;
+        snprintf(name, sizeof name, "S+, n = %d (aim %.0f)", rows[i].exponent, rows[i].aim);
+        course q = {name, graph->model, 1, OWN, from, 0, path};
+        figures f = measure(&q, seconds);
+        show(&q, &f);
+        ric_graph_free(graph);
+        ric_study_free(study);
+    }
+}
+
 /* ----------------------------------------------------------------------- main */
 
 static void show_machine(void)
@@ -406,6 +440,7 @@ int main(int argc, char **argv)
     }
     repeated(m, seconds);
     nanoseconds(m);
+    smooth_paths(seconds);
     show_demo(graph, path, demo);
     show_memory(m->n, &f[0], &f[1]);
     if (s6) show_memory(m->n, &f[4], &f[5]);
