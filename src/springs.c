@@ -145,10 +145,10 @@ static real difference(int n, const real *a, const real *b, const real *y)
     for (int half = 0; half < 2; half++) {
         real size = 0, off = 0;
         for (int i = half * n; i < (half + 1) * n; i++) {
+            if (!isfinite(a[i]) || !isfinite(b[i])) return HUGE_VAL;
             size = fmax(size, fmax(fabs(y[i]), fabs(a[i])));
             off = fmax(off, fabs(a[i] - b[i]));
         }
-        if (!isfinite(off) || !isfinite(size)) return HUGE_VAL;
         if (off > 0) worst = fmax(worst, off / size);
     }
     return worst;
