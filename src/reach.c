@@ -16,6 +16,7 @@
 #define LEVELS 48
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
+#define NO_TIME 1e-12 /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
 #define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
 
 typedef struct {
@@ -273,7 +274,7 @@ static void search_all(search *q, const double *u)
     q->end = ends + 2 * q->n;
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
-        if (!(q->tau > 0)) continue;
+        if (!(q->tau > 0) || (q->chain->model->springs && q->tau < NO_TIME)) continue;
         if (!enter_flight(q)) {
             q->best = HUGE_VAL;
             continue;

@@ -571,10 +571,25 @@ static ric_status check_linear(replay *r)
     return RIC_OK;
 }
 
+/* Whether more than two switches of springs fall on one instant around flight k, as the end of a branch may have it: their order says nothing,
+ * and a contact of no length among them may be met or not. */
+static bool gathered(const replay *r, int k)
+{
+    int N = r->n_flight, zeros = 0;
+    if (!r->closed || N < 4) return false;
+    for (int i = k + 1; zeros < N && r->tau[i % N] <= NO_LENGTH * r->period; i++) zeros++;
+    for (int i = k + N; zeros < N && r->tau[i % N] <= NO_LENGTH * r->period; i--) zeros++;
+    return zeros > 1;
+}
+
 static ric_status check_flights(replay *r)
 {
     ric_status status = RIC_OK;
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
+        if (gathered(r, k)) {
+            r->corner = true;
+            continue;
+        }
         r->reach = 0;
         status = start_at(r, k, r->chain + (size_t)k * 2 * (size_t)r->n, 0);
         if (status || !r->check->faces_agree) break;
@@ -852,6 +867,11 @@ static void allow_rounding(replay *r)
 static ric_status check_return(replay *r)
 {
     event e = {0};
+    for (int k = 0; k < r->n_flight; k++)
+        if (gathered(r, k)) {
+            r->check->return_error = NAN;
+            return RIC_OK;
+        }
     real due = 0, mean = r->period / r->n_flight;
     ric_status status = start_at(r, 0, r->chain, 0);
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
