@@ -14,6 +14,7 @@
 #define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
 #define GIVEN 1e-6           /* drift of a step that ends at a solved point: the first one from a singular start may, and is no guess */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
+#define SOFT_STEP 0.1        /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 1e-3      /* of the largest step */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
@@ -320,6 +321,10 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     tr->longest = HUGE_VAL;
     tr->step_max = limits->max_step * chain->scale;
     tr->step = regular ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale) : ignore & RIC_SINGULAR_START ? norm : RIC_LEAVING * chain->scale;
+    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays short of the extrema that
+     * follow at the inverse of the stiffness, the square of the frequency (theory section 10) */
+    if (chain->fastest > 0 && ignore & 1u << RIC_TEST_REACH)
+        tr->step = fmin(tr->step, SOFT_STEP / (1 + chain->fastest * chain->fastest) * chain->scale);
     if ((status = ric_trace_keep(tr, &tr->now))) goto out;
     *out = tr;
     tr = NULL;
