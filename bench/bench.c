@@ -333,6 +333,17 @@ static const ric_trace *find_s6(const ric_graph *g)
     return NULL;
 }
 
+/* The S2 orbits with the most points: from the centre to an impact, or through the closing of a spring to rest. */
+static const ric_trace *find_backbone(const ric_graph *g, int n_flight)
+{
+    const ric_trace *best = NULL;
+    for (int i = 0; i < g->n_edge; i++) {
+        const ric_trace *tr = g->edges[i].trace;
+        if (tr->chain->multiple == 4 && tr->chain->n_flight == n_flight && (!best || tr->n_point > best->n_point)) best = tr;
+    }
+    return best;
+}
+
 static void explore(ric_study *study, ric_graph **graph, double *seconds)
 {
     double begin = now();
@@ -438,6 +449,20 @@ int main(int argc, char **argv)
         f[i] = measure(&rows[i], seconds);
         show(&rows[i], &f[i]);
     }
+    ric_study *spring_study;
+    ric_graph *springs;
+    double unused;
+    need(!ric_study_read("examples/bilinear/study.yaml", &spring_study), ric_detail());
+    explore(spring_study, &springs, &unused);
+    const ric_trace *soft = find_backbone(springs, 2), *rigid = find_backbone(graph, 1);
+    course pair[] = {{"S2[01], stop", graph->model, 1, OWN, 1, 0, rigid},      {"S2[01], spring", springs->model, 1, OWN, 1, 0, soft},
+                     {"S2[01], stop", graph->model, 1, GENERAL, 1, 0, rigid},  {"S2[01], spring", springs->model, 1, GENERAL, 1, 0, soft}};
+    for (int i = 0; rigid && soft && i < 4; i++) {
+        figures g = measure(&pair[i], seconds);
+        show(&pair[i], &g);
+    }
+    ric_graph_free(springs);
+    ric_study_free(spring_study);
     repeated(m, seconds);
     nanoseconds(m);
     smooth_paths(seconds);

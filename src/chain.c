@@ -272,7 +272,7 @@ static inline void arriving(const ric_chain *c, int n, int k, double *w)
     memcpy(w + n, c->before + n * k, (size_t)n * sizeof *w);
 }
 
-static void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
+static inline __attribute__((always_inline)) void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
 {
     double w[2 * n], rate[2 * n];
     arriving(c, n, k, w);
@@ -284,7 +284,7 @@ static void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
 
 /* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are still at its start; the
  * derivative by its time is returned. */
-static double chord_row(const ric_chain *c, int n, int nz, int k, int ld, double *g, double *offset)
+static inline __attribute__((always_inline)) double chord_row(const ric_chain *c, int n, int nz, int k, int ld, double *g, double *offset)
 {
     double by_w[2 * n], by_tau, tau = c->tau[k];
     ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, by_w, &by_tau);

@@ -91,16 +91,6 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
     }
 }
 
-void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V)
-{
-    int size = 2 * n;
-    double column[size];
-    for (int j = 0; j < columns; j++) {
-        for (int i = 0; i < size; i++) column[i] = V[i * ld + j];
-        for (int i = 0; i < size; i++) V[i * ld + j] = ric_dot(size, matrix + i * size, column);
-    }
-}
-
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau)
 {
     const ric_phase *phase;

@@ -6,6 +6,8 @@
 #ifndef RIC_FLIGHT_H
 #define RIC_FLIGHT_H
 
+#include <string.h>
+
 #include "motion.h"
 
 #define RIC_FACES_MAX 64 /* faces that a set can hold */
@@ -43,7 +45,25 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
 /* A dense flight with its matrix [2n * 2n]; not in place. The matrix is that of deviations in time, whatever the event at the start. */
 void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after);
 /* V [2n * ld] <- matrix * V, the first `columns` of each row. */
-void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V);
+static inline __attribute__((always_inline)) void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V)
+{
+    int size = 2 * n;
+    double sum[size * ld];
+    for (int i = 0; i < size; i++) {
+        double *restrict row = sum + i * ld;
+        for (int j = 0; j < columns; j++) row[j] = 0;
+        for (int k = 0; k < size; k++)
+            for (int j = 0; j < columns; j++) row[j] += matrix[i * size + k] * V[k * ld + j];
+    }
+    for (int i = 0; i < size; i++) memcpy(V + i * ld, sum + i * ld, (size_t)columns * sizeof *V);
+}
+
+/* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its derivatives (phase.h). */
+double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau);
+/* What a closing at the start of a flight makes of deviations X [2n * ld] of its state: they are moved onto the face as the state is. */
+void ric_flight_onto(const ric_model *m, uint64_t closed, int event, int ld, double *X);
+/* Largest scaled frequency while springs are closed; 0 if none is. */
+double ric_flight_fastest(const ric_model *m, uint64_t closed);
 
 /* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its derivatives (phase.h). */
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau);
