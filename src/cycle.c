@@ -367,6 +367,13 @@ ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift
     return out;
 }
 
+bool ric_cycle_mirrors(const ric_model *m, const ric_cycle *c)
+{
+    for (int i = 0; i < c->N; i++)
+        if (m->face[c->face[i]].mirror < 0) return false;
+    return true;
+}
+
 /* Index of impact i among the kept ones. */
 static int rank_of(const bool *keep, int i)
 {
@@ -544,11 +551,11 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
             break;
         }
     int period = N / q;
-    if (m->symmetric && period % 2 == 0) c->half = image_distance(m, c, c, period / 2, false, true) <= tolerance;
+    if (period % 2 == 0) c->half = image_distance(m, c, c, period / 2, false, true) <= tolerance;
     for (int s = 0; s < period; s++) {
         /* the image under (shift s, reverse) has impact i = old impact s - i */
         if (c->pure < 0 && image_distance(m, c, c, s, true, false) <= tolerance) c->pure = s;
-        if (m->symmetric && c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
+        if (c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
     }
     /* smooth orbits with all symmetries start at a centre */
     if (m->smooth && c->half && c->pure == 0) ric_cycle_half_mark(m, c);

@@ -49,6 +49,8 @@ double ric_cycle_energy(const ric_model *model, const ric_cycle *cycle);
 
 /* The same orbit started at impact `shift`, then run backwards (impact 0 stays first), then mirrored. */
 ric_cycle *ric_cycle_transform(const ric_model *model, const ric_cycle *cycle, int shift, bool reverse, bool mirror);
+/* Whether x -> -x takes every face of the orbit to a face. */
+bool ric_cycle_mirrors(const ric_model *model, const ric_cycle *cycle);
 /* Only the impacts with keep[i]; the others, of no speed, are flown through. At least one is kept. Symmetries that the choice breaks go. */
 ric_cycle *ric_cycle_keep(const ric_model *model, const ric_cycle *cycle, const bool *keep);
 /* The first N/q impacts of a cycle that repeats itself q times. */

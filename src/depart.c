@@ -225,7 +225,7 @@ static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_ch
     ric_chain_fly(c, point);
     ric_cycle *here = ric_cycle_from_chain(c, point);
     if (!here) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
-    for (int mirror = 0; mirror <= m->symmetric && !found; mirror++) {
+    for (int mirror = 0; mirror <= ric_cycle_mirrors(m, here) && !found; mirror++) {
         double *v = image_unknowns(m, here, 0, mirror), *w = image_unknowns(m, here, here->N / 2, mirror != turned);
         double a = v && w ? largest_difference(size, v, point) : 0, b = v && w ? largest_difference(size, w, point) : 0;
         found = fmin(a, b) < ITSELF * fmax(a, b);

@@ -3,8 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
+#include "arrival.h"
 #include "motion.h"
 #include "status.h"
 
@@ -16,12 +15,8 @@
 #define JUMP 1e-7
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
 #define TRUE_RESONANCE 1e-2
-/* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
-#define SAME_ORBIT 1e-5
-/* Within which it is worth to look for a better place along the branch: on sharp turns the zero of the determinant is off by that. */
-#define MAY_BE_SAME 1e-3
-/* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
-#define ALONG 0.9
+/* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
+#define ASIDE_STEPS 3
 /* Part of the largest step within which two pairs that pass a resonance count as one event. */
 #define TOGETHER 1e-6
 /* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
@@ -35,9 +30,6 @@
 
 #define STRETCHES 3 /* of a step, between its extrema of energy and of period */
 #define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter steps */
-
-#define SETTLE_STEPS 3
-#define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
                                  1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
@@ -333,86 +325,6 @@ ric_status ric_event_arrive(ric_trace *tr, const ric_station *p)
     return status ? status : ric_trace_keep(tr, p);
 }
 
-/* ------------------------------------------------------------------- arrivals */
-
-/* Unknowns of a cycle in the convention of ric_cycle_to_chain (a chain may start at either of its mirror points); allocated. */
-static double *unknowns(const ric_model *m, const ric_cycle *cycle)
-{
-    ric_chain *chain = NULL;
-    double *u = NULL;
-    if (cycle && ric_cycle_to_chain(m, cycle, &chain, &u)) u = NULL;
-    ric_chain_free(chain);
-    return u;
-}
-
-/* Whether the image lies on the branch on the other side of `here`. The operation is no isometry of the unknowns: lengths may differ. */
-static bool opposite(int size, const double *here, const double *near, const double *image)
-{
-    double product = 0, a = 0, b = 0;
-    for (int i = 0; i < size; i++) {
-        double d = near[i] - here[i], e = image[i] - here[i];
-        product += d * e;
-        a += d * d;
-        b += e * e;
-    }
-    return product < -ALONG * sqrt(a * b);
-}
-
-/* How far towards `near`, as a part of the way, the middle between `here` and its image lies. */
-static double middle(int size, const double *here, const double *near, const double *image)
-{
-    double product = 0, square = 0;
-    for (int i = 0; i < size; i++) {
-        product += (image[i] - here[i]) * (near[i] - here[i]);
-        square += (near[i] - here[i]) * (near[i] - here[i]);
-    }
-    return product / (2 * square);
-}
-
-/* At a zero of the bordered determinant: some operation of the symmetry group keeps the orbit there and turns the branch round.
- * Then the branch ends: beyond is its own mirror image. Where it all but does, *aside is how far towards `beside` the middle between the
- * orbit and its image lies; else 0. */
-static bool meets_mirror_image(const ric_trace *tr, const ric_station *at, const double *beside, double *aside)
-{
-    ric_chain *c = tr->chain;
-    const ric_model *m = c->model;
-    bool found = false;
-    *aside = 0;
-    ric_cycle *here = ric_trace_cycle(tr, at->u), *near = ric_trace_cycle(tr, beside);
-    double *u = unknowns(m, here), *v = unknowns(m, near);
-    for (int op = 0; u && v && !found && op < (m->symmetric ? 4 : 2); op++)
-        for (int s = 0; s < here->N && !found; s++) {
-            if (op == 0 && s == 0) continue;
-            ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
-            double distance = image && image->pure == here->pure && image->flip == here->flip ? ric_cycle_distance(here, image) : HUGE_VAL;
-            double *same = distance < MAY_BE_SAME ? unknowns(m, image) : NULL;
-            ric_cycle_free(image);
-            if (!same) continue;
-            image = ric_cycle_transform(m, near, s, op & 1, op & 2);
-            double *w = unknowns(m, image);
-            bool turned = w && opposite(c->n_unknown, u, v, w);
-            found = turned && distance < SAME_ORBIT;
-            if (turned && !found) *aside = middle(c->n_unknown, u, v, same);
-            free(w);
-            free(same);
-            ric_cycle_free(image);
-        }
-    free(u);
-    free(v);
-    ric_cycle_free(here);
-    ric_cycle_free(near);
-    return found;
-}
-
-/* Whether the orbit is one of fewer impacts gone through several times. */
-static bool repeats(const ric_trace *tr, const ric_station *at)
-{
-    ric_cycle *cycle = ric_trace_cycle(tr, at->u);
-    bool result = cycle && ric_cycle_repeats(tr->chain->model, cycle, SAME_ORBIT);
-    ric_cycle_free(cycle);
-    return result;
-}
-
 /* ------------------------------------------------------------------- the step */
 
 static void window_text(ric_trace *tr, int test)
@@ -640,19 +552,23 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     double at = crossing_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     crossing_station(tr, &q, at, h, &tr->mid);
-    for (int i = 0; i < SETTLE_STEPS && *end_test < 0; i++) {
+    /* a neighbour on the side where there is more room: close by it is lost in rounding */
+    int far = at - q.x[0] > q.x[3] - at ? 0 : 3;
+    const double *beside = q.u + far * tr->chain->n_unknown;
+    for (int i = 0; i < ASIDE_STEPS && *end_test < 0; i++) {
         double aside, x;
-        if (meets_mirror_image(tr, &tr->mid, q.u, &aside)) *end_test = RIC_TEST_DET;
-        else if ((x = at + aside * (q.x[0] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
+        if (ric_arrival_meets(tr, tr->mid.u, beside, &aside)) *end_test = RIC_TEST_DET;
+        else if ((x = at + aside * (q.x[far] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
         else crossing_station(tr, &q, at = x, h, &tr->mid);
     }
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
-    bool repeated = repeats(tr, &tr->mid);
+    bool repeated = ric_arrival_repeats(tr, tr->mid.u);
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the determinant: that
      * zero belongs to the one junction, and beyond it the other sign is the one to expect. A family of order 3 passes on a slope; its
      * extremum lies aside and is a junction of its own. */
-    bool flat = arrived || (repeated && fabs(crossing_test(tr, &q, RIC_TEST_SLOPE, at)) <
+    bool image = !arrived && ric_arrival_passes(tr, tr->mid.u, beside);
+    bool flat = arrived || image || (repeated && fabs(crossing_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                              ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {
         double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
@@ -660,7 +576,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
         bool shared = flat && (extrema & 1u << i);
         if (shared) before = tr->definite[i] = -before;
         /* at a duplicate the kernels of all symmetries open at once, like high powers of the distance */
-        if ((singular & 1u << i) && (arrived || repeated)) continue;
+        if ((singular & 1u << i) && (arrived || image || repeated)) continue;
         if (!(before * after < 0)) continue;
         double x = i == RIC_TEST_DET ? at : crossing_root(tr, &q, i, 0, h, before, shared ? at : NAN);
         if (arrived && x >= at) continue;
@@ -679,7 +595,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     }
     if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++)
-        if (repeated && (singular & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
+        if ((image || repeated) && (singular & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
     if (arrived && !status) crossing_station(tr, &q, at, h, &tr->mid);
     free(q.u);
     return status;
@@ -738,49 +654,6 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     return status;
 }
 
-/* Newton's method onto the curve from a point read off cubics at a branch point, where the kernel has more dimensions than one: the
- * shortest correction, without the directions that singular values below SINGULAR leave undetermined. u stays where it was if that does
- * not bring it to rounding level close by. */
-/* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to drop is known. */
-static double cut(const ric_chain *c, int rows, int columns, const double *J, double *work, double *right)
-{
-    int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
-    double values[rows];
-    if (!c->model->smooth || rows <= dropped) return SINGULAR;
-    memcpy(work, J, (size_t)rows * columns * sizeof *J);
-    memset(right, 0, (size_t)columns * sizeof *right);
-    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank))) return SINGULAR;
-    return fmin(1.5 * values[rows - dropped], sqrt(values[rows - dropped] * values[rows - dropped - 1])) / values[0];
-}
-
-static ric_status settle(ric_chain *c, double *u)
-{
-    ric_status status = RIC_OK;
-    int columns = c->n_unknown, capacity = c->n_flight + 2 * c->n + 2, m = capacity > columns ? capacity : columns, rank;
-    double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
-    double *work = calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
-    if (!J || !r || !work) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
-        goto out;
-    }
-    memcpy(v, u, (size_t)columns * sizeof *u);
-    for (int i = 0; i < SETTLE_STEPS; i++) {
-        int rows = ric_chain_jacobian(c, v, J);
-        double least = rows ? cut(c, rows, columns, J, work, right) : SINGULAR;
-        ric_chain_residuals(c, v, r);
-        if (!rows || ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank))) goto out;
-        for (int j = 0; j < columns; j++) v[j] -= r[j];
-    }
-    ric_chain_fly(c, v);
-    for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (c->residual <= ric_trace_tolerance(c) && moved <= SAME_ORBIT * c->scale) memcpy(u, v, (size_t)columns * sizeof *u);
-out:
-    free(J);
-    free(r);
-    free(work);
-    return status;
-}
-
 /* Energy, frequency and residual of an end that was not solved as a station. */
 static void complete_row(ric_trace *tr, ric_station *p)
 {
@@ -815,7 +688,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
         test = read;
         tr->arrival = read == RIC_TEST_DET;
         window_text(tr, test);
-        if (tr->arrival && (status = settle(tr->chain, tr->mid.u))) return status;
+        if (tr->arrival && (status = ric_arrival_settle(tr->chain, tr->mid.u))) return status;
         complete_row(tr, &tr->mid);
     } else if (test < 0) {
         tr->stop = RIC_STOP_CLOSED;

@@ -311,18 +311,29 @@ static bool breaks_or_crosses(int test)
     return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
 }
 
-/* Which of the ways out of a junction the edge is that passes it; `multiplied`: as an orbit of several periods. */
-static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, bool multiplied, unsigned *choice)
+/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several periods, or one without the symmetry of the
+ * junction. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, bool aside, unsigned *choice)
 {
     int size = e->trace->chain->n_unknown;
     double u[size];
-    *choice = multiplied ? RIC_SIDE : RIC_THROUGH;
+    *choice = aside ? RIC_SIDE : RIC_THROUGH;
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
     ric_cycle *near = ric_trace_cycle(e->trace, u);
     ric_status status = near ? ric_crossing_choice(g->model, node, near, choice) : ric_fail(RIC_E_NOMEM, "no memory for a junction");
     ric_cycle_free(near);
     return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
+}
+
+/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its mirror image. */
+static bool passes_image(const ric_model *m, const ric_cycle *cycle, int test)
+{
+    ric_cycle *found = !m->symmetric && test == RIC_TEST_DET ? ric_cycle_copy(cycle) : NULL;
+    if (found) ric_cycle_find_symmetries(m, found, 1e-5);
+    bool more = found && ((found->half && !cycle->half) || (found->flip >= 0 && cycle->flip < 0));
+    ric_cycle_free(found);
+    return more;
 }
 
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
@@ -336,10 +347,10 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (event->s < AT_END || event->s > length - AT_END) return RIC_OK;
     ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    bool multiplies = breaks_or_crosses(event->test) && ric_cycle_repeats(g->model, cycle, 1e-5);
+    bool aside = breaks_or_crosses(event->test) && (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
     const ric_asked *asked = ric_trace_asked(e->trace, event->test);
     const ric_resonance *resonance = ric_trace_resonance(e->trace, event->test);
-    ric_solve solve = multiplies  ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
+    ric_solve solve = aside       ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
                       : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
                       : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
                                   : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
@@ -356,7 +367,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
     unsigned choice;
-    if ((status = passing_choice(g, e, event, g->nodes[index], multiplies, &choice))) return status;
+    if ((status = passing_choice(g, e, event, g->nodes[index], aside, &choice))) return status;
     mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
     return ric_edge_attach(e, index, choice, event->s);
 }

@@ -77,6 +77,7 @@ static ric_node *node_create(const ric_model *m, ric_kind kind, ric_cycle *cycle
     }
     node->kind = kind;
     node->cycle = cycle;
+    node->mirrors = m->symmetric;
     node->test = -1;
     node->multiple = 1;
     node->mode = -1;
@@ -602,6 +603,15 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
     return p;
 }
 
+/* On an S orbit with mirror points, at a multiplication of order 2 q, the families that keep points of rest or impact are images of each other
+ * in half a period and x -> -x; a whole number of periods, which is all that a structure without this symmetry has, takes each to itself.
+ * For even q they are two curves, for odd q the halves of one. */
+static bool has_image(const ric_node *node)
+{
+    const ric_cycle *c = node->cycle;
+    return !node->mirrors && c->half && c->pure >= 0 && node->rotation[0] % 2;
+}
+
 ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, int p, int q, ric_node **out)
 {
     criterion what = {.test = TEST_ROTATION, .rotation = {p, q}, .choice = UNDECIDED};
@@ -611,7 +621,7 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
     ric_cycle *solved = resolve(m, cycle, what);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
     ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
-    if (!node || !add_departures(node, 3)) {
+    if (!node || !add_departures(node, 4)) {
         ric_node_free(node);
         return no_memory();
     }
@@ -624,7 +634,7 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
         ric_problem_multiplying(solved, p, q, problems);
         node->departures[1].choice = RIC_SIDE + (unsigned)(count == 2 ? singular_problem(m, solved, problems) : 0);
         node->n_departure = 2;
-    } else if (ric_problem_passes(solved, p, q)) node->n_departure = 2;
+    } else node->n_departure = ric_problem_passes(solved, p, q) ? 2 : has_image(node) && q % 2 == 0 ? 4 : 3;
     *out = node;
     return RIC_OK;
 }
@@ -719,6 +729,7 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cy
     int r = !home ? -1 : home->pure >= 0 ? home->pure : home->flip, other_r = other.pure >= 0 ? other.pure : other.flip;
     bool reversal = home && (home->flip >= 0) == (other.flip >= 0);
     if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0)) result = RIC_OTHER_SIDE;
+    if (home && result == RIC_SIDE && node->n_departure > 3 && (r - node->cycle->pure) / node->cycle->N % 2) result = RIC_IMAGE_SIDE;
     ric_cycle_free(repeated);
     ric_cycle_free(home);
     return result;
@@ -759,14 +770,25 @@ ric_problem ric_node_problem(const ric_node *node, unsigned choice)
     ric_problem problems[2] = {{.copies = 1, .half = c->half, .pure = c->pure, .flip = c->flip}};
     if (node->kind == RIC_KIND_MULTIPLICATION) {
         ric_problem_multiplying(c, node->rotation[0], node->rotation[1], problems);
-        return problems[choice - RIC_SIDE];
+        if (choice == RIC_IMAGE_SIDE) problems[0].pure = (c->pure + c->N) % (c->N * node->multiple);
+        return problems[choice == RIC_OTHER_SIDE];
     }
     return node->test == RIC_TEST_DET ? problems[0] : ric_problem_breaking(c, node->test);
+}
+
+/* Whether the two halves of a side branch are mirror images in x -> -x and nothing else takes one to the other: in a structure that lacks this
+ * symmetry they are different motions, and the branch is one curve through both. */
+static bool splits(const ric_node *node)
+{
+    const ric_cycle *c = node->cycle;
+    return !node->mirrors && (c->half || c->flip >= 0) && (c->pure < 0 || ric_problem_breaking(c, node->test).pure >= 0);
 }
 
 bool ric_node_passes(const ric_node *node, unsigned choice)
 {
     if (!ric_node_leaves(node, choice)) return !ric_node_chooses(node);
-    if (node->kind == RIC_KIND_MULTIPLICATION) return ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]);
-    return node->test == RIC_TEST_DET;
+    if (node->kind == RIC_KIND_MULTIPLICATION)
+        return ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]) ||
+               (choice == RIC_SIDE && has_image(node) && node->multiple % 2);
+    return node->test == RIC_TEST_DET || splits(node);
 }

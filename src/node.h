@@ -13,8 +13,9 @@ typedef enum { RIC_DEPARTURE_OPEN, RIC_DEPARTURE_TAKEN, RIC_DEPARTURE_KNOWN, RIC
 
 /* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the pairs of impacts whose order is exchanged
  * (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves (SIDE; at
- * a multiplication of even order there are two, with other mirror points: SIDE and OTHER_SIDE). */
-enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2 };
+ * a multiplication of even order there are two, with other mirror points: SIDE and OTHER_SIDE; and the image in x -> -x of the first, IMAGE_SIDE,
+ * where the structure lacks that symmetry of the orbit and nothing else takes the one to the other). */
+enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2, RIC_IMAGE_SIDE = 3 };
 typedef struct {
     unsigned choice;
     ric_departure_state state;
@@ -44,6 +45,7 @@ typedef struct {
     int mode;            /* linear mode that grazes here, from 0; -1 */
     int depth;
     bool expanded;       /* its duplicates are listed */
+    bool mirrors;        /* x -> -x takes motions of the structure to motions: images of its ways out are no others */
 } ric_node;
 
 void ric_node_free(ric_node *node);

@@ -33,6 +33,7 @@ typedef struct {
     bool closed; /* a face of the contact is: only that one counts, the other way round */
     int upper, lower; /* faces, -1 if none */
     double gap;       /* > 0 */
+    bool mirrored;    /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the other */
     double D3, D4, tau;
     bool own_start, own_end; /* the flight starts or ends on this contact */
     double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
@@ -255,8 +256,9 @@ static void choose_faces(search *q, int first)
     uint64_t closed = q->chain->closed[q->flight];
     q->contact = face->contact;
     q->gap = fabs(face->gap);
-    q->upper = face->side > 0 ? first : -1;
-    q->lower = face->side < 0 ? first : face->mirror;
+    int other = q->mirrored && face->mirror < 0 ? first : face->mirror;
+    q->upper = face->side > 0 ? first : other;
+    q->lower = face->side < 0 ? first : other;
     q->closed = false;
     for (int f = first; closed && f >= 0 && !q->closed; f = f == first ? face->mirror : -1)
         if (closed >> f & 1) {
@@ -288,9 +290,14 @@ static void search_all(search *q, const double *u)
     }
 }
 
+static bool shows_image(const ric_chain *c)
+{
+    return ric_chain_halves(c) || c->start == RIC_MIRROR_CENTRE;
+}
+
 double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
 {
-    search q = {.chain = chain, .n = chain->n};
+    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain)};
     if (chain->model->smooth) { /* nothing to touch */
         if (where) where->face = -1;
         return 0;
@@ -305,7 +312,7 @@ double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
 
 int ric_reach_all(const ric_chain *chain, const double *u, double threshold, int capacity, ric_touch *touches)
 {
-    search q = {.chain = chain, .n = chain->n, .threshold = threshold, .capacity = capacity, .touches = touches};
+    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain), .threshold = threshold, .capacity = capacity, .touches = touches};
     if (chain->model->smooth) return 0;
     search_all(&q, u);
     return q.count;

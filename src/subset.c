@@ -89,12 +89,18 @@ static unsigned mapped(const ric_node *node, operation o, unsigned choice)
     return out;
 }
 
+/* Whether an operation on the orbit is one on motions of the structure. */
+static bool acts(const ric_node *node, int element)
+{
+    return exists(node->cycle, element) && (node->mirrors || element == 0 || element == 2);
+}
+
 /* Smallest choice equivalent under the symmetries of the node's orbit. */
 static unsigned class_of(const ric_node *node, unsigned choice)
 {
     unsigned best = choice;
     for (int e = 0; e < 4; e++)
-        for (int s = 0; s < node->multiple && exists(node->cycle, e); s++) {
+        for (int s = 0; s < node->multiple && acts(node, e); s++) {
             unsigned other = mapped(node, (operation){e, s}, choice);
             if (other < best) best = other;
         }
@@ -116,7 +122,7 @@ static unsigned char *permutations(const ric_node *node, int *n)
     unsigned char *table = malloc((size_t)4 * node->multiple * (bits ? bits : 1));
     *n = 0;
     for (int e = 0; table && e < 4; e++)
-        for (int s = e == 0; s < node->multiple && exists(node->cycle, e); s++) {
+        for (int s = e == 0; s < node->multiple && acts(node, e); s++) {
             unsigned char *row = table + (size_t)(*n)++ * bits;
             for (int bit = 0; bit < bits; bit++) {
                 unsigned to = mapped(node, (operation){e, s}, 1u << bit);
@@ -166,6 +172,18 @@ bool ric_subset_list(ric_node *node)
 
 /* ------------------------------------------------------------------- orbits */
 
+/* Without its touches of one-sided walls the orbit may be its own mirror image, which with them it is not (theory section 2). */
+static bool frees_mirror(const ric_model *m, const ric_cycle *whole, const bool *keep)
+{
+    bool touched = false;
+    for (int i = 0; i < whole->N; i++) {
+        bool one_sided = m->face[whole->face[i]].mirror < 0;
+        if (one_sided && keep[i]) return false;
+        touched |= one_sided;
+    }
+    return touched;
+}
+
 ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned choice)
 {
     int N = node->cycle->N, all = N * node->multiple, kept = 0, p = node->n_touch;
@@ -185,6 +203,7 @@ ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned c
     whole->pure = pure < 0 ? -1 : (node->cycle->pure + pure * N) % all;
     whole->flip = flip < 0 ? -1 : (node->cycle->flip + flip * N) % all;
     if (kept) out = ric_cycle_keep(m, whole, keep);
+    if (out && frees_mirror(m, whole, keep)) ric_cycle_find_symmetries(m, out, SAME);
     ric_cycle_free(whole);
     return out;
 }

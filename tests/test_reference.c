@@ -335,6 +335,50 @@ static void any_step_length_with_multiplications(void **state)
     }
 }
 
+/* A wall on one side that nothing reaches takes x -> -x from the structure, but not from its motions: the same junctions at the same energies,
+ * and as many symmetric branches. What is not its own image is there twice, or once where the branch passes its image. */
+static void wall_out_of_reach(void **state)
+{
+    (void)state;
+    static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                               "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n%s"
+                               "explore: {start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: %d, multiply: %d, depth: %d}\n";
+    static const int budgets[2][3] = {{24, 1, 4}, {12, 2, 3}};
+    for (int i = 0; i < 2; i++) {
+        ric_atlas *atlas[2];
+        int symmetric[2] = {0}, images = 0;
+        for (int k = 0; k < 2; k++) {
+            char study_text[1024];
+            ric_study *study = NULL;
+            snprintf(study_text, sizeof study_text, text, k ? "    - {normal: [0, 1], clearance: 1000, sides: upper, law: rigid}\n" : "",
+                     budgets[i][0], budgets[i][1], budgets[i][2]);
+            if (ric_study_parse(study_text, "wall", ".", &study)) fail_msg("%s", ric_detail());
+            atlas[k] = explore(study, 0, NULL);
+            ric_study_free(study);
+            for (int id = 1; id <= ric_atlas_n_branch(atlas[k]); id++) {
+                ric_branch b = branch_of(atlas[k], id);
+                symmetric[k] += b.symmetric;
+                if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
+            }
+        }
+        if (symmetric[0] != symmetric[1]) fail_msg("%d symmetric branches, with the wall %d", symmetric[0], symmetric[1]);
+        for (int id = 1; id <= ric_atlas_n_junction(atlas[0]); id++) {
+            ric_junction x = junction_of(atlas[0], id);
+            int found = 0;
+            for (int k = 1; k <= ric_atlas_n_junction(atlas[1]); k++) {
+                ric_junction y = junction_of(atlas[1], k);
+                found += x.kind == y.kind && x.impacts == y.impacts && x.a == y.a && x.b == y.b && x.multiple == y.multiple &&
+                         close_to(x.energy, y.energy, 1e-10) && close_to(x.frequency, y.frequency, 1e-10);
+            }
+            if (found < 1 || found > 2) fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
+            images += found - 1;
+        }
+        assert_true(images > 0);
+        assert_int_equal(ric_atlas_n_junction(atlas[0]) + images, ric_atlas_n_junction(atlas[1]));
+        for (int k = 0; k < 2; k++) ric_atlas_free(atlas[k]);
+    }
+}
+
 static ric_atlas *explore_in_units(double mass, double stiffness, double length, ric_study **study)
 {
     char text[1024];
@@ -421,7 +465,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(junctions_of_the_article), cmocka_unit_test(branches_of_the_article), cmocka_unit_test(any_step_length),
-        cmocka_unit_test(any_step_length_elsewhere), cmocka_unit_test(any_step_length_with_multiplications),
+        cmocka_unit_test(any_step_length_elsewhere), cmocka_unit_test(any_step_length_with_multiplications), cmocka_unit_test(wall_out_of_reach),
         cmocka_unit_test(any_units),                cmocka_unit_test(departures_add_up),
     };
     return cmocka_run_group_tests_name("reference", tests, NULL, NULL);

@@ -1,0 +1,150 @@
+#include "arrival.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "status.h"
+
+/* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
+#define SAME_ORBIT 1e-5
+/* Within which it is worth to look for a better place along the branch: on sharp turns the zero of the determinant is off by that. */
+#define MAY_BE_SAME 1e-3
+/* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
+#define ALONG 0.9
+#define SETTLE_STEPS 3
+#define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
+
+/* Unknowns of a cycle in the convention of ric_cycle_to_chain (a chain may start at either of its mirror points); allocated. */
+static double *unknowns(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL;
+    if (cycle && ric_cycle_to_chain(m, cycle, &chain, &u)) u = NULL;
+    ric_chain_free(chain);
+    return u;
+}
+
+/* Whether the image lies on the branch on the other side of `here`. The operation is no isometry of the unknowns: lengths may differ. */
+static bool opposite(int size, const double *here, const double *near, const double *image)
+{
+    double product = 0, a = 0, b = 0;
+    for (int i = 0; i < size; i++) {
+        double d = near[i] - here[i], e = image[i] - here[i];
+        product += d * e;
+        a += d * d;
+        b += e * e;
+    }
+    return product < -ALONG * sqrt(a * b);
+}
+
+/* How far towards `near`, as a part of the way, the middle between `here` and its image lies. */
+static double middle(int size, const double *here, const double *near, const double *image)
+{
+    double product = 0, square = 0;
+    for (int i = 0; i < size; i++) {
+        product += (image[i] - here[i]) * (near[i] - here[i]);
+        square += (near[i] - here[i]) * (near[i] - here[i]);
+    }
+    return product / (2 * square);
+}
+
+/* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x -> -x, 3 both, each with a shift; 0 shifts only)
+ * keeps the orbit there and turns the branch round. Where one all but does, *aside is how far towards `beside` the middle between the orbit and
+ * its image lies; else 0. */
+static bool turned_round(const ric_trace *tr, const double *at, const double *beside, int from, int to, double *aside)
+{
+    ric_chain *c = tr->chain;
+    const ric_model *m = c->model;
+    bool found = false;
+    *aside = 0;
+    ric_cycle *here = ric_trace_cycle(tr, at), *near = ric_trace_cycle(tr, beside);
+    double *u = unknowns(m, here), *v = unknowns(m, near);
+    for (int op = from; u && v && !found && op <= to; op++)
+        for (int s = 0; s < here->N && !found; s++) {
+            if (op == 0 && s == 0) continue;
+            ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
+            double distance = image && image->pure == here->pure && image->flip == here->flip ? ric_cycle_distance(here, image) : HUGE_VAL;
+            double *same = distance < MAY_BE_SAME ? unknowns(m, image) : NULL;
+            ric_cycle_free(image);
+            if (!same) continue;
+            image = ric_cycle_transform(m, near, s, op & 1, op & 2);
+            double *w = unknowns(m, image);
+            bool turned = w && opposite(c->n_unknown, u, v, w);
+            found = turned && distance < SAME_ORBIT;
+            if (turned && !found) *aside = middle(c->n_unknown, u, v, same);
+            free(w);
+            free(same);
+            ric_cycle_free(image);
+        }
+    free(u);
+    free(v);
+    ric_cycle_free(here);
+    ric_cycle_free(near);
+    return found;
+}
+
+bool ric_arrival_meets(const ric_trace *tr, const double *at, const double *beside, double *aside)
+{
+    return turned_round(tr, at, beside, 0, tr->chain->model->symmetric ? 3 : 1, aside);
+}
+
+bool ric_arrival_passes(const ric_trace *tr, const double *at, const double *beside)
+{
+    if (tr->chain->model->symmetric) return false;
+    ric_cycle *cycle = ric_trace_cycle(tr, at);
+    double aside;
+    bool mirrors = cycle && ric_cycle_mirrors(tr->chain->model, cycle);
+    ric_cycle_free(cycle);
+    return mirrors && turned_round(tr, at, beside, 2, 3, &aside);
+}
+
+bool ric_arrival_repeats(const ric_trace *tr, const double *at)
+{
+    ric_cycle *cycle = ric_trace_cycle(tr, at);
+    bool result = cycle && ric_cycle_repeats(tr->chain->model, cycle, SAME_ORBIT);
+    ric_cycle_free(cycle);
+    return result;
+}
+
+/* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to drop is known. */
+static double cut(const ric_chain *c, int rows, int columns, const double *J, double *work, double *right)
+{
+    int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
+    double values[rows];
+    if (!c->model->smooth || rows <= dropped) return SINGULAR;
+    memcpy(work, J, (size_t)rows * columns * sizeof *J);
+    memset(right, 0, (size_t)columns * sizeof *right);
+    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank))) return SINGULAR;
+    return fmin(1.5 * values[rows - dropped], sqrt(values[rows - dropped] * values[rows - dropped - 1])) / values[0];
+}
+
+/* Newton's method with the shortest correction, without the directions that singular values below SINGULAR leave undetermined. */
+ric_status ric_arrival_settle(ric_chain *c, double *u)
+{
+    ric_status status = RIC_OK;
+    int columns = c->n_unknown, capacity = c->n_flight + 2 * c->n + 2, m = capacity > columns ? capacity : columns, rank;
+    double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
+    double *work = calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
+    if (!J || !r || !work) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+        goto out;
+    }
+    memcpy(v, u, (size_t)columns * sizeof *u);
+    for (int i = 0; i < SETTLE_STEPS; i++) {
+        int rows = ric_chain_jacobian(c, v, J);
+        double least = rows ? cut(c, rows, columns, J, work, right) : SINGULAR;
+        ric_chain_residuals(c, v, r);
+        if (!rows || ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank))) goto out;
+        for (int j = 0; j < columns; j++) v[j] -= r[j];
+    }
+    ric_chain_fly(c, v);
+    for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
+    if (c->residual <= ric_trace_tolerance(c) && moved <= SAME_ORBIT * c->scale) memcpy(u, v, (size_t)columns * sizeof *u);
+out:
+    free(J);
+    free(r);
+    free(work);
+    return status;
+}
