@@ -85,8 +85,8 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
         double C = ((f2 - f1) / x2 - (f0 - f1) / x0) / (x2 - x0), B = (f2 - f1) / x2 - C * x2, vertex = -B / (2 * C);
         if (!(vertex > 0 && vertex < x2)) continue;
         double bottom = f1 + B * vertex / 2, end = fmin(fabs(f1), fabs(f2));
-        /* towards zero, and the cubic term could make up for what is left */
-        if (bottom * f1 < 0.4 * end * fabs(f1) && fabs(bottom) < fabs(f1)) return true;
+        /* towards zero, and the cubic term could make up for what is left; what falls by orders beside a grazing dips far below, and means nothing */
+        if (bottom * f1 < 0.4 * end * fabs(f1) && (fabs(bottom) < fabs(f1) || !(singular & 1u << i))) return true;
     }
     return false;
 }

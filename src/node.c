@@ -318,7 +318,9 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion 
     }
     /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
     int shift;
-    bool reverse, mirror, near = ric_cycle_match(m, cycle, out, FAR, &shift, &reverse, &mirror);
+    /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
+    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
+    bool reverse, mirror, near = ric_cycle_match(m, cycle, out, far, &shift, &reverse, &mirror);
     canonical = near ? ric_cycle_canonical(m, out) : NULL;
     ric_cycle_free(out);
     return canonical;

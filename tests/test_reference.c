@@ -290,15 +290,15 @@ static void any_step_length(void **state)
 static void any_step_length_elsewhere(void **state)
 {
     (void)state;
-    static const char *const others[] = {"symmetric-path", "three-masses", "loose-mass"};
-    static const double steps[] = {0.01, 0.026, 0.07, 0.3, 1};
-    for (int i = 0; i < 3; i++) {
+    static const char *const others[] = {"symmetric-path", "three-masses", "loose-mass", "two-walls"};
+    static const double steps[] = {0.01, 0.01274, 0.026, 0.0336, 0.07, 0.0886, 0.3, 1};
+    for (int i = 0; i < (int)(sizeof others / sizeof *others); i++) {
         char path[512], what[64];
         ric_study *study = NULL;
         snprintf(path, sizeof path, "examples/%s/study.yaml", others[i]);
         if (ric_study_read(path, &study)) fail_msg("%s", ric_detail());
         ric_atlas *usual = explore(study, 0, NULL);
-        for (int k = 0; k < 5; k++) {
+        for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
             snprintf(what, sizeof what, "%s, step %.4g", others[i], steps[k]);
             ric_atlas *atlas = explore(study, steps[k], NULL);
             check_same_atlas(usual, atlas, 1, what);
