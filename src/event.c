@@ -126,10 +126,16 @@ static double value_of(const ric_trace *tr, int test, const ric_station *p)
     return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
 }
 
+/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots that change their places, what is smooth. */
+static double height(int test, const ric_station *p, double value)
+{
+    return test < RIC_N_TEST && singular & 1u << test ? fabs(p->factor[test == RIC_TEST_A ? 0 : test == RIC_TEST_B ? 1 : 2]) : fabs(value);
+}
+
 /* Brent's method on the distance from `now`; the result is left in tr->mid. *zero: a true zero was found. */
 static ric_status locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h, double *where, bool *zero)
 {
-    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), c = a, fc = fa, d = b - a, e = d;
+    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a, e = d;
     ric_status status;
     bool good = false;
     *zero = false;
@@ -169,10 +175,12 @@ static ric_status locate(ric_trace *tr, int test, double xa, double fa, double x
         if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
         if (!good) return RIC_OK;
         fb = value_of(tr, test, &tr->mid);
+        top = fmax(top, height(test, &tr->mid, fb));
     }
     if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
     *where = b;
-    *zero = good && fabs(value_of(tr, test, &tr->mid)) <= (test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE) * size;
+    double least = value_of(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
+    *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
     return RIC_OK;
 }
 

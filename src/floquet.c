@@ -256,6 +256,18 @@ static void blocks(const ric_chain *c, const double *P, double *a, double *b, do
         }
 }
 
+/* Hadamard's bound of the determinants of two blocks side by side: no pivot, which may change its place, but the lengths of their common rows. */
+static double bound(int k, const double *left, const double *right)
+{
+    double product = 1;
+    for (int r = 0; r < k; r++) {
+        double sum = 0;
+        for (int j = 0; j < k; j++) sum += left[r * k + j] * left[r * k + j] + right[r * k + j] * right[r * k + j];
+        product *= sqrt(sum);
+    }
+    return product;
+}
+
 /* n = 2: everything from the products b c and a d (scaled by 2^(-2 exponent), `error` likewise), without cancellation near rho = +-2. */
 static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent, double error)
 {
@@ -318,6 +330,8 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     f->det_a = determinant(k, k, a, tmp, rounding, &f->error_a);
     f->det_b = determinant(k, k, b, tmp, rounding, &f->error_b);
     f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
+    f->size_a = f->size_b = bound(k, a, b);
+    f->size_d = bound(k, cc, d);
     double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
@@ -429,16 +443,25 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     double error = ROUNDING * DBL_EPSILON * roundings(c) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
     f->error_a = f->error_b = f->error_d = 0;
+    f->size_a = f->size_b = f->size_d = 1;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
     memcpy(A, P, (size_t)ld * ld * sizeof *A);
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
     f->det_a = 1;
-    if (c->sigma < 0 && k > 1) f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * roundings(c) * size, &f->error_a);
+    if (c->sigma < 0 && k > 1) {
+        f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * roundings(c) * size, &f->error_a);
+        for (int i = 0; i < ld; i++) {
+            double sum = 1;
+            for (int j = 0; j < ld; j++) sum += P[i * ld + j] * P[i * ld + j];
+            f->size_a *= sqrt(sum);
+        }
+    }
     if (k == 1) {
         /* det(1 + P) = 2 + trace P, without the cancellation */
         if (c->sigma < 0) {
             f->det_a = ldexp(2, -exponent) + trace;
             f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
+            f->size_a = ldexp(2, -exponent) + size;
         }
         judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
         return RIC_OK;

@@ -20,6 +20,7 @@ typedef struct {
      * which for a quarter chain, and for sigma = -1 (det_a), breaks z(t+T/2) = -z(t). */
     double det_a, det_b, det_d;
     double error_a, error_b, error_d; /* rounding in them */
+    double size_a, size_b, size_d;    /* what they are at most: smooth along a branch, so that their quotients are, too */
     double *work;
     size_t n_work;
 } ric_floquet;

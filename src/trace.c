@@ -189,10 +189,12 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
     double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest, move = rounding(c) * c->scale * (1 + 1 / c->smallest);
     const ric_floquet *f = &tr->floquet;
     double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0}, size_of[3];
+    const double most[3] = {f->size_a, f->size_b, f->size_d};
     bool open = false;
     for (int i = 0; i < 3; i++) {
         bool expected = value[i] * tr->definite[RIC_TEST_A + i] > 0 && p != &tr->mid;
         size_of[i] = error[i] > 0 ? error[i] / DBL_EPSILON : 1;
+        p->factor[i] = value[i] / most[i];
         p->test[RIC_TEST_A + i] = (expected ? value[i] : definite(value[i], error[i] * blur)) / size_of[i];
         open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
     }
