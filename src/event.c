@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "arrival.h"
+#include "crossing.h"
 #include "motion.h"
 #include "status.h"
 
@@ -25,6 +26,8 @@
 #define CROSSING 1e-3
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
 #define APPROACHES 4
+/* What may keep two branches apart (ric_crossing_gap) that cross: rounding. */
+#define CROSSED 1e-11
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
@@ -68,7 +71,7 @@ static bool turns_at_resonance(const ric_trace *tr, double f0, double f1, double
 static double crossing_ahead(const ric_trace *tr, double h)
 {
     double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], x = h * fa / (fa - fb);
-    return watched(tr, RIC_TEST_DET) && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
+    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
 }
 
 bool ric_event_suspicious(const ric_trace *tr, double h)
@@ -548,7 +551,7 @@ static bool meets_corner(const ric_trace *tr, const crossing *q, double h, doubl
 
 /* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch ends there, at *end:
  * DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
-static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
+static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, bool *retry)
 {
     crossing q;
     root roots[RIC_N_TEST + tr->n_resonance];
@@ -556,6 +559,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     int first = tr->n_event;
     ric_status status = crossing_create(tr, h, &q);
     *end_test = -1;
+    if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
     if (status) return status;
     double at = crossing_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
@@ -572,6 +576,12 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end)
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
     bool repeated = ric_arrival_repeats(tr, tr->mid.u);
+    /* two branches that only come close: the step has changed from one to the other */
+    if (!arrived && !repeated && !(ric_crossing_gap(tr->chain, tr->mid.u) < CROSSED)) {
+        free(q.u);
+        *retry = tr->avoided = true;
+        return RIC_OK;
+    }
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the determinant: that
      * zero belongs to the one junction, and beyond it the other sign is the one to expect. A family of order 3 passes on a slope; its
      * extremum lies aside and is a junction of its own. */
@@ -687,7 +697,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     if (status || *retry) return status;
     if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;
     int read = -1; /* the end, read off cubics */
-    if (crossed) status = cross(tr, h, &read, &end);
+    if (crossed) status = cross(tr, h, &read, &end, retry);
     else status = inner_events(tr, h, test >= 0, end, limit, late_at(tr, test), retry);
     if (status || *retry) return status;
     if (test < 0 && !closed && read < 0) return RIC_OK;

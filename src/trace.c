@@ -511,6 +511,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
                         tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
     tr->ignore = 0;
     tr->approaches = 0;
+    if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
     swap_stations(tr);
     return ric_trace_keep(tr, &tr->now);
 }

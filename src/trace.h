@@ -77,6 +77,7 @@ typedef struct {
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
     double longest;      /* step that still keeps before an orbit of fewer periods that lies ahead */
     int approaches;      /* attempts to place this step over a crossing */
+    bool avoided;        /* another branch comes near ahead, and does not cross: the zero that the bordered determinant heads for is none */
     unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
     double *du, *guess, *start_u, *start_t;
     /* what was found */

@@ -1,6 +1,7 @@
 /* Branch points where two branches of one symmetry cross: both are found, and which is which does not depend on where one comes from.
  * A structure that is its own image under the exchange of left and right, of which the program knows nothing, has many: one branch is
- * its own image, the other one breaks the symmetry. */
+ * its own image, the other one breaks the symmetry. With one mass a little larger the branches do not cross, they pass each other, and no
+ * step may lead from one to the other. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,11 +14,11 @@
 
 #include "crossing.h"
 #include "depart.h"
-#include "graph.h"
+#include "explored.h"
 
 /* Two equal masses on equal springs, joined by a third; each has a wall on its outer side. */
 static const char study_text[] =
-    "model:\n  mass: [[MASS, 0], [0, MASS]]\n  stiffness: [[STIFF, -JOIN], [-JOIN, STIFF]]\n  contacts:\n"
+    "model:\n  mass: [[HEAVY, 0], [0, MASS]]\n  stiffness: [[STIFF, -JOIN], [-JOIN, STIFF]]\n  contacts:\n"
     "    - {normal: [1, 0], clearance: 1, sides: upper, law: rigid}\n    - {normal: [0, -1], clearance: 1, sides: upper, law: rigid}\n"
     "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n";
 
@@ -96,28 +97,42 @@ static bool check_node(const ric_graph *g, const ric_node *node)
     return true;
 }
 
+static const double numbers[][3] = {{1.641, 4.983, 3.79}, {0.586, 5.021, 3.802}, {1.862, 5.238, 3.244}, {1.648, 5.866, 2.957}};
+
+/* Structure i, with the left mass 1 + more times the right one. */
+static void write_study(int i, double more, char *out)
+{
+    static const char *const names[] = {"HEAVY", "MASS", "STIFF", "JOIN"};
+    double values[] = {numbers[i][0] * (1 + more), numbers[i][0], numbers[i][1], numbers[i][2]};
+    for (const char *p = study_text; *p;) {
+        int k = 0;
+        while (k < 4 && strncmp(p, names[k], strlen(names[k]))) k++;
+        if (k == 4) *out++ = *p++;
+        else {
+            out += sprintf(out, "%.17g", values[k]);
+            p += strlen(names[k]);
+        }
+    }
+    *out = 0;
+}
+
+static ric_graph *explore(int i, double more, ric_study **study)
+{
+    char text[2048];
+    ric_graph *g = NULL;
+    write_study(i, more, text);
+    if (ric_study_parse(text, "left and right", ".", study)) fail_msg("%s", ric_detail());
+    if (ric_graph_create(*study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    return g;
+}
+
 static void left_and_right(void **state)
 {
     (void)state;
-    static const char *const numbers[][3] = {{"1.641", "4.983", "3.79"}, {"0.586", "5.021", "3.802"}, {"1.862", "5.238", "3.244"}, {"1.648", "5.866", "2.957"}};
     int checked = 0;
     for (int i = 0; i < (int)(sizeof numbers / sizeof *numbers); i++) {
-        char text[2048] = "", *out = text;
-        for (const char *p = study_text; *p;) {
-            static const char *const names[] = {"MASS", "STIFF", "JOIN"};
-            int k = 0;
-            while (k < 3 && strncmp(p, names[k], strlen(names[k]))) k++;
-            if (k == 3) *out++ = *p++;
-            else {
-                out += sprintf(out, "%s", numbers[i][k]);
-                p += strlen(names[k]);
-            }
-        }
-        *out = 0;
         ric_study *study = NULL;
-        ric_graph *g = NULL;
-        if (ric_study_parse(text, "left and right", ".", &study)) fail_msg("%s", ric_detail());
-        if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+        ric_graph *g = explore(i, 0, &study);
         for (int k = 0; k < g->n_node; k++)
             if (g->nodes[k]->kind == RIC_KIND_BRANCH_POINT && g->nodes[k]->test == RIC_TEST_DET) checked += check_node(g, g->nodes[k]);
         ric_graph_free(g);
@@ -126,8 +141,80 @@ static void left_and_right(void **state)
     if (checked < 5) fail_msg("%d crossings only", checked);
 }
 
+/* The orbit at a crossing, carried over to another structure of the same words. */
+static double gap_in(const ric_model *m, const ric_cycle *cycle, const ric_model *other)
+{
+    double x[2], v[2], *u = NULL;
+    ric_chain *chain = NULL;
+    ric_cycle *moved = ric_cycle_copy(cycle);
+    ric_model_to_state(m, cycle->w, x, v);
+    ric_model_from_state(other, x, v, moved->w);
+    for (int i = 0; i < moved->N; i++) moved->tau[i] *= other->omega_ref / m->omega_ref;
+    assert_int_equal(ric_cycle_to_chain(other, moved, &chain, &u), RIC_OK);
+    ric_chain_evaluate(chain, u);
+    double gap = ric_crossing_gap(chain, u);
+    ric_chain_free(chain);
+    ric_cycle_free(moved);
+    free(u);
+    return gap;
+}
+
+/* Nothing keeps branches apart that cross; with masses that differ it is proportional to the difference. */
+static void gaps(void **state)
+{
+    (void)state;
+    int checked = 0;
+    for (int i = 0; i < (int)(sizeof numbers / sizeof *numbers); i++) {
+        ric_study *study[3] = {NULL};
+        ric_graph *g = explore(i, 0, &study[0]);
+        const ric_model *m[3] = {g->model};
+        for (int k = 1; k < 3; k++) {
+            char text[2048];
+            write_study(i, k == 1 ? 1e-5 : 1e-6, text);
+            if (ric_study_parse(text, "left and right", ".", &study[k])) fail_msg("%s", ric_detail());
+            m[k] = ric_study_model(study[k]);
+        }
+        for (int k = 0; k < g->n_node; k++) {
+            const ric_node *node = g->nodes[k];
+            if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET || !own_image(m[0], node->cycle)) continue;
+            double none = gap_in(m[0], node->cycle, m[0]), first = gap_in(m[0], node->cycle, m[1]), second = gap_in(m[0], node->cycle, m[2]);
+            if (!(none < 1e-13)) fail_msg("%g between two branches that cross at E %.9g", none, node->energy);
+            if (!(first > 1e-8 && fabs(first / second / 10 - 1) < 0.01)) fail_msg("%g and %g at E %.9g", first, second, node->energy);
+            checked++;
+        }
+        ric_graph_free(g);
+        for (int k = 0; k < 3; k++) ric_study_free(study[k]);
+    }
+    if (checked < 5) fail_msg("%d crossings only", checked);
+}
+
+/* Whatever the step, no trace changes from one branch to another that comes near. */
+static void nearly_left_and_right(void **state)
+{
+    (void)state;
+    static const double more[] = {1e-6, 1e-7, 1e-8}, steps[] = {0.01, 0.1, 1};
+    for (int i = 0; i < (int)(sizeof more / sizeof *more); i++) {
+        char text[2048];
+        write_study(0, more[i], text);
+        ric_atlas *atlas[3];
+        for (int k = 0; k < 3; k++) {
+            atlas[k] = explore_text_with(text, NULL, steps[k]);
+            for (int id = 1; id <= ric_atlas_n_branch(atlas[k]); id++) assert_true(branch_of(atlas[k], id).stop != RIC_STOP_FAILED);
+            if (ric_atlas_n_branch(atlas[0]) != ric_atlas_n_branch(atlas[k]) || ric_atlas_n_junction(atlas[0]) != ric_atlas_n_junction(atlas[k]))
+                fail_msg("%g: %d branches and %d junctions with step %g, not %d and %d", more[i], ric_atlas_n_branch(atlas[k]),
+                         ric_atlas_n_junction(atlas[k]), steps[k], ric_atlas_n_branch(atlas[0]), ric_atlas_n_junction(atlas[0]));
+            for (int id = 1; id <= ric_atlas_n_junction(atlas[k]); id++) {
+                ric_junction a = junction_of(atlas[0], id), b = junction_of(atlas[k], id);
+                if (a.kind != b.kind || fabs(a.energy - b.energy) > 1e-9 * a.energy || a.n_branch != b.n_branch)
+                    fail_msg("%g: %s at E %.12g becomes %s at E %.12g with step %g", more[i], a.label, a.energy, b.label, b.energy, steps[k]);
+            }
+        }
+        for (int k = 0; k < 3; k++) ric_atlas_free(atlas[k]);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right), cmocka_unit_test(gaps), cmocka_unit_test(nearly_left_and_right)};
     return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
 }
