@@ -5,6 +5,11 @@
 
 #include "problem.h"
 
+#define TWO_PI 6.283185307179586477
+/* Modal normal, relative to the whole normal, of a mode whose resonances have to be looked for: they are as wide as its square root, in
+ * radians of its phase over a period. Above, the angle between successive tangents shows them. */
+#define FAINT 0.1
+
 static int common_divisor(int a, int b)
 {
     while (b) {
@@ -43,6 +48,25 @@ int ric_resonance_below(const ric_resonance *list, int n, double rho)
         else high = middle;
     }
     return low;
+}
+
+static bool faint(const ric_model *m, int mode)
+{
+    for (int f = 0; f < m->n_face; f++)
+        if (fabs(m->face[f].c[mode]) > FAINT * sqrt(m->face[f].cc)) return false;
+    return m->omega[mode] > 0;
+}
+
+int ric_resonance_faint(const ric_model *m, int largest, double shorter, double longer)
+{
+    int count = 0;
+    for (int k = 0; k < m->n; k++) {
+        double a = m->omega[k] * shorter / TWO_PI, b = m->omega[k] * longer / TWO_PI;
+        if (!faint(m, k)) continue;
+        for (int q = 1; q == 1 || q <= largest; q++)
+            for (double p = floor(a * q) + 1; p < b * q && count < 2; p++) count += common_divisor(q, (int)fmod(p, q)) == 1;
+    }
+    return count;
 }
 
 double ric_resonance_test(const double *rho, int n_pair, double value)

@@ -20,6 +20,8 @@
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define MEASURED 4           /* safety of a measured error */
+#define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
+#define PERIODS 8            /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define ON_OTHER 1e-9        /* of the size: an orbit this near to one with more symmetry is that one */
 #define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
@@ -399,6 +401,26 @@ static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, in
     return true;
 }
 
+/* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their sign twice do not show
+ * it. The period between the two points is that of the cubic through both. */
+static bool crowded(const ric_trace *tr, double h)
+{
+    const ric_chain *c = tr->chain;
+    const ric_station *a = &tr->now, *b = &tr->next;
+    double T[2] = {ric_chain_time(c, a->u), ric_chain_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0, H = b->s - a->s;
+    if (tr->limits->ghost || h < ALIKE * c->scale) return false;
+    for (int k = c->n_start; k < c->n_unknown; k++) {
+        slope[0] += c->multiple * a->t[k];
+        slope[1] += c->multiple * b->t[k];
+    }
+    for (int i = 0; i <= PERIODS; i++) {
+        double x = (double)i / PERIODS, y = x * x * (3 - 2 * x), t = T[0] + (T[1] - T[0]) * y + H * x * (1 - x) * (slope[0] * (1 - x) - slope[1] * x);
+        low = fmin(low, t);
+        high = fmax(high, t);
+    }
+    return ric_resonance_faint(c->model, tr->limits->multiply, low, high) > 1;
+}
+
 static void adapt(ric_trace *tr, double h, double angle, int iterations)
 {
     double factor = angle > 1e-12 ? STEP_ANGLE / angle : 2;
@@ -479,7 +501,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         tr->evaluations += iterations + 1;
         bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
         good = good && !symmetric_after_all(tr->chain);
-        if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT) {
+        if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT && !crowded(tr, h)) {
             if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;

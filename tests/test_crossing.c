@@ -16,6 +16,8 @@
 #include "depart.h"
 #include "explored.h"
 
+static const double PI = 3.14159265358979323846;
+
 /* Two equal masses on equal springs, joined by a third; each has a wall on its outer side. */
 static const char study_text[] =
     "model:\n  mass: [[HEAVY, 0], [0, MASS]]\n  stiffness: [[STIFF, -JOIN], [-JOIN, STIFF]]\n  contacts:\n"
@@ -213,8 +215,106 @@ static void nearly_left_and_right(void **state)
     }
 }
 
+/* ------------------------------------------------------------- faint modes */
+
+/* Energy of S2[01] (theory section 11), internal units. */
+static double s2_energy(const ric_model *m, double omega)
+{
+    double up = 0, down = 0, quarter = PI / (2 * omega);
+    for (int i = 0; i < m->n; i++) {
+        up += pow(m->c[i] / cos(m->omega[i] * quarter), 2);
+        down += m->c[i] * m->c[i] * tan(m->omega[i] * quarter) / m->omega[i];
+    }
+    return up / (2 * down * down);
+}
+
+/* The first frequency above that of a mode of which a mode is an odd multiple. */
+static double resonance_above(const ric_model *m, int mode)
+{
+    double first = HUGE_VAL;
+    for (int i = 0; i < m->n; i++)
+        for (double odd = 1; m->omega[i] / odd > m->omega[mode]; odd += 2)
+            if (m->omega[i] / (odd + 2) <= m->omega[mode]) first = fmin(first, m->omega[i] / odd);
+    return first;
+}
+
+/* S2[01] of the second mode of a beam turns at the first resonance of a mode with a modal normal of 3.5e-5, within 1e-7 of its frequency: its energy
+ * rises there to 5e13. With longer steps the branch seems to go on through it and through others. */
+static void faint_modes(void **state)
+{
+    (void)state;
+    static const char text[] = "model:\n  mass: {file: examples/beam-lumped/M.mtx}\n  stiffness: {file: examples/beam-lumped/K.mtx}\n  contacts:\n"
+                               "    - {normal: [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1], clearance: 1, sides: both, law: rigid}\n"
+                               "explore: {start: [2], energy: [0, 100], frequency: [0.2, 20], impacts: 2, multiply: 1, depth: 1}\n";
+    static const double steps[] = {0.01, 0.0207, 0.0886, 0.3, 1};
+    ric_study *study = NULL;
+    if (ric_study_parse(text, "beam", ".", &study)) fail_msg("%s", ric_detail());
+    const ric_model *m = ric_study_model(study);
+    double end = resonance_above(m, 1), l = m->omega[1] + 0.1 * (end - m->omega[1]), r = end * (1 - 1e-9), ratio = 0.6180339887498949;
+    for (int i = 0; i < 100; i++) {
+        double x = r - ratio * (r - l), y = l + ratio * (r - l);
+        if (s2_energy(m, x) > s2_energy(m, y)) l = x;
+        else r = y;
+    }
+    double least = s2_energy(m, l) * m->energy_unit;
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 + 1e-9)), 2 * PI / (end * (1 - 1e-9))), 1);
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 - 1e-9)), 2 * PI / (end * (1 - 2e-9))), 0);
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * 1.1), 2 * PI / end), 2);
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / m->omega[0] * (1 - 1e-9), 2 * PI / m->omega[0] * (1 + 1e-9)), 0); /* one that is not faint */
+    for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
+        ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
+        int extrema = 0;
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            ric_branch b = branch_of(atlas, id);
+            if (b.impacts == 0) continue;
+            if (b.stop != RIC_STOP_WINDOW || fabs(b.frequency_max - end * m->omega_ref) > 1e-7 * b.frequency_max)
+                fail_msg("step %g: the branch goes to omega %.12g, not %.12g", steps[k], b.frequency_max, end * m->omega_ref);
+        }
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            ric_junction j = junction_of(atlas, id);
+            if (j.kind == RIC_KIND_GRAZING) continue;
+            if (j.kind != RIC_KIND_EXTREMUM || fabs(j.energy - least) > 1e-11 * least)
+                fail_msg("step %g: %s at E %.14g, not %.14g", steps[k], j.label, j.energy, least);
+            extrema++;
+        }
+        assert_int_equal(extrema, 1);
+        ric_atlas_free(atlas);
+    }
+    ric_study_free(study);
+}
+
+/* Four faint modes whose resonances lie within one step, and change the sign of each factor of the map four times: every one is a branch point. */
+static void faint_modes_together(void **state)
+{
+    (void)state;
+    static const double steps[] = {0.01, 0.03, 0.1, 0.3, 1}, at[] = {1.02, 1.0204, 1.0208, 1.0212}; /* 40 times that is a frequency */
+    char text[2048], mass[512] = "", stiffness[512] = "";
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) {
+            double k = i != j ? 0 : i == 0 ? 1 : i == 1 ? 4.6 : pow(40 * at[i - 2], 2);
+            sprintf(mass + strlen(mass), "%s%d%s", j ? ", " : "[", i == j, j < 5 ? "" : i < 5 ? "], " : "]");
+            sprintf(stiffness + strlen(stiffness), "%s%.17g%s", j ? ", " : "[", k, j < 5 ? "" : i < 5 ? "], " : "]");
+        }
+    snprintf(text, sizeof text, "model:\n  mass: [%s]\n  stiffness: [%s]\n  contacts:\n"
+             "    - {normal: [1, 0.7, 0.003, 0.003, 0.003, 0.003], clearance: 1, sides: both, law: rigid}\n"
+             "explore: {start: [1], energy: [0, 50], frequency: [0.2, 20], impacts: 2, multiply: 1, depth: 1}\n", mass, stiffness);
+    for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
+        ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            ric_junction j = junction_of(atlas, id);
+            if (j.kind != RIC_KIND_BRANCH_POINT) continue;
+            if (found == 4 || fabs(j.frequency - at[found]) > 1e-8) fail_msg("step %g: %s at omega %.12g", steps[k], j.label, j.frequency);
+            found++;
+        }
+        if (found != 4) fail_msg("step %g: %d branch points", steps[k], found);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right), cmocka_unit_test(gaps), cmocka_unit_test(nearly_left_and_right)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right), cmocka_unit_test(gaps), cmocka_unit_test(nearly_left_and_right),
+                                       cmocka_unit_test(faint_modes), cmocka_unit_test(faint_modes_together)};
     return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
 }
