@@ -69,7 +69,7 @@ static ric_cycle *get_cycle(const ric_model *m, source *s)
 }
 
 typedef struct {
-    int32_t kind, n_touch, touch[RIC_MAX_TOUCHES], test, multiple, rotation[2], a, b, refusal, mode, n_departure, frequency;
+    int32_t kind, n_touch, touch[RIC_MAX_TOUCHES], test, multiple, rotation[2], a, b, refusal, mode, mirrors, n_departure, frequency;
     double energy, period, asked;
 } node_head;
 
@@ -82,7 +82,7 @@ ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size)
     memset(&h, 0, sizeof h);
     h = (node_head){.kind = (int32_t)node->kind, .n_touch = node->n_touch, .test = node->test, .multiple = node->multiple,
                     .rotation = {node->rotation[0], node->rotation[1]}, .a = node->a, .b = node->b, .refusal = (int32_t)node->refusal,
-                    .mode = node->mode, .n_departure = node->n_departure, .frequency = node->asked.frequency, .energy = node->energy,
+                    .mode = node->mode, .mirrors = node->mirrors, .n_departure = node->n_departure, .frequency = node->asked.frequency, .energy = node->energy,
                     .period = node->period, .asked = node->asked.value};
     for (int i = 0; i < node->n_touch; i++) h.touch[i] = node->touch[i];
     put(&to, &h, sizeof h);
@@ -121,6 +121,7 @@ ric_status ric_node_unpack(const ric_model *m, const void *bytes, size_t size, r
     node->refusal = (ric_refusal)h.refusal;
     node->asked = (ric_asked){h.frequency, h.asked};
     node->mode = h.mode;
+    node->mirrors = h.mirrors;
     node->springs = ric_cycle_springs(m);
     *out = node;
     return RIC_OK;

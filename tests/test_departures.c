@@ -73,14 +73,16 @@ static int count_subsets(const ric_model *m, const ric_node *node)
     return count;
 }
 
-/* Section 8: what a multiplication of order r is left by, besides the branch that passes. */
-static int count_families(const ric_node *node)
+/* Section 8: what a multiplication of order r is left by, besides the branch that passes. In a structure that lacks the symmetry x -> -x of
+ * the orbit, two families that would be images of each other are two. */
+static int count_families(const ric_model *m, const ric_node *node)
 {
     const ric_cycle *c = node->cycle;
     int p = node->rotation[0], q = node->rotation[1], order = c->half && p % 2 ? 2 * q : q;
     bool reversible = c->pure >= 0 || c->flip >= 0;
     if (order == 2) return 1;
     if (order == 3) return 1;
+    if (!m->symmetric && c->half && c->pure >= 0 && p % 2 && q % 2 == 0) return 3;
     return order % 2 && reversible ? 1 : 2; /* of odd order one curve passes; without mirror points its halves are two branches */
 }
 
@@ -90,7 +92,7 @@ static int count_candidates(const ric_model *m, const ric_node *node)
     case RIC_KIND_GRAZING: return node->refusal ? 1 : count_subsets(m, node);
     case RIC_KIND_CORNER: return node->refusal ? 0 : -1; /* orders of pairs of impacts are not counted here */
     case RIC_KIND_BRANCH_POINT: return 2;
-    case RIC_KIND_MULTIPLICATION: return 1 + count_families(node);
+    case RIC_KIND_MULTIPLICATION: return 1 + count_families(m, node);
     case RIC_KIND_START: return 1;
     default: return 0;
     }
@@ -112,15 +114,17 @@ static int count_ends(const ric_graph *g, int node, unsigned choice)
     return n;
 }
 
-/* Branches that pass a junction as an orbit of the original period, or of q times that. */
-static int count_passing(const ric_graph *g, int node, bool multiplied)
+/* Branches that pass a junction as the orbit there, or aside: with q times its period or less of its symmetry. */
+static int count_passing(const ric_graph *g, int node, bool aside)
 {
-    int n = 0, N = g->nodes[node]->cycle->N;
+    const ric_cycle *c = g->nodes[node]->cycle;
+    int n = 0;
     for (int i = 0; i < g->n_edge; i++)
         for (int k = 0; k < g->edges[i].n_inner; k++) {
             if (g->edges[i].inner[k].node != node) continue;
             ric_cycle *cycle = ric_trace_cycle(g->edges[i].trace, g->edges[i].trace->points + sizeof(ric_point) / sizeof(double));
-            n += (cycle->N > N) == multiplied;
+            bool less = (c->half && !cycle->half) || (c->flip >= 0 && cycle->flip < 0);
+            n += (cycle->N > c->N || less) == aside;
             ric_cycle_free(cycle);
         }
     return n;

@@ -346,7 +346,7 @@ static void wall_out_of_reach(void **state)
     static const int budgets[2][3] = {{24, 1, 4}, {12, 2, 3}};
     for (int i = 0; i < 2; i++) {
         ric_atlas *atlas[2];
-        int symmetric[2] = {0}, images = 0;
+        int symmetric[2] = {0}, images = 0, missing = 0;
         for (int k = 0; k < 2; k++) {
             char study_text[1024];
             ric_study *study = NULL;
@@ -370,10 +370,13 @@ static void wall_out_of_reach(void **state)
                 found += x.kind == y.kind && x.impacts == y.impacts && x.a == y.a && x.b == y.b && x.multiple == y.multiple &&
                          close_to(x.energy, y.energy, 1e-10) && close_to(x.frequency, y.frequency, 1e-10);
             }
-            if (found < 1 || found > 2) fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
+            missing += found == 0;
+            if (found > 2) fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
             images += found - 1;
         }
         assert_true(images > 0);
+        /* an event that makes no junction is told: on A10 at E 28.524 a doubling lies within one step of the end of its branch */
+        if (missing > ric_atlas_n_unplaced(atlas[1])) fail_msg("%d junctions are not there with the wall, %d events are told", missing, ric_atlas_n_unplaced(atlas[1]));
         assert_int_equal(ric_atlas_n_junction(atlas[0]) + images, ric_atlas_n_junction(atlas[1]));
         for (int k = 0; k < 2; k++) ric_atlas_free(atlas[k]);
     }
