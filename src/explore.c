@@ -11,6 +11,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     ric_store *store = NULL;
     ric_graph *graph = NULL;
     ric_atlas *atlas = NULL;
+    char *starts = NULL;
     ric_status written = RIC_OK, status = RIC_OK;
     for (int i = 0; i < ric_model_n_contact(ric_study_model(study)); i++) {
         ric_contact contact;
@@ -21,6 +22,8 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if ((status = ric_store_open(path, study, &store))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = crew;
+    if ((status = ric_store_starts_get(store, &starts))) goto out;
+    if ((status = ric_starts_parse(ric_study_model(study), starts, &graph->starts))) goto out;
     status = ric_graph_explore(graph, run);
     if (status && status != RIC_E_INTERRUPTED) goto out;
     written = ric_chart(graph, study, status == RIC_OK, &atlas);
@@ -31,6 +34,7 @@ out:
     ric_atlas_free(atlas);
     ric_graph_free(graph);
     ric_store_close(store);
+    free(starts);
     return status;
 }
 

@@ -52,6 +52,7 @@ void ric_graph_free(ric_graph *g)
     if (!g) return;
     for (int i = 0; i < g->n_node; i++) ric_node_free(g->nodes[i]);
     for (int i = 0; i < g->n_edge; i++) edge_release(&g->edges[i]);
+    ric_starts_release(&g->starts);
     free(g->nodes);
     free(g->edges);
     free(g);
@@ -787,6 +788,23 @@ static ric_status start_loose(ric_graph *g)
     return status;
 }
 
+/* Orbits given from outside, such as those that a hunt has found. One that is no orbit to this version is left out. */
+static ric_status start_given(ric_graph *g)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; i < g->starts.n && !status; i++) {
+        ric_cycle *cycle = NULL;
+        ric_node *node = NULL;
+        status = ric_start_solve(g->model, g->starts.cycle[i], &cycle);
+        if (!status) status = ric_node_start(g->model, cycle, &node);
+        ric_cycle_free(cycle);
+        if (status == RIC_E_NUMERIC) status = RIC_OK;
+        else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1])) ric_node_free(node);
+        else if (!status && find_or_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    }
+    return status;
+}
+
 static double seconds_since(const struct timespec *start)
 {
     struct timespec now;
@@ -898,13 +916,14 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     ric_forget_hunger();
     g->limits.stop = stopped;
     g->limits.user = g;
-    ric_status status = start_modes(g);
+    ric_status status = g->only_given ? RIC_OK : start_modes(g);
     if (status) return status;
     if (g->model->n_part > 1) {
         refuse_all(g, "the structure falls into parts that no contact joins: their energies are conserved one by one; study each part alone");
         return RIC_OK;
     }
-    if ((status = start_loose(g))) return status;
+    if (!g->only_given && (status = start_loose(g))) return status;
+    if ((status = start_given(g))) return status;
     double saved = 0;
     int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
     for (int depth = 0; depth <= limit && !status; depth++) {

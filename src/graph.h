@@ -8,6 +8,7 @@
 #include "crew.h"
 #include "node.h"
 #include "solve.h"
+#include "start.h"
 #include "store.h"
 
 /* A node that an edge passes, as the way out `choice` of it. */
@@ -41,6 +42,8 @@ typedef struct {
     atomic_bool stopping;    /* somebody asked to stop */
     int n_worker;            /* the owner among them */
     ric_workers *workers;    /* NULL: none beside the owner */
+    ric_starts starts;       /* orbits given to start from, owned */
+    bool only_given;         /* from these alone, not from the modes */
     int n_node, node_capacity;
     ric_node **nodes;
     int n_edge, edge_capacity;

@@ -283,6 +283,36 @@ ric_status ric_store_commit(ric_store *store)
     return sqlite3_get_autocommit(store->file.db) ? RIC_OK : ric_database_run(store->file, "COMMIT");
 }
 
+ric_status ric_store_starts_get(ric_store *store, char **text)
+{
+    return ric_store_get_meta(store->file, "starts", text);
+}
+
+ric_status ric_store_starts_add(ric_store *store, const char *lines)
+{
+    ric_database file = store->file;
+    char *old = NULL, *all = NULL;
+    ric_status status = ric_store_starts_get(store, &old);
+    if (!status && !(all = malloc((old ? strlen(old) : 0) + strlen(lines) + 1))) status = ric_store_fail_memory();
+    if (!status) {
+        sprintf(all, "%s%s", old ? old : "", lines);
+        status = begin(file);
+    }
+    if (!status)
+        status = ric_store_put_meta(file, "starts", all);
+    if (!status)
+        status = ric_store_put_meta(file, "finished", "0");
+    if (!status)
+        status = ric_store_put_digest(file);
+    if (!status)
+        status = ric_database_run(file, "COMMIT");
+    if (status)
+        roll_back(file);
+    free(old);
+    free(all);
+    return status;
+}
+
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
 {
     ric_database file = store->file;

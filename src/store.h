@@ -17,6 +17,11 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
 /* Makes what was put so far durable. */
 ric_status ric_store_commit(ric_store *store);
 
+/* The starts that were added to an atlas, as start.h reads them: *text = NULL where there are none; free(*text). Adding makes the atlas
+ * unfinished. */
+ric_status ric_store_starts_get(ric_store *store, char **text);
+ric_status ric_store_starts_add(ric_store *store, const char *lines);
+
 /* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
 
