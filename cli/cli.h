@@ -18,7 +18,7 @@ typedef struct {
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
-    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas;
+    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt;
 
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# The hunt from outside: wrong calls, an atlas that lacks an isolated family, which is added, followed, resumed and found.
+set -u
+. tests/tap.sh
+
+cat >"$folder/study.yaml" <<YAML
+title: Two masses
+model:
+  mass: [[2, 0], [0, 1]]
+  stiffness: [[9, -1], [-1, 1]]
+  contacts:
+    - {normal: [-1, 1], clearance: 1.0, law: rigid}
+explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 6, multiply: 2, depth: 0}
+YAML
+sed 's/9, -1/9.5, -1/' "$folder/study.yaml" >"$folder/other.yaml"
+atlas=$folder/atlas.ricochet
+
+dump() # ATLAS: every row of every listing, to compare bit for bit
+{
+    "$ricochet" branches "$1" --json && "$ricochet" junctions "$1" --json
+    "$ricochet" branches "$1" --csv | tail -n +2 | cut -d, -f1 | while read -r id; do "$ricochet" points "$1" --branch "$id" --csv; done
+}
+
+hunt() { "$ricochet" hunt "$folder/study.yaml" --energy 5 --impacts 4 --lines 2000 --rows 15 --row 200 --random 5000 "$@"; }
+
+refused() # CODE PATTERN ARGUMENTS...
+{
+    local code=$1 pattern=$2 got=0
+    shift 2
+    "$ricochet" hunt "$@" >"$folder/out" 2>"$folder/err" || got=$?
+    cat "$folder/err"
+    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/err" && [ ! -s "$folder/out" ]
+}
+ok "no energy" refused 2 "energy is missing" "$folder/study.yaml"
+ok "a negative energy" refused 2 "not positive" "$folder/study.yaml" --energy -1
+ok "no impacts" refused 2 "whole number" "$folder/study.yaml" --energy 1 --impacts 0
+ok "--add without an atlas" refused 2 "needs --atlas" "$folder/study.yaml" --energy 1 --add
+ok "three modes" refused 2 "see 3 modes" examples/three-masses/study.yaml --energy 1
+ok "no such atlas" refused 1 "no such file" "$folder/study.yaml" --energy 1 --atlas "$folder/none.ricochet"
+
+ok "an atlas" "$ricochet" run "$folder/study.yaml" -o "$atlas"
+ok "of another model" refused 1 "another model" "$folder/other.yaml" --energy 1 --atlas "$atlas"
+ok "below all stops there is nothing" test "$("$ricochet" hunt "$folder/study.yaml" --energy 0.01 --json 2>/dev/null | tr -d '[:space:]')" = "[]"
+
+hunt --csv >"$folder/first.csv" 2>/dev/null
+hunt --csv >"$folder/second.csv" 2>/dev/null
+ok "ten orbits at energy 5" test "$(tail -n +2 "$folder/first.csv" | wc -l)" = 10
+ok "the same ones again" diff "$folder/first.csv" "$folder/second.csv"
+
+hunt --atlas "$atlas" --csv >"$folder/lacking.csv" 2>"$folder/lacking"
+ok "nothing is unexplained" grep -q " 0 unexplained" "$folder/lacking"
+lacking=$(grep -c ,isolated, "$folder/lacking.csv")
+ok "some families are isolated" test "$lacking" -gt 0
+dump "$atlas" >"$folder/before.txt"
+
+ok "they are added" hunt --atlas "$atlas" --add
+dump "$atlas" >"$folder/between.txt"
+ok "which changes no row" diff -q "$folder/before.txt" "$folder/between.txt"
+cp "$atlas" "$folder/killed.ricochet"
+cp "$atlas" "$folder/workers.ricochet"
+ok "the next run follows them" "$ricochet" run "$folder/study.yaml" -o "$atlas"
+grew() { test "$("$ricochet" branches "$atlas" --csv | wc -l)" -gt "$("$ricochet" branches "$folder/killed.ricochet" --csv | wc -l)"; }
+ok "to branches that it did not have" grew
+ok "what they lead to verifies" "$ricochet" verify "$atlas"
+hunt --atlas "$atlas" --csv >"$folder/now.csv" 2>/dev/null
+ok "and nothing is isolated any more" test "$(grep -c ,isolated, "$folder/now.csv")" = 0
+dump "$atlas" >"$folder/whole.txt"
+ok "the same run again" "$ricochet" run "$folder/study.yaml" -o "$atlas"
+dump "$atlas" >"$folder/again.txt"
+ok "changes nothing" diff -q "$folder/whole.txt" "$folder/again.txt"
+
+for attempt in 1 2 3; do
+    "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet" 2>/dev/null &
+    pid=$!
+    sleep 0.0$((attempt * 3))
+    kill -KILL $pid 2>/dev/null
+    wait $pid 2>/dev/null
+done
+ok "killed three times the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet"
+dump "$folder/killed.ricochet" >"$folder/killed.txt"
+ok "with the same atlas" diff -q "$folder/whole.txt" "$folder/killed.txt"
+ok "two workers" "$ricochet" run "$folder/study.yaml" -o "$folder/workers.ricochet" -j 2
+dump "$folder/workers.ricochet" >"$folder/workers.txt"
+ok "with the same atlas" diff -q "$folder/whole.txt" "$folder/workers.txt"
+finish
