@@ -5,13 +5,13 @@
 
 #include "cli.h"
 
-enum { STEPS = 200, STEPS_MAX = 10000000 };
+enum { STEPS = 200, STEPS_MAX = 10000000, IMPACTS_MAX = 1000000 }; /* a mass as fast as one likes has as many impacts as one likes */
 
 typedef struct {
     ric_study *study;
     ric_simulator *sim;
     int n;
-    long steps;
+    long steps, struck;
     double end, length; /* length: 1, or that of the model for physical units */
     bool impacts;       /* list these instead of the history */
     double *state;      /* [2n] x, v as asked for */
@@ -134,6 +134,10 @@ static ric_status advance(simulation *s, double t)
         ric_status status = ric_simulator_advance(s->sim, t, &hit, &impact);
         if (status)
             return status;
+        if (hit && ++s->struck > IMPACTS_MAX) {
+            cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed", IMPACTS_MAX, impact.time);
+            return RIC_E_RANGE;
+        }
         if (hit && s->impacts)
             add_impact(s, &impact);
     }
@@ -174,7 +178,7 @@ static int simulate_and_print(simulation *s, cli_format format)
 {
     static const char *const impact_columns[] = {"t", "face", "approach", "impulse", "opens", NULL};
     ric_status status = simulate(s);
-    int code = cli_report(status);
+    int code = status == RIC_E_RANGE ? CLI_FAILED : cli_report(status); /* that has had its message */
     if (code == CLI_WRONG)
         return code;
     int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : (const char *const *)s->column, format);
@@ -233,7 +237,7 @@ const cli_command cli_simulate = {
         "  --physical       state, history and impacts in the study's own units of length\n"
         "\n"
         "Where the impact law gives no motion (two stops met together whose impacts disturb each other, chatter that ends in a lasting\n"
-        "contact), the list ends there, a message says why, and the exit code is 1.\n"
+        "contact), the list ends there, a message says why, and the exit code is 1; so it does after a million impacts.\n"
         "\n"
         "example: ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
     .run = run,

@@ -5,6 +5,31 @@
 #include "status.h"
 #include "store.h"
 
+#define TWO_PI 6.283185307179586477
+#define PHASE 1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that one orbit takes seconds, and the
+                   * phase itself loses its digits */
+
+/* A mode that turns ten million times while the slowest orbit of the window lasts has no place in it. */
+static ric_status check_phases(const ric_study *study)
+{
+    const ric_model *m = ric_study_model(study);
+    int n = ric_model_n_dof(m), fastest = -1;
+    double *omega = calloc((size_t)n, sizeof *omega), longest = TWO_PI / ric_study_options(study)->frequency[0];
+    bool *seen = calloc((size_t)n, sizeof *seen);
+    ric_status status = RIC_OK;
+    if (!omega || !seen) status = ric_fail(RIC_E_NOMEM, "no memory for %d frequencies", n);
+    if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen)))
+        for (int i = 0; i < n; i++)
+            if (seen[i]) fastest = i;
+    if (!status && fastest >= 0 && omega[fastest] * longest > PHASE)
+        status = ric_fail(RIC_E_INPUT, "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the window, 2 pi / %g s; raise the lower end "
+                          "to %.3g or more, or make a rigid link of the spring that is so stiff", fastest + 1, omega[fastest], omega[fastest] * longest / TWO_PI,
+                          ric_study_options(study)->frequency[0], TWO_PI * omega[fastest] / PHASE);
+    free(omega);
+    free(seen);
+    return status;
+}
+
 /* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or on request to stop. */
 ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew)
 {
@@ -19,6 +44,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     }
     if (ric_model_restitution(ric_study_model(study)) != 1)
         return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic orbits; `ricochet simulate` takes any");
+    if ((status = check_phases(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = crew;

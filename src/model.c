@@ -107,8 +107,11 @@ static ric_status check_mass(int n, const double *M)
         int worst = 0;
         for (int i = 0; i < n; i++)
             if (M[i * n + i] < M[worst * n + worst]) worst = i;
-        status = ric_fail(RIC_E_INPUT, "mass matrix is not positive definite: its smallest eigenvalue is %g; check entry [%d][%d] = %g",
-                          value[0], worst, worst, M[worst * n + worst]);
+        status = value[0] > 0
+            ? ric_fail(RIC_E_INPUT, "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check entry [%d][%d] = %g", value[0],
+                       value[n - 1], worst, worst, M[worst * n + worst])
+            : ric_fail(RIC_E_INPUT, "mass matrix is not positive definite: its smallest eigenvalue is %g; check entry [%d][%d] = %g", value[0], worst,
+                       worst, M[worst * n + worst]);
     }
 out:
     free(A);
@@ -377,11 +380,11 @@ static void scale_modes(ric_model *m)
             m->c[f * n + i] = m->normal[f * nd + mode] / unit;
             m->g[f * n + i] = m->c[f * n + i] / m->kappa[i];
         }
+        double shape[nd]; /* columns of a large matrix are far apart in memory; M is symmetric, so that its rows will do */
+        for (int l = 0; l < nd; l++) shape[l] = m->Phi[l * nd + mode];
         for (int j = 0; j < nd; j++) {
-            double sum = 0;
-            for (int l = 0; l < nd; l++) sum += m->Phi[l * nd + mode] * m->M[l * nd + j];
-            m->to_modal[i * nd + j] = sum * unit;
-            m->to_space[j * n + i] = m->Phi[j * nd + mode] / unit;
+            m->to_modal[i * nd + j] = dot(nd, shape, m->M + j * nd) * unit;
+            m->to_space[j * n + i] = shape[j] / unit;
         }
     }
 }

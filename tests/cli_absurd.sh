@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Absurd studies end in a clear message or in an honest result, within bounded time and memory.
+set -u
+. tests/tap.sh
+seconds=60
+sanitized() { grep -q __asan_init "$ricochet"; }
+sanitized || ulimit -v 4000000 # address space, kB; a sanitizer reserves terabytes
+
+# ends CODE PATTERN ARGUMENTS...: with that code in time, and the pattern in what it says
+ends() {
+    local code=$1 pattern=$2 got=0
+    shift 2
+    timeout -s KILL "$seconds" "$ricochet" "$@" >"$folder/out" 2>&1 || got=$?
+    echo "exit code $got"
+    tail -n 5 "$folder/out" | cut -c1-300
+    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/out"
+}
+
+study() # NAME MASS STIFFNESS CONTACTS EXPLORE
+{
+    printf 'title: %s\nmodel: {mass: %s, stiffness: %s, contacts: [%s]}\nexplore: {%s}\n' "$@" >"$folder/$1.yaml"
+}
+mass='[[2, 0], [0, 1]]' spring='[[9, -1], [-1, 1]]' window='energy: [0, 20], impacts: 6, depth: 2'
+contact() { printf '{normal: %s, clearance: %s, law: rigid}' "$1" "$2"; }
+branches() { "$ricochet" branches "$folder/$1.ricochet" --csv | tail -n +2 | cut -d, -f3-4,10-13 >"$folder/$1.csv"; }
+
+study usual "$mass" "$spring" "$(contact '[-1, 1]' 1)" "$window"
+ok "the usual one" ends 0 branches run "$folder/usual.yaml"
+branches usual
+for clearance in 1.0e-300 1.0e+300; do
+    study "c$clearance" "$mass" "$spring" "$(contact '[-1, 1]' $clearance)" "$window"
+    ok "clearance $clearance" ends 0 branches run "$folder/c$clearance.yaml"
+    branches "c$clearance"
+    ok "has the same branches" diff "$folder/usual.csv" "$folder/c$clearance.csv"
+    ok "that verify" ends 0 "agree with" verify "$folder/c$clearance.ricochet"
+done
+
+study stiff "$mass" '[[1.0e16, -1], [-1, 1]]' "$(contact '[-1, 1]' 1)" "$window"
+ok "stiffness ratio 1e16: too many turns in one flight" ends 2 "explore.frequency: mode 2 .* raise the lower end" run "$folder/stiff.yaml"
+ok "it can be looked at" ends 0 "" check "$folder/stiff.yaml"
+ok "and leaves no file" test ! -e "$folder/stiff.ricochet"
+study heavy '[[1.0e16, 0], [0, 1]]' "$spring" "$(contact '[-1, 1]' 1)" "$window"
+ok "mass ratio 1e16" ends 2 "singular to rounding" run "$folder/heavy.yaml"
+
+study twice "$mass" "$spring" "$(contact '[-1, 1]' 1), $(contact '[-1, 1]' 1)" "$window"
+ok "one contact twice" ends 0 "2 branches" run "$folder/twice.yaml"
+ok "with the reason why nothing leaves" grep -q -i -e "one instant\|together\|coincid\|same" <("$ricochet" junctions "$folder/twice.ricochet" --json)
+study turned "$mass" "$spring" "$(contact '[-1, 1]' 1), $(contact '[2, -2]' 2.0000000001)" "$window"
+ok "almost the same one turned round" ends 0 branches run "$folder/turned.yaml"
+
+study low "$mass" "$spring" "$(contact '[-1, 1]' 1)" "energy: [0, 1.0e-9], impacts: 6, depth: 2"
+ok "an energy window below all touches" ends 0 "2 branches, 0 junctions" run "$folder/low.yaml"
+study fast "$mass" "$spring" "$(contact '[-1, 1]' 1)" "energy: [0, 20], frequency: [1.0e11, 1.0e12], impacts: 6, depth: 2"
+ok "a frequency window with nothing in it" ends 0 "2 branches" run "$folder/fast.yaml"
+study unseen '[[1, 0, 0], [0, 1, 0], [0, 0, 1]]' '[[2, 0, 0], [0, 3, 0], [0, 0, 1.0e12]]' "$(contact '[0, 0, 1]' 1)" "$window, frequency: [10, 1.0e7]"
+ok "the only mode that is seen lies far above" ends 0 "3 branches" run "$folder/unseen.yaml"
+study faint '[[1, 0], [0, 1]]' '[[2, 0], [0, 3]]' "$(contact '[1, 1.0e-15]' 1)" "$window"
+ok "a mode seen at rounding level" ends 0 branches run "$folder/faint.yaml"
+ok "is said to be unseen" grep -q "no contact sees" <("$ricochet" branches "$folder/faint.ricochet" --csv)
+
+ok "speed 1e300" ends 1 "more than 1000000 impacts" simulate "$folder/usual.yaml" --state 0 0 0 1e300 --time 20
+ok "a hunt at energy 1e300" ends 0 "orbits" hunt "$folder/usual.yaml" --energy 1e300 --lines 100 --rows 2 --row 10 --random 100 --impacts 3
+ok "a hunt at energy 1e-300" ends 0 "0 orbits" hunt "$folder/usual.yaml" --energy 1e-300 --lines 100 --rows 2 --row 10 --random 100
+
+# A chain of 1000 masses with a stop at one of them.
+awk 'BEGIN {n = 1000; print "%%MatrixMarket matrix coordinate real symmetric"; print n, n, n; for (i = 1; i <= n; i++) print i, i, 1}' >"$folder/M.mtx"
+awk 'BEGIN {n = 1000; print "%%MatrixMarket matrix coordinate real symmetric"; print n, n, 2 * n - 1
+    for (i = 1; i <= n; i++) print i, i, 2; for (i = 1; i < n; i++) print i + 1, i, -1}' >"$folder/K.mtx"
+normal=$(awk 'BEGIN {for (i = 1; i <= 1000; i++) printf "%s%d", (i > 1 ? ", " : "["), (i == 333); print "]"}')
+study chain '{file: M.mtx}' '{file: K.mtx}' "$(contact "$normal" 1)" "energy: [0, 0.1], frequency: [1.9, 10], impacts: 2, depth: 1, start: [1]"
+seconds=120
+sanitized || ok "n = 1000 is checked" ends 0 "" check "$folder/chain.yaml"
+finish
