@@ -1,11 +1,13 @@
 # The front door: make help. Everything is built by Meson in $(BUILD).
 BUILD ?= build
 ASAN ?= build-asan
+FUZZ ?= build-fuzz
+FUZZ_CC ?= clang-14
 DEMO = $(BUILD)/demo
-FOLDERS = include/. src/. cli/. tests/. bench/.
+FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup build demo test bench sanitize clean
+.PHONY: help setup build demo test bench sanitize fuzz clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -13,8 +15,9 @@ help:
 	@echo "make bench     build and measure the speed"
 	@echo "make build     build the program and the library in $(BUILD)/"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
+	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
 	@echo "make setup     install the packages that are missing (all of the above do it, too)"
-	@echo "make clean     remove $(BUILD)/ and $(ASAN)/"
+	@echo "make clean     remove $(BUILD)/, $(ASAN)/ and $(FUZZ)/"
 
 setup:
 	@tools/setup
@@ -60,5 +63,14 @@ sanitize: $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
 
+SECONDS ?= 60
+$(FUZZ)/build.ninja: export CC = $(FUZZ_CC)
+$(FUZZ)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
+	$(call configure,$(FUZZ),-Dfuzz=true -Dmpi=disabled -Dbuildtype=debugoptimized -Db_sanitize=address$(comma)undefined -Db_lundef=false)
+
+fuzz: $(FUZZ)/build.ninja
+	@ninja -C $(FUZZ) --quiet
+	@tools/fuzz.sh $(FUZZ) $(SECONDS)
+
 clean:
-	rm -rf $(BUILD) $(ASAN)
+	rm -rf $(BUILD) $(ASAN) $(FUZZ)
