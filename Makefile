@@ -4,7 +4,7 @@ ASAN ?= build-asan
 FUZZ ?= build-fuzz
 FUZZ_CC ?= clang-14
 DEMO = $(BUILD)/demo
-FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/.
+FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
 .PHONY: help setup build demo test bench sanitize fuzz clean

@@ -18,7 +18,7 @@ typedef struct {
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
-    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt;
+    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt, cli_view;
 
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);
@@ -58,6 +58,13 @@ int cli_list(const cli_listing *listing, int argc, char **argv);
 
 /* What `ricochet report` lists: rows with item, value and detail. */
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);
+/* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c, cmd_cascade.c and
+ * cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
+ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row);
+ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row);
+json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d);
+/* Appends a row. */
+ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double d, json_t *rows);
 
 /* Takes --json or --csv out of argv; false (with a message) when both are given. */
 bool cli_take_format(int *argc, char **argv, cli_format *format);
@@ -89,6 +96,9 @@ typedef struct {
 bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out);
 /* Follows it, showing progress; returns an exit code. */
 int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *request, ric_cascade **out);
+
+/* Appends the steps of the paths that the atlas holds; returns how many paths. */
+int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request, double d, json_t *rows);
 
 /* Prints "ricochet: <detail>" on stderr and returns the exit code for a status: 0, 2 for RIC_E_INPUT, else 1. */
 int cli_report(ric_status status);

@@ -42,7 +42,7 @@ static json_t *duplicates(const ric_atlas *atlas, const ric_base *base)
     return array;
 }
 
-static json_t *make_row(const ric_atlas *atlas, const ric_base *base, double d)
+json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d)
 {
     json_t *row = json_object();
     json_object_set_new(row, "base", json_sprintf("F%d_%d", base->j, base->mode));
@@ -86,7 +86,7 @@ static ric_status add_rows(const ric_atlas *atlas, double d, const void *user, j
     for (int i = 0; !status && i < ric_bases_n(bases); i++) {
         ric_base base;
         if (!(status = ric_bases_get(bases, i, &base)) && (!w->branch || has_branch(&base, w->branch)))
-            json_array_append_new(rows, make_row(atlas, &base, d));
+            json_array_append_new(rows, cli_base_row(atlas, &base, d));
     }
     if (!status && (!w->branch || !json_array_size(rows)))
         report_left(atlas, bases);

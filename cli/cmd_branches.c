@@ -4,7 +4,7 @@
 
 #include "cli.h"
 
-static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row)
+ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
     const ric_model *model = ric_atlas_model(atlas);
     ric_branch found, *branch = &found;
@@ -97,7 +97,7 @@ typedef struct { bool segments, elementary; } choice;
 static ric_status branch_row(const ric_atlas *atlas, int id, double d, json_t *rows)
 {
     json_t *row = json_object();
-    const ric_status status = make_row(atlas, id, d, row);
+    const ric_status status = cli_branch_row(atlas, id, d, row);
     json_array_append_new(rows, row);
     return status;
 }

@@ -277,24 +277,31 @@ static void walk(finder *f, const ric_branch *b)
         add_path(f, b);
 }
 
-static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
+int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request, double d, json_t *rows)
 {
-    static const char *const all[] = {"path", "step", "branch", "junction", "label", "multiple", "p/q", "impacts", "grazings", "symmetric",
-                                      "energy", "frequency", "ratio", "stop", "word", NULL};
-    static const char *const few[] = {"path", "step", "branch", "junction", "label", "p/q", "impacts", "grazings", "form", "energy", "frequency",
-                                      "ratio", NULL};
-    finder f = {.atlas = atlas, .request = request, .d = d, .rows = json_array()};
+    finder f = {.atlas = atlas, .request = request, .d = d, .rows = rows};
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
         if (ric_atlas_branch(atlas, id, &b) || (request->branch ? request->branch != id : is_family(&f, &b)))
             continue;
         walk(&f, &b);
     }
-    int code = cli_print_rows(f.rows, format == CLI_TEXT ? few : all, format);
-    if (f.n_path == 0)
+    return f.n_path;
+}
+
+static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
+{
+    static const char *const all[] = {"path", "step", "branch", "junction", "label", "multiple", "p/q", "impacts", "grazings", "symmetric",
+                                      "energy", "frequency", "ratio", "stop", "word", NULL};
+    static const char *const few[] = {"path", "step", "branch", "junction", "label", "p/q", "impacts", "grazings", "form", "energy", "frequency",
+                                      "ratio", NULL};
+    json_t *rows = json_array();
+    const int n_path = cli_cascade_rows(atlas, request, d, rows);
+    int code = cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
+    if (n_path == 0)
         fputs("ricochet: the atlas holds no such path; explore.multiply, explore.cascade and explore.depth of the study decide what it holds, and "
               "--branch ID with --multiply or --doublings follows one beyond it\n", stderr);
-    json_decref(f.rows);
+    json_decref(rows);
     return code;
 }
 

@@ -40,7 +40,7 @@ static json_t *multiplicity(const ric_junction *junction, int value)
     return junction->a || junction->b ? json_integer(value) : json_null();
 }
 
-static ric_status make_row(const ric_atlas *atlas, int id, double d, json_t *row)
+ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
     const ric_model *model = ric_atlas_model(atlas);
     ric_junction found, *junction = &found;
@@ -204,7 +204,7 @@ static int run(int argc, char **argv)
         "flights", "branches", "departures", "refusal", "budgets", NULL};
     static const char *const few[] = {
         "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
-    static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction, .row = make_row, .all = all, .few = few};
+    static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction, .row = cli_junction_row, .all = all, .few = few};
     const char *largest, *branch;
     wanted w = {.ghost = cli_take_flag(&argc, argv, "--ghost")};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))

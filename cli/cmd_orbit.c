@@ -250,6 +250,14 @@ static ric_status add_orbit(json_t *rows, subject *s)
     return status;
 }
 
+ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double d, json_t *rows)
+{
+    subject s;
+    ric_status status = subject_init(&s, orbit, model, d) ? add_orbit(rows, &s) : RIC_E_NOMEM;
+    subject_free(&s);
+    return status;
+}
+
 static json_t *history_row(subject *s, double t, int number)
 {
     json_t *row = json_object();

@@ -1,0 +1,311 @@
+/* The atlas of `ricochet view` in memory, and its description for the page. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <pthread.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "view.h"
+
+enum { JOINT = 3 }; /* the flag of a knot that is a junction; others have their ric_stability */
+
+struct view_shelf {
+    char *path;
+    pthread_mutex_t lock;
+    view_data *data;
+    struct stat seen;
+};
+
+/* -------------------------------------------------------------------- knots */
+
+/* What a branch is drawn from: its stored points, and its interior junctions between them, so that curves pass through the marks. */
+typedef struct { double arclength, energy, frequency; int flag; } knot;
+
+static int by_arclength(const void *a, const void *b)
+{
+    const knot *s = a, *t = b;
+    if (s->arclength != t->arclength)
+        return s->arclength < t->arclength ? -1 : 1;
+    return (s->flag == JOINT) - (t->flag == JOINT);
+}
+
+/* A q-tupling lies on its original branch at q times the frequency where it is drawn. */
+static ric_status add_joints(const ric_atlas *atlas, const ric_branch *branch, knot *knots, int *n)
+{
+    for (int k = 0; k < branch->n_junction; k++) {
+        ric_junction junction;
+        const ric_status status = ric_atlas_junction(atlas, branch->junctions[k], &junction);
+        if (status)
+            return status;
+        const int times = branch->impacts > junction.impacts ? 1 : junction.multiple;
+        knots[(*n)++] = (knot){branch->junction_at[k], junction.energy, junction.frequency * times, JOINT};
+    }
+    return RIC_OK;
+}
+
+static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, int *n, knot **out)
+{
+    knot *knots = calloc((size_t)branch->n_point + (size_t)branch->n_junction + 1, sizeof *knots);
+    ric_status status = knots ? RIC_OK : RIC_E_NOMEM;
+    *n = 0;
+    for (int i = 0; !status && i < branch->n_point; i++) {
+        ric_point p;
+        if (!(status = ric_atlas_point(atlas, branch->id, i, &p, NULL, NULL)))
+            knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency, p.stable};
+    }
+    if (!status && branch->n_junction) {
+        status = add_joints(atlas, branch, knots, n);
+        qsort(knots, (size_t)*n, sizeof *knots, by_arclength);
+    }
+    *out = knots;
+    return status;
+}
+
+/* ------------------------------------------------------------------- points */
+
+/* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as 64-bit floats, then n bytes of flags. The
+ * place and number of the knots of a branch are in its row. */
+static ric_status pack(view_data *data)
+{
+    const int n_branch = ric_atlas_n_branch(data->atlas);
+    ric_branch branch;
+    ric_status status = RIC_OK;
+    size_t total = 0, place = 0;
+    for (int id = 1; !status && id <= n_branch; id++)
+        if (!(status = ric_atlas_branch(data->atlas, id, &branch)))
+            total += (size_t)branch.n_point + (size_t)branch.n_junction;
+    data->points_size = total * 25;
+    data->points = malloc(data->points_size + 1);
+    data->rows = json_array();
+    double *energy = (double *)(void *)data->points, *frequency = energy + total, *arclength = frequency + total;
+    unsigned char *flags = (unsigned char *)(arclength + total);
+    if (!data->points || !data->rows)
+        return RIC_E_NOMEM;
+    for (int id = 1; !status && id <= n_branch; id++) {
+        int n = 0;
+        knot *knots = NULL;
+        json_t *row = json_object();
+        json_array_append_new(data->rows, row);
+        if (!(status = ric_atlas_branch(data->atlas, id, &branch)) && !(status = make_knots(data->atlas, &branch, &n, &knots)))
+            status = cli_branch_row(data->atlas, id, 1, row);
+        json_object_set_new(row, "place", json_integer((json_int_t)place));
+        json_object_set_new(row, "knots", json_integer(n));
+        for (int i = 0; !status && i < n; i++, place++) {
+            energy[place] = knots[i].energy;
+            frequency[place] = knots[i].frequency;
+            arclength[place] = knots[i].arclength;
+            flags[place] = (unsigned char)knots[i].flag;
+        }
+        free(knots);
+    }
+    return status;
+}
+
+static void data_free(view_data *data)
+{
+    if (!data)
+        return;
+    json_decref(data->rows);
+    free(data->points);
+    ric_atlas_free(data->atlas);
+    free(data);
+}
+
+static ric_status data_read(const char *path, view_data **out)
+{
+    view_data *data = calloc(1, sizeof *data);
+    ric_status status = data ? ric_atlas_read(path, &data->atlas) : RIC_E_NOMEM;
+    if (!status)
+        status = pack(data);
+    if (status)
+        data_free(data);
+    *out = status ? NULL : data;
+    return status;
+}
+
+/* -------------------------------------------------------------------- shelf */
+
+ric_status view_shelf_open(const char *path, view_shelf **out)
+{
+    view_shelf *shelf = calloc(1, sizeof *shelf);
+    ric_status status = RIC_E_NOMEM;
+    *out = NULL;
+    if (!shelf)
+        return status;
+    pthread_mutex_init(&shelf->lock, NULL);
+    if ((shelf->path = strdup(path)))
+        status = view_shelf_reload(shelf);
+    if (status)
+        view_shelf_close(shelf);
+    else
+        *out = shelf;
+    return status;
+}
+
+void view_shelf_close(view_shelf *shelf)
+{
+    if (!shelf)
+        return;
+    data_free(shelf->data);
+    pthread_mutex_destroy(&shelf->lock);
+    free(shelf->path);
+    free(shelf);
+}
+
+const char *view_shelf_path(const view_shelf *shelf)
+{
+    return shelf->path;
+}
+
+ric_status view_shelf_reload(view_shelf *shelf)
+{
+    struct stat seen = {0};
+    view_data *data = NULL, *old;
+    stat(shelf->path, &seen); /* before reading: a change in between is noticed the next time */
+    const ric_status status = data_read(shelf->path, &data);
+    pthread_mutex_lock(&shelf->lock);
+    shelf->seen = seen; /* also after a failure: one look at a file that cannot be read is enough until it changes */
+    if (!status) {
+        old = shelf->data;
+        data->generation = old ? old->generation + 1 : 1;
+        shelf->data = data;
+        if (old && old->holders == 0)
+            data_free(old);
+    }
+    pthread_mutex_unlock(&shelf->lock);
+    return status;
+}
+
+bool view_shelf_stale(view_shelf *shelf)
+{
+    struct stat now;
+    pthread_mutex_lock(&shelf->lock);
+    const struct stat *seen = &shelf->seen;
+    const bool stale = !stat(shelf->path, &now)
+        && (now.st_ino != seen->st_ino || now.st_size != seen->st_size || now.st_mtim.tv_sec != seen->st_mtim.tv_sec
+            || now.st_mtim.tv_nsec != seen->st_mtim.tv_nsec);
+    pthread_mutex_unlock(&shelf->lock);
+    return stale;
+}
+
+view_data *view_data_take(view_shelf *shelf)
+{
+    pthread_mutex_lock(&shelf->lock);
+    view_data *data = shelf->data;
+    data->holders++;
+    pthread_mutex_unlock(&shelf->lock);
+    return data;
+}
+
+void view_data_release(view_shelf *shelf, view_data *data)
+{
+    pthread_mutex_lock(&shelf->lock);
+    if (--data->holders == 0 && data != shelf->data)
+        data_free(data);
+    pthread_mutex_unlock(&shelf->lock);
+}
+
+/* -------------------------------------------------------------- description */
+
+static json_t *numbers(int n, const double *values, double unit)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(array, cli_number(unit * values[i]));
+    return array;
+}
+
+/* Normals act on scaled displacements; clearances are scaled by the first one. */
+static json_t *contacts(const ric_model *model)
+{
+    static const char *const sides[] = {[RIC_SIDES_BOTH] = "both", [RIC_SIDES_UPPER] = "upper", [RIC_SIDES_LOWER] = "lower"};
+    json_t *array = json_array();
+    for (int i = 0; i < ric_model_n_contact(model); i++) {
+        ric_contact contact;
+        json_t *one = json_object();
+        if (ric_model_contact(model, i, &contact))
+            break;
+        json_object_set_new(one, "name", json_string(contact.name ? contact.name : ""));
+        json_object_set_new(one, "normal", numbers(ric_model_n_dof(model), contact.normal, 1));
+        json_object_set_new(one, "clearance", contact.clearance > 0 ? cli_number(contact.clearance / ric_model_length(model)) : json_null());
+        json_object_set_new(one, "sides", json_string(contact.clearance > 0 ? sides[contact.sides] : ""));
+        json_array_append_new(array, one);
+    }
+    return array;
+}
+
+static json_t *faces(const ric_model *model)
+{
+    json_t *array = json_array();
+    for (int face = 0; face < ric_model_n_face(model); face++) {
+        int contact = 0, side = 0, mirror = 0;
+        if (!ric_model_face(model, face, &contact, &side, &mirror))
+            json_array_append_new(array, json_pack("{s:i,s:i}", "contact", contact, "side", side));
+    }
+    return array;
+}
+
+/* The frequencies with contact 1 closed: the asymptotes of the picture. */
+static json_t *locked(const ric_model *model)
+{
+    const int n = ric_model_n_dof(model) - 1;
+    double *values = calloc((size_t)n + 1, sizeof *values);
+    json_t *array = values && n > 0 && !ric_model_locked_frequencies(model, 0, values) ? numbers(n, values, 1) : json_array();
+    free(values);
+    return array;
+}
+
+static json_t *describe_model(const ric_model *model)
+{
+    const int n = ric_model_n_dof(model);
+    double *frequencies = calloc((size_t)n, sizeof *frequencies);
+    json_t *object = json_object();
+    json_object_set_new(object, "dofs", json_integer(n));
+    json_object_set_new(object, "modes", json_integer(ric_model_n_mode(model)));
+    json_object_set_new(object, "length", cli_number(ric_model_length(model)));
+    json_object_set_new(object, "symmetric", json_boolean(ric_model_symmetric(model)));
+    json_object_set_new(object, "frequencies", frequencies && !ric_model_frequencies(model, frequencies) ? numbers(n, frequencies, 1) : json_array());
+    json_object_set_new(object, "locked", locked(model));
+    json_object_set_new(object, "mass", numbers(n * n, ric_model_mass(model), 1));
+    json_object_set_new(object, "stiffness", numbers(n * n, ric_model_stiffness(model), 1));
+    json_object_set_new(object, "contacts", contacts(model));
+    json_object_set_new(object, "faces", faces(model));
+    free(frequencies);
+    return object;
+}
+
+static json_t *describe_budgets(const ric_explore_options *o)
+{
+    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", o->depth, "impacts", o->impacts, "multiply", o->multiply, "energy", o->energy[0],
+                     o->energy[1], "frequency", o->frequency[0], o->frequency[1]);
+}
+
+static json_t *junctions(const ric_atlas *atlas)
+{
+    json_t *array = json_array();
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        json_t *row = json_object();
+        json_array_append_new(array, row);
+        if (cli_junction_row(atlas, id, 1, row))
+            break;
+    }
+    return array;
+}
+
+json_t *view_describe(const view_data *data)
+{
+    const ric_study *study = ric_atlas_study(data->atlas);
+    json_t *object = json_object();
+    json_object_set_new(object, "generation", json_integer(data->generation));
+    json_object_set_new(object, "version", json_string(ric_version()));
+    json_object_set_new(object, "title", json_string(ric_study_title(study)));
+    json_object_set_new(object, "finished", json_boolean(ric_atlas_finished(data->atlas)));
+    json_object_set_new(object, "model", describe_model(ric_atlas_model(data->atlas)));
+    json_object_set_new(object, "budgets", describe_budgets(ric_study_options(study)));
+    json_object_set(object, "branches", data->rows);
+    json_object_set_new(object, "junctions", junctions(data->atlas));
+    return object;
+}

@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""The page of `ricochet view` as C: embed.py OUT.c [NODE WEB FOLDER]
+
+Builds the page from the folder WEB with Vite, run by NODE, into FOLDER, and compresses it with gzip into arrays that the server hands out (cli/view.h).
+With OUT.c alone the page is left out. The same sources give the same bytes: no time and no name in the compressed data.
+"""
+import gzip
+import hashlib
+import os
+import subprocess
+import sys
+
+TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml"}
+
+
+def array(name, data):
+    rows = (", ".join(map(str, data[i:i + 32])) for i in range(0, len(data), 32))
+    return f"static const unsigned char {name}[] = {{\n" + ",\n".join(rows) + "};\n"
+
+
+def main():
+    out, folder = sys.argv[1], None
+    if len(sys.argv) > 2:
+        node, web, folder = sys.argv[2], sys.argv[3], os.path.abspath(sys.argv[4])
+        vite = os.path.join(web, "node_modules", "vite", "bin", "vite.js")
+        subprocess.run([node, os.path.abspath(vite), "build", "--logLevel", "warn", "--outDir", folder, "--emptyOutDir"], cwd=web, check=True)
+    names = sorted(os.listdir(folder)) if folder else []
+    names = [name for name in names if os.path.splitext(name)[1] in TYPES]
+    text = ["/* Made by tools/embed.py. */", '#include "view.h"', ""]
+    entries = []
+    for i, name in enumerate(names):
+        with open(os.path.join(folder, name), "rb") as file:
+            data = file.read()
+        packed = gzip.compress(data, 9, mtime=0)
+        tag = hashlib.sha256(data).hexdigest()[:16]
+        text.append(array(f"file_{i}", packed))
+        path = "/" if name == "index.html" else "/" + name
+        entries.append(f'    {{"{path}", "{TYPES[os.path.splitext(name)[1]]}", "\\"{tag}\\"", file_{i}, sizeof file_{i}}},')
+    text += ["const view_file view_page[] = {", *entries, "    {NULL, NULL, NULL, NULL, 0},", "};", ""]
+    with open(out, "w", encoding="utf-8") as file:
+        file.write("\n".join(text))
+
+
+main()
