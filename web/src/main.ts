@@ -1,1 +1,518 @@
-console.log(1)
+// The page: what belongs together, and what happens when something is clicked or typed.
+import { getAtlas, mayCompute } from "./api";
+import { readAddress, writeAddress, type Address } from "./address";
+import { Atlas } from "./atlas";
+import { $ } from "./dom";
+import { Grow } from "./grow";
+import { junctionPanel, placeOn } from "./junctionpanel";
+import { CanvasPen } from "./pen";
+import { Lists } from "./lists";
+import { OrbitPanel } from "./orbitpanel";
+import { Plot, type Selected } from "./plot";
+import type { LabelChoice } from "./place";
+import { download, plotCsv, plotPng, plotSvg } from "./save";
+import { installSearch } from "./search";
+import { createPainter, palette, type Colouring, type Painter } from "./theme";
+import type { Window } from "./view";
+
+type Tab = "here" | "paths" | "grow" | "help";
+
+const settings = { full: false, physical: false, size: Number(localStorage.getItem("size")) || 14 };
+
+class Page {
+  private atlas: Atlas;
+  private plot: Plot;
+  private orbit: OrbitPanel;
+  private lists: Lists;
+  private grow: Grow;
+  private dark = (localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
+  private colouring: Colouring = "symmetry";
+  private tab: Tab = "help";
+  private restoring = false;
+  private written = "";
+
+  constructor(private source: Awaited<ReturnType<typeof getAtlas>>) {
+    const a = readAddress();
+    this.atlas = new Atlas(source.description, source.packed, !a.linear);
+    this.applyTheme();
+    const options = { duplicates: a.duplicates, marks: a.marks, labels: a.labels, reference: true };
+    this.lists = new Lists(() => this.atlas, {
+      branch: (id) => this.goBranch(id),
+      junction: (id) => this.goJunction(id),
+      path: (ids, fit) => this.showPath(ids, fit),
+    });
+    this.plot = new Plot($("plot"), this.atlas, this.painter(), palette(this.dark), options, {
+      pick: (hit) => this.select({ branch: hit.branch.id, k: hit.k, arclength: hit.arclength }, true),
+      pickJunction: (mark) => this.selectJunction(mark.junction.id),
+      moved: () => this.rested(),
+      hover: (text) => this.status(text),
+    });
+    this.plot.size = settings.size;
+    this.orbit = new OrbitPanel(() => this.atlas, () => palette(this.dark), settings, {
+      moved: (s) => this.slide(s),
+      junction: (id) => this.goJunction(id),
+      branch: (id) => this.goBranch(id),
+      status: (text) => this.status(text),
+    });
+    this.grow = new Grow(() => this.atlas, {
+      renewed: () => void this.renew(),
+      progress: () => this.status(this.hovering),
+      inView: () => this.inView(),
+    });
+    this.install();
+    this.apply(a);
+    this.showTab(a.junction || a.selected ? "here" : "help");
+    document.title = `${source.description.title} – ricochet`;
+    $("title").textContent = source.description.title;
+    $("title").title = `${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${this.atlas.total} points; ricochet ${source.description.version}`;
+  }
+
+  /* ---------------------------------------------------------------- looks */
+
+  private painter(): Painter {
+    return createPainter(this.atlas, this.colouring, this.lists.bases, palette(this.dark));
+  }
+
+  private repaint(): void {
+    const painter = this.painter();
+    this.plot.repaint(painter, palette(this.dark));
+    const swatches = painter.legend.map((entry) => {
+      const canvas = document.createElement("canvas");
+      [canvas.width, canvas.height] = [44, 20];
+      const c = canvas.getContext("2d")!;
+      c.scale(2, 2);
+      new CanvasPen(c).path([1, 5, 21, 5], { stroke: entry.style.colour, width: entry.style.width, dash: entry.style.dash ?? undefined });
+      const span = document.createElement("span");
+      const [base, sub] = entry.text.split(" ^");
+      span.append(canvas, base);
+      if (sub) span.append(" ", sub);
+      return span;
+    });
+    $("legend").replaceChildren(...swatches);
+    this.orbit.refresh();
+  }
+
+  private applyTheme(): void {
+    document.documentElement.classList.toggle("dark", this.dark);
+    document.documentElement.style.fontSize = `${settings.size}px`;
+  }
+
+  private toggleTheme(): void {
+    this.dark = !this.dark;
+    localStorage.setItem("theme", this.dark ? "dark" : "light");
+    this.applyTheme();
+    this.repaint();
+  }
+
+  private resizeType(by: number): void {
+    settings.size = Math.min(24, Math.max(11, settings.size + by));
+    localStorage.setItem("size", String(settings.size));
+    this.plot.size = settings.size;
+    this.applyTheme();
+    this.plot.touch();
+    this.orbit.refresh();
+  }
+
+  private async colour(to: Colouring): Promise<void> {
+    this.colouring = to;
+    $<HTMLSelectElement>("colouring").value = to;
+    if (to === "base" && !this.lists.bases)
+      try {
+        await this.lists.loadBases();
+      } catch (e) {
+        this.status((e as Error).message);
+      }
+    this.repaint();
+    this.keep(false);
+  }
+
+  private setAxis(logarithmic: boolean): void {
+    $<HTMLInputElement>("axis").checked = logarithmic;
+    if (logarithmic === this.atlas.logarithmic) return;
+    this.atlas = new Atlas(this.source.description, this.source.packed, logarithmic);
+    this.plot.setAtlas(this.atlas, this.painter());
+  }
+
+  private setDuplicates(n: number): void {
+    this.plot.options.duplicates = Math.min(32, Math.max(1, n || 1));
+    $<HTMLInputElement>("duplicates").value = String(this.plot.options.duplicates);
+    this.plot.touch();
+  }
+
+  private hovering = "";
+  private status(text: string): void {
+    this.hovering = text;
+    const busy = this.grow?.extension?.running ?? false;
+    $("status").textContent = text || (busy || this.grow?.extension?.failed ? this.grow.words() : "");
+    $("status").classList.toggle("busy", busy && !text);
+    $("status").hidden = !$("status").textContent;
+  }
+
+  /* -------------------------------------------------------------- address */
+
+  private address(): Address {
+    const v = this.plot.view;
+    return {
+      window: { e0: v.toEnergy(v.window.x0), e1: v.toEnergy(v.window.x1), w0: v.window.y0, w1: v.window.y1 },
+      linear: !v.logarithmic, duplicates: this.plot.options.duplicates, colouring: this.colouring, labels: this.plot.options.labels,
+      marks: this.plot.options.marks, selected: this.plot.selected, junction: this.plot.chosenJunction,
+    };
+  }
+
+  // A step of the history, or only the address of the present one.
+  private keep(step: boolean): void {
+    if (this.restoring) return;
+    const text = writeAddress(this.address());
+    if (text === this.written) return;
+    this.written = text;
+    if (step) history.pushState(null, "", text);
+    else history.replaceState(null, "", text);
+  }
+
+  private apply(a: Address): void {
+    this.restoring = true;
+    this.setAxis(!a.linear);
+    this.setDuplicates(a.duplicates);
+    this.plot.options.marks = $<HTMLInputElement>("marks").checked = a.marks;
+    this.plot.options.labels = $<HTMLSelectElement>("labels").value = a.labels;
+    void this.colour(a.colouring);
+    const v = this.plot.view;
+    this.plot.show(a.window ? { x0: v.toX(a.window.e0), x1: v.toX(a.window.e1), y0: a.window.w0, y1: a.window.w1 } : this.plot.home());
+    if (a.selected && this.atlas.branch(a.selected.branch)) this.select(a.selected, false);
+    else this.plot.selected = null;
+    if (a.junction && this.atlas.junction(a.junction)) this.selectJunction(a.junction, false);
+    else this.plot.chosenJunction = 0;
+    this.restoring = false;
+    this.written = location.hash;
+  }
+
+  private settled: Window | null = null;
+  private rested(): void {
+    const w = this.plot.view.window;
+    const old = this.settled;
+    const far = !old || Math.abs(Math.log((w.x1 - w.x0) / (old.x1 - old.x0))) > 0.5 || Math.abs(w.x0 + w.x1 - old.x0 - old.x1) > 0.5 * (w.x1 - w.x0) || Math.abs(w.y0 + w.y1 - old.y0 - old.y1) > 0.5 * (w.y1 - w.y0);
+    this.keep(far && old !== null);
+    if (far) this.settled = { ...w };
+    this.grow.rested();
+  }
+
+  /* ------------------------------------------------------------ selection */
+
+  private select(s: Selected, step: boolean): void {
+    const b = this.atlas.branch(s.branch);
+    if (!b) return;
+    const end = this.atlas.arclength[b.place + b.knots - 1];
+    const inside = { ...s, arclength: Math.min(end, Math.max(0, s.arclength)) };
+    this.plot.selected = inside;
+    this.plot.chosenJunction = 0;
+    this.plot.path = [];
+    this.orbit.play(false);
+    void this.orbit.select(inside);
+    this.showTab("here");
+    this.plot.touch(false);
+    this.keep(step);
+  }
+
+  // Along the branch; while it plays, the orbit panel itself asks for the next orbit.
+  private slide(arclength: number): void {
+    const s = this.plot.selected;
+    if (!s) return;
+    s.arclength = arclength;
+    if (!this.orbit.plays) void this.orbit.select(s);
+    const at = this.atlas.at(this.atlas.branch(s.branch), arclength);
+    if (!this.plot.shows(at.energy, at.frequency / s.k)) this.plot.centre(at.energy, at.frequency / s.k);
+    this.plot.touch(false);
+    this.keep(false);
+  }
+
+  private selectJunction(id: number, step = true): void {
+    const j = this.atlas.junction(id);
+    if (!j) return;
+    this.orbit.play(false);
+    this.plot.chosenJunction = id;
+    this.plot.path = [];
+    this.showTab("here");
+    this.plot.touch(false);
+    this.keep(step);
+  }
+
+  private goJunction(id: number): void {
+    const j = this.atlas.junction(id);
+    if (!j) return;
+    if (!this.plot.shows(j.energy, j.frequency)) this.plot.centre(j.energy, j.frequency);
+    this.selectJunction(id);
+  }
+
+  private goBranch(id: number): void {
+    const b = this.atlas.branch(id);
+    if (!b) return;
+    const s = this.atlas.arclength[b.place + b.knots - 1] / 2;
+    this.fit([id]);
+    this.select({ branch: id, k: 1, arclength: s }, true);
+  }
+
+  private showPath(ids: number[], fit: boolean): void {
+    this.plot.path = ids;
+    if (fit) this.fit(ids);
+    this.plot.touch();
+  }
+
+  // Shows all of some branches, with room around them.
+  private fit(ids: number[]): void {
+    let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const b of ids.map((id) => this.atlas.branch(id))) {
+      const low = b.impacts ? b.energy_min : 0.5 * b.energy_max;
+      [x0, x1] = [Math.min(x0, this.plot.view.toX(low)), Math.max(x1, this.plot.view.toX(b.energy_max))];
+      [y0, y1] = [Math.min(y0, b.frequency_min), Math.max(y1, b.frequency_max)];
+    }
+    const [mx, my] = [0.15 * (x1 - x0) || 0.02, 0.15 * (y1 - y0) || 0.02];
+    this.plot.show({ x0: x0 - mx, x1: x1 + mx, y0: y0 - my, y1: y1 + my });
+  }
+
+  private nextJunction(by: 1 | -1): void {
+    const s = this.plot.selected;
+    const b = s ? this.atlas.branch(s.branch) : undefined;
+    if (!s || !b) return;
+    const list = [...(b.from ? [b.from] : []), ...b.junctions, ...(b.to ? [b.to] : [])].map((id) => ({ id, at: placeOn(this.atlas, b.id, id) }));
+    const tiny = 1e-9 * (1 + Math.abs(s.arclength));
+    const next = by > 0 ? list.find((j) => j.at > s.arclength + tiny) : list.reverse().find((j) => j.at < s.arclength - tiny);
+    if (next) this.slide(next.at);
+  }
+
+  /* ----------------------------------------------------------------- side */
+
+  private showTab(tab: Tab): void {
+    this.tab = tab;
+    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.setAttribute("aria-selected", String(b.dataset.tab === tab));
+    const content = $("content");
+    if (tab === "help") content.replaceChildren($<HTMLTemplateElement>("helptext").content.cloneNode(true));
+    else if (tab === "grow") {
+      content.replaceChildren(this.grow.root);
+      this.grow.show();
+    } else if (tab === "paths") {
+      content.replaceChildren(this.lists.root);
+      void this.lists.show();
+    } else content.replaceChildren(this.here());
+  }
+
+  private here(): Node {
+    if (this.plot.chosenJunction) {
+      const j = this.atlas.junction(this.plot.chosenJunction);
+      return junctionPanel(this.atlas, j, settings.full, settings.physical, {
+        follow: (branch, s) => this.follow(branch, s),
+        hover: (branch) => {
+          this.plot.path = branch ? [branch] : [];
+          this.plot.touch(false);
+        },
+        orbit: (branch, s) => this.select({ branch, k: 1, arclength: s }, true),
+        grow: () => this.showTab("grow"),
+      });
+    }
+    if (this.plot.selected) return this.orbit.root;
+    const p = document.createElement("p");
+    p.className = "sub";
+    p.textContent = "Click a line for the motion there, a mark for what meets there.";
+    return p;
+  }
+
+  // Out of a junction: a little along the branch, away from it, and then by the arrow keys.
+  private follow(branch: number, s: number): void {
+    const b = this.atlas.branch(branch);
+    const end = this.atlas.arclength[b.place + b.knots - 1];
+    const { knot } = this.atlas.at(b, s);
+    const away = s > 0.5 * end ? knot - 1 : knot + 1;
+    this.select({ branch, k: 1, arclength: this.atlas.arclengthAt(b, Math.min(b.knots - 1, Math.max(0, away))) }, true);
+  }
+
+  /* --------------------------------------------------------- living atlas */
+
+  private inView() {
+    const w = this.plot.view.window;
+    const h = this.plot.home();
+    const out = { over: 0, junctions: 0, refused: 0, duplicates: this.plot.options.duplicates, narrow: w.x1 - w.x0 < 0.34 * (h.x1 - h.x0) || w.y1 - w.y0 < 0.34 * (h.y1 - h.y0),
+      key: [w.x0, w.x1, w.y0, w.y1].map((v) => v.toPrecision(2)).join(" ") };
+    for (const j of this.atlas.junctions) {
+      if (!this.plot.shows(j.energy, j.frequency)) continue;
+      out.refused += j.departures.refused;
+      out.over += j.departures.over_budget;
+      if (j.departures.over_budget) out.junctions++;
+    }
+    return out;
+  }
+
+  // The atlas has changed: same view, same place; what is new is shown for a while.
+  private async renew(): Promise<void> {
+    const before = new Set(this.atlas.branches.map(nameOf));
+    const s = this.plot.selected;
+    const at = s ? { ...this.atlas.at(this.atlas.branch(s.branch), s.arclength), row: this.atlas.branch(s.branch) } : null;
+    const chosen = this.plot.chosenJunction ? this.atlas.junction(this.plot.chosenJunction) : null;
+    try {
+      this.source = await getAtlas();
+    } catch (e) {
+      this.status((e as Error).message);
+      return;
+    }
+    this.atlas = new Atlas(this.source.description, this.source.packed, this.plot.view.logarithmic);
+    this.lists.forget();
+    if (this.colouring === "base") await this.lists.loadBases().catch(() => []);
+    this.plot.path = [];
+    this.plot.selected = null;
+    this.plot.setAtlas(this.atlas, this.painter());
+    if (s && at) this.findAgain(s, at);
+    this.plot.chosenJunction = chosen ? (this.atlas.junctions.find((j) => j.kind === chosen.kind && j.multiple === chosen.multiple && near(j.energy, chosen.energy) && near(j.frequency, chosen.frequency))?.id ?? 0) : 0;
+    this.plot.fresh = new Set(this.atlas.branches.filter((b) => !before.has(nameOf(b))).map((b) => b.id));
+    setTimeout(() => {
+      this.plot.fresh.clear();
+      this.plot.touch(false);
+    }, 6000);
+    this.repaint();
+    this.grow.show();
+    if (this.tab !== "grow") this.showTab(this.tab);
+    this.keep(false);
+  }
+
+  // The branch of that name through the place that was selected: numbers of branches may have changed.
+  private findAgain(s: Selected, at: { energy: number; frequency: number; row: { label: string; word: string } }): void {
+    let least = Infinity;
+    for (const b of this.atlas.branches) {
+      if (b.label !== at.row.label || b.word !== at.row.word) continue;
+      for (let i = b.place; i < b.place + b.knots; i++) {
+        const distance = Math.hypot(Math.log((this.atlas.energy[i] + 1e-300) / (at.energy + 1e-300)), Math.log(this.atlas.frequency[i] / at.frequency));
+        if (distance < least) {
+          least = distance;
+          this.plot.selected = { branch: b.id, k: s.k, arclength: this.atlas.arclength[i] };
+        }
+      }
+    }
+    if (this.plot.selected) void this.orbit.select(this.plot.selected);
+  }
+
+  /* ------------------------------------------------------------- controls */
+
+  private install(): void {
+    const plot = this.plot;
+    $("back").onclick = () => history.back();
+    $("forward").onclick = () => history.forward();
+    $("home").onclick = () => plot.show(plot.home());
+    $("theme").onclick = () => this.toggleTheme();
+    $("smaller").onclick = () => this.resizeType(-2);
+    $("larger").onclick = () => this.resizeType(2);
+    $<HTMLSelectElement>("colouring").onchange = (e) => void this.colour((e.target as HTMLSelectElement).value as Colouring);
+    $<HTMLSelectElement>("labels").onchange = (e) => {
+      plot.options.labels = (e.target as HTMLSelectElement).value as LabelChoice;
+      plot.touch();
+    };
+    $<HTMLInputElement>("marks").onchange = (e) => {
+      plot.options.marks = (e.target as HTMLInputElement).checked;
+      plot.touch();
+    };
+    $<HTMLInputElement>("axis").onchange = (e) => this.setAxis((e.target as HTMLInputElement).checked);
+    $<HTMLInputElement>("duplicates").oninput = (e) => this.setDuplicates((e.target as HTMLInputElement).valueAsNumber);
+    for (const key of ["full", "physical"] as const)
+      $<HTMLInputElement>(key).onchange = (e) => {
+        settings[key] = (e.target as HTMLInputElement).checked;
+        this.orbit.refresh();
+        if (this.tab === "here") this.showTab("here");
+      };
+    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.onclick = () => this.showTab(b.dataset.tab as Tab);
+    for (const b of document.querySelectorAll<HTMLElement>("[data-save]")) b.onclick = () => void this.save(b.dataset.save!);
+    installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, (f) => (f.kind === "branch" ? this.goBranch(f.id) : this.goJunction(f.id)));
+    addEventListener("popstate", () => this.apply(readAddress()));
+    addEventListener("keydown", (e) => this.key(e));
+    addEventListener("click", (e) => {
+      const menu = $<HTMLDetailsElement>("saving");
+      if (menu.open && !menu.contains(e.target as Node)) menu.open = false;
+    });
+    $("divider").onpointerdown = (e) => {
+      $("divider").setPointerCapture(e.pointerId);
+      $("divider").onpointermove = (m) => ($("side").style.width = `${innerWidth - m.clientX - 3}px`);
+      $("divider").onpointerup = () => ($("divider").onpointermove = null);
+    };
+    if (!mayCompute) this.status("opened without its token: nothing can be computed");
+  }
+
+  private async save(what: string): Promise<void> {
+    $<HTMLDetailsElement>("saving").open = false;
+    const name = this.source.description.title.replace(/[^\w]+/g, "-").toLowerCase() || "atlas";
+    if (what === "svg") download(`${name}.svg`, plotSvg(this.plot), "image/svg+xml");
+    else if (what === "png") download(`${name}.png`, await plotPng(this.plot), "image/png");
+    else if (what === "csv") download(`${name}.csv`, plotCsv(this.plot), "text/csv");
+    else {
+      const text = what === "orbit-svg" ? this.orbit.svg() : this.orbit.historyCsv();
+      if (text) download(`${name}-orbit.${what === "orbit-svg" ? "svg" : "csv"}`, text, what === "orbit-svg" ? "image/svg+xml" : "text/csv");
+      else this.status("No orbit is chosen: click a line first.");
+    }
+  }
+
+  private key(e: KeyboardEvent): void {
+    const tag = (e.target as HTMLElement).tagName;
+    const typing = tag === "SELECT" || (tag === "INPUT" && !["checkbox", "range"].includes((e.target as HTMLInputElement).type));
+    if (typing || e.ctrlKey || e.metaKey) return;
+    const { plot } = this;
+    const [w, h] = [plot.view.width, plot.view.height];
+    const along = plot.selected !== null && !plot.chosenJunction;
+    const step = e.shiftKey ? 10 : e.altKey ? 0.1 : 1;
+    const move = (x: number, y: number) => {
+      plot.view.pan(x, y);
+      plot.touch();
+    };
+    const zoom = (f: number) => {
+      plot.view.zoom(w / 2, h / 2, f, f);
+      plot.touch();
+    };
+    const actions: Record<string, () => void> = {
+      ArrowLeft: () => (along ? this.orbit.step(-step) : move(60, 0)), ArrowRight: () => (along ? this.orbit.step(step) : move(-60, 0)),
+      ArrowUp: () => move(0, 60), ArrowDown: () => move(0, -60), "+": () => zoom(0.7), "=": () => zoom(0.7), "-": () => zoom(1 / 0.7),
+      h: () => plot.show(plot.home()), l: () => this.setAxis(!this.atlas.logarithmic), d: () => this.toggleTheme(),
+      c: () => void this.colour((["symmetry", "stability", "word", "base"] as const)[(["symmetry", "stability", "word", "base"].indexOf(this.colouring) + 1) % 4]),
+      m: () => $("marks").click(), "]": () => this.setDuplicates(plot.options.duplicates + 1), "[": () => this.setDuplicates(plot.options.duplicates - 1),
+      n: () => this.nextJunction(1), p: () => this.nextJunction(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),
+      " ": () => along && this.orbit.play(!this.orbit.plays),
+      Escape: () => {
+        this.orbit.play(false);
+        plot.selected = null;
+        plot.chosenJunction = 0;
+        plot.path = [];
+        this.showTab("here");
+        plot.touch(false);
+        this.keep(true);
+      },
+    };
+    const arrows = e.key.startsWith("Arrow");
+    if (e.altKey && arrows && !along) return; // the browser's own back and forward
+    if (tag === "BUTTON" && e.key === " ") return;
+    const action = actions[e.key];
+    if (!action || (tag === "INPUT" && arrows)) return;
+    e.preventDefault();
+    action();
+  }
+
+  // For tests: where things are and how long frames take.
+  probe() {
+    return {
+      frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
+      toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
+      labels: () => document.querySelectorAll(".overlay").length, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
+    };
+  }
+}
+
+const near = (a: number, b: number) => Math.abs(a - b) <= 1e-8 * (Math.abs(a) + Math.abs(b));
+const nameOf = (b: { label: string; word: string; energy_min: number; frequency_min: number; reversible: boolean; mirror: string }) =>
+  [b.label.replace(/[+-]$/, ""), b.word, b.energy_min.toPrecision(8), b.frequency_min.toPrecision(8), b.mirror].join(" ");
+
+declare global {
+  interface Window {
+    ricochet?: () => ReturnType<Page["probe"]>;
+  }
+}
+
+getAtlas().then(
+  (source) => {
+    const page = new Page(source);
+    window.ricochet = () => page.probe();
+  },
+  (e: Error) => {
+    $("plot").append(Object.assign(document.createElement("p"), { id: "wait", textContent: e.message }));
+  },
+);

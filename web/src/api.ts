@@ -1,0 +1,209 @@
+// What the server of `ricochet view` answers. Numbers arrive as they leave the library: scaled, to the last bit.
+
+export interface BranchRow {
+  id: number;
+  label: string;
+  word: string;
+  impacts: number;
+  symmetric: boolean;
+  reversible: boolean;
+  mirror: string;
+  stable_fraction: number | null;
+  points: number;
+  energy_min: number;
+  energy_max: number;
+  frequency_min: number;
+  frequency_max: number;
+  from: number | null;
+  to: number | null;
+  stop: string;
+  why: string;
+  junctions: number[];
+  junction_arclengths: number[];
+  depth: number;
+  mode: number | null;
+  place: number; // of its first knot in the packed points
+  knots: number;
+}
+
+export interface Departures {
+  taken: number;
+  known: number;
+  inadmissible: number;
+  over_budget: number;
+  refused: number;
+}
+
+export interface JunctionRow {
+  id: number;
+  kind: string;
+  label: string;
+  name: string;
+  word: string;
+  impacts: number;
+  grazings: number;
+  multiple: number;
+  rotation: [number, number] | null;
+  a: number | null;
+  b: number | null;
+  energy: number;
+  frequency: number;
+  branches: number[];
+  departures: Departures;
+  refusal: string;
+}
+
+export interface Contact {
+  name: string;
+  normal: number[];
+  clearance: number | null;
+  sides: string;
+}
+
+export interface Model {
+  dofs: number;
+  modes: number;
+  length: number;
+  symmetric: boolean;
+  frequencies: number[];
+  locked: number[];
+  mass: number[];
+  stiffness: number[];
+  contacts: Contact[];
+  faces: { contact: number; side: number }[];
+}
+
+export interface Budgets {
+  depth: number;
+  impacts: number;
+  multiply: number;
+  energy: [number, number];
+  frequency: [number, number];
+}
+
+export interface Description {
+  generation: number;
+  version: string;
+  title: string;
+  finished: boolean;
+  model: Model;
+  budgets: Budgets;
+  branches: BranchRow[];
+  junctions: JunctionRow[];
+}
+
+export interface Orbit {
+  word: string;
+  state: number[];
+  flights: number[];
+  period: number;
+  frequency: number;
+  energy: number;
+  multipliers: [number, number][] | null;
+  stable: "yes" | "no" | "undecided";
+  amplitudes: number[] | null;
+  impact_speeds: number[];
+  impulses: number[];
+  arclength: number;
+  trace: number | null;
+  rotation: number | null;
+  reach: number | null;
+  approach: number | null;
+  residual: number;
+  impact_times: number[];
+  impact_faces: number[];
+  history: { t: number[]; x: number[][]; v: number[][] } | null;
+}
+
+export interface BaseRow {
+  base: string;
+  mode: number;
+  j: number;
+  number: number;
+  branches: number[];
+  labels: string[];
+}
+
+export interface CascadeRow {
+  path: number;
+  step: number;
+  branch: number;
+  junction: number | null;
+  label: string | null;
+  "p/q": string;
+  impacts: number;
+  energy: number | null;
+  frequency: number | null;
+  stop: string | null;
+}
+
+export interface Extension {
+  running: boolean;
+  stopping: boolean;
+  restoring: boolean;
+  failed: boolean;
+  message: string;
+  branches: number;
+  junctions: number;
+  open: number;
+  depth: number;
+  seconds: number;
+}
+
+export interface Status {
+  generation: number;
+  extension: Extension;
+}
+
+// The token comes with the address that the program prints, and leaves the address line at once: a picture of the screen does not give it away.
+function takeToken(): string {
+  const url = new URL(location.href);
+  const given = url.searchParams.get("token");
+  if (given !== null) {
+    sessionStorage.setItem("token", given);
+    url.searchParams.delete("token");
+    history.replaceState(history.state, "", url.pathname + url.search + url.hash);
+  }
+  return sessionStorage.getItem("token") ?? "";
+}
+
+const token = takeToken();
+export const mayCompute = token !== "";
+
+async function failure(response: Response): Promise<Error> {
+  try {
+    return new Error(((await response.json()) as { error: string }).error);
+  } catch {
+    return new Error(`the server answered ${response.status}`);
+  }
+}
+
+async function ask<T>(path: string, options: RequestInit = {}): Promise<T> {
+  const response = await fetch(path, { ...options, headers: { "X-Ricochet-Token": token }, credentials: "omit" });
+  if (!response.ok) throw await failure(response);
+  return (await response.json()) as T;
+}
+
+export const getStatus = () => ask<Status>("/api/status");
+export const getBases = () => ask<BaseRow[]>("/api/bases");
+export const getCascades = () => ask<CascadeRow[]>("/api/cascades");
+export const stopExtension = () => ask<Extension>("/api/stop", { method: "POST", body: "{}" });
+export const extend = (budgets: { depth?: number; impacts?: number; multiply?: number; seconds?: number }) =>
+  ask<Extension>("/api/extend", { method: "POST", body: JSON.stringify(budgets) });
+
+export type Where = { point: number } | { energy: number } | { frequency: number } | { arclength: number };
+
+export const getOrbit = (branch: number, where: Where, signal?: AbortSignal) => {
+  const [name, value] = Object.entries(where)[0] as [string, number];
+  return ask<Orbit[]>(`/api/orbit?branch=${branch}&${name}=${value}`, { signal });
+};
+
+// Description and points of one generation: when the atlas changes in between, both are asked for again.
+export async function getAtlas(): Promise<{ description: Description; packed: ArrayBuffer }> {
+  for (;;) {
+    const [description, response] = await Promise.all([ask<Description>("/api/atlas"), fetch("/api/points")]);
+    if (!response.ok) throw await failure(response);
+    const packed = await response.arrayBuffer();
+    if (Number(response.headers.get("X-Ricochet-Generation") ?? description.generation) === description.generation) return { description, packed };
+  }
+}

@@ -1,0 +1,208 @@
+// The atlas in the browser: knots of all branches in flat arrays, and for each branch a tree from which any view of it is drawn with as few
+// segments as the eye can tell, however many knots there are.
+import type { BranchRow, Description, JunctionRow } from "./api";
+
+export const JOINT = 3; // flag of a knot that is a junction; others carry 0 unstable, 1 stable, 2 undecided
+const BLOCK = 8; // segments in a leaf
+const MIXED = 255;
+const NODE = 6; // numbers per node: box and the bounds of what a chord misses, in each direction
+
+export interface Branch extends BranchRow {
+  root: number; // first node, in the order of levels from the leaves up
+  levels: number[]; // number of nodes of each level
+}
+
+export class Atlas {
+  readonly energy: Float64Array;
+  readonly frequency: Float64Array;
+  readonly arclength: Float64Array;
+  readonly style: Uint8Array; // stability of the segment that begins at a knot
+  x: Float64Array; // energy or its logarithm
+  readonly branches: Branch[]; // branches[id - 1]
+  readonly junctions: JunctionRow[];
+  private nodes: Float64Array;
+  private uniform: Uint8Array;
+  readonly total: number;
+
+  constructor(
+    readonly description: Description,
+    packed: ArrayBuffer,
+    readonly logarithmic: boolean,
+  ) {
+    const n = packed.byteLength / 25;
+    this.total = n;
+    this.energy = new Float64Array(packed, 0, n);
+    this.frequency = new Float64Array(packed, 8 * n, n);
+    this.arclength = new Float64Array(packed, 16 * n, n);
+    const flags = new Uint8Array(packed, 24 * n, n);
+    this.junctions = description.junctions;
+    this.style = new Uint8Array(n);
+    this.x = logarithmic ? this.energy.map((e) => Math.log10(Math.max(e, 1e-30))) : this.energy;
+    let nodes = 0;
+    this.branches = description.branches.map((row) => {
+      const levels: number[] = [];
+      for (let m = Math.max(1, Math.ceil((row.knots - 1) / BLOCK)); ; m = Math.ceil(m / 2)) {
+        levels.push(m);
+        if (m === 1) break;
+      }
+      const branch = { ...row, root: nodes, levels };
+      nodes += levels.reduce((a, b) => a + b, 0);
+      return branch;
+    });
+    this.nodes = new Float64Array(nodes * NODE);
+    this.uniform = new Uint8Array(nodes);
+    for (const b of this.branches) {
+      this.setStyles(b, flags);
+      this.build(b);
+    }
+  }
+
+  branch(id: number): Branch {
+    return this.branches[id - 1];
+  }
+
+  junction(id: number): JunctionRow {
+    return this.junctions[id - 1];
+  }
+
+  // Stability changes at the first junction since the last point, as in the drawn pictures.
+  private setStyles(b: Branch, flags: Uint8Array): void {
+    let present = 2;
+    for (let i = b.place; i < b.place + b.knots; i++)
+      if (flags[i] !== JOINT) {
+        present = flags[i];
+        break;
+      }
+    for (let i = b.place; i < b.place + b.knots; i++) {
+      if (flags[i] !== JOINT) present = flags[i];
+      this.style[i] = present;
+      if (flags[i] !== JOINT) continue;
+      let next = i + 1;
+      while (next < b.place + b.knots && flags[next] === JOINT) next++;
+      if (next < b.place + b.knots) this.style[i] = present = flags[next];
+    }
+  }
+
+  // Bounds of how far knot m lies from the chord of knots a and b, in x and in y, at the place of the chord that is nearest to it.
+  private miss(a: number, b: number, m: number, out: [number, number]): void {
+    const dx = this.x[b] - this.x[a];
+    const dy = this.frequency[b] - this.frequency[a];
+    const length = dx * dx + dy * dy;
+    const px = this.x[m] - this.x[a];
+    const py = this.frequency[m] - this.frequency[a];
+    const t = length > 0 ? Math.min(1, Math.max(0, (px * dx + py * dy) / length)) : 0;
+    out[0] = Math.abs(px - t * dx);
+    out[1] = Math.abs(py - t * dy);
+  }
+
+  private build(b: Branch): void {
+    const { nodes, uniform, x, frequency, style } = this;
+    const last = b.place + b.knots - 1;
+    const out: [number, number] = [0, 0];
+    for (let k = 0; k < b.levels[0]; k++) {
+      const from = b.place + k * BLOCK;
+      const to = Math.min(last, from + BLOCK);
+      const at = (b.root + k) * NODE;
+      let [x0, x1, y0, y1, mx, my, same] = [Infinity, -Infinity, Infinity, -Infinity, 0, 0, style[from]];
+      for (let i = from; i <= to; i++) {
+        x0 = Math.min(x0, x[i]);
+        x1 = Math.max(x1, x[i]);
+        y0 = Math.min(y0, frequency[i]);
+        y1 = Math.max(y1, frequency[i]);
+        if (i < to && style[i] !== same) same = MIXED;
+        this.miss(from, to, i, out);
+        mx = Math.max(mx, out[0]);
+        my = Math.max(my, out[1]);
+      }
+      nodes.set([x0, x1, y0, y1, mx, my], at);
+      uniform[b.root + k] = same;
+    }
+    let below = b.root;
+    for (let level = 1; level < b.levels.length; level++) {
+      const here = below + b.levels[level - 1];
+      for (let k = 0; k < b.levels[level]; k++) {
+        const l = below + 2 * k;
+        const r = 2 * k + 1 < b.levels[level - 1] ? l + 1 : l;
+        const [from, middle, to] = [this.start(b, level, k), this.start(b, level - 1, 2 * k + 1), this.start(b, level, k + 1)];
+        this.miss(from, to, middle, out);
+        const [p, q, at] = [l * NODE, r * NODE, (here + k) * NODE];
+        nodes[at] = Math.min(nodes[p], nodes[q]);
+        nodes[at + 1] = Math.max(nodes[p + 1], nodes[q + 1]);
+        nodes[at + 2] = Math.min(nodes[p + 2], nodes[q + 2]);
+        nodes[at + 3] = Math.max(nodes[p + 3], nodes[q + 3]);
+        nodes[at + 4] = Math.max(nodes[p + 4], nodes[q + 4]) + out[0];
+        nodes[at + 5] = Math.max(nodes[p + 5], nodes[q + 5]) + out[1];
+        uniform[here + k] = uniform[l] === uniform[r] ? uniform[l] : MIXED;
+      }
+      below = here;
+    }
+  }
+
+  // First knot of node k of a level.
+  private start(b: Branch, level: number, k: number): number {
+    return Math.min(b.place + k * BLOCK * 2 ** level, b.place + b.knots - 1);
+  }
+
+  /* Walks the k-duplicate of a branch as pieces of one stability that a view shows: `piece(i, j, style)` for the chord from knot i to knot j. Boxes
+   * outside [x0, x1] x [y0, y1] are left out; a chord stands for its knots if it misses them by less than `tolerance` pixels. */
+  walk(
+    b: Branch,
+    k: number,
+    box: { x0: number; x1: number; y0: number; y1: number },
+    sx: number,
+    sy: number,
+    tolerance: number,
+    piece: (i: number, j: number, style: number) => void,
+  ): void {
+    if (b.knots < 2) return;
+    const { nodes, uniform, style } = this;
+    const [y0, y1, missY] = [box.y0 * k, box.y1 * k, sy / k];
+    const visit = (level: number, first: number, index: number): void => {
+      const at = (first + index) * NODE;
+      if (nodes[at] > box.x1 || nodes[at + 1] < box.x0 || nodes[at + 2] > y1 || nodes[at + 3] < y0) return;
+      const same = uniform[first + index];
+      if (same !== MIXED && nodes[at + 4] * sx + nodes[at + 5] * missY < tolerance) {
+        piece(this.start(b, level, index), this.start(b, level, index + 1), same);
+      } else if (level === 0) {
+        const to = this.start(b, 0, index + 1);
+        for (let i = this.start(b, 0, index); i < to; i++) piece(i, i + 1, style[i]);
+      } else {
+        const below = first - b.levels[level - 1];
+        visit(level - 1, below, 2 * index);
+        if (2 * index + 1 < b.levels[level - 1]) visit(level - 1, below, 2 * index + 1);
+      }
+    };
+    const top = b.levels.length - 1;
+    visit(top, b.root + b.levels.slice(0, top).reduce((a, c) => a + c, 0), 0);
+  }
+
+  // Energy and frequency (of the branch itself) at an arclength, between knots, for drawing only.
+  at(b: Branch, s: number): { energy: number; frequency: number; knot: number } {
+    let i = b.place;
+    let j = b.place + b.knots - 1;
+    while (j - i > 1) {
+      const m = (i + j) >> 1;
+      if (this.arclength[m] <= s) i = m;
+      else j = m;
+    }
+    const gap = this.arclength[j] - this.arclength[i];
+    const t = gap > 0 ? Math.min(1, Math.max(0, (s - this.arclength[i]) / gap)) : 0;
+    return {
+      energy: this.energy[i] + t * (this.energy[j] - this.energy[i]),
+      frequency: this.frequency[i] + t * (this.frequency[j] - this.frequency[i]),
+      knot: i - b.place + t,
+    };
+  }
+
+  // Arclength at a knot number with a fraction, counted from the start of the branch.
+  arclengthAt(b: Branch, knot: number): number {
+    const i = b.place + Math.min(b.knots - 1, Math.max(0, Math.floor(knot)));
+    const j = Math.min(b.place + b.knots - 1, i + 1);
+    return this.arclength[i] + (knot - Math.floor(knot)) * (this.arclength[j] - this.arclength[i]);
+  }
+
+  // How often the orbit of a junction is gone through on the branch itself, so that its frequency there is known.
+  times(b: Branch, j: JunctionRow): number {
+    return b.impacts > j.impacts ? 1 : j.multiple;
+  }
+}

@@ -1,0 +1,261 @@
+// Pictures of one orbit: histories, phase portraits, the multipliers, and the masses between their stops.
+import type { Model, Orbit } from "./api";
+import type { Pen } from "./pen";
+import type { Palette } from "./theme";
+import { niceStep } from "./view";
+
+export interface Frame {
+  pen: Pen;
+  width: number;
+  height: number;
+  palette: Palette;
+  size: number; // of type
+}
+
+interface Axes {
+  x: (value: number) => number;
+  y: (value: number) => number;
+}
+
+const short = (value: number) => String(Number(value.toPrecision(4)));
+
+function range(values: number[][]): [number, number] {
+  let [lo, hi] = [Infinity, -Infinity];
+  for (const list of values)
+    for (const v of list) {
+      lo = Math.min(lo, v);
+      hi = Math.max(hi, v);
+    }
+  if (!(hi > lo)) [lo, hi] = [lo - 1, lo + 1];
+  const margin = 0.06 * (hi - lo);
+  return [lo - margin, hi + margin];
+}
+
+// Frame, ticks and titles of a panel; its scales come back.
+function axes(f: Frame, box: [number, number, number, number], xr: [number, number], yr: [number, number], xTitle: string, yTitle: string): Axes {
+  const { pen, palette: p, size } = f;
+  const [l, t, r, b] = box;
+  const small = size - 3;
+  const x = (v: number) => l + ((v - xr[0]) / (xr[1] - xr[0])) * (r - l);
+  const y = (v: number) => b - ((v - yr[0]) / (yr[1] - yr[0])) * (b - t);
+  pen.path([l, t, r, t, r, b, l, b], { stroke: p.grid, width: 1 }, true);
+  const sx = niceStep(xr[1] - xr[0], Math.max(2, (r - l) / 75));
+  const sy = niceStep(yr[1] - yr[0], Math.max(2, (b - t) / 32));
+  for (let i = Math.ceil(xr[0] / sx); i * sx <= xr[1]; i++) {
+    const px = x(i * sx);
+    pen.path([px, b, px, b + 4], { stroke: p.soft });
+    if (px < r - 12) pen.text(px, b + 4 + small, short(i * sx), { size: small, fill: p.soft, anchor: px < l + 8 ? "start" : "middle" });
+  }
+  for (let i = Math.ceil(yr[0] / sy); i * sy <= yr[1]; i++) {
+    const py = y(i * sy);
+    pen.path([l - 4, py, l, py], { stroke: p.soft });
+    pen.text(l - 6, py + 0.35 * small, short(i * sy), { size: small, fill: p.soft, anchor: "end" });
+  }
+  pen.text(r, b + 6 + 2 * small, xTitle, { size: small, fill: p.soft, anchor: "end" });
+  pen.text(l + 4, t + small + 2, yTitle, { size: small, fill: p.soft, halo: p.paper });
+  return { x, y };
+}
+
+export const colourOf = (p: Palette, i: number) => p.kinds[i % p.kinds.length];
+const lower = (i: number) => String(i).replace(/\d/g, (c) => "₀₁₂₃₄₅₆₇₈₉"[Number(c)]);
+
+// At most four coordinates are drawn; they are chosen by amplitude when there are more.
+export function coordinates(orbit: Orbit, dofs: number): number[] {
+  const all = Array.from({ length: dofs }, (_, i) => i);
+  if (dofs <= 4) return all;
+  const size = orbit.amplitudes ?? [];
+  return all.sort((a, b) => (size[b] ?? 0) - (size[a] ?? 0)).slice(0, 4).sort((a, b) => a - b);
+}
+
+export function drawHistory(f: Frame, orbit: Orbit, model: Model, now: number): void {
+  const h = orbit.history;
+  if (!h) return;
+  const { pen, palette: p, size } = f;
+  const chosen = coordinates(orbit, model.dofs);
+  const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
+  const yr = range(chosen.map((i) => h.x[i]));
+  const a = axes(f, box, [0, orbit.period], yr, "time t, s", "");
+  for (const t of orbit.impact_times) pen.path([a.x(t), box[1], a.x(t), box[3]], { stroke: p.soft, width: 0.8, dash: [2, 3], alpha: 0.7 });
+  chosen.forEach((i, c) => {
+    const points: number[] = [];
+    for (let k = 0; k < h.t.length; k++) points.push(a.x(h.t[k]), a.y(h.x[i][k]));
+    pen.path(points, { stroke: colourOf(p, c), width: 1.8, dash: c === 1 ? [7, 3] : c === 2 ? [9, 3, 2, 3] : undefined });
+  });
+  chosen.forEach((i, c) => pen.text(box[2] - 6 - 24 * (chosen.length - 1 - c), box[1] + size, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", halo: p.paper, bold: true }));
+  pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
+}
+
+/* The gap of each contact over its clearance, between the stops at +1 and -1: where the impacts are is seen at a glance. */
+export function drawGaps(f: Frame, orbit: Orbit, model: Model, now: number): void {
+  const h = orbit.history;
+  if (!h) return;
+  const { pen, palette: p, size } = f;
+  const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
+  const list = model.contacts.filter((c) => c.clearance !== null).slice(0, 4);
+  const curves = list.map((c) => h.t.map((_, k) => gap(c.normal, h.x, k) / c.clearance!));
+  const [lo, hi] = range([...curves, [-1.05, 1.05]]);
+  const a = axes(f, box, [0, orbit.period], [lo, hi], "time t, s", "");
+  for (const stop of [1, -1]) {
+    const there = list.some((c) => c.sides === "both" || c.sides === (stop > 0 ? "upper" : "lower"));
+    if (there) pen.path([box[0], a.y(stop), box[2], a.y(stop)], { stroke: p.soft, width: 1.2, dash: [10, 4] });
+  }
+  curves.forEach((curve, c) => {
+    const points: number[] = [];
+    for (let k = 0; k < curve.length; k++) points.push(a.x(h.t[k]), a.y(curve[k]));
+    pen.path(points, { stroke: colourOf(p, c + 2), width: 1.8 });
+  });
+  orbit.impact_times.forEach((t, k) => {
+    const face = model.faces[orbit.impact_faces[k]];
+    if (face) pen.circle(a.x(t), a.y(face.side), 3.2, { fill: p.paper, stroke: p.ink, width: 1.2 });
+  });
+  pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
+}
+
+const gap = (normal: number[], x: number[][], k: number) => normal.reduce((sum, b, i) => sum + b * x[i][k], 0);
+
+// State between samples, linearly: for the moving pictures only.
+export function stateAt(orbit: Orbit, dofs: number, t: number): { x: number[]; v: number[] } {
+  const h = orbit.history;
+  if (!h) return { x: new Array(dofs).fill(0), v: new Array(dofs).fill(0) };
+  let [i, j] = [0, h.t.length - 1];
+  while (j - i > 1) {
+    const m = (i + j) >> 1;
+    if (h.t[m] <= t) i = m;
+    else j = m;
+  }
+  const part = h.t[j] > h.t[i] ? (t - h.t[i]) / (h.t[j] - h.t[i]) : 0;
+  const mix = (list: number[]) => list[i] + part * (list[j] - list[i]);
+  return { x: h.x.map(mix), v: h.v.map(mix) };
+}
+
+export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): void {
+  const h = orbit.history;
+  if (!h) return;
+  const { pen, palette: p, size } = f;
+  const chosen = coordinates(orbit, model.dofs);
+  const columns = Math.min(2, chosen.length);
+  const rows = Math.ceil(chosen.length / columns);
+  const [w, height] = [f.width / columns, f.height / rows];
+  const state = stateAt(orbit, model.dofs, now);
+  chosen.forEach((i, c) => {
+    const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
+    const box: [number, number, number, number] = [left + 46, top + 8, left + w - 8, top + height - 2.6 * size];
+    const a = axes(f, box, range([h.x[i]]), range([h.v[i]]), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
+    const points: number[] = [];
+    const jumps: number[] = [];
+    for (let k = 0; k < h.t.length; k++) {
+      if (k && h.t[k] === h.t[k - 1]) {
+        jumps.push(a.x(h.x[i][k - 1]), a.y(h.v[i][k - 1]), a.x(h.x[i][k]), a.y(h.v[i][k]), NaN, NaN);
+        points.push(NaN, NaN);
+      }
+      points.push(a.x(h.x[i][k]), a.y(h.v[i][k]));
+    }
+    const end = h.t.length - 1;
+    if (orbit.impact_times.length) jumps.push(a.x(h.x[i][end]), a.y(h.v[i][end]), a.x(h.x[i][0]), a.y(h.v[i][0]));
+    pen.path(points, { stroke: colourOf(p, c), width: 1.6 });
+    pen.path(jumps, { stroke: p.soft, width: 1, dash: [3, 3] });
+    pen.circle(a.x(state.x[i]), a.y(state.v[i]), 4, { fill: p.accent, stroke: p.paper, width: 1.5 });
+  });
+}
+
+export function drawCircle(f: Frame, orbit: Orbit): void {
+  const { pen, palette: p, size } = f;
+  const list = (orbit.multipliers ?? []).filter((m) => m && Number.isFinite(m[0]) && Number.isFinite(m[1]));
+  const [cx, cy] = [f.width / 2, f.height / 2];
+  const r = Math.min(cx, cy) - 1.7 * size;
+  pen.path([cx - r - 10, cy, cx + r + 10, cy, NaN, NaN, cx, cy - r - 10, cx, cy + r + 10], { stroke: p.grid });
+  pen.circle(cx, cy, r, { stroke: p.soft, width: 1.2 });
+  for (const [text, x, y] of [["1", cx + r + 4, cy - 4], ["−1", cx - r - 16, cy - 4], ["i", cx + 5, cy - r - 4]] as const)
+    pen.text(x, y, text, { size: size - 3, fill: p.soft });
+  list.forEach(([re, im], i) => {
+    const far = Math.hypot(re, im);
+    const outside = far > 1.25;
+    const shown = outside ? (r * 1.12) / far : r;
+    const [x, y] = [cx + re * shown, cy - im * shown];
+    const colour = colourOf(p, i >> 1);
+    if (outside) pen.path([cx + (re / far) * r * 1.02, cy - (im / far) * r * 1.02, x, y], { stroke: colour, width: 2 });
+    pen.circle(x, y, 5, { fill: outside ? p.paper : colour, stroke: outside ? colour : p.paper, width: 1.5 });
+  });
+  if (list.some(([re, im]) => Math.hypot(re, im) > 1.25)) pen.text(cx, f.height - 3, "open: far outside the circle", { size: size - 3, fill: p.soft, anchor: "middle" });
+}
+
+/* The masses on a line, each about its own place, pulled by springs where the stiffness joins them; stops as brackets: those between two masses ride on
+ * the first one. Displacements are drawn to one scale, in which the largest clearance fits between two masses. */
+export function drawMasses(f: Frame, orbit: Orbit, model: Model, now: number): void {
+  const { pen, palette: p } = f;
+  const n = model.dofs;
+  const state = stateAt(orbit, n, now);
+  if (n > 8) return drawBars(f, state.x, orbit);
+  const pitch = (f.width - 40) / n;
+  const clearance = Math.max(...model.contacts.map((c) => c.clearance ?? 1), 0.1);
+  const most = Math.max(...(orbit.amplitudes ?? [1]), 1e-9);
+  const scale = Math.min((0.26 * pitch) / clearance, (0.36 * pitch) / most);
+  const floor = f.height - 14;
+  const masses = Array.from({ length: n }, (_, i) => model.mass[i * n + i]);
+  const heaviest = Math.max(...masses);
+  const side = (i: number) => Math.max(14, Math.min(0.2 * pitch, 46) * Math.cbrt(masses[i] / heaviest));
+  const home = (i: number) => 24 + pitch * (i + 0.5);
+  const at = (i: number) => home(i) + scale * state.x[i];
+  const hit = orbit.impact_times.findIndex((t) => Math.abs(t - now) < 0.012 * orbit.period || Math.abs(t + orbit.period - now) < 0.012 * orbit.period);
+  const hitFace = hit >= 0 ? model.faces[orbit.impact_faces[hit]] : undefined;
+
+  pen.path([8, floor, f.width - 8, floor], { stroke: p.soft, width: 1 });
+  for (let i = 0; i < n; i++) {
+    for (let j = i + 1; j < n; j++) if (Math.abs(model.stiffness[i * n + j]) > 0) spring(pen, at(i) + side(i) / 2, at(j) - side(j) / 2, floor - 10 - 4 * (j - i), p.soft);
+    let ground = 0;
+    for (let j = 0; j < n; j++) ground += model.stiffness[i * n + j];
+    if (ground > 1e-9 * Math.abs(model.stiffness[i * n + i])) {
+      const wall = i === 0 ? 8 : home(i) - 0.42 * pitch;
+      pen.path([wall, floor - 26, wall, floor], { stroke: p.soft, width: 3 });
+      spring(pen, wall, at(i) - side(i) / 2, floor - 10, p.soft);
+    }
+  }
+  model.contacts.forEach((c, index) => {
+    const touched = c.normal.map((b, i) => [b, i] as const).filter(([b]) => b !== 0);
+    const lift = floor - 56 - 7 * index;
+    for (const stop of [1, -1] as const) {
+      if (c.clearance === null || !(c.sides === "both" || c.sides === (stop > 0 ? "upper" : "lower"))) continue;
+      const lit = hitFace && hitFace.contact === index && hitFace.side === stop;
+      const look = { stroke: lit ? p.accent : p.ink, width: lit ? 3 : 1.6 };
+      if (touched.length === 1) {
+        const [b, i] = touched[0];
+        const towards = Math.sign(b) * stop;
+        const wall = home(i) + (towards * side(i)) / 2 + (scale * stop * c.clearance) / b;
+        pen.path([wall, floor - 44, wall, floor], look);
+        for (let y = floor - 40; y < floor; y += 8) pen.path([wall, y, wall + 5 * towards, y - 5], { stroke: p.soft });
+      } else if (touched.length === 2 && touched[0][0] * touched[1][0] < 0) {
+        const [b, j] = touched[0][0] > 0 ? touched[0] : touched[1];
+        const [, i] = touched[0][0] > 0 ? touched[1] : touched[0];
+        const x = at(i) + (home(j) - home(i)) + (scale * stop * c.clearance) / b + (stop * side(j)) / 2;
+        pen.path([at(i), floor - side(i), at(i), lift, x, lift, x, floor - 0.3 * side(j)], look);
+      }
+    }
+  });
+  for (let i = 0; i < n; i++) {
+    const s = side(i);
+    const [x, colour] = [at(i), colourOf(p, i)];
+    pen.path([x - s / 2, floor - s, x + s / 2, floor - s, x + s / 2, floor, x - s / 2, floor], { fill: colour, stroke: p.paper, width: 1 }, true);
+    pen.path([home(i), floor + 3, home(i), floor + 9], { stroke: p.soft, width: 1 });
+  }
+}
+
+// Structures with many masses: their displacements as a line.
+function drawBars(f: Frame, x: number[], orbit: Orbit): void {
+  const { pen, palette: p } = f;
+  const most = Math.max(...(orbit.amplitudes ?? [1]), 1e-9);
+  const [middle, scale] = [f.height / 2, (0.44 * f.height) / most];
+  const points: number[] = [];
+  x.forEach((v, i) => points.push(14 + ((f.width - 28) * i) / Math.max(1, x.length - 1), middle - scale * v));
+  pen.path([10, middle, f.width - 10, middle], { stroke: p.grid });
+  pen.path(points, { stroke: colourOf(p, 0), width: 1.6 });
+  for (let i = 0; i < points.length; i += 2) pen.circle(points[i], points[i + 1], 2.2, { fill: colourOf(p, 0) });
+}
+
+function spring(pen: Pen, x0: number, x1: number, y: number, colour: string): void {
+  const turns = 7;
+  const points = [x0, y];
+  const step = (x1 - x0) / (2 * turns + 2);
+  for (let i = 0; i < 2 * turns; i++) points.push(x0 + step * (i + 1.5), y + (i % 2 ? 4 : -4));
+  points.push(x1, y);
+  pen.path(points, { stroke: colour, width: 1 });
+}

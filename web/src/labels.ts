@@ -1,0 +1,79 @@
+// Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A4^{2}[0011], long words as powers.
+
+export interface Run {
+  text: string;
+  shift: -1 | 0 | 1; // lowered, on the line, raised
+}
+
+// [0101010101] as [01] raised to 5, long words without a period as their beginning.
+export function shortWord(word: string): Run[] {
+  const n = word.length;
+  for (let k = 1; k <= n / 2 && n > 6; k++)
+    if (n % k === 0 && word.slice(k) === word.slice(0, n - k) && k <= 20)
+      return [{ text: `[${word.slice(0, k)}]`, shift: 0 }, { text: String(n / k), shift: 1 }];
+  const runs = /^(0{4,})(1{2,})$/.exec(word);
+  if (runs)
+    return [
+      { text: "[0", shift: 0 },
+      { text: String(runs[1].length), shift: 1 },
+      { text: "1", shift: 0 },
+      { text: String(runs[2].length), shift: 1 },
+      { text: "]", shift: 0 },
+    ];
+  return [{ text: n > 24 ? `[${word.slice(0, 20)}…]` : `[${word}]`, shift: 0 }];
+}
+
+const minus = (text: string) => text.replace("-", "−");
+
+export function branchRuns(label: string, word: string, k = 1): Run[] {
+  const parts = /^([SA])(\d+)(?:\^\{?(\d*)([+-]?)\}?|([+-]))?(\[.*)?$/.exec(label);
+  if (!parts) return [{ text: label, shift: 0 }];
+  const sign = parts[4] || parts[5] || "";
+  const raised = (k > 1 ? String(k) : "") + minus(sign);
+  const runs: Run[] = [{ text: parts[1], shift: 0 }, { text: parts[2], shift: -1 }];
+  if (raised) runs.push({ text: raised, shift: 1 });
+  return word ? [...runs, ...shortWord(word)] : runs;
+}
+
+export function junctionRuns(name: string): Run[] {
+  const parts = /^([A-Z])(\d*)_(\d[\d,]*)$/.exec(name);
+  if (!parts) return [{ text: name, shift: 0 }];
+  const runs: Run[] = [{ text: parts[1], shift: 0 }];
+  if (parts[2]) runs.push({ text: parts[2], shift: 1 });
+  runs.push({ text: parts[3], shift: -1 });
+  return runs;
+}
+
+export const plain = (runs: Run[]): string => runs.map((r) => r.text).join("");
+
+export function toHtml(runs: Run[]): HTMLElement {
+  const out = document.createElement("span");
+  out.className = "name";
+  for (const r of runs) {
+    const one = document.createElement(r.shift > 0 ? "sup" : r.shift < 0 ? "sub" : "span");
+    one.textContent = r.text;
+    out.append(one);
+  }
+  return out;
+}
+
+// A raised part directly before a lowered one (or the other way round) stands over it; this is how far each run goes, and the whole width.
+export function measure(runs: Run[], size: number, width: (text: string, size: number) => number): { at: number[]; width: number } {
+  const at: number[] = [];
+  let x = 0;
+  for (let i = 0; i < runs.length; i++) {
+    const small = 0.72 * size;
+    const w = (r: Run) => width(r.text, r.shift ? small : size);
+    const [r, next] = [runs[i], runs[i + 1]];
+    at.push(x);
+    if (r.shift && next && next.shift === -r.shift) {
+      at.push(x);
+      x += Math.max(w(r), w(next)) + 0.5;
+      i++;
+    } else x += w(r) + 0.5;
+  }
+  return { at, width: x };
+}
+
+export const runSize = (r: Run, size: number) => (r.shift ? 0.72 * size : size);
+export const runRise = (r: Run, size: number) => (r.shift > 0 ? -0.38 * size : r.shift < 0 ? 0.24 * size : 0);

@@ -1,0 +1,300 @@
+// What is known of one orbit: numbers, pictures, impacts; and moving along its branch.
+import { getOrbit, mayCompute, type Orbit } from "./api";
+import type { Atlas, Branch } from "./atlas";
+import { button, digits, el } from "./dom";
+import { drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame } from "./figures";
+import { branchRuns, junctionRuns, toHtml } from "./labels";
+import { CanvasPen, SvgPen } from "./pen";
+import type { Selected } from "./plot";
+import type { Palette } from "./theme";
+
+export interface OrbitEvents {
+  moved(arclength: number): void; // stepping or playing has gone on along the branch
+  junction(id: number): void;
+  branch(id: number): void;
+  status(text: string): void;
+}
+
+interface Figure {
+  canvas: HTMLCanvasElement;
+  height: number;
+  draw: (f: Frame, orbit: Orbit, now: number) => void;
+}
+
+export class OrbitPanel {
+  readonly root = el("section", { class: "orbit" });
+  orbit: Orbit | null = null;
+  private selected: Selected | null = null;
+  private shown = 0; // number of the last request whose answer is shown
+  private asked = 0;
+  private abort: AbortController | null = null;
+  private figures: Figure[] = [];
+  private clock = 0;
+  private last = 0;
+  private moving = true;
+  private playing = 0;
+  private facts = el("div", { class: "facts" });
+  private head = el("header");
+  private error = el("p", { class: "error", hidden: true });
+  private impacts = el("div");
+  private slider = el("input", { type: "range", min: "0", max: "1", step: "any", title: "Place along the branch" });
+  private playButton = button("▶ Play along", "Follow the branch (space)", () => this.play(!this.playing), "play");
+  private stillButton = button("❚❚", "Stop or start the motion", () => this.still());
+
+  constructor(
+    private atlas: () => Atlas,
+    private palette: () => Palette,
+    private settings: { full: boolean; physical: boolean; size: number },
+    private events: OrbitEvents,
+  ) {
+    const steps = el("div", { class: "steps" },
+      button("◀", "One stored point back (left arrow)", () => this.step(-1)), this.playButton, button("▶", "One stored point on (right arrow)", () => this.step(1)), this.slider);
+    this.slider.oninput = () => this.go(this.slider.valueAsNumber);
+    this.root.append(this.head, steps, this.error, this.figure("The masses", 132, (f, o, t) => drawMasses(f, o, this.atlas().description.model, t), this.stillButton),
+      this.facts, this.figure("Displacements", 190, (f, o, t) => drawHistory(f, o, this.atlas().description.model, t)),
+      this.figure("Gaps between the stops at ±1, impacts", 150, (f, o, t) => drawGaps(f, o, this.atlas().description.model, t)),
+      this.figure("Phase portraits", 210, (f, o, t) => drawPhase(f, o, this.atlas().description.model, t)),
+      this.figure("Multipliers on the unit circle", 190, (f, o) => drawCircle(f, o)), this.impacts);
+    requestAnimationFrame((t) => this.tick(t));
+  }
+
+  private figure(title: string, height: number, draw: Figure["draw"], extra?: HTMLElement): HTMLElement {
+    const canvas = el("canvas", { class: "figure" });
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", title);
+    this.figures.push({ canvas, height, draw });
+    return el("figure", {}, el("figcaption", {}, title, extra), canvas);
+  }
+
+  /* ------------------------------------------------------------- selection */
+
+  async select(s: Selected): Promise<void> {
+    const other = this.selected?.branch !== s.branch || this.selected.k !== s.k;
+    this.selected = { ...s };
+    if (other) this.clock = 0;
+    if (!mayCompute) {
+      this.fail("This page was opened without its token, and shows stored numbers only. Open the address that ricochet view has printed.");
+      return;
+    }
+    const number = ++this.asked;
+    this.abort?.abort();
+    this.abort = new AbortController();
+    try {
+      const found = await getOrbit(s.branch, { arclength: s.arclength }, this.abort.signal);
+      if (number < this.shown) return;
+      this.shown = number;
+      this.error.hidden = true;
+      if (found.length) this.put(found[0]);
+      else this.fail("There is no orbit here.");
+    } catch (e) {
+      if ((e as Error).name !== "AbortError") this.fail((e as Error).message);
+    }
+  }
+
+  private fail(text: string): void {
+    this.orbit = null;
+    this.error.textContent = text;
+    this.error.hidden = false;
+    this.facts.replaceChildren();
+    this.impacts.replaceChildren();
+    this.showHead();
+    this.root.classList.add("empty");
+  }
+
+  private put(orbit: Orbit): void {
+    this.orbit = orbit;
+    this.root.classList.remove("empty");
+    this.showHead();
+    this.showFacts();
+    this.showImpacts();
+    this.drawAll();
+  }
+
+  // After a change of settings, theme or size.
+  refresh(): void {
+    if (this.orbit) this.put(this.orbit);
+  }
+
+  private branch(): Branch | undefined {
+    return this.selected ? this.atlas().branch(this.selected.branch) : undefined;
+  }
+
+  /* --------------------------------------------------------------- stepping */
+
+  private go(arclength: number): void {
+    if (!this.selected) return;
+    this.selected.arclength = arclength;
+    this.events.moved(arclength);
+  }
+
+  // By stored points; a fraction lands between them, where the orbit is computed like anywhere else.
+  step(by: number): void {
+    const b = this.branch();
+    if (!b || !this.selected) return;
+    const { knot } = this.atlas().at(b, this.selected.arclength);
+    const whole = Math.abs(by) >= 1 ? (by > 0 ? Math.floor(knot + 1e-6) + by : Math.ceil(knot - 1e-6) + by) : knot + by;
+    this.go(this.atlas().arclengthAt(b, Math.min(b.knots - 1, Math.max(0, whole))));
+  }
+
+  // Along the whole branch in twenty seconds, there and back; as fast as answers come.
+  play(on: boolean): void {
+    this.playing = on ? this.playing || 1 : 0;
+    this.playButton.textContent = on ? "❚❚ Pause" : "▶ Play along";
+    if (on) void this.playOn();
+  }
+
+  get plays(): boolean {
+    return this.playing !== 0;
+  }
+
+  private async playOn(): Promise<void> {
+    let before = performance.now();
+    while (this.playing && this.selected) {
+      const b = this.branch();
+      if (!b) break;
+      const end = this.atlas().arclength[b.place + b.knots - 1];
+      const now = performance.now();
+      let s = this.selected.arclength + (this.playing * (end * Math.min(250, now - before))) / 20000;
+      before = now;
+      if (s > end || s < 0) {
+        this.playing = -this.playing;
+        s = Math.min(end, Math.max(0, s));
+      }
+      this.go(s);
+      await this.select(this.selected);
+      await new Promise((resolve) => setTimeout(resolve, 33));
+    }
+  }
+
+  private still(): void {
+    this.moving = !this.moving;
+    this.stillButton.textContent = this.moving ? "❚❚" : "▶";
+  }
+
+  /* ---------------------------------------------------------------- numbers */
+
+  private showHead(): void {
+    const [b, s] = [this.branch(), this.selected];
+    if (!b || !s) return;
+    const end = this.atlas().arclength[b.place + b.knots - 1];
+    this.slider.max = String(end);
+    this.slider.step = "any";
+    if (document.activeElement !== this.slider) this.slider.value = String(s.arclength);
+    const stable = this.orbit?.stable;
+    const chip = stable ? el("span", { class: `chip ${stable}`, textContent: stable === "yes" ? "stable" : stable === "no" ? "unstable" : "undecided" }) : null;
+    const link = (id: number | null, otherwise: string) => {
+      if (!id) return document.createTextNode(otherwise);
+      const j = this.atlas().junction(id);
+      const a = el("button", { type: "button", class: "link", onclick: () => this.events.junction(id), title: j.kind });
+      a.append(toHtml(junctionRuns(j.name || j.label)));
+      return a;
+    };
+    this.head.replaceChildren(
+      el("h2", {}, toHtml(branchRuns(b.label, b.word, s.k)), chip),
+      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop)));
+  }
+
+  private showFacts(): void {
+    const [o, s, b] = [this.orbit!, this.selected!, this.branch()!];
+    const { full, physical } = this.settings;
+    const d = physical ? this.atlas().description.model.length : 1;
+    const unit = physical ? "" : " (scaled)";
+    const rows: [string, string, string][] = [
+      ["energy", `Energy E${unit}`, digits(d * d * o.energy, full)],
+      ["frequency", "Frequency ω", `${digits(o.frequency / s.k, full)} rad/s`],
+      ["hertz", "", `${digits(o.frequency / s.k / (2 * Math.PI), full)} Hz`],
+      ["period", "Period T", `${digits(o.period * s.k, full)} s`],
+      ["word", "Word", o.word || "no impact"],
+      ["impacts", "Impacts per period", String(b.impacts * s.k)],
+      ["symmetry", "Symmetry", [b.symmetric ? "z(t + T/2) = −z(t)" : "", b.reversible ? `own mirror image in time${b.mirror ? `, ${b.mirror}` : ""}` : ""].filter(Boolean).join("; ") || "none"],
+      ["trace", "Trace", o.trace === null ? "–" : digits(o.trace, full)],
+      ["rotation", "Rotation number", digits(o.rotation, full)],
+      ["multipliers", "Multipliers", (o.multipliers ?? []).map(([re, im]) => `${digits(re, full)}${im < 0 ? " − " : " + "}${digits(Math.abs(im), full)} i`).join("\n")],
+      ["amplitudes", `Amplitudes${unit}`, (o.amplitudes ?? []).map((a) => digits(d * a, full)).join("\n")],
+      ["reach", "Reach, approach", `${digits(o.reach, full)}, ${digits(o.approach === null ? null : d * o.approach, full)}`],
+      ["arclength", "Arclength", digits(o.arclength, full)],
+      ["residual", "Residual", o.residual.toExponential(1)],
+    ];
+    if (s.k > 1) rows.splice(4, 0, ["original", "of the original", `ω ${digits(o.frequency, full)} rad/s, T ${digits(o.period, full)} s`]);
+    this.facts.replaceChildren(el("dl", {}, ...rows.flatMap(([key, name, value]) => [el("dt", { textContent: name }), el("dd", { textContent: value, data: { key } })])));
+  }
+
+  private showImpacts(): void {
+    const o = this.orbit!;
+    const { full, physical } = this.settings;
+    const { model } = this.atlas().description;
+    const d = physical ? model.length : 1;
+    if (!o.impact_times.length) {
+      this.impacts.replaceChildren(el("p", { class: "sub", textContent: "Without impacts: a linear normal mode." }));
+      return;
+    }
+    const face = (f: number) => {
+      const m = model.faces[f];
+      const name = m ? model.contacts[m.contact].name || `contact ${m.contact + 1}` : "";
+      return `${f} ${name} ${m && m.side > 0 ? "upper" : "lower"}`;
+    };
+    const body = el("tbody");
+    o.impact_times.slice(0, 400).forEach((t, k) =>
+      body.append(el("tr", {}, ...[String(k), digits(t, full), face(o.impact_faces[k]), digits(o.impact_speeds[k], full), digits(o.impulses[k], full)].map((text, i) =>
+        el("td", { textContent: i > 2 && d !== 1 ? digits(d * (i === 3 ? o.impact_speeds[k] : o.impulses[k]), full) : text })))));
+    const head = el("tr", {}, ...["", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
+    this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("table", { class: "impacts" }, el("thead", {}, head), body));
+  }
+
+  /* --------------------------------------------------------------- pictures */
+
+  private tick(t: number): void {
+    const passed = Math.min(100, t - this.last);
+    this.last = t;
+    if (this.orbit && this.moving && this.root.isConnected && this.root.offsetParent) {
+      const seconds = Math.min(12, Math.max(2.5, this.orbit.period)); // one period on the screen
+      this.clock = (this.clock + passed / 1000 / seconds) % 1;
+      this.drawAll();
+    }
+    requestAnimationFrame((next) => this.tick(next));
+  }
+
+  private drawAll(): void {
+    if (!this.orbit) return;
+    const scale = window.devicePixelRatio || 1;
+    const bottom = window.innerHeight;
+    for (const f of this.figures) {
+      const width = f.canvas.clientWidth;
+      const box = f.canvas.getBoundingClientRect();
+      if (!width || box.bottom < -50 || box.top > bottom + 50) continue; // scrolled out of sight
+      const height = Math.round(f.height * (this.settings.size / 14));
+      const [w, h] = [Math.round(width * scale), Math.round(height * scale)];
+      if (f.canvas.width !== w || f.canvas.height !== h) {
+        [f.canvas.width, f.canvas.height] = [w, h];
+        f.canvas.style.height = `${height}px`;
+      }
+      const context = f.canvas.getContext("2d")!;
+      context.setTransform(scale, 0, 0, scale, 0, 0);
+      context.clearRect(0, 0, width, height);
+      f.draw({ pen: new CanvasPen(context), width, height, palette: this.palette(), size: this.settings.size }, this.orbit, this.clock * this.orbit.period);
+    }
+  }
+
+  // All pictures of the orbit below each other, for a file.
+  svg(): string | null {
+    if (!this.orbit) return null;
+    const pen = new SvgPen();
+    const [width, size] = [520, 14];
+    let y = 0;
+    for (const f of this.figures) {
+      const height = f.height;
+      pen.clipped(0, y, width, height, () => f.draw({ pen, width, height, palette: this.palette(), size }, this.orbit!, this.clock * this.orbit!.period));
+      y += height + 8;
+    }
+    return pen.finish(width, y, this.palette().paper);
+  }
+
+  historyCsv(): string | null {
+    const h = this.orbit?.history;
+    if (!h) return null;
+    const n = h.x.length;
+    const names = ["t", ...h.x.map((_, i) => `x${i + 1}`), ...h.v.map((_, i) => `v${i + 1}`)];
+    const lines = h.t.map((t, k) => [t, ...Array.from({ length: n }, (_, i) => h.x[i][k]), ...Array.from({ length: n }, (_, i) => h.v[i][k])].join(","));
+    return [names.join(","), ...lines].join("\n") + "\n";
+  }
+}

@@ -1,0 +1,464 @@
+// The frequency-energy plot: lines below, axes, marks and labels above, pointer and wheel on top.
+import type { Atlas } from "./atlas";
+import { createLines, type LineRenderer, Segments, type Style } from "./lines";
+import { placeLabels, type Label, type LabelChoice } from "./place";
+import { CanvasPen, drawMark, drawRuns, type Pen, textWidth } from "./pen";
+import { Scene, type Hit, type Mark } from "./scene";
+import type { Painter, Palette } from "./theme";
+import { axisTicks, View, type Window } from "./view";
+
+export interface PlotOptions {
+  duplicates: number;
+  marks: boolean;
+  labels: LabelChoice;
+  reference: boolean; // natural and locked frequencies
+}
+
+export interface Selected {
+  branch: number;
+  k: number;
+  arclength: number;
+}
+
+export interface PlotEvents {
+  pick(hit: Hit): void;
+  pickJunction(mark: Mark): void;
+  moved(): void; // the view has come to rest somewhere else
+  hover(text: string): void;
+}
+
+const PAD = { left: 70, right: 14, top: 10, bottom: 46 };
+const REST = 90; // ms without motion, after which labels are placed anew
+
+export class Plot {
+  view: View;
+  scene: Scene;
+  selected: Selected | null = null;
+  chosenJunction = 0;
+  path: number[] = []; // branches of a cascade or a base
+  fresh = new Set<number>(); // branches that have just appeared
+  frames: number[] = []; // ms of work per frame, for whoever measures
+  readonly lines: LineRenderer;
+  private gl = document.createElement("canvas");
+  private overlay = document.createElement("canvas");
+  private mini = document.createElement("canvas");
+  private miniBase: ImageData | null = null;
+  private miniView: View;
+  private labels: Label[] = [];
+  private dirty = false;
+  private resting = 0;
+  private extra = new Segments();
+  private hovered: Hit | null = null;
+  private hoveredMark: Mark | null = null;
+  private rubber: { x0: number; y0: number; x1: number; y1: number } | null = null;
+  size = 14; // of type
+
+  constructor(
+    private host: HTMLElement,
+    atlas: Atlas,
+    painter: Painter,
+    public palette: Palette,
+    public options: PlotOptions,
+    private events: PlotEvents,
+  ) {
+    this.view = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.logarithmic);
+    this.miniView = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.logarithmic, 176, 108);
+    this.scene = new Scene(atlas, painter);
+    this.gl.className = "lines";
+    this.overlay.className = "overlay";
+    this.overlay.tabIndex = 0;
+    this.overlay.setAttribute("role", "img");
+    this.overlay.setAttribute("aria-label", "Frequency-energy plot; plus and minus zoom, arrows move, n and p go from junction to junction");
+    this.mini.className = "minimap";
+    this.mini.title = "The whole atlas; click or drag to go there";
+    host.append(this.gl, this.overlay, this.mini);
+    this.lines = createLines(this.gl);
+    this.view.window = this.home();
+    this.listen();
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+  }
+
+  /* ---------------------------------------------------------------- windows */
+
+  // All of the atlas; of the linear modes only the upper end, as they come from energy 0.
+  home(): Window {
+    const { atlas } = this.scene;
+    let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const b of atlas.branches) {
+      const low = b.impacts ? b.energy_min : 0.6 * b.energy_max;
+      if (!(b.energy_max > 0)) continue;
+      x0 = Math.min(x0, this.view.toX(low));
+      x1 = Math.max(x1, this.view.toX(b.energy_max));
+      y0 = Math.min(y0, b.frequency_min / this.options.duplicates);
+      y1 = Math.max(y1, b.frequency_max);
+    }
+    if (!(x1 > x0)) [x0, x1] = [x0 - 1, x0 + 1];
+    if (!(y1 > y0)) [y0, y1] = [0.5 * y0, 1.5 * y0];
+    const [mx, my] = [0.04 * (x1 - x0), 0.06 * (y1 - y0)];
+    return { x0: this.view.logarithmic ? x0 - mx : Math.max(-mx, x0 - mx), x1: x1 + mx, y0: Math.max(0, y0 - my), y1: y1 + my };
+  }
+
+  // Shows a part of the plane at once.
+  show(w: Window): void {
+    this.view.window = { ...w };
+    this.touch();
+  }
+
+  // A place in the middle, with the present width or a part of it.
+  centre(energy: number, frequency: number, part = 1): void {
+    const { x0, x1, y0, y1 } = this.view.window;
+    const [hx, hy] = [(part * (x1 - x0)) / 2, (part * (y1 - y0)) / 2];
+    const x = this.view.toX(energy);
+    this.show({ x0: x - hx, x1: x + hx, y0: frequency - hy, y1: frequency + hy });
+  }
+
+  shows(energy: number, frequency: number): boolean {
+    const { x0, x1, y0, y1 } = this.view.window;
+    const x = this.view.toX(energy);
+    return x > x0 && x < x1 && frequency > y0 && frequency < y1;
+  }
+
+  setAtlas(atlas: Atlas, painter: Painter): void {
+    if (atlas.logarithmic !== this.view.logarithmic) {
+      const [e0, e1] = [this.view.toEnergy(this.view.window.x0), this.view.toEnergy(this.view.window.x1)];
+      this.view.logarithmic = this.miniView.logarithmic = atlas.logarithmic;
+      const least = atlas.branches.reduce((m, b) => (b.impacts ? Math.min(m, b.energy_min) : m), Infinity);
+      const low = atlas.logarithmic && e0 <= 0 ? 0.9 * Math.min(least, e1 / 10) : e0;
+      this.view.window = { ...this.view.window, x0: this.view.toX(low), x1: this.view.toX(e1) };
+    }
+    this.scene = new Scene(atlas, painter);
+    this.hovered = this.hoveredMark = null;
+    this.miniBase = null;
+    this.touch();
+  }
+
+  repaint(painter: Painter, palette: Palette): void {
+    this.scene.painter = painter;
+    this.palette = palette;
+    this.miniBase = null;
+    this.touch();
+  }
+
+  /* ---------------------------------------------------------------- drawing */
+
+  private resize(): void {
+    this.view.width = Math.max(50, this.host.clientWidth - PAD.left - PAD.right);
+    this.view.height = Math.max(50, this.host.clientHeight - PAD.top - PAD.bottom);
+    for (const c of [this.gl, this.overlay]) c.style.position = "absolute";
+    Object.assign(this.gl.style, { left: `${PAD.left}px`, top: `${PAD.top}px`, width: `${this.view.width}px`, height: `${this.view.height}px` });
+    this.touch();
+  }
+
+  touch(rest = true): void {
+    if (rest) {
+      clearTimeout(this.resting);
+      this.resting = window.setTimeout(() => {
+        this.layLabels();
+        this.touch(false);
+        this.events.moved();
+      }, REST);
+    }
+    if (this.dirty) return;
+    this.dirty = true;
+    requestAnimationFrame(() => {
+      this.dirty = false;
+      this.draw();
+    });
+  }
+
+  private layLabels(): void {
+    const keep = this.showsMini() ? [new DOMRect(this.view.width - 190, this.view.height - 122, 190, 122)] : [];
+    this.labels = placeLabels(this.scene, this.view, this.options.labels, this.options.marks, this.size, textWidth, keep);
+  }
+
+  private showsMini(): boolean {
+    const [w, h] = [this.view.window, this.home()];
+    return w.x1 - w.x0 < 0.75 * (h.x1 - h.x0) || w.y1 - w.y0 < 0.75 * (h.y1 - h.y0) || w.x0 > h.x1 || w.x1 < h.x0;
+  }
+
+  private draw(): void {
+    const begin = performance.now();
+    const scale = window.devicePixelRatio || 1;
+    const { view, scene, options } = this;
+    scene.build(view, options.duplicates);
+    scene.buildMarks(view, options.duplicates);
+    this.lines.draw(this.withHighlights(), [...scene.painter.styles, ...this.highlightStyles()], view.width, view.height, scale);
+    const [w, h] = [this.host.clientWidth, this.host.clientHeight];
+    if (this.overlay.width !== Math.round(w * scale) || this.overlay.height !== Math.round(h * scale)) {
+      this.overlay.width = Math.round(w * scale);
+      this.overlay.height = Math.round(h * scale);
+    }
+    const context = this.overlay.getContext("2d")!;
+    context.setTransform(scale, 0, 0, scale, 0, 0);
+    context.clearRect(0, 0, w, h);
+    this.paint(new CanvasPen(context), w, h);
+    this.drawMini(scale);
+    this.frames.push(performance.now() - begin);
+    if (this.frames.length > 2000) this.frames.splice(0, 1000);
+  }
+
+  private highlightStyles(): Style[] {
+    const p = this.palette;
+    return [
+      { colour: p.halo, width: 9, dash: null }, // what is chosen
+      { colour: p.accent, width: 4, dash: null }, // what has just appeared, or a path
+      { colour: p.halo, width: 6, dash: null }, // under the pointer
+    ];
+  }
+
+  // Highlights lie below the lines: they come first.
+  private withHighlights(): Segments {
+    const { scene, view } = this;
+    const first = scene.painter.styles.length;
+    const all = this.extra;
+    const plain = scene.segments;
+    const marks = new Scene(scene.atlas, scene.painter);
+    const add = (id: number, k: number, style: number) => {
+      const b = scene.atlas.branch(id);
+      if (b) marks.addTrack(view, b, k, style);
+    };
+    for (const id of this.path) add(id, 1, first + 1);
+    for (const id of this.fresh) add(id, 1, first + 1);
+    if (this.hovered) add(this.hovered.branch.id, this.hovered.k, first + 2);
+    if (this.selected) add(this.selected.branch, this.selected.k, first);
+    if (marks.segments.n === 0) return plain;
+    all.clear();
+    all.data = new Float32Array(marks.segments.n * 6 + plain.n * 6 + 6);
+    all.data.set(marks.segments.data.subarray(0, marks.segments.n * 6));
+    all.data.set(plain.data.subarray(0, plain.n * 6), marks.segments.n * 6);
+    all.n = marks.segments.n + plain.n;
+    return all;
+  }
+
+  private paint(pen: Pen, w: number, h: number): void {
+    this.paintAxes(pen, w, h);
+    pen.clipped(PAD.left, PAD.top, this.view.width, this.view.height, () => this.paintInside(pen));
+  }
+
+  // What is seen, on any pen: the picture to save.
+  render(pen: Pen): { width: number; height: number } {
+    const [w, h] = [this.host.clientWidth, this.host.clientHeight];
+    pen.clipped(PAD.left, PAD.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
+    this.paint(pen, w, h);
+    return { width: w, height: h };
+  }
+
+  private paintAxes(pen: Pen, w: number, h: number): void {
+    const { view, palette: p, size } = this;
+    const { x0, x1, y0, y1 } = view.window;
+    const [l, t, r, b] = [PAD.left, PAD.top, PAD.left + view.width, PAD.top + view.height];
+    const xs = axisTicks(x0, x1, view.logarithmic, Math.max(2, view.width / 100));
+    const ys = axisTicks(y0, y1, false, Math.max(2, view.height / 60));
+    pen.path([l, t, r, t, r, b, l, b], { stroke: p.soft, width: 1 }, true);
+    let last = -Infinity;
+    for (const tick of xs.ticks) {
+      const x = l + view.px(tick.at);
+      pen.path([x, b, x, b + (tick.minor && !tick.text ? 3 : 6)], { stroke: p.soft });
+      const half = textWidth(tick.text, size - 1) / 2;
+      if (!tick.text || x - half < last + 8 || x + half > w - 2) continue;
+      pen.text(x, b + 8 + size * 0.9, tick.text, { size: size - 1, fill: p.ink, anchor: "middle" });
+      last = x + half;
+    }
+    for (const tick of ys.ticks) {
+      const y = t + view.py(tick.at);
+      pen.path([l - 6, y, l, y], { stroke: p.soft });
+      if (y > t + 4) pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
+    }
+    const unit = xs.offset ? `   ${xs.offset}` : "";
+    pen.text((l + r) / 2, h - 6, `energy E, scaled by d²${unit}`, { size, fill: p.soft, anchor: "middle" });
+    pen.text(size + 1, (t + b) / 2, `frequency ω, rad/s${ys.offset ? `   ${ys.offset}` : ""}`, { size, fill: p.soft, anchor: "middle", upright: true });
+  }
+
+  private paintInside(pen: Pen): void {
+    const { view, scene, palette: p, options, size } = this;
+    if (options.reference) this.paintReference(pen);
+    const placed = this.labels.map((label) => ({ label, dx: view.px(label.anchor.x) - label.px, dy: view.py(label.anchor.y) - label.py }));
+    for (const { label, dx, dy } of placed)
+      if (label.leader)
+        pen.path([label.px + dx, label.py + dy, label.x + dx + (label.x > label.px ? -1 : label.width + 1), label.y + dy - 0.3 * size], { stroke: p.soft, width: 0.7 });
+    if (options.marks)
+      for (const m of scene.marks) drawMark(pen, m.junction.kind, m.x, m.y, m.small ? 2.6 : 4, p.ink, m.junction.id === this.chosenJunction ? p.accent : p.mark);
+    const chosen = this.chosenJunction ? scene.atlas.junction(this.chosenJunction) : undefined;
+    if (chosen) pen.circle(view.px(view.toX(chosen.energy)), view.py(chosen.frequency), 10, { stroke: p.accent, width: 2 });
+    if (this.hoveredMark) pen.circle(this.hoveredMark.x, this.hoveredMark.y, 9, { stroke: p.accent, width: 1.5 });
+    for (const { label, dx, dy } of placed) {
+      const fill = label.style < 0 ? p.ink : (scene.painter.styles[label.style]?.colour ?? p.ink);
+      drawRuns(pen, label.runs, label.at, label.x + dx, label.y + dy, label.size, fill, p.paper);
+    }
+    this.paintSelected(pen);
+    if (this.rubber) {
+      const { x0, y0, x1, y1 } = this.rubber;
+      pen.path([x0, y0, x1, y0, x1, y1, x0, y1], { stroke: p.accent, dash: [5, 4] }, true);
+    }
+  }
+
+  // Natural frequencies dash-dotted, the frequency with the first contact closed dashed.
+  private paintReference(pen: Pen): void {
+    const { model } = this.scene.atlas.description;
+    const draw = (list: number[], dash: number[]) =>
+      list.slice(0, 12).forEach((f) => {
+        const y = this.view.py(f);
+        if (y > 0 && y < this.view.height) pen.path([0, y, this.view.width, y], { stroke: this.palette.soft, width: 0.8, dash, alpha: 0.6 });
+      });
+    draw(model.frequencies, [12, 4, 1, 4]);
+    draw(model.locked, [5, 4]);
+  }
+
+  private paintSelected(pen: Pen): void {
+    const s = this.selected;
+    const b = s ? this.scene.atlas.branch(s.branch) : undefined;
+    if (!s || !b) return;
+    const at = this.scene.atlas.at(b, s.arclength);
+    const [x, y] = [this.view.px(this.view.toX(at.energy)), this.view.py(at.frequency / s.k)];
+    pen.circle(x, y, 6.5, { fill: this.palette.accent, stroke: this.palette.paper, width: 2 });
+  }
+
+  /* --------------------------------------------------------------- minimap */
+
+  private drawMini(scale: number): void {
+    const shown = this.showsMini();
+    this.mini.classList.toggle("hidden", !shown);
+    if (!shown) return;
+    const { miniView: v, palette: p } = this;
+    const context = this.mini.getContext("2d")!;
+    if (!this.miniBase || this.mini.width !== v.width * scale) {
+      this.mini.width = v.width * scale;
+      this.mini.height = v.height * scale;
+      v.window = this.home();
+      const scene = new Scene(this.scene.atlas, this.scene.painter);
+      scene.build(v, 1);
+      context.setTransform(scale, 0, 0, scale, 0, 0);
+      context.fillStyle = p.paper;
+      context.fillRect(0, 0, v.width, v.height);
+      new CanvasPen(context).segments(scene.segments, scene.painter.styles.map((s) => ({ ...s, width: 0.8, dash: null })));
+      this.miniBase = context.getImageData(0, 0, this.mini.width, this.mini.height);
+    }
+    context.putImageData(this.miniBase, 0, 0);
+    context.setTransform(scale, 0, 0, scale, 0, 0);
+    const w = this.view.window;
+    const [x0, x1, y0, y1] = [v.px(w.x0), v.px(w.x1), v.py(w.y1), v.py(w.y0)];
+    const [mx, my] = [(x0 + x1) / 2, (y0 + y1) / 2];
+    const [hx, hy] = [Math.max(4, (x1 - x0) / 2), Math.max(4, (y1 - y0) / 2)];
+    context.strokeStyle = p.accent;
+    context.lineWidth = 1.5;
+    context.strokeRect(mx - hx, my - hy, 2 * hx, 2 * hy);
+  }
+
+  private goMini(event: PointerEvent): void {
+    const r = this.mini.getBoundingClientRect();
+    const v = this.miniView;
+    this.centre(v.toEnergy(v.atX(event.clientX - r.left)), v.atY(event.clientY - r.top));
+  }
+
+  /* --------------------------------------------------------------- pointer */
+
+  private local(event: MouseEvent): { x: number; y: number } {
+    const r = this.overlay.getBoundingClientRect();
+    return { x: event.clientX - r.left - PAD.left, y: event.clientY - r.top - PAD.top };
+  }
+
+  private listen(): void {
+    const pointers = new Map<number, { x: number; y: number }>();
+    let moved = 0;
+    let begin = { x: 0, y: 0 };
+    this.overlay.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      const { x, y } = this.local(e);
+      const f = Math.exp(Math.max(-60, Math.min(60, e.deltaY * (e.deltaMode ? 18 : 1))) * 0.004);
+      const onlyX = e.shiftKey || y > this.view.height;
+      const onlyY = e.altKey || x < 0;
+      this.view.zoom(x, y, onlyY ? 1 : f, onlyX ? 1 : f);
+      this.touch();
+    }, { passive: false });
+    this.overlay.addEventListener("pointerdown", (e) => {
+      this.overlay.setPointerCapture(e.pointerId);
+      pointers.set(e.pointerId, this.local(e));
+      begin = this.local(e);
+      moved = 0;
+      if (e.shiftKey && pointers.size === 1) this.rubber = { x0: begin.x, y0: begin.y, x1: begin.x, y1: begin.y };
+    });
+    this.overlay.addEventListener("pointermove", (e) => {
+      const at = this.local(e);
+      const old = pointers.get(e.pointerId);
+      if (!old) return this.look(at);
+      moved += Math.hypot(at.x - old.x, at.y - old.y);
+      if (this.rubber) Object.assign(this.rubber, { x1: at.x, y1: at.y });
+      else if (pointers.size === 1) this.view.pan(at.x - old.x, at.y - old.y);
+      else this.pinch(pointers, e.pointerId, at);
+      pointers.set(e.pointerId, at);
+      this.touch();
+    });
+    const up = (e: PointerEvent) => {
+      if (!pointers.delete(e.pointerId)) return;
+      if (this.rubber) this.zoomToRubber();
+      else if (moved < 5 && e.type === "pointerup") this.click(this.local(e));
+    };
+    this.overlay.addEventListener("pointerup", up);
+    this.overlay.addEventListener("pointercancel", up);
+    this.overlay.addEventListener("pointerleave", () => this.look(null));
+    this.overlay.addEventListener("dblclick", (e) => {
+      const { x, y } = this.local(e);
+      this.view.zoom(x, y, e.shiftKey ? 2.5 : 0.4, e.shiftKey ? 2.5 : 0.4);
+      this.touch();
+    });
+    this.mini.addEventListener("pointerdown", (e) => {
+      this.mini.setPointerCapture(e.pointerId);
+      this.goMini(e);
+    });
+    this.mini.addEventListener("pointermove", (e) => {
+      if (e.buttons) this.goMini(e);
+    });
+  }
+
+  private pinch(pointers: Map<number, { x: number; y: number }>, id: number, at: { x: number; y: number }): void {
+    const other = [...pointers].find(([key]) => key !== id)?.[1];
+    const old = pointers.get(id);
+    if (!other || !old) return;
+    const ratio = (a: number, b: number) => (Math.abs(b) > 25 && Math.abs(a) > 5 ? Math.abs(b) / Math.abs(a) : 1);
+    const f = ratio(Math.hypot(at.x - other.x, at.y - other.y), Math.hypot(old.x - other.x, old.y - other.y));
+    this.view.zoom(other.x, other.y, f, f);
+  }
+
+  private zoomToRubber(): void {
+    const r = this.rubber!;
+    this.rubber = null;
+    const v = this.view;
+    if (Math.abs(r.x1 - r.x0) > 6 && Math.abs(r.y1 - r.y0) > 6)
+      this.show({
+        x0: v.atX(Math.min(r.x0, r.x1)), x1: v.atX(Math.max(r.x0, r.x1)), y0: v.atY(Math.max(r.y0, r.y1)), y1: v.atY(Math.min(r.y0, r.y1)),
+      });
+    else this.touch();
+  }
+
+  private look(at: { x: number; y: number } | null): void {
+    const inside = at && at.x >= 0 && at.y >= 0 && at.x <= this.view.width && at.y <= this.view.height;
+    const mark = inside && this.options.marks ? this.scene.markAt(at.x, at.y, 9) : null;
+    const hit = inside && !mark ? this.scene.nearest(this.view, at.x, at.y, 10, this.options.duplicates) : null;
+    const changed = hit?.branch !== this.hovered?.branch || hit?.k !== this.hovered?.k || mark !== this.hoveredMark;
+    this.hovered = hit;
+    this.hoveredMark = mark;
+    this.overlay.style.cursor = hit || mark ? "pointer" : "crosshair";
+    if (inside) {
+      const place = `E ${this.view.toEnergy(this.view.atX(at.x)).toPrecision(6)}   ω ${this.view.atY(at.y).toPrecision(6)} rad/s`;
+      const what = mark ? `${mark.junction.name || mark.junction.label} (${mark.junction.kind})` : hit ? `branch ${hit.branch.id}: ${hit.branch.label}${hit.k > 1 ? `, ${hit.k} times` : ""}` : "";
+      this.events.hover(what ? `${place}   ${what}` : place);
+    } else this.events.hover("");
+    if (changed) this.touch(false);
+  }
+
+  private click(at: { x: number; y: number }): void {
+    if (at.x < -2 || at.y < -2 || at.x > this.view.width + 2 || at.y > this.view.height + 2) return;
+    this.overlay.focus();
+    const mark = this.options.marks ? this.scene.markAt(at.x, at.y, 9) : null;
+    if (mark) return this.events.pickJunction(mark);
+    const hit = this.scene.nearest(this.view, at.x, at.y, 12, this.options.duplicates);
+    if (hit) this.events.pick(hit);
+  }
+
+  // Page coordinates of a place in the plane.
+  toPage(energy: number, frequency: number): { x: number; y: number } {
+    const r = this.overlay.getBoundingClientRect();
+    return { x: r.left + PAD.left + this.view.px(this.view.toX(energy)), y: r.top + PAD.top + this.view.py(frequency) };
+  }
+}
