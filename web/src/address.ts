@@ -5,7 +5,7 @@ import type { Selected } from "./plot";
 
 export interface Address {
   window: { e0: number; e1: number; w0: number; w1: number } | null; // energies, also on a logarithmic axis
-  linear: boolean;
+  log: { x: boolean; y: boolean };
   duplicates: number;
   colouring: Colouring;
   labels: LabelChoice;
@@ -29,7 +29,7 @@ export function readAddress(): Address {
   const branch = Math.trunc(number("b", 0));
   return {
     window: e && w ? { e0: e[0], e1: e[1], w0: w[0], w1: w[1] } : null,
-    linear: q.get("axis") === "linear",
+    log: { x: q.get("energy") !== "linear", y: q.get("frequency") !== "linear" },
     duplicates: Math.min(32, Math.max(1, Math.trunc(number("dup", 1)))),
     colouring: among("colour", ["symmetry", "stability", "word", "base"] as const),
     labels: among("labels", ["main", "all", "named", "none"] as const),
@@ -42,7 +42,8 @@ export function readAddress(): Address {
 export function writeAddress(a: Address): string {
   const q: string[] = [];
   if (a.window) q.push(`e=${a.window.e0},${a.window.e1}`, `w=${a.window.w0},${a.window.w1}`);
-  if (a.linear) q.push("axis=linear");
+  if (!a.log.x) q.push("energy=linear");
+  if (!a.log.y) q.push("frequency=linear");
   if (a.duplicates > 1) q.push(`dup=${a.duplicates}`);
   if (a.colouring !== "symmetry") q.push(`colour=${a.colouring}`);
   if (a.labels !== "main") q.push(`labels=${a.labels}`);

@@ -17,7 +17,8 @@ export class Atlas {
   readonly frequency: Float64Array;
   readonly arclength: Float64Array;
   readonly style: Uint8Array; // stability of the segment that begins at a knot
-  x: Float64Array; // energy or its logarithm
+  readonly x: Float64Array; // energy or its logarithm
+  readonly y: Float64Array; // frequency or its logarithm
   readonly branches: Branch[]; // branches[id - 1]
   readonly junctions: JunctionRow[];
   private nodes: Float64Array;
@@ -27,7 +28,7 @@ export class Atlas {
   constructor(
     readonly description: Description,
     packed: ArrayBuffer,
-    readonly logarithmic: boolean,
+    readonly log: { x: boolean; y: boolean },
   ) {
     const n = packed.byteLength / 25;
     this.total = n;
@@ -37,7 +38,8 @@ export class Atlas {
     const flags = new Uint8Array(packed, 24 * n, n);
     this.junctions = description.junctions;
     this.style = new Uint8Array(n);
-    this.x = logarithmic ? this.energy.map((e) => Math.log10(Math.max(e, 1e-30))) : this.energy;
+    this.x = log.x ? this.energy.map((e) => Math.log10(Math.max(e, 1e-30))) : this.energy;
+    this.y = log.y ? this.frequency.map((w) => Math.log10(w)) : this.frequency;
     let nodes = 0;
     this.branches = description.branches.map((row) => {
       const levels: number[] = [];
@@ -86,17 +88,17 @@ export class Atlas {
   // Bounds of how far knot m lies from the chord of knots a and b, in x and in y, at the place of the chord that is nearest to it.
   private miss(a: number, b: number, m: number, out: [number, number]): void {
     const dx = this.x[b] - this.x[a];
-    const dy = this.frequency[b] - this.frequency[a];
+    const dy = this.y[b] - this.y[a];
     const length = dx * dx + dy * dy;
     const px = this.x[m] - this.x[a];
-    const py = this.frequency[m] - this.frequency[a];
+    const py = this.y[m] - this.y[a];
     const t = length > 0 ? Math.min(1, Math.max(0, (px * dx + py * dy) / length)) : 0;
     out[0] = Math.abs(px - t * dx);
     out[1] = Math.abs(py - t * dy);
   }
 
   private build(b: Branch): void {
-    const { nodes, uniform, x, frequency, style } = this;
+    const { nodes, uniform, x, y, style } = this;
     const last = b.place + b.knots - 1;
     const out: [number, number] = [0, 0];
     for (let k = 0; k < b.levels[0]; k++) {
@@ -107,8 +109,8 @@ export class Atlas {
       for (let i = from; i <= to; i++) {
         x0 = Math.min(x0, x[i]);
         x1 = Math.max(x1, x[i]);
-        y0 = Math.min(y0, frequency[i]);
-        y1 = Math.max(y1, frequency[i]);
+        y0 = Math.min(y0, y[i]);
+        y1 = Math.max(y1, y[i]);
         if (i < to && style[i] !== same) same = MIXED;
         this.miss(from, to, i, out);
         mx = Math.max(mx, out[0]);
@@ -138,6 +140,11 @@ export class Atlas {
     }
   }
 
+  // On the k-duplicate y becomes part y - less: the frequency is divided by k, its logarithm lowered.
+  duplicate(k: number): { part: number; less: number } {
+    return this.log.y ? { part: 1, less: Math.log10(k) } : { part: 1 / k, less: 0 };
+  }
+
   // First knot of node k of a level.
   private start(b: Branch, level: number, k: number): number {
     return Math.min(b.place + k * BLOCK * 2 ** level, b.place + b.knots - 1);
@@ -156,7 +163,8 @@ export class Atlas {
   ): void {
     if (b.knots < 2) return;
     const { nodes, uniform, style } = this;
-    const [y0, y1, missY] = [box.y0 * k, box.y1 * k, sy / k];
+    const { part, less } = this.duplicate(k);
+    const [y0, y1, missY] = [(box.y0 + less) / part, (box.y1 + less) / part, sy * part];
     const visit = (level: number, first: number, index: number): void => {
       const at = (first + index) * NODE;
       if (nodes[at] > box.x1 || nodes[at + 1] < box.x0 || nodes[at + 2] > y1 || nodes[at + 3] < y0) return;

@@ -52,7 +52,7 @@ function axes(f: Frame, box: [number, number, number, number], xr: [number, numb
     pen.text(l - 6, py + 0.35 * small, short(i * sy), { size: small, fill: p.soft, anchor: "end" });
   }
   pen.text(r, b + 6 + 2 * small, xTitle, { size: small, fill: p.soft, anchor: "end" });
-  pen.text(l + 4, t + small + 2, yTitle, { size: small, fill: p.soft, halo: p.paper });
+  pen.text(l, t - 5, yTitle, { size: small, fill: p.soft, anchor: "middle" });
   return { x, y };
 }
 
@@ -72,7 +72,7 @@ export function drawHistory(f: Frame, orbit: Orbit, model: Model, now: number): 
   if (!h) return;
   const { pen, palette: p, size } = f;
   const chosen = coordinates(orbit, model.dofs);
-  const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
+  const box: [number, number, number, number] = [46, 1.4 * size, f.width - 8, f.height - 2.6 * size];
   const yr = range(chosen.map((i) => h.x[i]));
   const a = axes(f, box, [0, orbit.period], yr, "time t, s", "");
   for (const t of orbit.impact_times) pen.path([a.x(t), box[1], a.x(t), box[3]], { stroke: p.soft, width: 0.8, dash: [2, 3], alpha: 0.7 });
@@ -81,7 +81,7 @@ export function drawHistory(f: Frame, orbit: Orbit, model: Model, now: number): 
     for (let k = 0; k < h.t.length; k++) points.push(a.x(h.t[k]), a.y(h.x[i][k]));
     pen.path(points, { stroke: colourOf(p, c), width: 1.8, dash: c === 1 ? [7, 3] : c === 2 ? [9, 3, 2, 3] : undefined });
   });
-  chosen.forEach((i, c) => pen.text(box[2] - 6 - 24 * (chosen.length - 1 - c), box[1] + size, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", halo: p.paper, bold: true }));
+  chosen.forEach((i, c) => pen.text(box[2] - 2 * size * (chosen.length - 1 - c), box[1] - 5, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", bold: true }));
   pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
 }
 
@@ -139,7 +139,7 @@ export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): vo
   const state = stateAt(orbit, model.dofs, now);
   chosen.forEach((i, c) => {
     const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
-    const box: [number, number, number, number] = [left + 46, top + 8, left + w - 8, top + height - 2.6 * size];
+    const box: [number, number, number, number] = [left + 46, top + 1.3 * size, left + w - 8, top + height - 2.6 * size];
     const a = axes(f, box, range([h.x[i]]), range([h.v[i]]), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
     const points: number[] = [];
     const jumps: number[] = [];

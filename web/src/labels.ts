@@ -49,10 +49,16 @@ export const plain = (runs: Run[]): string => runs.map((r) => r.text).join("");
 export function toHtml(runs: Run[]): HTMLElement {
   const out = document.createElement("span");
   out.className = "name";
-  for (const r of runs) {
-    const one = document.createElement(r.shift > 0 ? "sup" : r.shift < 0 ? "sub" : "span");
-    one.textContent = r.text;
-    out.append(one);
+  const one = (tag: string, text: string) => Object.assign(document.createElement(tag), { textContent: text });
+  for (let i = 0; i < runs.length; i++) {
+    const [r, next] = [runs[i], runs[i + 1]];
+    if (r.shift && next && next.shift === -r.shift) {
+      const stack = one("span", "");
+      stack.className = "stack";
+      stack.append(one("span", r.shift > 0 ? r.text : next.text), one("span", r.shift > 0 ? next.text : r.text));
+      out.append(stack);
+      i++;
+    } else out.append(one(r.shift > 0 ? "sup" : r.shift < 0 ? "sub" : "span", r.text));
   }
   return out;
 }

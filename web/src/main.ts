@@ -33,7 +33,7 @@ class Page {
 
   constructor(private source: Awaited<ReturnType<typeof getAtlas>>) {
     const a = readAddress();
-    this.atlas = new Atlas(source.description, source.packed, !a.linear);
+    this.atlas = new Atlas(source.description, source.packed, a.log);
     this.applyTheme();
     const options = { duplicates: a.duplicates, marks: a.marks, labels: a.labels, reference: true };
     this.lists = new Lists(() => this.atlas, {
@@ -126,10 +126,11 @@ class Page {
     this.keep(false);
   }
 
-  private setAxis(logarithmic: boolean): void {
-    $<HTMLInputElement>("axis").checked = logarithmic;
-    if (logarithmic === this.atlas.logarithmic) return;
-    this.atlas = new Atlas(this.source.description, this.source.packed, logarithmic);
+  private setAxes(log: { x: boolean; y: boolean }): void {
+    $<HTMLInputElement>("logx").checked = log.x;
+    $<HTMLInputElement>("logy").checked = log.y;
+    if (log.x === this.atlas.log.x && log.y === this.atlas.log.y) return;
+    this.atlas = new Atlas(this.source.description, this.source.packed, log);
     this.plot.setAtlas(this.atlas, this.painter());
   }
 
@@ -153,8 +154,8 @@ class Page {
   private address(): Address {
     const v = this.plot.view;
     return {
-      window: { e0: v.toEnergy(v.window.x0), e1: v.toEnergy(v.window.x1), w0: v.window.y0, w1: v.window.y1 },
-      linear: !v.logarithmic, duplicates: this.plot.options.duplicates, colouring: this.colouring, labels: this.plot.options.labels,
+      window: { e0: v.toEnergy(v.window.x0), e1: v.toEnergy(v.window.x1), w0: v.toFrequency(v.window.y0), w1: v.toFrequency(v.window.y1) },
+      log: v.log, duplicates: this.plot.options.duplicates, colouring: this.colouring, labels: this.plot.options.labels,
       marks: this.plot.options.marks, selected: this.plot.selected, junction: this.plot.chosenJunction,
     };
   }
@@ -171,13 +172,13 @@ class Page {
 
   private apply(a: Address): void {
     this.restoring = true;
-    this.setAxis(!a.linear);
+    this.setAxes(a.log);
     this.setDuplicates(a.duplicates);
     this.plot.options.marks = $<HTMLInputElement>("marks").checked = a.marks;
     this.plot.options.labels = $<HTMLSelectElement>("labels").value = a.labels;
     void this.colour(a.colouring);
     const v = this.plot.view;
-    this.plot.show(a.window ? { x0: v.toX(a.window.e0), x1: v.toX(a.window.e1), y0: a.window.w0, y1: a.window.w1 } : this.plot.home());
+    this.plot.show(a.window ? { x0: v.toX(a.window.e0), x1: v.toX(a.window.e1), y0: v.toY(a.window.w0), y1: v.toY(a.window.w1) } : this.plot.home());
     if (a.selected && this.atlas.branch(a.selected.branch)) this.select(a.selected, false);
     else this.plot.selected = null;
     if (a.junction && this.atlas.junction(a.junction)) this.selectJunction(a.junction, false);
@@ -263,7 +264,7 @@ class Page {
     for (const b of ids.map((id) => this.atlas.branch(id))) {
       const low = b.impacts ? b.energy_min : 0.5 * b.energy_max;
       [x0, x1] = [Math.min(x0, this.plot.view.toX(low)), Math.max(x1, this.plot.view.toX(b.energy_max))];
-      [y0, y1] = [Math.min(y0, b.frequency_min), Math.max(y1, b.frequency_max)];
+      [y0, y1] = [Math.min(y0, this.plot.view.toY(b.frequency_min)), Math.max(y1, this.plot.view.toY(b.frequency_max))];
     }
     const [mx, my] = [0.15 * (x1 - x0) || 0.02, 0.15 * (y1 - y0) || 0.02];
     this.plot.show({ x0: x0 - mx, x1: x1 + mx, y0: y0 - my, y1: y1 + my });
@@ -352,7 +353,7 @@ class Page {
       this.status((e as Error).message);
       return;
     }
-    this.atlas = new Atlas(this.source.description, this.source.packed, this.plot.view.logarithmic);
+    this.atlas = new Atlas(this.source.description, this.source.packed, this.plot.view.log);
     this.lists.forget();
     if (this.colouring === "base") await this.lists.loadBases().catch(() => []);
     this.plot.path = [];
@@ -406,7 +407,7 @@ class Page {
       plot.options.marks = (e.target as HTMLInputElement).checked;
       plot.touch();
     };
-    $<HTMLInputElement>("axis").onchange = (e) => this.setAxis((e.target as HTMLInputElement).checked);
+    for (const id of ["logx", "logy"]) $(id).onchange = () => this.setAxes({ x: $<HTMLInputElement>("logx").checked, y: $<HTMLInputElement>("logy").checked });
     $<HTMLInputElement>("duplicates").oninput = (e) => this.setDuplicates((e.target as HTMLInputElement).valueAsNumber);
     for (const key of ["full", "physical"] as const)
       $<HTMLInputElement>(key).onchange = (e) => {
@@ -463,7 +464,7 @@ class Page {
     const actions: Record<string, () => void> = {
       ArrowLeft: () => (along ? this.orbit.step(-step) : move(60, 0)), ArrowRight: () => (along ? this.orbit.step(step) : move(-60, 0)),
       ArrowUp: () => move(0, 60), ArrowDown: () => move(0, -60), "+": () => zoom(0.7), "=": () => zoom(0.7), "-": () => zoom(1 / 0.7),
-      h: () => plot.show(plot.home()), l: () => this.setAxis(!this.atlas.logarithmic), d: () => this.toggleTheme(),
+      h: () => plot.show(plot.home()), l: () => this.setAxes({ x: !this.atlas.log.x, y: this.atlas.log.y }), w: () => this.setAxes({ x: this.atlas.log.x, y: !this.atlas.log.y }), d: () => this.toggleTheme(),
       c: () => void this.colour((["symmetry", "stability", "word", "base"] as const)[(["symmetry", "stability", "word", "base"].indexOf(this.colouring) + 1) % 4]),
       m: () => $("marks").click(), "]": () => this.setDuplicates(plot.options.duplicates + 1), "[": () => this.setDuplicates(plot.options.duplicates - 1),
       n: () => this.nextJunction(1), p: () => this.nextJunction(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),

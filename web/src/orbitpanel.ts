@@ -34,6 +34,7 @@ export class OrbitPanel {
   private moving = true;
   private playing = 0;
   private facts = el("div", { class: "facts" });
+  private more = el("div", { class: "facts" });
   private head = el("header");
   private error = el("p", { class: "error", hidden: true });
   private impacts = el("div");
@@ -50,11 +51,11 @@ export class OrbitPanel {
     const steps = el("div", { class: "steps" },
       button("◀", "One stored point back (left arrow)", () => this.step(-1)), this.playButton, button("▶", "One stored point on (right arrow)", () => this.step(1)), this.slider);
     this.slider.oninput = () => this.go(this.slider.valueAsNumber);
-    this.root.append(this.head, steps, this.error, this.figure("The masses", 132, (f, o, t) => drawMasses(f, o, this.atlas().description.model, t), this.stillButton),
+    this.root.append(this.head, steps, this.error, this.figure("The masses", 112, (f, o, t) => drawMasses(f, o, this.atlas().description.model, t), this.stillButton),
       this.facts, this.figure("Displacements", 190, (f, o, t) => drawHistory(f, o, this.atlas().description.model, t)),
       this.figure("Gaps between the stops at ±1, impacts", 150, (f, o, t) => drawGaps(f, o, this.atlas().description.model, t)),
       this.figure("Phase portraits", 210, (f, o, t) => drawPhase(f, o, this.atlas().description.model, t)),
-      this.figure("Multipliers on the unit circle", 190, (f, o) => drawCircle(f, o)), this.impacts);
+      this.figure("Multipliers on the unit circle", 190, (f, o) => drawCircle(f, o)), this.more, this.impacts);
     requestAnimationFrame((t) => this.tick(t));
   }
 
@@ -96,6 +97,7 @@ export class OrbitPanel {
     this.error.textContent = text;
     this.error.hidden = false;
     this.facts.replaceChildren();
+    this.more.replaceChildren();
     this.impacts.replaceChildren();
     this.showHead();
     this.root.classList.add("empty");
@@ -209,14 +211,17 @@ export class OrbitPanel {
       ["symmetry", "Symmetry", [b.symmetric ? "z(t + T/2) = −z(t)" : "", b.reversible ? `own mirror image in time${b.mirror ? `, ${b.mirror}` : ""}` : ""].filter(Boolean).join("; ") || "none"],
       ["trace", "Trace", o.trace === null ? "–" : digits(o.trace, full)],
       ["rotation", "Rotation number", digits(o.rotation, full)],
-      ["multipliers", "Multipliers", (o.multipliers ?? []).map(([re, im]) => `${digits(re, full)}${im < 0 ? " − " : " + "}${digits(Math.abs(im), full)} i`).join("\n")],
+      ["multipliers", "Multipliers", multiplierText(o, full)],
       ["amplitudes", `Amplitudes${unit}`, (o.amplitudes ?? []).map((a) => digits(d * a, full)).join("\n")],
       ["reach", "Reach, approach", `${digits(o.reach, full)}, ${digits(o.approach === null ? null : d * o.approach, full)}`],
       ["arclength", "Arclength", digits(o.arclength, full)],
       ["residual", "Residual", o.residual.toExponential(1)],
     ];
     if (s.k > 1) rows.splice(4, 0, ["original", "of the original", `ω ${digits(o.frequency, full)} rad/s, T ${digits(o.period, full)} s`]);
-    this.facts.replaceChildren(el("dl", {}, ...rows.flatMap(([key, name, value]) => [el("dt", { textContent: name }), el("dd", { textContent: value, data: { key } })])));
+    const list = (part: typeof rows) => el("dl", {}, ...part.flatMap(([key, name, value]) => [el("dt", { textContent: name }), el("dd", { textContent: value, data: { key } })]));
+    const first = rows.findIndex(([key]) => key === "trace");
+    this.facts.replaceChildren(list(rows.slice(0, first)));
+    this.more.replaceChildren(list(rows.slice(first)));
   }
 
   private showImpacts(): void {
@@ -297,4 +302,17 @@ export class OrbitPanel {
     const lines = h.t.map((t, k) => [t, ...Array.from({ length: n }, (_, i) => h.x[i][k]), ...Array.from({ length: n }, (_, i) => h.v[i][k])].join(","));
     return [names.join(","), ...lines].join("\n") + "\n";
   }
+}
+
+// A pair of conjugates on one line.
+function multiplierText(o: Orbit, full: boolean): string {
+  const lines: string[] = [];
+  const list = o.multipliers ?? [];
+  for (let i = 0; i < list.length; i++) {
+    const [re, im] = list[i];
+    const pair = list[i + 1] && im !== 0 && list[i + 1][0] === re && list[i + 1][1] === -im;
+    if (pair) i++;
+    lines.push(im === 0 ? digits(re, full) : `${digits(re, full)} ${pair ? "±" : im < 0 ? "−" : "+"} ${digits(Math.abs(im), full)} i`);
+  }
+  return lines.join("\n");
 }

@@ -133,8 +133,8 @@ function labelBranches(
     const spots = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9].map((part) => spotAt(d, t.from, t.to, part * lengths[i]));
     for (const s of spots) {
       const r = 7;
-      const places: [number, number][] = [[s.x + s.nx * r - (s.nx < 0 ? w : 0) - (Math.abs(s.nx) < 0.5 ? w / 2 : 0), s.y + s.ny * r + (s.ny > 0 ? 0.8 : 0) * size],
-        [s.x - s.nx * r - (s.nx > 0 ? w : 0) - (Math.abs(s.nx) < 0.5 ? w / 2 : 0), s.y - s.ny * r + (s.ny < 0 ? 0.8 : 0) * size]];
+      const beside = (nx: number, ny: number): [number, number] => [s.x + nx * r - (Math.abs(nx) < 0.5 ? w / 2 : nx < 0 ? w : 0), s.y + ny * r + (ny > 0 ? 0.8 : 0) * size];
+      const places = [beside(s.nx, s.ny), beside(-s.nx, -s.ny)];
       const place = choose(places, w, 3);
       if (!place) continue;
       put(runs, at, w, place[0], place[1], s.x, s.y, d[t.from * STRIDE + 4], false);

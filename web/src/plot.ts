@@ -27,7 +27,7 @@ export interface PlotEvents {
   hover(text: string): void;
 }
 
-const PAD = { left: 70, right: 14, top: 10, bottom: 46 };
+const PAD = { left: 70, right: 14, top: 34, bottom: 46 };
 const REST = 90; // ms without motion, after which labels are placed anew
 
 export class Plot {
@@ -61,8 +61,8 @@ export class Plot {
     public options: PlotOptions,
     private events: PlotEvents,
   ) {
-    this.view = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.logarithmic);
-    this.miniView = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.logarithmic, 176, 108);
+    this.view = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.log);
+    this.miniView = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.log, 176, 108);
     this.scene = new Scene(atlas, painter);
     this.gl.className = "lines";
     this.overlay.className = "overlay";
@@ -90,13 +90,13 @@ export class Plot {
       if (!(b.energy_max > 0)) continue;
       x0 = Math.min(x0, this.view.toX(low));
       x1 = Math.max(x1, this.view.toX(b.energy_max));
-      y0 = Math.min(y0, b.frequency_min / this.options.duplicates);
-      y1 = Math.max(y1, b.frequency_max);
+      y0 = Math.min(y0, this.view.toY(b.frequency_min / this.options.duplicates));
+      y1 = Math.max(y1, this.view.toY(b.frequency_max));
     }
     if (!(x1 > x0)) [x0, x1] = [x0 - 1, x0 + 1];
-    if (!(y1 > y0)) [y0, y1] = [0.5 * y0, 1.5 * y0];
+    if (!(y1 > y0)) [y0, y1] = [y0 - 0.5, y0 + 0.5];
     const [mx, my] = [0.04 * (x1 - x0), 0.06 * (y1 - y0)];
-    return { x0: this.view.logarithmic ? x0 - mx : Math.max(-mx, x0 - mx), x1: x1 + mx, y0: Math.max(0, y0 - my), y1: y1 + my };
+    return { x0: this.view.log.x ? x0 - mx : Math.max(-mx, x0 - mx), x1: x1 + mx, y0: this.view.log.y ? y0 - my : Math.max(0, y0 - my), y1: y1 + my };
   }
 
   // Shows a part of the plane at once.
@@ -109,28 +109,35 @@ export class Plot {
   centre(energy: number, frequency: number, part = 1): void {
     const { x0, x1, y0, y1 } = this.view.window;
     const [hx, hy] = [(part * (x1 - x0)) / 2, (part * (y1 - y0)) / 2];
-    const x = this.view.toX(energy);
-    this.show({ x0: x - hx, x1: x + hx, y0: frequency - hy, y1: frequency + hy });
+    const [x, y] = [this.view.toX(energy), this.view.toY(frequency)];
+    this.show({ x0: x - hx, x1: x + hx, y0: y - hy, y1: y + hy });
   }
 
   shows(energy: number, frequency: number): boolean {
     const { x0, x1, y0, y1 } = this.view.window;
-    const x = this.view.toX(energy);
-    return x > x0 && x < x1 && frequency > y0 && frequency < y1;
+    const [x, y] = [this.view.toX(energy), this.view.toY(frequency)];
+    return x > x0 && x < x1 && y > y0 && y < y1;
   }
 
   setAtlas(atlas: Atlas, painter: Painter): void {
-    if (atlas.logarithmic !== this.view.logarithmic) {
-      const [e0, e1] = [this.view.toEnergy(this.view.window.x0), this.view.toEnergy(this.view.window.x1)];
-      this.view.logarithmic = this.miniView.logarithmic = atlas.logarithmic;
-      const least = atlas.branches.reduce((m, b) => (b.impacts ? Math.min(m, b.energy_min) : m), Infinity);
-      const low = atlas.logarithmic && e0 <= 0 ? 0.9 * Math.min(least, e1 / 10) : e0;
-      this.view.window = { ...this.view.window, x0: this.view.toX(low), x1: this.view.toX(e1) };
-    }
+    if (atlas.log.x !== this.view.log.x || atlas.log.y !== this.view.log.y) this.changeAxes(atlas);
     this.scene = new Scene(atlas, painter);
     this.hovered = this.hoveredMark = null;
     this.miniBase = null;
     this.touch();
+  }
+
+  // The same part of the plane on other axes; what a logarithm cannot show is left out.
+  private changeAxes(atlas: Atlas): void {
+    const { x0, x1, y0, y1 } = this.view.window;
+    const [e0, e1, w0, w1] = [this.view.toEnergy(x0), this.view.toEnergy(x1), this.view.toFrequency(y0), this.view.toFrequency(y1)];
+    this.view.log = this.miniView.log = atlas.log;
+    const least = (key: "energy_min" | "frequency_min") => atlas.branches.reduce((m, b) => (b.impacts && b[key] > 0 ? Math.min(m, b[key]) : m), Infinity);
+    const low = (on: boolean, from: number, to: number, key: "energy_min" | "frequency_min") => (on && from <= 0 ? 0.9 * Math.min(least(key), to / 10) : from);
+    this.view.window = {
+      x0: this.view.toX(low(atlas.log.x, e0, e1, "energy_min")), x1: this.view.toX(e1),
+      y0: this.view.toY(low(atlas.log.y, w0, w1, "frequency_min")), y1: this.view.toY(w1),
+    };
   }
 
   repaint(painter: Painter, palette: Palette): void {
@@ -248,8 +255,8 @@ export class Plot {
     const { view, palette: p, size } = this;
     const { x0, x1, y0, y1 } = view.window;
     const [l, t, r, b] = [PAD.left, PAD.top, PAD.left + view.width, PAD.top + view.height];
-    const xs = axisTicks(x0, x1, view.logarithmic, Math.max(2, view.width / 100));
-    const ys = axisTicks(y0, y1, false, Math.max(2, view.height / 60));
+    const xs = axisTicks(x0, x1, view.log.x, Math.max(2, view.width / 100));
+    const ys = axisTicks(y0, y1, view.log.y, Math.max(2, view.height / 60));
     pen.path([l, t, r, t, r, b, l, b], { stroke: p.soft, width: 1 }, true);
     let last = -Infinity;
     for (const tick of xs.ticks) {
@@ -262,8 +269,8 @@ export class Plot {
     }
     for (const tick of ys.ticks) {
       const y = t + view.py(tick.at);
-      pen.path([l - 6, y, l, y], { stroke: p.soft });
-      if (y > t + 4) pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
+      pen.path([tick.minor && !tick.text ? l - 3 : l - 6, y, l, y], { stroke: p.soft });
+      if (y > t + 4 && tick.text) pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
     }
     const unit = xs.offset ? `   ${xs.offset}` : "";
     pen.text((l + r) / 2, h - 6, `energy E, scaled by d²${unit}`, { size, fill: p.soft, anchor: "middle" });
@@ -280,7 +287,7 @@ export class Plot {
     if (options.marks)
       for (const m of scene.marks) drawMark(pen, m.junction.kind, m.x, m.y, m.small ? 2.6 : 4, p.ink, m.junction.id === this.chosenJunction ? p.accent : p.mark);
     const chosen = this.chosenJunction ? scene.atlas.junction(this.chosenJunction) : undefined;
-    if (chosen) pen.circle(view.px(view.toX(chosen.energy)), view.py(chosen.frequency), 10, { stroke: p.accent, width: 2 });
+    if (chosen) pen.circle(view.px(view.toX(chosen.energy)), view.py(view.toY(chosen.frequency)), 10, { stroke: p.accent, width: 2 });
     if (this.hoveredMark) pen.circle(this.hoveredMark.x, this.hoveredMark.y, 9, { stroke: p.accent, width: 1.5 });
     for (const { label, dx, dy } of placed) {
       const fill = label.style < 0 ? p.ink : (scene.painter.styles[label.style]?.colour ?? p.ink);
@@ -298,7 +305,7 @@ export class Plot {
     const { model } = this.scene.atlas.description;
     const draw = (list: number[], dash: number[]) =>
       list.slice(0, 12).forEach((f) => {
-        const y = this.view.py(f);
+        const y = this.view.py(this.view.toY(f));
         if (y > 0 && y < this.view.height) pen.path([0, y, this.view.width, y], { stroke: this.palette.soft, width: 0.8, dash, alpha: 0.6 });
       });
     draw(model.frequencies, [12, 4, 1, 4]);
@@ -310,7 +317,7 @@ export class Plot {
     const b = s ? this.scene.atlas.branch(s.branch) : undefined;
     if (!s || !b) return;
     const at = this.scene.atlas.at(b, s.arclength);
-    const [x, y] = [this.view.px(this.view.toX(at.energy)), this.view.py(at.frequency / s.k)];
+    const [x, y] = [this.view.px(this.view.toX(at.energy)), this.view.py(this.view.toY(at.frequency / s.k))];
     pen.circle(x, y, 6.5, { fill: this.palette.accent, stroke: this.palette.paper, width: 2 });
   }
 
@@ -321,7 +328,7 @@ export class Plot {
     this.mini.classList.toggle("hidden", !shown);
     if (!shown) return;
     const { miniView: v, palette: p } = this;
-    const context = this.mini.getContext("2d")!;
+    const context = this.mini.getContext("2d", { willReadFrequently: true })!;
     if (!this.miniBase || this.mini.width !== v.width * scale) {
       this.mini.width = v.width * scale;
       this.mini.height = v.height * scale;
@@ -348,7 +355,7 @@ export class Plot {
   private goMini(event: PointerEvent): void {
     const r = this.mini.getBoundingClientRect();
     const v = this.miniView;
-    this.centre(v.toEnergy(v.atX(event.clientX - r.left)), v.atY(event.clientY - r.top));
+    this.centre(v.toEnergy(v.atX(event.clientX - r.left)), v.toFrequency(v.atY(event.clientY - r.top)));
   }
 
   /* --------------------------------------------------------------- pointer */
@@ -440,7 +447,7 @@ export class Plot {
     this.hoveredMark = mark;
     this.overlay.style.cursor = hit || mark ? "pointer" : "crosshair";
     if (inside) {
-      const place = `E ${this.view.toEnergy(this.view.atX(at.x)).toPrecision(6)}   ω ${this.view.atY(at.y).toPrecision(6)} rad/s`;
+      const place = `E ${this.view.toEnergy(this.view.atX(at.x)).toPrecision(6)}   ω ${this.view.toFrequency(this.view.atY(at.y)).toPrecision(6)} rad/s`;
       const what = mark ? `${mark.junction.name || mark.junction.label} (${mark.junction.kind})` : hit ? `branch ${hit.branch.id}: ${hit.branch.label}${hit.k > 1 ? `, ${hit.k} times` : ""}` : "";
       this.events.hover(what ? `${place}   ${what}` : place);
     } else this.events.hover("");
@@ -459,6 +466,6 @@ export class Plot {
   // Page coordinates of a place in the plane.
   toPage(energy: number, frequency: number): { x: number; y: number } {
     const r = this.overlay.getBoundingClientRect();
-    return { x: r.left + PAD.left + this.view.px(this.view.toX(energy)), y: r.top + PAD.top + this.view.py(frequency) };
+    return { x: r.left + PAD.left + this.view.px(this.view.toX(energy)), y: r.top + PAD.top + this.view.py(this.view.toY(frequency)) };
   }
 }

@@ -38,12 +38,14 @@ export function plotCsv(plot: Plot): string {
   const { x0, x1, y0, y1 } = plot.view.window;
   const words = ["no", "yes", "undecided"];
   const lines = ["branch,duplicate,label,arclength,energy,frequency,stable"];
-  for (let k = 1; k <= plot.options.duplicates; k++)
+  for (let k = 1; k <= plot.options.duplicates; k++) {
+    const { part, less } = atlas.duplicate(k);
     for (const b of atlas.branches)
       for (let i = b.place; i < b.place + b.knots; i++) {
         const frequency = atlas.frequency[i] / k;
-        if (atlas.x[i] < x0 || atlas.x[i] > x1 || frequency < y0 || frequency > y1) continue;
+        if (atlas.x[i] < x0 || atlas.x[i] > x1 || part * atlas.y[i] - less < y0 || part * atlas.y[i] - less > y1) continue;
         lines.push(`${b.id},${k},"${b.label}",${atlas.arclength[i]},${atlas.energy[i]},${frequency},${words[atlas.style[i]]}`);
       }
+  }
   return lines.join("\n") + "\n";
 }

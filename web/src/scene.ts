@@ -73,15 +73,16 @@ export class Scene {
     const from = this.segments.n;
     const { x0, y1 } = v.window;
     const [sx, sy] = [v.sx, v.sy];
+    const { part, less } = atlas.duplicate(k);
     let before = 0;
     atlas.walk(b, k, box, sx, sy, TOLERANCE, (i, j, stability) => {
       const number = style >= 0 ? style : painter.of(b, stability, k);
       before += this.clip(
         v,
         (atlas.x[i] - x0) * sx,
-        (y1 - atlas.frequency[i] / k) * sy,
+        (y1 - (part * atlas.y[i] - less)) * sy,
         (atlas.x[j] - x0) * sx,
-        (y1 - atlas.frequency[j] / k) * sy,
+        (y1 - (part * atlas.y[j] - less)) * sy,
         number,
         before,
       );
@@ -102,7 +103,7 @@ export class Scene {
   buildMarks(v: View, duplicates: number): void {
     const marks: Mark[] = [];
     const add = (junction: JunctionRow, frequency: number, k: number, small: boolean) => {
-      const [x, y] = [v.px(v.toX(junction.energy)), v.py(frequency)];
+      const [x, y] = [v.px(v.toX(junction.energy)), v.py(v.toY(frequency))];
       if (x >= 0 && x <= v.width && y >= 0 && y <= v.height) marks.push({ junction, k, x, y, small });
     };
     for (const j of this.atlas.junctions) if (j.kind !== "start") add(j, j.frequency, 1, false);
@@ -126,17 +127,19 @@ export class Scene {
     const { atlas } = this;
     let best: Hit | null = null;
     const around = { x0: v.atX(px - reach), x1: v.atX(px + reach), y0: v.atY(py + reach), y1: v.atY(py - reach) };
-    for (let k = 1; k <= duplicates; k++)
+    for (let k = 1; k <= duplicates; k++) {
+      const { part, less } = atlas.duplicate(k);
       for (const b of atlas.branches)
         atlas.walk(b, k, around, v.sx, v.sy, 0, (i, j) => {
-          const [x0, y0] = [v.px(atlas.x[i]) - px, v.py(atlas.frequency[i] / k) - py];
-          const [dx, dy] = [v.px(atlas.x[j]) - px - x0, v.py(atlas.frequency[j] / k) - py - y0];
+          const [x0, y0] = [v.px(atlas.x[i]) - px, v.py(part * atlas.y[i] - less) - py];
+          const [dx, dy] = [v.px(atlas.x[j]) - px - x0, v.py(part * atlas.y[j] - less) - py - y0];
           const length = dx * dx + dy * dy;
           const t = length > 0 ? Math.min(1, Math.max(0, -(x0 * dx + y0 * dy) / length)) : 0;
           const distance = Math.hypot(x0 + t * dx, y0 + t * dy) + 0.5 * (k - 1); // of two that coincide the original
           if (distance < (best?.distance ?? reach))
             best = { branch: b, k, distance, arclength: atlas.arclength[i] + t * (atlas.arclength[j] - atlas.arclength[i]) };
         });
+    }
     return best;
   }
 

@@ -4,14 +4,14 @@
 export interface Window {
   x0: number; // energy or its decimal logarithm
   x1: number;
-  y0: number;
+  y0: number; // frequency or its decimal logarithm
   y1: number;
 }
 
 export class View {
   constructor(
     public window: Window,
-    public logarithmic: boolean,
+    public log: { x: boolean; y: boolean },
     public width = 800,
     public height = 600,
   ) {}
@@ -25,11 +25,19 @@ export class View {
   }
 
   toX(energy: number): number {
-    return this.logarithmic ? Math.log10(Math.max(energy, 1e-30)) : energy;
+    return this.log.x ? Math.log10(Math.max(energy, 1e-30)) : energy;
+  }
+
+  toY(frequency: number): number {
+    return this.log.y ? Math.log10(Math.max(frequency, 1e-30)) : frequency;
   }
 
   toEnergy(x: number): number {
-    return this.logarithmic ? 10 ** x : x;
+    return this.log.x ? 10 ** x : x;
+  }
+
+  toFrequency(y: number): number {
+    return this.log.y ? 10 ** y : y;
   }
 
   px(x: number): number {
@@ -119,7 +127,7 @@ export function axisTicks(lo: number, hi: number, logarithmic: boolean, count: n
       const at = p + Math.log10(d);
       if (at < lo || at > hi) continue;
       const major = d === 1 && p % every === 0;
-      const shown = major || (hi - lo < 2.2 && (d === 2 || d === 5));
+      const shown = major || hi - lo < 1.3 || (hi - lo < 2.2 && (d === 2 || d === 5));
       if (!shown && hi - lo > 8) continue;
       ticks.push({ at, text: !shown ? "" : p >= -3 && p <= 4 ? String(Number((d * 10 ** p).toPrecision(3))) : `${d > 1 ? `${d}·` : ""}10${superscript(p)}`, minor: !major });
     }
