@@ -165,7 +165,7 @@ export function drawCircle(f: Frame, orbit: Orbit): void {
   const r = Math.min(cx, cy) - 1.7 * size;
   pen.path([cx - r - 10, cy, cx + r + 10, cy, NaN, NaN, cx, cy - r - 10, cx, cy + r + 10], { stroke: p.grid });
   pen.circle(cx, cy, r, { stroke: p.soft, width: 1.2 });
-  for (const [text, x, y] of [["1", cx + r + 4, cy - 4], ["−1", cx - r - 16, cy - 4], ["i", cx + 5, cy - r - 4]] as const)
+  for (const [text, x, y] of [["1", cx + r + 4, cy + size], ["−1", cx - r - 18, cy + size], ["i", cx + 5, cy - r - 4]] as const)
     pen.text(x, y, text, { size: size - 3, fill: p.soft });
   list.forEach(([re, im], i) => {
     const far = Math.hypot(re, im);

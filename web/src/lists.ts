@@ -62,7 +62,8 @@ export class Lists {
         const b = this.atlas().branch(s.branch);
         if (b) way.append(" ", el("button", { type: "button", class: "link", title: `branch ${b.id}`, onclick: () => this.events.branch(b.id) }, toHtml(branchRuns(b.label, b.word))));
         const j = s.junction ? this.atlas().junction(s.junction) : undefined;
-        if (j) way.append(" › ", el("button", { type: "button", class: "link", title: j.kind, onclick: () => this.events.junction(j.id) }, toHtml(junctionRuns(j.name || j.label))), " ›");
+        if (j && s === steps.at(-1)) way.append(" › ", el("button", { type: "button", class: "link", title: j.kind, onclick: () => this.events.junction(j.id) }, toHtml(junctionRuns(j.name || j.label))));
+        else if (j) way.append(" › ", el("button", { type: "button", class: "link", title: j.kind, onclick: () => this.events.junction(j.id) }, toHtml(junctionRuns(j.name || j.label))), " ›");
       }
       return way;
     });

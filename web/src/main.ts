@@ -6,6 +6,7 @@ import { $ } from "./dom";
 import { Grow } from "./grow";
 import { junctionPanel, placeOn } from "./junctionpanel";
 import { CanvasPen } from "./pen";
+import { junctionRuns, toHtml } from "./labels";
 import { Lists } from "./lists";
 import { OrbitPanel } from "./orbitpanel";
 import { Plot, type Selected } from "./plot";
@@ -83,9 +84,7 @@ class Page {
       c.scale(2, 2);
       new CanvasPen(c).path([1, 5, 21, 5], { stroke: entry.style.colour, width: entry.style.width, dash: entry.style.dash ?? undefined });
       const span = document.createElement("span");
-      const [base, sub] = entry.text.split(" ^");
-      span.append(canvas, base);
-      if (sub) span.append(" ", sub);
+      span.append(canvas, /^F\d+_\d+$/.test(entry.text) ? toHtml(junctionRuns(entry.text)) : entry.text);
       return span;
     });
     $("legend").replaceChildren(...swatches);
@@ -445,14 +444,26 @@ class Page {
     }
   }
 
+  // What is chosen, in the middle of the view.
+  private focus(): void {
+    const { plot, atlas } = this;
+    const j = plot.chosenJunction ? atlas.junction(plot.chosenJunction) : undefined;
+    const s = plot.selected;
+    if (j) plot.centre(j.energy, j.frequency);
+    else if (s) {
+      const at = atlas.at(atlas.branch(s.branch), s.arclength);
+      plot.centre(at.energy, at.frequency / s.k);
+    }
+  }
+
   private key(e: KeyboardEvent): void {
     const tag = (e.target as HTMLElement).tagName;
     const typing = tag === "SELECT" || (tag === "INPUT" && !["checkbox", "range"].includes((e.target as HTMLInputElement).type));
-    if (typing || e.ctrlKey || e.metaKey) return;
+    if (typing || e.ctrlKey || e.metaKey || e.altKey) return; // Alt and arrows are the browser's back and forward
     const { plot } = this;
     const [w, h] = [plot.view.width, plot.view.height];
     const along = plot.selected !== null && !plot.chosenJunction;
-    const step = e.shiftKey ? 10 : e.altKey ? 0.1 : 1;
+    const step = e.shiftKey ? 10 : 1;
     const move = (x: number, y: number) => {
       plot.view.pan(x, y);
       plot.touch();
@@ -468,6 +479,7 @@ class Page {
       c: () => void this.colour((["symmetry", "stability", "word", "base"] as const)[(["symmetry", "stability", "word", "base"].indexOf(this.colouring) + 1) % 4]),
       m: () => $("marks").click(), "]": () => this.setDuplicates(plot.options.duplicates + 1), "[": () => this.setDuplicates(plot.options.duplicates - 1),
       n: () => this.nextJunction(1), p: () => this.nextJunction(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),
+      ",": () => along && this.orbit.step(-0.1), ".": () => along && this.orbit.step(0.1), f: () => this.focus(),
       " ": () => along && this.orbit.play(!this.orbit.plays),
       Escape: () => {
         this.orbit.play(false);
@@ -480,7 +492,6 @@ class Page {
       },
     };
     const arrows = e.key.startsWith("Arrow");
-    if (e.altKey && arrows && !along) return; // the browser's own back and forward
     if (tag === "BUTTON" && e.key === " ") return;
     const action = actions[e.key];
     if (!action || (tag === "INPUT" && arrows)) return;
@@ -493,7 +504,7 @@ class Page {
     return {
       frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
       toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
-      labels: () => document.querySelectorAll(".overlay").length, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
+      selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
     };
   }
 }
@@ -512,6 +523,7 @@ getAtlas().then(
   (source) => {
     const page = new Page(source);
     window.ricochet = () => page.probe();
+    requestAnimationFrame(() => requestAnimationFrame(() => performance.measure("shown", { start: 0, end: performance.now() })));
   },
   (e: Error) => {
     $("plot").append(Object.assign(document.createElement("p"), { id: "wait", textContent: e.message }));

@@ -27,7 +27,6 @@ export interface PlotEvents {
   hover(text: string): void;
 }
 
-const PAD = { left: 70, right: 14, top: 34, bottom: 46 };
 const REST = 90; // ms without motion, after which labels are placed anew
 
 export class Plot {
@@ -51,7 +50,8 @@ export class Plot {
   private hovered: Hit | null = null;
   private hoveredMark: Mark | null = null;
   private rubber: { x0: number; y0: number; x1: number; y1: number } | null = null;
-  size = 14; // of type
+  private type = 14; // size in pixels, which the margins follow
+  private pad = { left: 70, right: 14, top: 34, bottom: 46 };
 
   constructor(
     private host: HTMLElement,
@@ -149,11 +149,21 @@ export class Plot {
 
   /* ---------------------------------------------------------------- drawing */
 
+  get size(): number {
+    return this.type;
+  }
+
+  set size(size: number) {
+    this.type = size;
+    this.pad = { left: 5 * size, right: size, top: Math.round(2.4 * size), bottom: Math.round(3.3 * size) };
+    this.resize();
+  }
+
   private resize(): void {
-    this.view.width = Math.max(50, this.host.clientWidth - PAD.left - PAD.right);
-    this.view.height = Math.max(50, this.host.clientHeight - PAD.top - PAD.bottom);
+    this.view.width = Math.max(50, this.host.clientWidth - this.pad.left - this.pad.right);
+    this.view.height = Math.max(50, this.host.clientHeight - this.pad.top - this.pad.bottom);
     for (const c of [this.gl, this.overlay]) c.style.position = "absolute";
-    Object.assign(this.gl.style, { left: `${PAD.left}px`, top: `${PAD.top}px`, width: `${this.view.width}px`, height: `${this.view.height}px` });
+    Object.assign(this.gl.style, { left: `${this.pad.left}px`, top: `${this.pad.top}px`, width: `${this.view.width}px`, height: `${this.view.height}px` });
     this.touch();
   }
 
@@ -174,7 +184,10 @@ export class Plot {
     });
   }
 
+  // From segments and marks of this very view: the frame that draws them may not have come yet.
   private layLabels(): void {
+    this.scene.build(this.view, this.options.duplicates);
+    this.scene.buildMarks(this.view, this.options.duplicates);
     const keep = this.showsMini() ? [new DOMRect(this.view.width - 190, this.view.height - 122, 190, 122)] : [];
     this.labels = placeLabels(this.scene, this.view, this.options.labels, this.options.marks, this.size, textWidth, keep);
   }
@@ -240,13 +253,13 @@ export class Plot {
 
   private paint(pen: Pen, w: number, h: number): void {
     this.paintAxes(pen, w, h);
-    pen.clipped(PAD.left, PAD.top, this.view.width, this.view.height, () => this.paintInside(pen));
+    pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => this.paintInside(pen));
   }
 
   // What is seen, on any pen: the picture to save.
   render(pen: Pen): { width: number; height: number } {
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
-    pen.clipped(PAD.left, PAD.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
+    pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
     this.paint(pen, w, h);
     return { width: w, height: h };
   }
@@ -254,9 +267,9 @@ export class Plot {
   private paintAxes(pen: Pen, w: number, h: number): void {
     const { view, palette: p, size } = this;
     const { x0, x1, y0, y1 } = view.window;
-    const [l, t, r, b] = [PAD.left, PAD.top, PAD.left + view.width, PAD.top + view.height];
-    const xs = axisTicks(x0, x1, view.log.x, Math.max(2, view.width / 100));
-    const ys = axisTicks(y0, y1, view.log.y, Math.max(2, view.height / 60));
+    const [l, t, r, b] = [this.pad.left, this.pad.top, this.pad.left + view.width, this.pad.top + view.height];
+    const xs = axisTicks(x0, x1, view.log.x, Math.max(2, view.width / (7 * size)), 10);
+    const ys = axisTicks(y0, y1, view.log.y, Math.max(2, view.height / (4.2 * size)), 6);
     pen.path([l, t, r, t, r, b, l, b], { stroke: p.soft, width: 1 }, true);
     let last = -Infinity;
     for (const tick of xs.ticks) {
@@ -264,7 +277,7 @@ export class Plot {
       pen.path([x, b, x, b + (tick.minor && !tick.text ? 3 : 6)], { stroke: p.soft });
       const half = textWidth(tick.text, size - 1) / 2;
       if (!tick.text || x - half < last + 8 || x + half > w - 2) continue;
-      pen.text(x, b + 8 + size * 0.9, tick.text, { size: size - 1, fill: p.ink, anchor: "middle" });
+      pen.text(x, b + 0.5 * size + size * 0.9, tick.text, { size: size - 1, fill: p.ink, anchor: "middle" });
       last = x + half;
     }
     for (const tick of ys.ticks) {
@@ -272,9 +285,9 @@ export class Plot {
       pen.path([tick.minor && !tick.text ? l - 3 : l - 6, y, l, y], { stroke: p.soft });
       if (y > t + 4 && tick.text) pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
     }
-    const unit = xs.offset ? `   ${xs.offset}` : "";
-    pen.text((l + r) / 2, h - 6, `energy E, scaled by d²${unit}`, { size, fill: p.soft, anchor: "middle" });
-    pen.text(size + 1, (t + b) / 2, `frequency ω, rad/s${ys.offset ? `   ${ys.offset}` : ""}`, { size, fill: p.soft, anchor: "middle", upright: true });
+    const unit = xs.offset ? ` = ${xs.offset}` : "";
+    pen.text((l + r) / 2, h - 0.4 * size, `energy E, scaled by d²${unit}`, { size, fill: p.soft, anchor: "middle" });
+    pen.text(size + 1, (t + b) / 2, `frequency ω, rad/s${ys.offset ? ` = ${ys.offset}` : ""}`, { size, fill: p.soft, anchor: "middle", upright: true });
   }
 
   private paintInside(pen: Pen): void {
@@ -362,7 +375,7 @@ export class Plot {
 
   private local(event: MouseEvent): { x: number; y: number } {
     const r = this.overlay.getBoundingClientRect();
-    return { x: event.clientX - r.left - PAD.left, y: event.clientY - r.top - PAD.top };
+    return { x: event.clientX - r.left - this.pad.left, y: event.clientY - r.top - this.pad.top };
   }
 
   private listen(): void {
@@ -466,6 +479,6 @@ export class Plot {
   // Page coordinates of a place in the plane.
   toPage(energy: number, frequency: number): { x: number; y: number } {
     const r = this.overlay.getBoundingClientRect();
-    return { x: r.left + PAD.left + this.view.px(this.view.toX(energy)), y: r.top + PAD.top + this.view.py(this.view.toY(frequency)) };
+    return { x: r.left + this.pad.left + this.view.px(this.view.toX(energy)), y: r.top + this.pad.top + this.view.py(this.view.toY(frequency)) };
   }
 }

@@ -83,7 +83,7 @@ export function createPainter(atlas: Atlas, colouring: Colouring, bases: BaseRow
     const found = new Map<number, number>();
     (bases ?? []).slice(0, 12).forEach((row, i) => row.branches.forEach((id) => found.has(id) || found.set(id, 1 + i)));
     colours = [p.linear, ...Array.from({ length: 12 }, (_, i) => p.kinds[i % p.kinds.length])];
-    names = ["in no base shown", ...(bases ?? []).slice(0, 12).map((row) => row.base.replace(/^F(\d+)_(\d+)$/, "F$2 ^$1"))];
+    names = ["in no base shown", ...(bases ?? []).slice(0, 12).map((row) => row.base)];
     classOf = (b) => found.get(b.id) ?? 0;
   } else {
     colours = [p.linear, p.asymmetric, p.symmetric];

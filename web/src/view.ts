@@ -98,12 +98,12 @@ export interface Ticks {
 
 const superscript = (n: number) => String(n).replace(/./g, (c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)] ?? "⁻");
 
-function linearTicks(lo: number, hi: number, count: number, place: (value: number) => number): Ticks {
+function linearTicks(lo: number, hi: number, count: number, letters: number, place: (value: number) => number): Ticks {
   const step = niceStep(hi - lo, count);
   const size = Math.max(Math.abs(lo), Math.abs(hi));
   const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const ticks: Tick[] = [];
-  if (step / size > 1e-6) {
+  if (digits + Math.max(1, Math.floor(Math.log10(size)) + 1) + (digits ? 1 : 0) + (lo < 0 ? 1 : 0) <= letters) {
     for (let i = Math.ceil(lo / step); i * step <= hi; i++) ticks.push({ at: place(i * step), text: (i * step).toFixed(Math.min(20, digits)), minor: false });
     return { ticks, offset: "" };
   }
@@ -114,12 +114,13 @@ function linearTicks(lo: number, hi: number, count: number, place: (value: numbe
     const mantissa = Number((i * (step / 10 ** power)).toPrecision(12));
     ticks.push({ at: place(middle + i * step), text: i === 0 ? "0" : `${mantissa > 0 ? "+" : "−"}${Math.abs(mantissa)}`, minor: false });
   }
-  return { ticks, offset: `${middle.toPrecision(17).replace(/0+$/, "")} + … × 10${superscript(power)}` };
+  return { ticks, offset: `${middle} + … · 10${superscript(power)}` };
 }
 
-export function axisTicks(lo: number, hi: number, logarithmic: boolean, count: number): Ticks {
-  if (!logarithmic) return linearTicks(lo, hi, count, (v) => v);
-  if (hi - lo < 0.9) return linearTicks(10 ** lo, 10 ** hi, count, (v) => Math.log10(v));
+// Numbers of ticks have at most so many letters.
+export function axisTicks(lo: number, hi: number, logarithmic: boolean, count: number, letters: number): Ticks {
+  if (!logarithmic) return linearTicks(lo, hi, count, letters, (v) => v);
+  if (hi - lo < 0.9) return linearTicks(10 ** lo, 10 ** hi, count, letters, (v) => Math.log10(v));
   const ticks: Tick[] = [];
   const every = Math.max(1, Math.ceil((hi - lo) / count));
   for (let p = Math.floor(lo); p <= hi; p++) {

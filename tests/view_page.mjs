@@ -1,0 +1,268 @@
+// The page of `ricochet view` in a real browser: view_page.mjs RICOCHET CHROMIUM FOLDER [SHOTS]
+//
+// Prints TAP lines. FOLDER is for atlases and saved files; with SHOTS the pictures of the page are kept there. Playwright is that of web/node_modules.
+import { execFileSync, spawn } from "node:child_process";
+import { mkdirSync, readFileSync } from "node:fs";
+import { createInterface } from "node:readline";
+import { chromium } from "../web/node_modules/playwright-core/index.mjs";
+
+const [ricochet, browserPath, folder, shots] = process.argv.slice(2);
+const C1_32 = { energy: 1.901327637945699, frequency: 1.3820239896966182 };
+const C6_33 = { energy: 2.25568932141, frequency: 1.80003134035 }; // the doubling of S2-, where the loop of Fig. 17 begins
+let number = 0;
+let failed = 0;
+
+function ok(name, passed, why = "") {
+  number++;
+  failed += !passed;
+  console.log(`${passed ? "ok" : "not ok"} ${number} - ${name}`);
+  if (!passed && why) console.log(`# ${why}`);
+}
+
+const near = (a, b, relative = 1e-9) => Math.abs(a - b) <= relative * Math.max(Math.abs(a), Math.abs(b));
+const run = (...arguments_) => execFileSync(ricochet, arguments_, { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"], maxBuffer: 1 << 28 });
+const rows = (...arguments_) => JSON.parse(run(...arguments_, "--json"));
+const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1];
+
+async function serve(atlas) {
+  const child = spawn(ricochet, ["view", atlas, "--no-browser", "--port", "0"], { stdio: ["ignore", "pipe", "ignore"] });
+  const url = await new Promise((resolve, reject) => {
+    createInterface({ input: child.stdout }).once("line", resolve);
+    child.once("exit", () => reject(new Error("the server ended")));
+  });
+  return { url, stop: () => new Promise((resolve) => (child.once("exit", resolve), child.kill("SIGINT"))) };
+}
+
+async function open(browser, url, name) {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, colorScheme: "light" });
+  const page = await context.newPage();
+  const errors = [];
+  page.on("pageerror", (e) => errors.push(e.message));
+  page.on("console", (m) => m.type() === "error" && errors.push(m.text()));
+  await page.goto(url);
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: 60000 });
+  const shot = async (file) => {
+    if (!shots) return;
+    mkdirSync(shots, { recursive: true });
+    await page.waitForTimeout(400);
+    await page.screenshot({ path: `${shots}/${name}-${file}.png` });
+  };
+  return { context, page, errors, shot };
+}
+
+const place = (page, p) => page.evaluate(({ energy, frequency }) => window.ricochet().toPage(energy, frequency), p);
+const value = (page, key) => page.locator(`#content dd[data-key=${key}]`).first().innerText();
+const windowOf = (page) => page.evaluate(() => window.ricochet().window());
+
+async function click(page, p) {
+  const at = await place(page, p);
+  await page.mouse.click(at.x, at.y);
+}
+
+// The orbit panel shows what it was asked for.
+async function orbitShown(page, branch) {
+  await page.waitForFunction((id) => {
+    const [s, o] = [window.ricochet().selected(), window.ricochet().orbit()];
+    return s && o && (!id || s.branch === id) && Math.abs(o.arclength - s.arclength) < 1e-3 * (1 + s.arclength);
+  }, branch, { timeout: 20000 });
+  await page.waitForTimeout(60);
+}
+
+/* ------------------------------------------------------------------- demo */
+
+async function looking(page, shot, atlas) {
+  await shot("whole");
+  ok("the page shows the whole atlas", (await page.title()).startsWith("Two masses") && (await page.evaluate(() => window.ricochet().segments)) > 50);
+  await page.check("#full");
+  await click(page, C1_32);
+  const junction = rows("junctions", atlas).find((j) => j.name === "C1_32");
+  ok("a junction shows the numbers of the command line", Number(await value(page, "energy")) === junction.energy && parseFloat(await value(page, "frequency")) === junction.frequency);
+  ok("and what meets there", (await page.locator("#content .way").count()) === junction.branches.length);
+  await shot("junction");
+  const bridge = rows("branches", atlas).find((b) => b.label === "A2[01]");
+  await page.locator("#content .way", { hasText: `branch ${bridge.id},` }).click();
+  await orbitShown(page, bridge.id);
+  ok("a click follows a branch out of it", (await page.evaluate(() => window.ricochet().selected().branch)) === bridge.id);
+}
+
+async function orbits(page, shot, atlas) {
+  const branch = rows("branches", atlas).find((b) => b.label === "S2+[01]");
+  await page.fill("#search", "S2+");
+  await page.keyboard.press("Enter");
+  await orbitShown(page, branch.id);
+  const shown = await page.evaluate(() => window.ricochet().orbit());
+  const points = rows("points", atlas, "--branch", String(branch.id));
+  ok("the orbit is not a stored one", !points.some((p) => p.energy === shown.energy));
+  const there = rows("orbit", atlas, "--branch", String(branch.id), "--frequency", String(shown.frequency)).find((o) => near(o.energy, shown.energy));
+  ok("its numbers are those of the command line",
+    there && near(there.energy, Number(await value(page, "energy"))) && near(there.period, parseFloat(await value(page, "period"))) && there.word === (await value(page, "word")) &&
+      there.impact_speeds.every((v, i) => near(v, shown.impact_speeds[i])) && there.amplitudes.every((v, i) => near(v, shown.amplitudes[i], 1e-7)), JSON.stringify(there)?.slice(0, 200));
+  await shot("orbit");
+  await page.evaluate(() => document.getElementById("content").scrollTo(0, 1e5));
+  await shot("multipliers");
+  await page.evaluate(() => document.getElementById("content").scrollTo(0, 0));
+  const before = shown.arclength;
+  await page.locator(".overlay").focus();
+  for (let i = 0; i < 3; i++) await page.keyboard.press("ArrowRight");
+  await orbitShown(page, branch.id);
+  const stepped = await page.evaluate(() => window.ricochet().orbit());
+  ok("arrow keys step from stored point to stored point", stepped.arclength > before && points.some((p) => near(p.energy, stepped.energy, 1e-12)));
+  await page.keyboard.press(" ");
+  await page.waitForTimeout(1200);
+  await page.keyboard.press(" ");
+  await orbitShown(page, branch.id);
+  ok("space plays along the branch", (await page.evaluate(() => window.ricochet().orbit().arclength)) !== stepped.arclength);
+  await page.keyboard.press("n");
+  await page.waitForTimeout(300);
+  const at = await page.evaluate(() => window.ricochet().selected().arclength);
+  ok("n goes to the next junction", branch.junction_arclengths.includes(at) || at === points.at(-1).arclength || at === 0);
+}
+
+async function zooming(page, shot) {
+  await page.click("#home");
+  await page.waitForTimeout(300);
+  const wide = await windowOf(page);
+  await page.fill("#search", "C1_32");
+  await page.keyboard.press("Enter");
+  await page.locator(".overlay").focus();
+  await page.keyboard.press("f");
+  await page.waitForTimeout(200);
+  const at = await place(page, C1_32);
+  for (let i = 0; i < 27; i++) await page.keyboard.press("+");
+  await page.waitForTimeout(300);
+  const narrow = await windowOf(page);
+  const decades = Math.log10((wide.x1 - wide.x0) / (narrow.x1 - narrow.x0));
+  ok(`zoomed by ${decades.toFixed(1)} decades on both axes`, decades >= 4 && (wide.y1 - wide.y0) / (narrow.y1 - narrow.y0) >= 1e4);
+  const after = await place(page, C1_32);
+  ok("what was in the middle has stayed there", Math.hypot(after.x - at.x, after.y - at.y) < 1);
+  await shot("four-decades");
+  for (let i = 0; i < 55; i++) await page.keyboard.press("+");
+  await page.waitForTimeout(300);
+  const last = await windowOf(page);
+  ok("and down to the last digits", last.x1 - last.x0 < 2e-12 && last.y1 - last.y0 < 2e-12 && (await page.evaluate(() => window.ricochet().segments)) > 0, JSON.stringify(last));
+  await shot("last-digits");
+  const address = page.url();
+  await page.click("#home");
+  await page.waitForTimeout(300);
+  await page.click("#back");
+  await page.waitForTimeout(400);
+  const back = await windowOf(page);
+  ok("back comes to the view before", back.x1 - back.x0 < 0.9 * (wide.x1 - wide.x0), `${address} ${page.url()}`);
+  await page.click("#home");
+}
+
+async function growing(page, shot, atlas) {
+  const points = rows("branches", atlas).length;
+  await page.click("[data-tab=grow]");
+  await page.fill("#duplicates", "2");
+  await page.waitForTimeout(200);
+  await page.click("[data-offer=multiply]");
+  await page.waitForFunction((n) => window.ricochet().branches > n, points, { timeout: 60000 });
+  await shot("grown");
+  const found = rows("junctions", atlas).find((j) => j.kind === "multiplication" && near(j.energy, C6_33.energy, 1e-8) && near(j.frequency, C6_33.frequency, 1e-8));
+  ok("the living atlas finds the multiplication C33^6 and saves it", Boolean(found), `${rows("branches", atlas).length} branches`);
+  await click(page, C6_33);
+  await page.waitForTimeout(300);
+  ok("it is shown", near(Number(await value(page, "energy")), C6_33.energy, 1e-8) && (await value(page, "multiple")).startsWith("times 2"));
+  await shot("c33-6");
+}
+
+async function saving(page) {
+  for (const [what, ending, test] of [
+    ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && (text.match(/<path/g) ?? []).length > 20],
+    ["csv", ".csv", (text) => text.startsWith("branch,duplicate,label,arclength,energy,frequency,stable\n") && text.split("\n").length > 200],
+    ["png", ".png", (_, bytes) => bytes.subarray(1, 4).toString() === "PNG" && bytes.length > 20000],
+  ]) {
+    await page.click("#saving summary");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click(`[data-save=${what}]`)]);
+    const file = `${folder}/saved${ending}`;
+    await download.saveAs(file);
+    const bytes = readFileSync(file);
+    ok(`saves ${what}`, download.suggestedFilename().endsWith(ending) && test(bytes.toString("utf8"), bytes));
+  }
+}
+
+async function demo(browser) {
+  const atlas = `${folder}/demo.ricochet`;
+  run("run", "examples/elementary/study.yaml", "-o", atlas);
+  const server = await serve(atlas);
+  const { context, page, errors, shot } = await open(browser, server.url, "demo");
+  ok("the token is not left in the address line", !page.url().includes("token"));
+  await looking(page, shot, atlas);
+  await orbits(page, shot, atlas);
+  await zooming(page, shot);
+  await growing(page, shot, atlas);
+  await saving(page);
+  await page.click("#theme");
+  await page.selectOption("#colouring", "base");
+  await page.click("[data-tab=paths]");
+  await page.waitForSelector(".cascade, .lists h3", { timeout: 20000 });
+  await shot("dark-paths");
+  await page.locator(".lists .way").nth(1).click();
+  await shot("base");
+  await page.click("#larger");
+  await page.click("#larger");
+  await shot("projector");
+  await page.reload();
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 1);
+  ok("the address keeps colours and duplicates", (await page.inputValue("#colouring")) === "base" && (await page.inputValue("#duplicates")) === "2");
+  const loads = await page.evaluate(() => performance.getEntriesByType("measure").map((m) => m.duration));
+  console.log(`# loaded in ${loads.map((t) => t.toFixed(0)).join(", ")} ms`);
+  ok("no errors on the page", errors.length === 0, errors.join("; "));
+  await context.close();
+  await server.stop();
+}
+
+/* -------------------------------------------------------- a million points */
+
+async function frames(page) {
+  return page.evaluate(async () => {
+    const box = document.querySelector(".overlay").getBoundingClientRect();
+    const overlay = document.querySelector(".overlay");
+    const at = { clientX: box.left + 0.45 * box.width, clientY: box.top + 0.65 * box.height };
+    window.ricochet().frames.length = 0;
+    const gaps = [];
+    let last = await new Promise(requestAnimationFrame);
+    for (let i = 0; i < 60; i++) {
+      overlay.dispatchEvent(new WheelEvent("wheel", { ...at, deltaY: i < 30 ? -40 : 40, cancelable: true }));
+      const now = await new Promise(requestAnimationFrame);
+      gaps.push(now - last);
+      last = now;
+    }
+    return { gaps, work: [...window.ricochet().frames], renderer: window.ricochet().renderer, segments: window.ricochet().segments };
+  });
+}
+
+async function million(browser) {
+  const atlas = `${folder}/million.ricochet`;
+  run("run", "examples/elementary/study.yaml", "--max-step", "0.0000155", "-o", atlas);
+  const server = await serve(atlas);
+  const begin = Date.now();
+  const { context, page, errors, shot } = await open(browser, server.url, "million");
+  const [total, ready] = await page.evaluate(() => [window.ricochet().points, performance.now()]);
+  ok(`an atlas of ${total} points opens`, total >= 1e6, String(total));
+  console.log(`# ${total} points: shown ${ready.toFixed(0)} ms after the address was entered, ${Date.now() - begin} ms with the window`);
+  const { gaps, work, renderer, segments } = await frames(page);
+  console.log(`# ${renderer}, ${segments} segments: work per frame ${median(work).toFixed(1)} ms (most ${Math.max(...work).toFixed(1)}), frame to frame ${median(gaps).toFixed(1)} ms`);
+  ok("30 frames a second or more while zooming", median(work) < 1000 / 30, `${median(work)} ms`);
+  await click(page, C1_32);
+  await page.waitForSelector("#content .junction");
+  ok("a junction is found among them", (await page.locator("#content h2").innerText()).replace(/\s/g, "").startsWith("C132"));
+  await shot("junction");
+  ok("no errors on the page", errors.length === 0, errors.join("; "));
+  await context.close();
+  await server.stop();
+}
+
+const arguments_ = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : [])];
+const browser = await chromium.launch({ executablePath: browserPath, args: arguments_ });
+try {
+  if (process.env.PART !== "million") await demo(browser);
+  if (process.env.PART !== "demo") await million(browser);
+} catch (e) {
+  ok("the tests came to their end", false, String(e.stack).split("\n").join("\n# "));
+} finally {
+  await browser.close();
+}
+console.log(`1..${number}`);
+process.exit(failed ? 1 : 0);
