@@ -128,6 +128,8 @@ static int run(int argc, char **argv)
         || !cli_take_value(&argc, argv, "-j", &workers) || !cli_operands(&cli_view, argc, argv, 1)
         || (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) || (workers && !cli_parse_integer(workers, "-j", 1, 1024, &o.workers)))
         return CLI_WRONG;
+    if (o.where.address && !view_address_valid(o.where.address))
+        return cli_wrong("view: --listen '%s' is not an address; give one of this machine's, such as 192.168.1.7, or 0.0.0.0 for all", o.where.address);
     if (!view_page[0].path) {
         fputs("ricochet: view: this program was built without the page, because Node.js or the packages in web/ were missing. Install them "
               "(Debian: nodejs npm; then `make build` fetches the packages and builds it)\n", stderr);

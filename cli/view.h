@@ -85,7 +85,9 @@ typedef struct {
     bool exact;          /* no other port will do */
 } view_listen;
 
-/* Listens and answers until it is stopped. On failure a message in ric_detail style goes to stderr and NULL comes back. */
+/* Whether a text is an address in numbers: names are not asked for. */
+bool view_address_valid(const char *text);
+/* Listens and answers until it is stopped. On failure NULL, after a message on stderr. */
 view_server *view_server_start(view_shelf *shelf, view_grower *grower, const view_listen *where);
 void view_server_stop(view_server *server);
 bool view_server_loopback(const view_server *server);

@@ -509,16 +509,20 @@ static int port_of(int fd)
     return ntohs(address.ss_family == AF_INET ? ((struct sockaddr_in *)&address)->sin_port : ((struct sockaddr_in6 *)&address)->sin6_port);
 }
 
+bool view_address_valid(const char *text)
+{
+    unsigned char bytes[16];
+    return inet_pton(AF_INET, text, bytes) == 1 || inet_pton(AF_INET6, text, bytes) == 1;
+}
+
 static int open_socket(view_server *server, const view_listen *where)
 {
     const struct addrinfo hints = {.ai_flags = AI_NUMERICHOST, .ai_socktype = SOCK_STREAM};
     const char *address = where->address ? where->address : "127.0.0.1";
     struct addrinfo *found = NULL;
     int fd = -1, tried = 0;
-    if (getaddrinfo(address, NULL, &hints, &found)) {
-        cli_wrong("view: --listen '%s' is not an address; give one of this machine's, such as 192.168.1.7, or 0.0.0.0 for all", address);
+    if (getaddrinfo(address, NULL, &hints, &found))
         return -1;
-    }
     do
         fd = listen_at(found, where->port ? where->port + tried : 0);
     while (fd < 0 && errno == EADDRINUSE && !where->exact && ++tried < PORTS_TRIED && where->port + tried < 65536);

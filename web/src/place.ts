@@ -99,7 +99,7 @@ export function placeLabels(scene: Scene, v: View, choice: LabelChoice, showMark
           [m.x - w / 2, m.y - r], [m.x - w / 2, m.y + r + 0.8 * size], [m.x + r, m.y + 0.35 * size], [m.x - r - w, m.y + 0.35 * size]);
       const place = choose(places, w, choice === "all" ? 26 : 9);
       if (!place) continue;
-      put(runs, at, w, place[0], place[1], m.x, m.y, -1, Math.abs(place[0] + w / 2 - m.x) > w / 2 + 14 || Math.abs(place[1] - m.y) > 24);
+      put(runs, at, w, place[0], place[1], m.x, m.y, -1, Math.hypot(Math.max(place[0] - m.x, 0, m.x - place[0] - w), Math.max(place[1] - size - m.y, 0, m.y - place[1])) > 12);
       n++;
     }
   }
@@ -132,9 +132,8 @@ function labelBranches(
     const { at, width: w } = measure(runs, size, width);
     const spots = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9].map((part) => spotAt(d, t.from, t.to, part * lengths[i]));
     for (const s of spots) {
-      const r = 7;
-      const beside = (nx: number, ny: number): [number, number] => [s.x + nx * r - (Math.abs(nx) < 0.5 ? w / 2 : nx < 0 ? w : 0), s.y + ny * r + (ny > 0 ? 0.8 : 0) * size];
-      const places = [beside(s.nx, s.ny), beside(-s.nx, -s.ny)];
+      const beside = (nx: number, ny: number, r: number): [number, number] => [s.x + nx * r - (Math.abs(nx) < 0.5 ? w / 2 : nx < 0 ? w : 0), s.y + ny * r + (ny > 0 ? 0.8 : 0) * size];
+      const places = [7, 13].flatMap((r) => [beside(s.nx, s.ny, r), beside(-s.nx, -s.ny, r)]);
       const place = choose(places, w, 3);
       if (!place) continue;
       put(runs, at, w, place[0], place[1], s.x, s.y, d[t.from * STRIDE + 4], false);

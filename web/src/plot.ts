@@ -29,6 +29,12 @@ export interface PlotEvents {
 
 const REST = 90; // ms without motion, after which labels are placed anew
 
+// Where a leader from its mark meets a label.
+function nearestOn(label: Label, dx: number, dy: number): [number, number] {
+  const clamp = (v: number, lo: number, hi: number) => Math.min(hi, Math.max(lo, v));
+  return [clamp(label.px, label.x - 1, label.x + label.width + 1) + dx, clamp(label.py, label.y - 0.9 * label.size, label.y + 0.25 * label.size) + dy];
+}
+
 export class Plot {
   view: View;
   scene: Scene;
@@ -296,7 +302,7 @@ export class Plot {
     const placed = this.labels.map((label) => ({ label, dx: view.px(label.anchor.x) - label.px, dy: view.py(label.anchor.y) - label.py }));
     for (const { label, dx, dy } of placed)
       if (label.leader)
-        pen.path([label.px + dx, label.py + dy, label.x + dx + (label.x > label.px ? -1 : label.width + 1), label.y + dy - 0.3 * size], { stroke: p.soft, width: 0.7 });
+        pen.path([label.px + dx, label.py + dy, ...nearestOn(label, dx, dy)], { stroke: p.soft, width: 0.7 });
     if (options.marks)
       for (const m of scene.marks) drawMark(pen, m.junction.kind, m.x, m.y, m.small ? 2.6 : 4, p.ink, m.junction.id === this.chosenJunction ? p.accent : p.mark);
     const chosen = this.chosenJunction ? scene.atlas.junction(this.chosenJunction) : undefined;

@@ -1,0 +1,210 @@
+#!/bin/bash
+# The manners of the server of `ricochet view`: who may ask for what, and how it ends.
+set -u
+. tests/tap.sh
+
+if "$ricochet" view /dev/null 2>&1 | grep -q 'built without'; then
+    echo "1..0 # SKIP $("$ricochet" view /dev/null 2>&1)"
+    exit 77
+fi
+command -v curl >/dev/null || { echo '1..0 # SKIP curl is missing'; exit 77; }
+
+atlas=$folder/e.ricochet
+"$ricochet" run examples/elementary/study.yaml -o "$atlas" 2>/dev/null
+before=$(sha256sum <"$atlas")
+
+start() { # ATLAS OPTION...: sets pid, url, token, port
+    "$ricochet" view "$@" --no-browser >"$folder/url" 2>"$folder/err" &
+    pid=$!
+    for _ in $(seq 100); do
+        grep -q token "$folder/url" && break
+        sleep 0.05
+    done
+    token=$(sed 's/.*token=//' "$folder/url")
+    url=$(sed 's,/?token.*,,' "$folder/url")
+    port=${url##*:}
+}
+finish_server() { # SIGNAL: ends it and gives its exit code
+    kill -"$1" "$pid"
+    wait "$pid"
+}
+code() { curl -s -o "$folder/body" -w '%{http_code}' --max-time 20 "$@"; }
+gives() { # CODE CURL-ARGUMENT...
+    local wanted=$1
+    shift
+    local got
+    got=$(code "$@")
+    [ "$got" = "$wanted" ] || { echo "$got instead of $wanted"; head -c 300 "$folder/body"; return 1; }
+}
+with_token=(-H "X-Ricochet-Token: none")
+
+# ------------------------------------------------------------------ messages
+
+refuses() { # CODE WORD COMMAND...
+    local wanted=$1 word=$2 got=0
+    shift 2
+    "$@" >"$folder/out" 2>&1 || got=$?
+    cat "$folder/out"
+    [ "$got" = "$wanted" ] && grep -q -e "$word" "$folder/out"
+}
+ok 'no such atlas' refuses 1 'no such file' "$ricochet" view "$folder/none.ricochet" --no-browser
+ok 'no atlas' refuses 1 'not' "$ricochet" view README.md --no-browser
+ok 'a port that is none' refuses 2 'whole number' "$ricochet" view "$atlas" --port 99999
+ok 'an address that is none' refuses 2 'not an address' "$ricochet" view "$atlas" --no-browser --listen example.org
+
+# ------------------------------------------------------------------- answers
+
+start "$atlas" --port 0
+with_token=(-H "X-Ricochet-Token: $token")
+ok 'the address is printed' grep -qE '^http://127\.0\.0\.1:[0-9]+/\?token=[0-9a-f]{32}$' "$folder/url"
+listening() { [ "$(awk -v p="$(printf ':%04X' "$port")" '$4 == "0A" && $2 ~ p "$" { print $2 }' /proc/net/tcp /proc/net/tcp6)" = "0100007F:$(printf '%04X' "$port")" ]; }
+ok 'it listens on the loopback only' listening
+ok 'the page' gives 200 --compressed "$url/"
+ok 'its script' gives 200 --compressed "$url/app.js"
+weight() { [ $(($(curl -s "$url/" | wc -c) + $(curl -s "$url/app.js" | wc -c) + $(curl -s "$url/app.css" | wc -c))) -lt 100000 ]; }
+ok 'all of it weighs less than 100 kB' weight
+policy() { curl -sD- -o /dev/null "$url/" | grep -i '^content-security-policy: default-src .none.; script-src .self.;' && ! curl -s --compressed "$url/" | grep -E 'https?://'; }
+ok 'nothing is loaded from outside, and the policy says so' policy
+tag() { gives 304 -H "If-None-Match: $(curl -sD- -o /dev/null "$url$1" | tr -d '\r' | sed -n 's/^ETag: //Ip')" "$url$1"; }
+ok 'the page is known by its tag' tag /
+ok 'the points are known by their tag' tag /api/points
+ok 'the atlas' gives 200 "$url/api/atlas"
+points() {
+    local knots
+    curl -s "$url/api/atlas" -o "$folder/atlas.json"
+    knots=$(python3 -c "import json; print(sum(b['knots'] for b in json.load(open('$folder/atlas.json'))['branches']))")
+    [ "$(curl -s "$url/api/points" | wc -c)" = $((25 * knots)) ]
+}
+ok 'its points have 25 bytes each' points
+
+orbit() { # both ways give the same bits
+    curl -s "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5" >"$folder/a" && "$ricochet" orbit "$atlas" --branch 3 --energy 1.5 --json >"$folder/b"
+    python3 - "$folder/a" "$folder/b" <<'P'
+import json, sys
+page, line = (json.load(open(name)) for name in sys.argv[1:])
+assert len(page) == len(line) > 0, (len(page), len(line))
+for a, b in zip(page, line):
+    for key, value in b.items():
+        assert a[key] == value, (key, a[key], value)
+    assert len(a["history"]["t"]) == len(a["history"]["x"][0]) > 50
+    assert a["impact_times"][0] == 0 and len(a["impact_times"]) == len(a["word"])
+P
+}
+ok 'an orbit has the numbers of the command, bit for bit' orbit
+between() { # along every branch, at places between stored points, the orbit lies where it was asked for
+    python3 - "$url" "$token" "$folder/atlas.json" <<'P'
+import json, sys, urllib.request
+url, token, name = sys.argv[1:]
+atlas = json.load(open(name))
+for branch in atlas["branches"]:
+    end = branch["junction_arclengths"][-1] if branch["junction_arclengths"] else 0.01
+    for part in (0.013, 0.37, 0.911):
+        request = urllib.request.Request(f"{url}/api/orbit?branch={branch['id']}&arclength={part * end!r}", headers={"X-Ricochet-Token": token})
+        orbits = json.load(urllib.request.urlopen(request))
+        assert len(orbits) == 1, (branch["id"], part, len(orbits))
+        assert abs(orbits[0]["arclength"] - part * end) < 0.04 and orbits[0]["residual"] < 1e-12, (branch["id"], part * end, orbits[0]["arclength"])
+P
+}
+ok 'an orbit between any two points' between
+ok 'bases' gives 200 "${with_token[@]}" "$url/api/bases"
+ok 'cascades' gives 200 "${with_token[@]}" "$url/api/cascades"
+
+# ------------------------------------------------------------------ refusals
+
+for host in evil.example "evil.example:$port" "127.0.0.1.evil.example:$port" "127.0.0.1:1" localhost "[::1" "192.168.0.1:$port" "127.0.0.1:${port}x" "$(printf 'a%.0s' {1..5000})"; do
+    ok "Host ${host:0:40}" gives 421 -H "Host: $host" "$url/"
+done
+ok 'no Host at all' gives 421 --http1.0 -H 'Host:' "$url/"
+ok 'Host localhost' gives 200 -H "Host: localhost:$port" "$url/"
+for path in orbit?branch=3\&energy=1.5 bases cascades; do
+    ok "no token: $path" gives 403 "$url/api/$path"
+done
+ok 'a wrong token' gives 403 -H "X-Ricochet-Token: ${token%?}x" "$url/api/bases"
+ok 'a token in the address is no token' gives 403 "$url/api/bases?token=$token"
+ok 'extending without a token' gives 403 -d '{"depth":9}' "$url/api/extend"
+ok 'stopping without a token' gives 403 -d '{}' "$url/api/stop"
+ok 'a smaller budget' gives 400 "${with_token[@]}" -d '{"depth":1}' "$url/api/extend"
+ok 'a body that is no JSON' gives 400 "${with_token[@]}" -d 'depth' "$url/api/extend"
+for path in /../../etc/passwd /..%2f..%2fetc%2fpasswd //etc/passwd /app.js/.. "/api/atlas/../../x" /%61pp.jsx /api; do
+    ok "path $path" gives 404 --path-as-is "$url$path"
+done
+for query in '' branch=3 'branch=3&energy=nan' 'branch=3&energy=1e999' 'branch=3&energy=0x1p3' 'branch=3&energy=1&point=1' 'branch=-1&energy=1' 'branch=3.5&energy=1' "branch=3&energy=$(printf '9%.0s' {1..60})"; do
+    ok "orbit?${query:0:40}" gives 400 "${with_token[@]}" "$url/api/orbit?$query"
+done
+ok 'a branch that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=999&energy=1"
+ok 'a point that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=3&point=99999"
+ok 'DELETE' gives 405 -X DELETE "$url/"
+head -c 5000000 /dev/zero >"$folder/huge"
+ok 'a huge body' gives 413 -H 'Expect:' --data-binary "@$folder/huge" "${with_token[@]}" "$url/api/extend"
+chunked() { code -H 'Transfer-Encoding: chunked' -H 'Expect:' --data-binary "@$folder/huge" "${with_token[@]}" "$url/api/extend"; gives 200 "$url/api/status"; }
+ok 'a huge body in pieces' chunked
+long() { code "$url/?$(printf 'a%.0s' {1..60000})"; gives 200 "$url/api/status"; }
+ok 'a long address' long
+noise() { # what is no HTTP, and what breaks off
+    for _ in $(seq 40); do
+        head -c $((RANDOM % 3000)) /dev/urandom | timeout 2 bash -c "cat >/dev/tcp/127.0.0.1/$port" 2>/dev/null
+        printf 'GET /api/%s HTTP/1.1\r\nHost: 127.0.0.1:%s\r\n' "$RANDOM" "$port" | timeout 2 bash -c "cat >/dev/tcp/127.0.0.1/$port" 2>/dev/null
+    done
+    gives 200 "$url/api/status"
+}
+ok 'noise' noise
+flood() { # some are refused, and a little later all is well
+    for _ in 1 2 3 4; do
+        curl -s -o /dev/null -w '%{http_code}\n' "${with_token[@]}" "$url/api/orbit?branch=3&point=[1-160]" >>"$folder/codes" &
+    done
+    for job in $(jobs -p | grep -v "^$pid$"); do wait "$job"; done
+    sort "$folder/codes" | uniq -c
+    ! grep -qvE '^(200|404|429)$' "$folder/codes" && grep -q 200 "$folder/codes" && sleep 1.2 && gives 200 "${with_token[@]}" "$url/api/bases"
+}
+ok 'too many requests at once' flood
+several() {
+    for i in 1 2 3 4 5 6 7 8; do curl -s "$url/api/points" | sha256sum >"$folder/page$i" & done
+    for job in $(jobs -p | grep -v "^$pid$"); do wait "$job"; done
+    [ "$(cat "$folder"/page? | sort -u | wc -l)" = 1 ] && [ "$(cat "$folder/page1")" = "$(curl -s "$url/api/points" | sha256sum)" ]
+}
+ok 'several pages at once' several
+ok 'the atlas is unchanged after all that' test "$before" = "$(sha256sum <"$atlas")"
+
+# ------------------------------------------------------------- living atlas
+
+status() { curl -s "$url/api/status"; }
+settled() { for _ in $(seq 600); do status | grep -q '"running":false' && return; sleep 0.1; done; return 1; }
+extends() { gives 200 "${with_token[@]}" -d '{"multiply":2}' "$url/api/extend" && settled && "$ricochet" junctions "$atlas" | grep -q '2.25568932141 *1.80003134035' && status | grep -q '"generation":2'; }
+ok 'an extension finds C33^6 and saves it' extends
+ok 'what it has written verifies' "$ricochet" verify "$atlas" --branch 20
+busy() { gives 200 "${with_token[@]}" -d '{"depth":30,"impacts":200,"multiply":7}' "$url/api/extend" && gives 409 "${with_token[@]}" -d '{"depth":31}' "$url/api/extend" && gives 200 "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5"; }
+ok 'one at a time, and orbits meanwhile' busy
+count=$("$ricochet" branches "$atlas" --csv | wc -l)
+stops() { sleep 1 && gives 200 "${with_token[@]}" -d '{}' "$url/api/stop" && settled && [ "$("$ricochet" branches "$atlas" --csv | wc -l)" -ge "$count" ]; }
+ok 'stopped, it has taken nothing away' stops
+other_run() {
+    sed 's/depth: 4/depth: 5/; s/multiply: 1/multiply: 2/' examples/elementary/study.yaml >"$folder/deeper.yaml"
+    generation=$(status | grep -oE '"generation":[0-9]+')
+    "$ricochet" run "$folder/deeper.yaml" -o "$atlas" >/dev/null 2>&1 || return 1
+    for _ in $(seq 50); do [ "$(status | grep -oE '"generation":[0-9]+')" != "$generation" ] && return; sleep 0.1; done
+    return 1
+}
+ok 'what another run writes appears' other_run
+
+# ----------------------------------------------------------------------- end
+
+gives 200 "${with_token[@]}" -d '{"depth":40,"impacts":300}' "$url/api/extend"
+ok 'Ctrl-C ends it in the midst of an extension' finish_server INT
+ok 'and leaves a whole atlas' "$ricochet" branches "$atlas"
+ok 'and no lock' test ! -e "$atlas-lock"
+start "$atlas" --port 0
+exec 9<>"/dev/tcp/127.0.0.1/$port" # a connection that says nothing
+ok 'SIGTERM ends it, with a connection open' finish_server TERM
+exec 9>&-
+start "$atlas" --port 0
+first=$pid
+second() { refuses 1 'cannot listen' timeout 10 "$ricochet" view "$atlas" --no-browser --port "$port"; }
+ok 'a port that is taken' second
+kill "$first"
+wait "$first" 2>/dev/null
+start "$atlas" --listen 0.0.0.0 --port 0
+ok 'elsewhere than on the loopback it warns' grep -q WARNING "$folder/err"
+ok 'there, addresses are hosts' gives 200 -H "Host: 192.168.0.1:$port" "http://127.0.0.1:$port/"
+ok 'names are not' gives 421 -H "Host: evil.example:$port" "http://127.0.0.1:$port/"
+finish_server INT
+finish
