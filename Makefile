@@ -7,7 +7,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup build demo test bench sanitize fuzz clean
+.PHONY: help setup setup-tests build demo test bench sanitize fuzz clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -21,6 +21,10 @@ help:
 
 setup:
 	@tools/setup
+
+# What only the tests need.
+setup-tests:
+	@tools/setup tests
 
 # A new or a removed file changes its folder: configure again.
 define configure
@@ -59,7 +63,7 @@ test:
 bench: build
 	@$(BUILD)/ricochet-bench
 
-sanitize: $(ASAN)/build.ninja
+sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
 
