@@ -7,7 +7,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build demo test bench sanitize fuzz clean
+.PHONY: help setup setup-tests build demo test picture bench sanitize fuzz clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -16,6 +16,7 @@ help:
 	@echo "make build     build the program and the library in $(BUILD)/"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
 	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
+	@echo "make picture   take the screenshot of ricochet view that the documentation shows"
 	@echo "make setup     install the packages that are missing (all of the above do it, too)"
 	@echo "make clean     remove $(BUILD)/, $(ASAN)/ and $(FUZZ)/"
 
@@ -59,6 +60,12 @@ test:
 	@tools/setup tests
 	@$(MAKE) --no-print-directory build
 	@tools/run-tests $(BUILD)
+
+picture: setup-tests build
+	@mkdir -p $(DEMO)
+	sed 's/multiply: 1/multiply: 2/' examples/elementary/study.yaml >$(DEMO)/view.yaml
+	$(BUILD)/ricochet run $(DEMO)/view.yaml -o $(DEMO)/view.ricochet
+	node tools/screenshot.mjs $(BUILD)/ricochet $(DEMO)/view.ricochet docs/view.png
 
 bench: build
 	@$(BUILD)/ricochet-bench

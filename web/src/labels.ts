@@ -1,4 +1,4 @@
-// Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A4^{2}[0011], long words as powers.
+// Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], long words as powers, the k of a duplicate raised.
 
 export interface Run {
   text: string;
@@ -26,10 +26,9 @@ export function shortWord(word: string): Run[] {
 const minus = (text: string) => text.replace("-", "−");
 
 export function branchRuns(label: string, word: string, k = 1): Run[] {
-  const parts = /^([SA])(\d+)(?:\^\{?(\d*)([+-]?)\}?|([+-]))?(\[.*)?$/.exec(label);
+  const parts = /^([SA])(\d+)([+-]|\(\d+\))?(\[.*)?$/.exec(label);
   if (!parts) return [{ text: label, shift: 0 }];
-  const sign = parts[4] || parts[5] || "";
-  const raised = (k > 1 ? String(k) : "") + minus(sign);
+  const raised = (k > 1 ? String(k) : "") + minus(parts[3] ?? ""); // + and - or (3): of which linear mode it is the backbone
   const runs: Run[] = [{ text: parts[1], shift: 0 }, { text: parts[2], shift: -1 }];
   if (raised) runs.push({ text: raised, shift: 1 });
   return word ? [...runs, ...shortWord(word)] : runs;

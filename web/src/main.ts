@@ -93,6 +93,7 @@ class Page {
 
   private applyTheme(): void {
     document.documentElement.classList.toggle("dark", this.dark);
+    document.documentElement.classList.toggle("big", settings.size > 14);
     document.documentElement.style.fontSize = `${settings.size}px`;
   }
 

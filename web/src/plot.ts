@@ -194,8 +194,31 @@ export class Plot {
   private layLabels(): void {
     this.scene.build(this.view, this.options.duplicates);
     this.scene.buildMarks(this.view, this.options.duplicates);
-    const keep = this.showsMini() ? [new DOMRect(this.view.width - 190, this.view.height - 122, 190, 122)] : [];
+    const keep = this.showsMini() ? [this.placeMini()] : [];
     this.labels = placeLabels(this.scene, this.view, this.options.labels, this.options.marks, this.size, textWidth, keep);
+  }
+
+  // The corner where the minimap hides least, the lower right one unless another is much emptier.
+  private placeMini(): DOMRect {
+    const [w, h, gap] = [this.miniView.width, this.miniView.height, 10];
+    const { width, height } = this.view;
+    const corners = [[width - w - gap, height - h - gap], [width - w - gap, gap], [gap, gap], [gap, height - h - gap]].map(([x, y]) => new DOMRect(x - 6, y - 6, w + 12, h + 12));
+    const d = this.scene.segments.data;
+    const hidden = corners.map((r, i) => {
+      let sum = i * 60;
+      for (let s = 0; s < this.scene.segments.n; s++) {
+        const [x0, y0, x1, y1] = [d[6 * s], d[6 * s + 1], d[6 * s + 2], d[6 * s + 3]];
+        const n = Math.max(1, Math.ceil(Math.hypot(x1 - x0, y1 - y0) / 20));
+        for (let k = 0; k < n; k++) {
+          const [x, y] = [x0 + ((k + 0.5) / n) * (x1 - x0), y0 + ((k + 0.5) / n) * (y1 - y0)];
+          if (x > r.left && x < r.right && y > r.top && y < r.bottom) sum += Math.hypot(x1 - x0, y1 - y0) / n;
+        }
+      }
+      return sum;
+    });
+    const r = corners[hidden.indexOf(Math.min(...hidden))];
+    Object.assign(this.mini.style, { left: `${this.pad.left + r.x + 6}px`, top: `${this.pad.top + r.y + 6}px` });
+    return r;
   }
 
   private showsMini(): boolean {
@@ -297,7 +320,7 @@ export class Plot {
   }
 
   private paintInside(pen: Pen): void {
-    const { view, scene, palette: p, options, size } = this;
+    const { view, scene, palette: p, options } = this;
     if (options.reference) this.paintReference(pen);
     const placed = this.labels.map((label) => ({ label, dx: view.px(label.anchor.x) - label.px, dy: view.py(label.anchor.y) - label.py }));
     for (const { label, dx, dy } of placed)

@@ -22,7 +22,7 @@ export function find(atlas: Atlas, text: string, most = 12): Found[] {
     return best;
   };
   for (const j of atlas.junctions) {
-    const s = score(j.name, j.label, `#${j.id}`, j.kind) + (j.name ? 1 : 0);
+    const s = score(j.name, j.label, `junction${j.id}`, j.kind) + (j.name ? 1 : 0);
     if (s > 1) found.push({ kind: "junction", id: j.id, score: s });
   }
   for (const b of atlas.branches) {
