@@ -1,6 +1,7 @@
 /* The living atlas: further departures with larger budgets, in a thread of their own, saved into the atlas. */
 #define _POSIX_C_SOURCE 200809L
 
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,6 +9,8 @@
 
 #include "../src/study.h"
 #include "view.h"
+
+#define SAME 1e-7 /* relative: ends of a branch in two runs, of which one met more junctions on the way */
 
 struct view_grower {
     view_shelf *shelf;
@@ -100,13 +103,43 @@ static ric_status explore(view_grower *g, const ric_study *study)
     return ric_explore(study, view_shelf_path(g->shelf), &options);
 }
 
-/* An extension that was stopped has written what it had, which may be less than there was, because larger budgets shape branches anew. Its
+static bool close_to(double a, double b)
+{
+    return fabs(a - b) <= SAME * (fabs(a) + fabs(b));
+}
+
+/* Whether two branches of different runs are the same curve. */
+static bool same_branch(const ric_branch *a, const ric_branch *b)
+{
+    return a->impacts == b->impacts && a->symmetric == b->symmetric && a->mode == b->mode
+        && !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) && close_to(a->energy_min, b->energy_min)
+        && close_to(a->energy_max, b->energy_max) && close_to(a->frequency_min, b->frequency_min) && close_to(a->frequency_max, b->frequency_max);
+}
+
+/* Whether every branch of `small` is in `large`. */
+static bool contains(const ric_atlas *large, const ric_atlas *small)
+{
+    const int n = ric_atlas_n_branch(large);
+    for (int id = 1; id <= ric_atlas_n_branch(small); id++) {
+        ric_branch a, b;
+        bool found = false;
+        if (ric_atlas_branch(small, id, &a))
+            return false;
+        for (int k = 1; k <= n && !found; k++) /* numbers shift a little, so that it is mostly near */
+            found = !ric_atlas_branch(large, 1 + (id - 1 + k - 1) % n, &b) && same_branch(&a, &b);
+        if (!found)
+            return false;
+    }
+    return true;
+}
+
+/* An extension that was stopped has written what it had, which may lack branches that were there, because larger budgets shape them anew. Its
  * finished work is kept in the file for the next time, but the tables then go back to the study of before, which costs no tracing. */
-static ric_status put_back(view_grower *g, const ric_study *before, int n_before, bool *done)
+static ric_status put_back(view_grower *g, const ric_study *before, const ric_atlas *old, bool *done)
 {
     ric_atlas *atlas = NULL;
     ric_status status = ric_atlas_read(view_shelf_path(g->shelf), &atlas);
-    *done = !status && ric_atlas_n_branch(atlas) < n_before;
+    *done = !status && !contains(atlas, old);
     ric_atlas_free(atlas);
     if (!*done)
         return status;
@@ -150,15 +183,15 @@ static void *work(void *user)
     ric_status status = study_of(g, data, &before);
     if (!status)
         status = study_of(g, data, &larger);
-    view_data_release(g->shelf, data);
     if (!status)
         status = raise_budgets(larger, &g->budgets);
     if (!status)
         status = explore(g, larger);
     if (status == RIC_E_INTERRUPTED) {
-        const ric_status back = put_back(g, before, n_before, &restored);
+        const ric_status back = put_back(g, before, data->atlas, &restored);
         status = back ? back : status;
     }
+    view_data_release(g->shelf, data);
     finish(g, status, n_before, restored);
     ric_study_free(before);
     ric_study_free(larger);

@@ -174,8 +174,9 @@ ok 'an extension finds C33^6 and saves it' extends
 ok 'what it has written verifies' "$ricochet" verify "$atlas" --branch 20
 busy() { gives 200 "${with_token[@]}" -d '{"depth":30,"impacts":200,"multiply":7}' "$url/api/extend" && gives 409 "${with_token[@]}" -d '{"depth":31}' "$url/api/extend" && gives 200 "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5"; }
 ok 'one at a time, and orbits meanwhile' busy
-count=$("$ricochet" branches "$atlas" --csv | wc -l)
-stops() { sleep 1 && gives 200 "${with_token[@]}" -d '{}' "$url/api/stop" && settled && [ "$("$ricochet" branches "$atlas" --csv | wc -l)" -ge "$count" ]; }
+curves() { "$ricochet" branches "$atlas" --json | python3 -c 'import json, sys; print("\n".join(sorted("%s %s %.6g %.6g %.6g" % (b["word"], b["symmetric"], b["energy_min"], b["energy_max"], b["frequency_max"]) for b in json.load(sys.stdin))))'; }
+curves >"$folder/curves"
+stops() { sleep 1 && gives 200 "${with_token[@]}" -d '{}' "$url/api/stop" && settled && status && [ -z "$(curves | LC_ALL=C comm -23 "$folder/curves" -)" ]; }
 ok 'stopped, it has taken nothing away' stops
 other_run() {
     sed 's/depth: 4/depth: 5/; s/multiply: 1/multiply: 2/' examples/elementary/study.yaml >"$folder/deeper.yaml"
