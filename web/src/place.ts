@@ -136,7 +136,7 @@ function labelBranches(
       const places = [7, 13].flatMap((r) => [beside(s.nx, s.ny, r), beside(-s.nx, -s.ny, r)]);
       const place = choose(places, w, 3);
       if (!place) continue;
-      put(runs, at, w, place[0], place[1], s.x, s.y, d[t.from * STRIDE + 4], false);
+      put(runs, at, w, place[0], place[1], s.x, s.y, scene.painter.oneColour ? d[t.from * STRIDE + 4] : -1, false);
       break;
     }
   }

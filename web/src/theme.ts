@@ -59,10 +59,11 @@ export interface Painter {
   styles: Style[];
   of: (branch: Branch, stability: number, k: number) => number; // number of a style
   legend: LegendEntry[];
+  oneColour: boolean; // of each branch, so that its label can have it
 }
 
 const WIDTH = [1.1, 2.8, 2.2]; // unstable, stable, undecided
-const DOTS: [number, number] = [0.2, 4.6];
+const DOTS: [number, number] = [2, 3.6];
 const DASH: [number, number] = [7, 4];
 
 function stroke(colour: string, stability: number): Style {
@@ -95,7 +96,7 @@ export function createPainter(atlas: Atlas, colouring: Colouring, bases: BaseRow
   for (const b of atlas.branches) seen.add((classes[b.id] = classOf(b)));
   const styles = colours.flatMap((c) => [stroke(c, 0), stroke(c, 1), stroke(c, 2), { colour: c, width: 1.1, dash: DASH }]);
   const legend = names.map((text, i) => ({ text, style: stroke(colours[i], 1) })).filter((_, i) => seen.has(i));
-  return { styles, legend, of: (b, stability, k) => 4 * classes[b.id] + (k > 1 ? 3 : stability) };
+  return { styles, legend, oneColour: true, of: (b, stability, k) => 4 * classes[b.id] + (k > 1 ? 3 : stability) };
 }
 
 function stabilityPainter(p: Palette): Painter {
@@ -108,6 +109,7 @@ function stabilityPainter(p: Palette): Painter {
       { text: "unstable", style: styles[0] },
       { text: "undecided", style: styles[2] },
     ],
+    oneColour: false,
     of: (_, stability, k) => stability + (k > 1 ? 3 : 0),
   };
 }
