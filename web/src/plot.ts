@@ -1,5 +1,6 @@
 // The frequency-energy plot: lines below, axes, marks and labels above, pointer and wheel on top.
 import type { Atlas } from "./atlas";
+import { junctionRuns, measure } from "./labels";
 import { createLines, type LineRenderer, Segments, type Style } from "./lines";
 import { placeLabels, type Label, type LabelChoice } from "./place";
 import { CanvasPen, drawMark, drawRuns, type Pen, textWidth } from "./pen";
@@ -290,7 +291,25 @@ export class Plot {
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
     pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
     this.paint(pen, w, h);
+    this.paintLegend(pen);
     return { width: w, height: h };
+  }
+
+  // On the page the legend is an element of its own; a saved picture has it above the frame, and the title at the right.
+  private paintLegend(pen: Pen): void {
+    const { size, palette: p, scene } = this;
+    const y = this.pad.top - 0.8 * size;
+    let x = this.pad.left;
+    for (const { text, style } of scene.painter.legend) {
+      const runs = junctionRuns(text);
+      const { at, width } = measure(runs, size - 1, textWidth);
+      pen.path([x, y - 0.3 * size, x + 22, y - 0.3 * size], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined });
+      drawRuns(pen, runs, at, x + 28, y, size - 1, p.ink, p.paper);
+      x += 28 + width + 16;
+    }
+    const { title } = scene.atlas.description;
+    const right = this.pad.left + this.view.width;
+    if (right - textWidth(title, size) > x + 10) pen.text(right, y, title, { size, fill: p.ink, anchor: "end" });
   }
 
   private paintAxes(pen: Pen, w: number, h: number): void {
