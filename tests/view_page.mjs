@@ -235,7 +235,7 @@ async function frames(page) {
 
 async function million(browser) {
   const atlas = `${folder}/million.ricochet`;
-  run("run", "examples/elementary/study.yaml", "--max-step", "0.0000155", "-o", atlas);
+  run("run", "examples/elementary/study.yaml", "--max-step", "0.0000155", "-j", "2", "-o", atlas);
   const server = await serve(atlas);
   const begin = Date.now();
   const { context, page, errors, shot } = await open(browser, server.url, "million");

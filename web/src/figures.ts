@@ -72,7 +72,7 @@ export function drawHistory(f: Frame, orbit: Orbit, model: Model, now: number): 
   if (!h) return;
   const { pen, palette: p, size } = f;
   const chosen = coordinates(orbit, model.dofs);
-  const box: [number, number, number, number] = [46, 1.4 * size, f.width - 8, f.height - 2.6 * size];
+  const box: [number, number, number, number] = [46, 1.6 * size, f.width - 8, f.height - 2.6 * size];
   const yr = range(chosen.map((i) => h.x[i]));
   const a = axes(f, box, [0, orbit.period], yr, "time t, s", "");
   for (const t of orbit.impact_times) pen.path([a.x(t), box[1], a.x(t), box[3]], { stroke: p.soft, width: 0.8, dash: [2, 3], alpha: 0.7 });
@@ -139,7 +139,7 @@ export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): vo
   const state = stateAt(orbit, model.dofs, now);
   chosen.forEach((i, c) => {
     const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
-    const box: [number, number, number, number] = [left + 46, top + 1.3 * size, left + w - 8, top + height - 2.6 * size];
+    const box: [number, number, number, number] = [left + 46, top + 1.6 * size, left + w - 8, top + height - 2.6 * size];
     const a = axes(f, box, range([h.x[i]]), range([h.v[i]]), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
     const points: number[] = [];
     const jumps: number[] = [];

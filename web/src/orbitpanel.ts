@@ -236,14 +236,14 @@ export class OrbitPanel {
     const face = (f: number) => {
       const m = model.faces[f];
       const name = m ? model.contacts[m.contact].name || `contact ${m.contact + 1}` : "";
-      return `${f}, ${name} ${m && m.side > 0 ? "upper" : "lower"}`;
+      return full ? String(f) : `${f}, ${name} ${m && m.side > 0 ? "upper" : "lower"}`;
     };
     const body = el("tbody");
     o.impact_times.slice(0, 400).forEach((t, k) =>
       body.append(el("tr", {}, ...[String(k), digits(t, full), face(o.impact_faces[k]), digits(o.impact_speeds[k], full), digits(o.impulses[k], full)].map((text, i) =>
         el("td", { textContent: i > 2 && d !== 1 ? digits(d * (i === 3 ? o.impact_speeds[k] : o.impulses[k]), full) : text })))));
     const head = el("tr", {}, ...["", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
-    this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body));
+    this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("div", { class: "wide-table" }, el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body)));
   }
 
   /* --------------------------------------------------------------- pictures */
