@@ -61,8 +61,7 @@ typedef struct view_grower view_grower;
 /* Budgets that an extension may raise; 0 leaves one as it is. */
 typedef struct {
     int depth, impacts, multiply;
-    bool all_depths;       /* depth 0 of a study: unlimited */
-    double seconds;        /* stop by itself after so long; 0: never */
+    double seconds; /* stop by itself after so long; 0: never */
 } view_budgets;
 
 ric_status view_grower_create(view_shelf *shelf, int workers, view_grower **out);

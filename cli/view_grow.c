@@ -82,19 +82,19 @@ static ric_status study_of(view_grower *g, const view_data *data, ric_study **ou
     return ric_study_parse(ric_study_text(ric_atlas_study(data->atlas)), view_shelf_path(g->shelf), ".", out);
 }
 
-static ric_status raise_budget(ric_study *study, const char *key, int value, bool wanted)
+static ric_status raise_budget(ric_study *study, const char *key, int value)
 {
     char text[24];
     snprintf(text, sizeof text, "%d", value);
-    return wanted ? ric_study_override(study, "explore", key, text, key) : RIC_OK;
+    return value ? ric_study_override(study, "explore", key, text, key) : RIC_OK;
 }
 
 static ric_status raise_budgets(ric_study *study, const view_budgets *b)
 {
-    ric_status status = raise_budget(study, "depth", b->all_depths ? 0 : b->depth, b->all_depths || b->depth);
+    ric_status status = raise_budget(study, "depth", b->depth);
     if (!status)
-        status = raise_budget(study, "impacts", b->impacts, b->impacts);
-    return status ? status : raise_budget(study, "multiply", b->multiply, b->multiply);
+        status = raise_budget(study, "impacts", b->impacts);
+    return status ? status : raise_budget(study, "multiply", b->multiply);
 }
 
 static ric_status explore(view_grower *g, const ric_study *study)

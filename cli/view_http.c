@@ -321,7 +321,7 @@ static answer post_extend(view_server *server, const request *r)
         return (answer){MHD_HTTP_BAD_REQUEST, NULL, "the body must be an object with depth, impacts, multiply, seconds"};
     }
     const view_budgets wanted = {.depth = budget(object, "depth"), .impacts = budget(object, "impacts"), .multiply = budget(object, "multiply"),
-                                 .all_depths = json_is_true(json_object_get(object, "all_depths")), .seconds = budget(object, "seconds")};
+                                 .seconds = budget(object, "seconds")};
     json_decref(object);
     const ric_status status = view_grower_start(server->grower, &wanted);
     if (status == RIC_E_BUSY)

@@ -152,8 +152,20 @@ async function zooming(page, shot) {
 }
 
 async function growing(page, shot, atlas) {
-  const points = rows("branches", atlas).length;
+  const over = rows("junctions", atlas).find((j) => j.departures.over_budget > 0);
   await page.click("[data-tab=grow]");
+  await page.check("#automatic");
+  await page.fill("#search", `junction${over.id}`);
+  await page.keyboard.press("Enter");
+  await page.keyboard.press("f");
+  const few = rows("branches", atlas).length;
+  for (let i = 0; i < 6; i++) await page.keyboard.press("+");
+  await page.waitForFunction((n) => window.ricochet().branches > n, few, { timeout: 60000 });
+  ok("zooming into a place over budget computes what leaves there", rows("branches", atlas).length > few);
+  await page.click("[data-tab=grow]");
+  await page.uncheck("#automatic");
+  await page.click("#home");
+  const points = rows("branches", atlas).length;
   await page.fill("#duplicates", "2");
   await page.waitForTimeout(200);
   await page.click("[data-offer=multiply]");

@@ -23,6 +23,7 @@ export class Grow {
   private proposals = el("div", { class: "ways" });
   private tried = new Set<string>();
   private timer = 0;
+  private filled = ""; // the budgets that the fields were last set to; what is typed into them stays
   private generation: number;
   extension: Extension | null = null;
 
@@ -55,7 +56,9 @@ export class Grow {
     this.state.textContent = `Budgets now: depth ${b.depth || "unlimited"}, impacts ${b.impacts}, multiply ${b.multiply}; energy ${b.energy.join(" to ")}, frequency ${b.frequency.join(" to ")} rad/s.` +
       (this.atlas().description.finished ? "" : " The last run was stopped before its end.");
     this.seen.textContent = v.over ? `In view: ${v.over} departure${v.over > 1 ? "s" : ""} over a budget, at ${v.junctions} junction${v.junctions > 1 ? "s" : ""}.` : "In view: no departure is over a budget.";
-    if (document.activeElement?.tagName !== "INPUT") {
+    const present = [b.depth, b.impacts, b.multiply].join(" ");
+    if (present !== this.filled) {
+      this.filled = present;
       this.fields.depth.value = String(b.depth);
       this.fields.impacts.value = String(b.impacts);
       this.fields.multiply.value = String(b.multiply);
