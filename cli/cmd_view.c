@@ -87,6 +87,16 @@ static void wait_and_watch(view_shelf *shelf, view_grower *grower)
     }
 }
 
+/* Threads inherit the mask of the one that starts them: signals are for the main thread, which alone reads whether there was one. */
+static void block_signals(bool block)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    pthread_sigmask(block ? SIG_BLOCK : SIG_UNBLOCK, &set, NULL);
+}
+
 static int serve(const char *path, const view_options *o)
 {
     view_shelf *shelf = NULL;
@@ -102,7 +112,9 @@ static int serve(const char *path, const view_options *o)
     }
     cli_catch_signals();
     signal(SIGPIPE, SIG_IGN); /* a browser may close a connection at any time */
+    block_signals(true);
     server = view_server_start(shelf, grower, &o->where);
+    block_signals(false);
     if (server) {
         announce(server, o, path);
         wait_and_watch(shelf, grower);
