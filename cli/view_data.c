@@ -40,8 +40,7 @@ static ric_status add_joints(const ric_atlas *atlas, const ric_branch *branch, k
         const ric_status status = ric_atlas_junction(atlas, branch->junctions[k], &junction);
         if (status)
             return status;
-        const int times = branch->impacts > junction.impacts ? 1 : junction.multiple;
-        knots[(*n)++] = (knot){branch->junction_at[k], junction.energy, junction.frequency * times, JOINT};
+        knots[(*n)++] = (knot){branch->junction_at[k], junction.energy, junction.frequency * ric_junction_level(&junction, branch), JOINT};
     }
     return RIC_OK;
 }
@@ -62,6 +61,18 @@ static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, i
     }
     *out = knots;
     return status;
+}
+
+/* On which duplicate of the branch each of its interior junctions is drawn. */
+static json_t *levels(const ric_atlas *atlas, const ric_branch *branch)
+{
+    json_t *array = json_array();
+    for (int k = 0; k < branch->n_junction; k++) {
+        ric_junction junction;
+        if (!ric_atlas_junction(atlas, branch->junctions[k], &junction))
+            json_array_append_new(array, json_integer(ric_junction_level(&junction, branch)));
+    }
+    return array;
 }
 
 /* ------------------------------------------------------------------- points */
@@ -91,6 +102,8 @@ static ric_status pack(view_data *data)
         json_array_append_new(data->rows, row);
         if (!(status = ric_atlas_branch(data->atlas, id, &branch)) && !(status = make_knots(data->atlas, &branch, &n, &knots)))
             status = cli_branch_row(data->atlas, id, 1, row);
+        json_object_set_new(row, "linear", json_boolean(!status && ric_branch_linear(ric_atlas_model(data->atlas), &branch)));
+        json_object_set_new(row, "junction_levels", status ? json_array() : levels(data->atlas, &branch));
         json_object_set_new(row, "place", json_integer((json_int_t)place));
         json_object_set_new(row, "knots", json_integer(n));
         for (int i = 0; !status && i < n; i++, place++) {

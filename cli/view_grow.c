@@ -111,8 +111,8 @@ static bool close_to(double a, double b)
 /* Whether two branches of different runs are the same curve. */
 static bool same_branch(const ric_branch *a, const ric_branch *b)
 {
-    return a->impacts == b->impacts && a->symmetric == b->symmetric && a->mode == b->mode
-        && !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) && close_to(a->energy_min, b->energy_min)
+    return a->letters == b->letters && a->symmetric == b->symmetric && a->mode == b->mode
+        && !memcmp(a->word, b->word, (size_t)a->letters * sizeof *a->word) && close_to(a->energy_min, b->energy_min)
         && close_to(a->energy_max, b->energy_max) && close_to(a->frequency_min, b->frequency_min) && close_to(a->frequency_max, b->frequency_max);
 }
 

@@ -76,14 +76,16 @@ static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int 
 
 /* --------------------------------------------------------------------- rows */
 
-/* Time and face of each impact; speeds and impulses are in the row already. */
-static void add_impacts(json_t *row, int n, const int *word, const double *flights)
+/* Time and face of each impact, or closing of a spring; speeds and impulses are in the row already. Where a spring opens is no impact. */
+static void add_impacts(json_t *row, int n, const int *word, const double *flights, int n_face)
 {
     json_t *times = json_array(), *faces = json_array();
     double t = 0;
     for (int k = 0; k < n; k++) {
-        json_array_append_new(times, cli_number(t));
-        json_array_append_new(faces, json_integer(word[k]));
+        if (word[k] < n_face) {
+            json_array_append_new(times, cli_number(t));
+            json_array_append_new(faces, json_integer(word[k]));
+        }
         t += flights[k];
     }
     json_object_set_new(row, "impact_times", times);
@@ -93,7 +95,7 @@ static void add_impacts(json_t *row, int n, const int *word, const double *fligh
 static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, json_t *rows)
 {
     const ric_model *model = ric_atlas_model(atlas);
-    const int n = ric_orbit_impacts(orbit);
+    const int n = ric_orbit_letters(orbit);
     ric_point point;
     double *flights = calloc((size_t)n + 1, sizeof *flights);
     int *word = calloc((size_t)n + 1, sizeof *word);
@@ -107,7 +109,7 @@ static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, json
         json_object_set_new(row, "reach", cli_number(point.reach));
         json_object_set_new(row, "approach", cli_number(point.approach));
         json_object_set_new(row, "residual", cli_number((double)point.residual));
-        add_impacts(row, n, word, flights);
+        add_impacts(row, n, word, flights, ric_model_n_face(model));
         json_object_set_new(row, "history", make_history(orbit, model, n > 0 ? n : 1, flights));
     }
     free(flights);
@@ -151,10 +153,11 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
         out->value[0] = part <= 0 ? i : j;
         return RIC_OK;
     }
-    const bool by_energy = b->impacts == 0 || fabs(q.energy / p.energy - 1) > fabs(q.frequency / p.frequency - 1);
-    const double energy = b->impacts ? p.energy + part * (q.energy - p.energy) : q.energy * (s / q.arclength) * (s / q.arclength);
+    const bool linear = ric_branch_linear(ric_atlas_model(atlas), b);
+    const bool by_energy = linear || fabs(q.energy / p.energy - 1) > fabs(q.frequency / p.frequency - 1);
+    const double energy = linear ? q.energy * (s / q.arclength) * (s / q.arclength) : p.energy + part * (q.energy - p.energy);
     const double frequency = p.frequency + part * (q.frequency - p.frequency);
-    out->n = b->impacts ? 2 : 1; /* the second if the first fails */
+    out->n = linear ? 1 : 2; /* the second if the first fails */
     out->at[0] = by_energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY;
     out->value[0] = by_energy ? energy : frequency;
     out->at[1] = by_energy ? RIC_AT_FREQUENCY : RIC_AT_ENERGY;

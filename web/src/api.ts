@@ -20,6 +20,8 @@ export interface BranchRow {
   why: string;
   junctions: number[];
   junction_arclengths: number[];
+  junction_levels: number[]; // on which duplicate each of these is drawn
+  linear: boolean;
   depth: number;
   mode: number | null;
   place: number; // of its first knot in the packed points

@@ -208,9 +208,4 @@ export class Atlas {
     const j = Math.min(b.place + b.knots - 1, i + 1);
     return this.arclength[i] + (knot - Math.floor(knot)) * (this.arclength[j] - this.arclength[i]);
   }
-
-  // How often the orbit of a junction is gone through on the branch itself, so that its frequency there is known.
-  times(b: Branch, j: JunctionRow): number {
-    return b.impacts > j.impacts ? 1 : j.multiple;
-  }
 }

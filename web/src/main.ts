@@ -262,7 +262,7 @@ class Page {
   private fit(ids: number[]): void {
     let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
     for (const b of ids.map((id) => this.atlas.branch(id))) {
-      const low = b.impacts ? b.energy_min : 0.5 * b.energy_max;
+      const low = b.linear ? 0.5 * b.energy_max : b.energy_min;
       [x0, x1] = [Math.min(x0, this.plot.view.toX(low)), Math.max(x1, this.plot.view.toX(b.energy_max))];
       [y0, y1] = [Math.min(y0, this.plot.view.toY(b.frequency_min)), Math.max(y1, this.plot.view.toY(b.frequency_max))];
     }

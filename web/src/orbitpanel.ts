@@ -226,11 +226,12 @@ export class OrbitPanel {
 
   private showImpacts(): void {
     const o = this.orbit!;
+    const b = this.branch()!;
     const { full, physical } = this.settings;
     const { model } = this.atlas().description;
     const d = physical ? model.length : 1;
     if (!o.impact_times.length) {
-      this.impacts.replaceChildren(el("p", { class: "sub", textContent: "Without impacts: a linear normal mode." }));
+      this.impacts.replaceChildren(el("p", { class: "sub", textContent: b.linear ? "Without impacts: a linear normal mode." : "Without impacts." }));
       return;
     }
     const face = (f: number) => {

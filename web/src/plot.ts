@@ -93,7 +93,7 @@ export class Plot {
     const { atlas } = this.scene;
     let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
     for (const b of atlas.branches) {
-      const low = b.impacts ? b.energy_min : 0.6 * b.energy_max;
+      const low = b.linear ? 0.6 * b.energy_max : b.energy_min;
       if (!(b.energy_max > 0)) continue;
       x0 = Math.min(x0, this.view.toX(low));
       x1 = Math.max(x1, this.view.toX(b.energy_max));
@@ -139,7 +139,7 @@ export class Plot {
     const { x0, x1, y0, y1 } = this.view.window;
     const [e0, e1, w0, w1] = [this.view.toEnergy(x0), this.view.toEnergy(x1), this.view.toFrequency(y0), this.view.toFrequency(y1)];
     this.view.log = this.miniView.log = atlas.log;
-    const least = (key: "energy_min" | "frequency_min") => atlas.branches.reduce((m, b) => (b.impacts && b[key] > 0 ? Math.min(m, b[key]) : m), Infinity);
+    const least = (key: "energy_min" | "frequency_min") => atlas.branches.reduce((m, b) => (!b.linear && b[key] > 0 ? Math.min(m, b[key]) : m), Infinity);
     const low = (on: boolean, from: number, to: number, key: "energy_min" | "frequency_min") => (on && from <= 0 ? 0.9 * Math.min(least(key), to / 10) : from);
     this.view.window = {
       x0: this.view.toX(low(atlas.log.x, e0, e1, "energy_min")), x1: this.view.toX(e1),

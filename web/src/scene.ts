@@ -96,7 +96,7 @@ export class Scene {
     this.tracks = [];
     for (let k = duplicates; k >= 1; k--)
       for (const linear of [true, false])
-        for (const b of this.atlas.branches) if ((b.impacts === 0) === linear) this.addTrack(v, b, k);
+        for (const b of this.atlas.branches) if (b.linear === linear) this.addTrack(v, b, k);
   }
 
   // Junctions in view, and on duplicates their own and the inherited multiplications. Marks that hide each other are left out, named ones last.
@@ -109,9 +109,9 @@ export class Scene {
     for (const j of this.atlas.junctions) if (j.kind !== "start") add(j, j.frequency, 1, false);
     for (let k = 2; k <= duplicates; k++)
       for (const b of this.atlas.branches)
-        for (const id of b.junctions) {
-          const j = this.atlas.junction(id);
-          if (j.kind === "multiplication" && this.atlas.times(b, j) === j.multiple && k % j.multiple === 0 && k > j.multiple)
+        for (let i = 0; i < b.junctions.length; i++) {
+          const j = this.atlas.junction(b.junctions[i]);
+          if (j.kind === "multiplication" && b.junction_levels[i] === j.multiple && k % j.multiple === 0 && k > j.multiple)
             add(j, (j.frequency * j.multiple) / k, k, true);
         }
     marks.sort((a, b) => rank(b) - rank(a));

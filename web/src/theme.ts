@@ -41,7 +41,7 @@ export const palette = (isDark: boolean): Palette => (isDark ? dark : light);
 export const FAMILIES = ["linear", "[01]ᵏ, side to side", "[0ʲ1ʲ], in turns", "[0ʲ1ᵐ], mostly one side", "[0ᵏ], one side", "four changes", "more changes"];
 
 export function wordFamily(b: Branch): number {
-  if (b.impacts === 0) return 0;
+  if (b.linear) return 0;
   const w = b.word.includes(".") ? b.word.split(".") : [...b.word];
   const changes = w.filter((c, i) => c !== w[(i + 1) % w.length]).length;
   if (changes === 0) return 4;
@@ -89,7 +89,7 @@ export function createPainter(atlas: Atlas, colouring: Colouring, bases: BaseRow
   } else {
     colours = [p.linear, p.asymmetric, p.symmetric];
     names = ["linear", "asymmetric", "symmetric"];
-    classOf = (b) => (b.impacts === 0 ? 0 : b.symmetric ? 2 : 1);
+    classOf = (b) => (b.linear ? 0 : b.symmetric ? 2 : 1);
   }
   const classes = new Uint8Array(atlas.branches.length + 1);
   const seen = new Set<number>();
