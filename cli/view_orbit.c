@@ -10,6 +10,7 @@ static const double two_pi = 6.283185307179586;
 enum {
     SAMPLES_PER_CYCLE = 24,  /* of the highest mode */
     SAMPLES_AT_LEAST = 6,    /* of one flight */
+    SAMPLES_ALONE = 300,     /* of the only flight of an orbit: under a power law it has more harmonics than the linear modes tell */
     NUMBERS_AT_MOST = 200000 /* in one history; long orbits of large models are sampled more coarsely */
 };
 
@@ -40,10 +41,10 @@ static void add_flights(history *h, int n_flight, const double *flights, double 
     double period = 0, begin = 0;
     for (int k = 0; k < n_flight; k++)
         period += flights[k];
-    const double wanted = n_flight * (SAMPLES_AT_LEAST + 1) + SAMPLES_PER_CYCLE * period * highest / two_pi;
+    const double wanted = n_flight * (SAMPLES_AT_LEAST + 1) + SAMPLES_ALONE + SAMPLES_PER_CYCLE * period * highest / two_pi;
     const double thin = fmin(1, NUMBERS_AT_MOST / (2.0 * h->n_dof * wanted));
     for (int k = 0; k < n_flight; k++) {
-        const int n = (int)fmax(2, thin * (SAMPLES_AT_LEAST + SAMPLES_PER_CYCLE * flights[k] * highest / two_pi));
+        const int n = (int)fmax(2, thin * ((n_flight > 1 ? SAMPLES_AT_LEAST : SAMPLES_ALONE) + SAMPLES_PER_CYCLE * flights[k] * highest / two_pi));
         for (int i = 0; i <= n; i++) {
             const double part = (double)i / n;
             add_sample(h, begin + part * flights[k], begin + fmin(part, before) * flights[k]);

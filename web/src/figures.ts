@@ -92,6 +92,7 @@ export function drawGaps(f: Frame, orbit: Orbit, model: Model, now: number): voi
   const { pen, palette: p, size } = f;
   const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
   const list = model.contacts.filter((c) => c.clearance !== null).slice(0, 4);
+  if (!list.length) return pen.text(f.width / 2, f.height / 2, "no stops: springs of a power law", { size, fill: p.soft, anchor: "middle" });
   const curves = list.map((c) => h.t.map((_, k) => gap(c.normal, h.x, k) / c.clearance!));
   const [lo, hi] = range([...curves, [-1.05, 1.05]]);
   const a = axes(f, box, [0, orbit.period], [lo, hi], "time t, s", "");

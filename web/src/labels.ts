@@ -27,6 +27,8 @@ const minus = (text: string) => text.replace("-", "−");
 
 export function branchRuns(label: string, word: string, k = 1): Run[] {
   const parts = /^([SA])(\d+)([+-]|\(\d+\))?(\[.*)?$/.exec(label);
+  const smooth = /^([SA])([+-]|\(\d+\))?$/.exec(label); // under a power law: no impacts to count
+  if (smooth) return [{ text: smooth[1], shift: 0 }, { text: (k > 1 ? String(k) : "") + minus(smooth[2] ?? ""), shift: 1 as const }].filter((r) => r.text) as Run[];
   if (!parts) return [{ text: label, shift: 0 }];
   const raised = (k > 1 ? String(k) : "") + minus(parts[3] ?? ""); // + and - or (3): of which linear mode it is the backbone
   const runs: Run[] = [{ text: parts[1], shift: 0 }, { text: parts[2], shift: -1 }];
@@ -35,7 +37,7 @@ export function branchRuns(label: string, word: string, k = 1): Run[] {
 }
 
 export function junctionRuns(name: string): Run[] {
-  const parts = /^([A-Z])(\d*)_(\d[\d,]*)$/.exec(name);
+  const parts = /^([A-Z])(\d*)_(\d[\d,]*\??)$/.exec(name);
   if (!parts) return [{ text: name, shift: 0 }];
   const runs: Run[] = [{ text: parts[1], shift: 0 }];
   if (parts[2]) runs.push({ text: parts[2], shift: 1 });
