@@ -21,7 +21,8 @@ static const char peeters[] = "{mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1
 static ric_atlas *explore(const char *model, int exponent, const char *options, double max_step)
 {
     char text[1024], filled[512];
-    snprintf(filled, sizeof filled, model, exponent);
+    const char *hole = strstr(model, "%d");
+    snprintf(filled, sizeof filled, "%.*s%d%s", (int)(hole - model), model, exponent, hole + 2);
     snprintf(text, sizeof text, "title: power\nmodel: %s\nexplore: {%s}\n", filled, options);
     return explore_text_with(text, NULL, max_step);
 }
@@ -229,6 +230,32 @@ static void orbits_return(void **state)
     }
 }
 
+/* Method 11: a power law tends to the rigid stop as log(m) / m. The time in which the spring stops the mass is that to the turning point
+ * s^(m+1) = E (m+1) / k2, so the error of the frequency times (m+1) / log(E (m+1) / k2) tends to a constant. */
+static void tends_to_the_stop(void **state)
+{
+    static const int exponents[] = {21, 51, 99};
+    static const char stop[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+                               "  contacts: [{normal: [-1, 1], clearance: 1, law: rigid}]\n"
+                               "explore: {start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1}\n";
+    (void)state;
+    ric_atlas *rigid = explore_text(stop);
+    double limit = 0, constant[3];
+    for (int id = 1; id <= ric_atlas_n_branch(rigid); id++)
+        if (branch_of(rigid, id).symmetric && branch_of(rigid, id).impacts == 2) limit = frequency_at(rigid, id, 10);
+    assert_true(near(limit, 1.571293037, 1e-9));
+    for (int i = 0; i < 3; i++) {
+        int m = exponents[i];
+        ric_atlas *atlas = explore(article, m, "start: [1], energy: [0, 12], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
+        constant[i] = (limit - frequency_at(atlas, 1, 10)) * (m + 1) / log(10 * (m + 1));
+        print_message("# m = %d: %.6f\n", m, constant[i]);
+        ric_atlas_free(atlas);
+    }
+    ric_atlas_free(rigid);
+    assert_true(fabs(constant[2] - constant[1]) < 0.5 * fabs(constant[1] - constant[0]));
+    assert_true(near(constant[2], constant[1], 0.03));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -237,6 +264,7 @@ int main(void)
         cmocka_unit_test(eight_duplicate),
         cmocka_unit_test(tongue),
         cmocka_unit_test(orbits_return),
+        cmocka_unit_test(tends_to_the_stop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
