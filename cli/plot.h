@@ -157,6 +157,50 @@ void plot_track_sort(plot_track *track);
 /* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities seen, 1 << ric_stability. */
 unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *track);
 
+/* ------------------------------------------------------ motions (plot_motion.c) */
+
+typedef struct {
+    double time;
+    int face;
+    bool touch;
+    int sample; /* index of a row at this time */
+} plot_event;
+
+/* An orbit and its motion over one period. Row i is t, x [n], v [n]; smooth piece k owns the rows first[k] .. first[k + 1] - 1. */
+typedef struct {
+    const ric_model *model;
+    int n; /* degrees of freedom */
+    int impacts, *word; /* letters of the word, [impacts]; from n_face on a spring opens */
+    double *state, *flights, period;
+    double tolerance; /* how near a gap must come to a stop, in clearances, to be a touch */
+    bool jumps;       /* velocities jump between pieces */
+    int n_piece, *first, n_row, room;
+    double *rows;
+    int n_event;
+    plot_event *events;
+} plot_motion;
+
+/* Copies an orbit; false when memory ran out. model and n must be set. */
+bool plot_motion_keep(plot_motion *motion, int impacts, const int *word, const double *state, const double *flights);
+/* Fills in rows and events of an orbit that was kept. */
+ric_status plot_motion_make(plot_motion *motion);
+void plot_motion_free(plot_motion *motion);
+double *plot_motion_row(const plot_motion *motion, int i);
+/* Gap coordinate in clearances (lengths of a power law): stops are at +1 and -1 for every contact. */
+double plot_motion_gap(const plot_motion *motion, int contact, const double *x);
+/* The face of a contact on a side, -1 if there is no stop. */
+int plot_motion_face(const plot_motion *motion, int contact, int side);
+/* A number read from a row, of coordinate or contact `what`. */
+typedef double (*plot_reading)(const plot_motion *motion, const double *row, int what);
+double plot_read_time(const plot_motion *motion, const double *row, int what);
+double plot_read_x(const plot_motion *motion, const double *row, int what);
+double plot_read_v(const plot_motion *motion, const double *row, int what);
+double plot_read_gap(const plot_motion *motion, const double *row, int what);
+void plot_motion_range(const plot_motion *motion, plot_reading y, int what, double *lo, double *hi);
+/* One reading against another; times are shown `later`. */
+void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion, plot_reading x, plot_reading y,
+                      int what, double later);
+
 /* The title of the picture, or of the study followed by `extra` (enhanced notation, may be NULL). */
 void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra);
 
