@@ -632,7 +632,7 @@ static bool take_size(const char *text, plot_options *options)
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv, const plot_options *options);
-} kinds[] = {{"fep", plot_fep}, {"orbit", plot_orbit}, {"curves", plot_curves}, {"floquet", plot_floquet}, {"cascade", plot_cascade}};
+} kinds[] = {{"fep", plot_fep}, {"orbit", plot_orbit}, {"orbits", plot_orbits}, {"curves", plot_curves}, {"floquet", plot_floquet}, {"cascade", plot_cascade}};
 
 static int run(int argc, char **argv)
 {

@@ -41,6 +41,31 @@ static const struct {
     [PLOT_DUPLICATE] = {"#b4b4b4", "duplicate, linear", 0.9, {6, 3.5}},
     [PLOT_DUPLICATE + 1] = {"#d0701c", "duplicate, asymmetric", 0.9, {6, 3.5}},
     [PLOT_DUPLICATE + 2] = {"#16325c", "duplicate, symmetric", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE] = {"#16325c", "duplicate, atlas 1", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 1] = {"#c2301f", "duplicate, atlas 2", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 2] = {"#2a8a57", "duplicate, atlas 3", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 3] = {"#b07a00", "duplicate, atlas 4", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 4] = {"#8a4aa8", "duplicate, atlas 5", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 5] = {"#3a9ac0", "duplicate, atlas 6", 0.9, {6, 3.5}},
+    [PLOT_ATLAS] = {"#16325c", "atlas 1, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 1] = {"#16325c", "atlas 1, stable", 2.8, {0}},
+    [PLOT_ATLAS + 2] = {"#16325c", "atlas 1, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 3] = {"#c2301f", "atlas 2, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 4] = {"#c2301f", "atlas 2, stable", 2.8, {0}},
+    [PLOT_ATLAS + 5] = {"#c2301f", "atlas 2, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 6] = {"#2a8a57", "atlas 3, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 7] = {"#2a8a57", "atlas 3, stable", 2.8, {0}},
+    [PLOT_ATLAS + 8] = {"#2a8a57", "atlas 3, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 9] = {"#b07a00", "atlas 4, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 10] = {"#b07a00", "atlas 4, stable", 2.8, {0}},
+    [PLOT_ATLAS + 11] = {"#b07a00", "atlas 4, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 12] = {"#8a4aa8", "atlas 5, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 13] = {"#8a4aa8", "atlas 5, stable", 2.8, {0}},
+    [PLOT_ATLAS + 14] = {"#8a4aa8", "atlas 5, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 15] = {"#3a9ac0", "atlas 6, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 16] = {"#3a9ac0", "atlas 6, stable", 2.8, {0}},
+    [PLOT_ATLAS + 17] = {"#3a9ac0", "atlas 6, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ZOOM] = {"#2a8a57", "window of a zoom", 0.9, {4, 3}},
     [PLOT_JUMP] = {"#8c8c8c", "jump of the velocity", 0.9, {2.5, 3}},
     [PLOT_STOP] = {"#555555", "stop", 1.1, {12, 4}},
     [PLOT_SERIES] = {"#16325c", "first", 1.7, {0}},
@@ -199,7 +224,7 @@ void plot_text_label(const char *label, size_t size, char *out)
         word = c;
         c += strlen(c);
     }
-    if (digits == label || digits - label > 2 || end == digits || *c || strlen(label) > size / 2) {
+    if (digits == label || digits - label > 2 || (end == digits && !sign) || *c || strlen(label) > size / 2) {
         plot_text_escape(label, size, out);
         return;
     }
@@ -211,7 +236,11 @@ void plot_text_label(const char *label, size_t size, char *out)
         char times[12] = "";
         if (power)
             snprintf(times, sizeof times, "%d", power);
-        used = snprintf(out, size, "%.*s@^{%s%s}_{%.*s}", letters, label, times, !sign ? "" : *sign == '-' ? "\xe2\x88\x92" : "+", n, digits);
+        const char *raised = !sign ? "" : *sign == '-' ? "\xe2\x88\x92" : "+";
+        if (n > 0)
+            used = snprintf(out, size, "%.*s@^{%s%s}_{%.*s}", letters, label, times, raised, n, digits);
+        else
+            used = snprintf(out, size, "%.*s^{%s%s}", letters, label, times, raised);
     }
     else
         used = snprintf(out, size, "%.*s_{%.*s}", letters, label, n, digits);

@@ -22,7 +22,10 @@ typedef enum {
     PLOT_LINEAR = PLOT_DUPLICATE + 3, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
-    PLOT_JUMP = PLOT_SYMMETRIC + 3,
+    PLOT_ATLAS_DUPLICATE = PLOT_SYMMETRIC + 3, /* + 0..5: one of several atlases */
+    PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6, /* + 3 times 0..5, + 0..2 */
+    PLOT_ZOOM = PLOT_ATLAS + 18,
+    PLOT_JUMP,
     PLOT_STOP,
     PLOT_SERIES, /* + 0..3 */
     PLOT_FRAME = PLOT_SERIES + 4,
@@ -101,7 +104,7 @@ typedef struct {
     int stroke; /* plot_stroke, or -1 */
     int mark;   /* plot_mark, or -1 */
 } plot_legend_entry;
-enum { PLOT_MAX_LEGEND = 24 };
+enum { PLOT_MAX_LEGEND = 32 };
 /* What a picture of branches has to explain: families (linear, asymmetric, symmetric), stabilities, kinds of junctions; NULL: none.
  * Returns how many. */
 int plot_legend_entries(const bool family[3], unsigned stability, const bool *kinds, plot_legend_entry *out);
@@ -201,6 +204,36 @@ void plot_motion_range(const plot_motion *motion, plot_reading y, int what, doub
 void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion, plot_reading x, plot_reading y,
                       int what, double later);
 
+/* ---------------------------------------------- what is named (plot_select.c) */
+
+/* A junction by its id, by its name in the study or by its label. False with a message that starts with `what`. */
+bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *what, int *id);
+
+/* Arclength of a junction on a branch, NaN if it is not on it. */
+double plot_junction_at(const ric_atlas *atlas, const ric_branch *branch, int junction);
+
+typedef struct {
+    int branch;
+    double s[2]; /* arclength from, to; may run backwards */
+} plot_segment;
+
+/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2. */
+bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out);
+
+typedef struct {
+    char name[160];
+    int junction, branch; /* one of them, the other is 0 */
+    int kind;             /* ric_kind of a junction, -1 for a point of a branch */
+    int periods;          /* how often the orbit is gone through; a q-tupling counts q times */
+    int stable;           /* ric_stability, -1 for a junction */
+    double energy, frequency; /* frequency of the orbit itself */
+    plot_motion motion;   /* kept, not yet made; released with plot_motion_free */
+} plot_choice;
+
+/* An orbit: JUNCTION, or SEGMENT@ with a part of the way from 0 to 1, E=.. or F=..; then *K if it is gone through K times; "NAME: " before it
+ * gives it a name. Returns an exit code. */
+int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot_choice *out);
+
 /* The title of the picture, or of the study followed by `extra` (enhanced notation, may be NULL). */
 void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra);
 
@@ -209,6 +242,7 @@ void plot_page_title(plot_page *page, const plot_options *common, const ric_atla
 /* argv[0] is the kind; --title, --size and -o have been taken out. Each returns an exit code. */
 int plot_fep(int argc, char **argv, const plot_options *options);
 int plot_orbit(int argc, char **argv, const plot_options *options);
+int plot_orbits(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);

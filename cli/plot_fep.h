@@ -1,0 +1,85 @@
+/* What the files of the frequency-energy picture share. */
+#ifndef PLOT_FEP_H
+#define PLOT_FEP_H
+
+#include "plot.h"
+
+enum { FEP_MAX_ATLAS = 6, FEP_MAX_PANEL = 6, FEP_MAX_ASKED = 256 };
+
+typedef enum { LABELS_MAIN, LABELS_ALL, LABELS_NAMED, LABELS_NONE, LABELS_ASKED } fep_labels;
+
+/* Options that may be repeated; with several atlases they belong to the one named last before them. */
+typedef enum { ASK_BRANCH, ASK_DUPLICATE, ASK_BASE, ASK_LABEL, ASK_MARK, ASK_KEY, ASK_N } fep_question;
+typedef struct {
+    fep_question what;
+    int atlas;
+    const char *text;
+    int branch; /* of a label LABEL|P1 P2; 0: any of this name */
+    bool used;
+} fep_asked;
+
+typedef struct {
+    const plot_options *common;
+    bool linear, log_frequency, symmetric, has_energy, has_frequency, has_break, ghosts;
+    double energy[2], frequency[2], knee;
+    long duplicates; /* drawn up to this k; 1: none */
+    fep_labels labels;
+    int n_zoom;
+    double zoom[FEP_MAX_PANEL][4]; /* energies, frequencies */
+    int n_asked, n_duplicate, n_label; /* how many of them name duplicates, labels */
+    fep_asked asked[FEP_MAX_ASKED];
+    int n_atlas;
+    const char *paths[FEP_MAX_ATLAS];
+} fep_options;
+
+/* What is drawn of a branch: its k-duplicate between two arclengths. */
+typedef struct {
+    int branch, k;
+    double lo, hi;
+} fep_part;
+
+typedef struct {
+    int index; /* among the atlases, from 0 */
+    ric_atlas *atlas;
+    const ric_model *model;
+    int n_part, room;
+    fep_part *parts;
+    struct { int n; ric_ghost **list; } *ghosts; /* [n_branch], or NULL: not asked for */
+    unsigned stability;
+    bool drawn;
+    char key[400]; /* enhanced text */
+} fep_source;
+
+typedef struct {
+    fep_options *options;
+    int n_source, n_panel;
+    fep_source sources[FEP_MAX_ATLAS];
+    plot_page *page;
+    plot_panel panels[FEP_MAX_PANEL], *panel; /* `panel`: the one that is being drawn */
+    bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
+    bool ghost, duplicate[3], marked;
+    plot_tag *tags;
+    int n_tag, room, n_group;
+    int no_margin; /* reference labels without a place */
+} fep;
+
+/* plot_fep.c. NULL when memory ran out. */
+plot_tag *fep_new_tag(fep *f);
+/* Whether a name was asked for with --label; notes that it was found. */
+bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch);
+
+/* plot_fep_branches.c */
+int fep_choose_parts(fep *f, fep_source *s);
+ric_status fep_draw_branches(fep *f, fep_source *s);
+ric_status fep_find_ghosts(fep *f, fep_source *s);
+ric_status fep_draw_ghosts(fep *f, fep_source *s);
+void fep_free_source(fep_source *s);
+/* Whether a branch is the one that is multiplied at a q-tupling, not one that leaves it: it has q times the frequency there. */
+bool fep_is_multiplied(const fep_source *s, const ric_branch *branch, const ric_junction *junction);
+
+/* plot_fep_marks.c */
+ric_status fep_draw_junctions(fep *f, fep_source *s);
+ric_status fep_draw_references(fep *f, const fep_source *s);
+int fep_draw_marks(fep *f, fep_source *s);
+
+#endif
