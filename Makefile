@@ -7,10 +7,11 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build demo test picture bench sanitize fuzz clean
+.PHONY: help setup setup-tests build demo paper test picture bench sanitize fuzz clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
+	@echo "make paper     build and make the figures of the article, docs/gallery.md"
 	@echo "make test      build and run the whole test suite"
 	@echo "make bench     build and measure the speed"
 	@echo "make build     build the program and the library in $(BUILD)/"
@@ -55,6 +56,9 @@ demo: build
 	@echo
 	@echo "atlas    $(DEMO)/elementary.ricochet"
 	@echo "picture  $(DEMO)/elementary.svg  $(DEMO)/elementary.png"
+
+paper: build
+	@tools/paper $(BUILD)
 
 test:
 	@tools/setup tests

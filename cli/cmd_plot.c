@@ -611,6 +611,19 @@ bool plot_parse_range(const char *text, const char *what, double range[2])
     return true;
 }
 
+bool plot_parse_window(const char *text, const char *what, double window[4])
+{
+    char first[64];
+    const char *comma = strchr(text, ',');
+    if (!comma || (size_t)(comma - text) >= sizeof first) {
+        cli_wrong("%s %s: a window is X0:X1,Y0:Y1, for example 15:30,1.5:1.7", what, text);
+        return false;
+    }
+    memcpy(first, text, (size_t)(comma - text));
+    first[comma - text] = '\0';
+    return plot_parse_range(first, what, window) && plot_parse_range(comma + 1, what, window + 2);
+}
+
 static bool take_size(const char *text, plot_options *options)
 {
     char first[32];
@@ -634,9 +647,47 @@ static const struct {
     int (*run)(int argc, char **argv, const plot_options *options);
 } kinds[] = {{"fep", plot_fep}, {"orbit", plot_orbit}, {"orbits", plot_orbits}, {"curves", plot_curves}, {"floquet", plot_floquet}, {"cascade", plot_cascade}};
 
+/* The first word that is neither an option nor the value of one. */
+static const char *operand(int argc, char **argv)
+{
+    for (int i = 2; i < argc; i++) {
+        if (argv[i][0] != '-')
+            return argv[i];
+        if (strcmp(argv[i], "--circle") && strcmp(argv[i], "--shapes") && !strchr(argv[i], '='))
+            i++;
+    }
+    return NULL;
+}
+
+/* Pictures of one atlas take branches and junctions by id; here names become ids. */
+enum { MAX_NAMED = 64 };
+static int resolve_names(int argc, char **argv, char ids[MAX_NAMED][16])
+{
+    ric_atlas *atlas = NULL;
+    int n = 0, code = CLI_DONE;
+    for (int i = 2; i + 1 < argc && n < MAX_NAMED && code == CLI_DONE; i++) {
+        const bool branch = !strcmp(argv[i], "--branch");
+        char *name = argv[i + 1];
+        plot_segment segment;
+        if ((!branch && strcmp(argv[i], "--junction")) || strspn(name, "0123456789+-") > 0 || !operand(argc, argv))
+            continue;
+        if (!atlas && ric_atlas_read(operand(argc, argv), &atlas) != RIC_OK)
+            return CLI_DONE; /* the picture itself will say what is wrong with it */
+        if (branch ? plot_find_segment(atlas, name, "--branch", &segment) : plot_find_junction(atlas, name, "--junction", &segment.branch)) {
+            snprintf(ids[n], sizeof ids[n], "%d", segment.branch);
+            argv[i + 1] = ids[n++];
+        } else {
+            code = CLI_WRONG;
+        }
+    }
+    ric_atlas_free(atlas);
+    return code;
+}
+
 static int run(int argc, char **argv)
 {
     plot_options options = {0};
+    char ids[MAX_NAMED][16];
     const char *size = NULL;
     if (argc < 2)
         return cli_wrong("plot: which picture? fep, orbit, curves, floquet or cascade; see ricochet plot --help");
@@ -649,7 +700,9 @@ static int run(int argc, char **argv)
         if (argc > 1 && !strcmp(argv[1], kinds[i].name)) {
             if (!options.out)
                 return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
-            const int code = plot_check_target(options.out);
+            int code = plot_check_target(options.out);
+            if (code == CLI_DONE && kinds[i].run != plot_fep && kinds[i].run != plot_orbits)
+                code = resolve_names(argc, argv, ids);
             return code == CLI_DONE ? kinds[i].run(argc - 1, argv + 1, &options) : code;
         }
     return cli_wrong("plot: unknown picture '%s'; there are fep, orbit, curves, floquet and cascade", argc > 1 ? argv[1] : "");

@@ -357,6 +357,8 @@ static void remember(plot_page *page, plot_box box)
     page->boxes[page->n_box++] = box;
 }
 
+enum { ROUND = 20, CORNERS = 20 };
+
 /* Corners of a mark around the origin, of radius about 1; returns how many. */
 static int mark_shape(plot_mark mark, plot_point *out)
 {
@@ -364,9 +366,9 @@ static int mark_shape(plot_mark mark, plot_point *out)
         [PLOT_SQUARE] = {4, 0.125, 1.2}, [PLOT_TRIANGLE] = {3, 0.25, 1.25}, [PLOT_TRIANGLE_DOWN] = {3, 0.75, 1.25},
         [PLOT_DIAMOND] = {4, 0, 1.3}, [PLOT_STAR] = {10, 0.25, 1.45}, [PLOT_CROSS] = {12, 0.125, 1},
     };
-    const int n = regular[mark].n;
+    const int n = regular[mark].n ? regular[mark].n : ROUND; /* gnuplot's own circles have a hundred corners */
     for (int i = 0; i < n; i++) {
-        double radius = regular[mark].size;
+        double radius = regular[mark].n ? regular[mark].size : mark == PLOT_DOT ? 0.8 : 1;
         if (mark == PLOT_STAR && i % 2)
             radius *= 0.45;
         const double angle = 2 * pi * (regular[mark].turn + (double)i / n);
@@ -384,17 +386,13 @@ static int mark_shape(plot_mark mark, plot_point *out)
 void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radius)
 {
     FILE *file = page->objects.file;
-    plot_point shape[12];
+    plot_point shape[CORNERS];
     const int n = mark_shape(mark, shape);
     const char *fill = mark == PLOT_DOT ? "#222222" : "#ffffff";
     remember(page, (plot_box){at.x - radius, at.y - radius, at.x + radius, at.y + radius});
-    if (n == 0) {
-        fprintf(file, "set object circle at %.2f,%.2f size %.2f", at.x, at.y, mark == PLOT_DOT ? 0.8 * radius : radius);
-    } else {
-        fputs("set object polygon from ", file);
-        for (int i = 0; i <= n; i++)
-            fprintf(file, "%s%.2f,%.2f", i ? " to " : "", at.x + radius * shape[i % n].x, at.y + radius * shape[i % n].y);
-    }
+    fputs("set object polygon from ", file);
+    for (int i = 0; i <= n; i++)
+        fprintf(file, "%s%.2f,%.2f", i ? " to " : "", at.x + radius * shape[i % n].x, at.y + radius * shape[i % n].y);
     fprintf(file, " front fs solid 1 border rgb '#222222' fc rgb '%s' lw 1\n", fill);
 }
 
@@ -686,7 +684,7 @@ out:
 int plot_page_write(plot_page *page, const char *path)
 {
     const format kind = format_of(path);
-    FILE *script = tmpfile(), *result = tmpfile(), *complaint = tmpfile();
+    FILE *script = tmpfile(), *result = tmpfile(), *complaint = tmpfile(), *small = NULL;
     int code = CLI_FAILED, status = 0;
     if (!script || !result || !complaint) {
         fprintf(stderr, "ricochet: no temporary file for the picture: %s\n", strerror(errno));
@@ -709,8 +707,18 @@ int plot_page_write(plot_page *page, const char *path)
         code = report_complaint(complaint, status);
         goto out;
     }
-    code = deliver(result, path);
+    if (kind == FORMAT_SVG && !(small = tmpfile())) {
+        fprintf(stderr, "ricochet: no temporary file for the picture: %s\n", strerror(errno));
+        goto out;
+    }
+    if (small && (!plot_svg_squeeze(result, small) || fseek(small, 0, SEEK_SET) != 0)) {
+        fprintf(stderr, "ricochet: the picture could not be written: %s\n", strerror(errno));
+        goto out;
+    }
+    code = deliver(small ? small : result, path);
 out:
+    if (small)
+        fclose(small);
     if (script)
         fclose(script);
     if (result)

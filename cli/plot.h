@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "cli.h"
 
@@ -61,6 +62,8 @@ double plot_page_ink(plot_page *page, plot_box box);
 
 /* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the target is untouched. */
 int plot_page_write(plot_page *page, const char *path);
+/* Copies gnuplot's SVG without what a picture does not need (svg.c). */
+bool plot_svg_squeeze(FILE *from, FILE *to);
 /* CLI_DONE, or CLI_WRONG with a message when the ending is none of the three. */
 int plot_check_target(const char *path);
 
@@ -133,6 +136,8 @@ typedef struct {
 
 /* "A:B" with A < B. */
 bool plot_parse_range(const char *text, const char *what, double range[2]);
+/* "X0:X1,Y0:Y1" */
+bool plot_parse_window(const char *text, const char *what, double window[4]);
 /* Mark of a junction kind, and its word for the legend. */
 plot_mark plot_junction_mark(ric_kind kind);
 plot_stroke plot_branch_family(const ric_branch *branch);
@@ -217,6 +222,8 @@ typedef struct {
     double s[2]; /* arclength from, to; may run backwards */
 } plot_segment;
 
+/* Whether some branch, or a duplicate of one, has this label. */
+bool plot_is_branch(const ric_atlas *atlas, const char *label);
 /* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2. */
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out);
 

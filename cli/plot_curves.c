@@ -203,6 +203,8 @@ typedef struct {
     plot_track *tracks;
     plot_page *page;
     plot_panel panel;
+    bool has_window;
+    double window[4]; /* x from, to, y from, to */
     bool family[3];
     unsigned stability;
     bool kinds[RIC_KIND_USER + 1];
@@ -226,6 +228,11 @@ static bool track_range(const curves *c, double x[2], double y[2])
         }
     if (!(x[1] >= x[0]))
         return false;
+    if (c->has_window) {
+        memcpy(x, c->window, 2 * sizeof *x);
+        memcpy(y, c->window + 2, 2 * sizeof *y);
+        return true;
+    }
     plot_range_widen(c->log_x, 0.05, &x[0], &x[1]);
     plot_range_widen(c->log_y, 0.05, &y[0], &y[1]);
     return true;
@@ -359,10 +366,10 @@ static ric_status load_tracks(curves *c)
 int plot_curves(int argc, char **argv, const plot_options *common)
 {
     curves c = {.common = common};
-    const char *x = NULL, *y = NULL, *logs = NULL;
+    const char *x = NULL, *y = NULL, *logs = NULL, *window = NULL;
     int code = take_branches(&argc, argv, &c.n_branch, &c.branches);
     if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y)
-        || !cli_take_value(&argc, argv, "--log", &logs) || !cli_operands(&cli_plot, argc, argv, 1)) {
+        || !cli_take_value(&argc, argv, "--log", &logs) || !cli_take_value(&argc, argv, "--window", &window) || !cli_operands(&cli_plot, argc, argv, 1)) {
         code = code != CLI_DONE ? code : CLI_WRONG;
         goto out;
     }
@@ -374,8 +381,17 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         code = cli_wrong("--log %s: there are x, y and xy", logs);
         goto out;
     }
+    c.has_window = window;
+    if (window && !plot_parse_window(window, "--window", c.window)) {
+        code = CLI_WRONG;
+        goto out;
+    }
     c.log_x = logs && *logs == 'x';
     c.log_y = logs && logs[strlen(logs) - 1] == 'y';
+    if (window && ((c.log_x && c.window[0] <= 0) || (c.log_y && c.window[2] <= 0))) {
+        code = cli_wrong("--window %s: a logarithmic axis starts above 0", window);
+        goto out;
+    }
     ric_status status = ric_atlas_read(argv[1], &c.atlas);
     if (status != RIC_OK) {
         code = cli_report(status);

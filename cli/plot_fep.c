@@ -17,14 +17,7 @@ static const char *const questions[ASK_N] = {"--branch", "--duplicate", "--base"
 /* --zoom E0:E1,F0:F1 */
 static bool take_zoom(const char *text, const fep_options *o, double out[4])
 {
-    char first[64];
-    const char *comma = strchr(text, ',');
-    if (!comma || (size_t)(comma - text) >= sizeof first) {
-        cli_wrong("--zoom %s: a zoom is E0:E1,F0:F1, energies and frequencies, for example 15:30,1.5:1.7", text);
-        return false;
-    }
-    snprintf(first, sizeof first, "%.*s", (int)(comma - text), text);
-    if (!plot_parse_range(first, "--zoom", out) || !plot_parse_range(comma + 1, "--zoom", out + 2))
+    if (!plot_parse_window(text, "--zoom", out))
         return false;
     if (out[0] > 0 || o->linear)
         return true;
@@ -146,29 +139,36 @@ plot_tag *fep_new_tag(fep *f)
     return &f->tags[f->n_tag++];
 }
 
-bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch)
+bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction)
 {
     bool found = false;
     for (int i = 0; i < f->options->n_asked; i++) {
         fep_asked *a = &f->options->asked[i];
-        if (a->what != ASK_LABEL || a->atlas != s->index || (a->branch ? a->branch != branch : strcmp(a->text, name) != 0))
+        if (a->what != ASK_LABEL || a->atlas != s->index)
             continue;
-        a->used = found = true;
+        if (junction ? a->junction == junction : a->branch ? a->branch == branch : !a->junction && !strcmp(a->text, name))
+            a->used = found = true;
     }
     return found;
 }
 
-/* Labels of one branch among several of the same name: LABEL|P1 P2. */
+/* A label asks for a junction, or for one branch among several of the same name: LABEL|P1 P2; else for what bears it. */
 static int resolve_labels(fep *f)
 {
     for (int i = 0; i < f->options->n_asked; i++) {
         fep_asked *a = &f->options->asked[i];
+        const ric_atlas *atlas = f->sources[a->atlas].atlas;
         plot_segment segment;
-        if (a->what != ASK_LABEL || !strchr(a->text, '|'))
+        if (a->what != ASK_LABEL)
             continue;
-        if (!plot_find_segment(f->sources[a->atlas].atlas, a->text, "--label", &segment))
-            return CLI_WRONG;
-        a->branch = segment.branch;
+        if (!strpbrk(a->text, "|[") && !plot_is_branch(atlas, a->text)) {
+            if (!plot_find_junction(atlas, a->text, "--label", &a->junction))
+                return CLI_WRONG;
+        } else if (strchr(a->text, '|')) {
+            if (!plot_find_segment(atlas, a->text, "--label", &segment))
+                return CLI_WRONG;
+            a->branch = segment.branch;
+        }
     }
     return CLI_DONE;
 }
@@ -296,7 +296,7 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
 /* Frames of the panels: one alone; two side by side; the first left of two; else rows of two or three. */
 static void lay_out(fep *f, double legend)
 {
-    const double width = plot_page_width(f->page), left = 64, right = 44, foot = 50, top = plot_page_height(f->page) - 34;
+    const double width = plot_page_width(f->page), left = 64, right = 44, foot = 50, top = plot_page_height(f->page) - (f->n_panel > 1 ? 54 : 34);
     const int n = f->n_panel, columns = n == 1 ? 1 : n <= 4 ? 2 : 3, rows = n <= 2 ? 1 : 2;
     const double w = width / columns, h = (top - legend) / rows;
     for (int i = 0; i < n; i++) {
@@ -305,7 +305,7 @@ static void lay_out(fep *f, double legend)
         f->panels[i].x.from = column * w + left;
         f->panels[i].x.to = (column + 1) * w - right;
         f->panels[i].y.from = legend + (tall ? 0 : rows - 1 - row) * h + foot;
-        f->panels[i].y.to = legend + (rows - row) * h - (row ? 14 : 0);
+        f->panels[i].y.to = legend + (rows - row) * h - (row ? 26 : 0);
     }
 }
 
@@ -374,7 +374,7 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
             snprintf(frequency, sizeof frequency, "frequency ω (rad/s), logarithmic above %g", f->options->knee);
         plot_panel_frame(f->page, f->panel, "scaled energy E", broken ? frequency : "frequency ω (rad/s)");
         if (f->n_panel > 1)
-            plot_page_text(f->page, (plot_point){f->panel->x.from + 4, f->panel->y.to + 10}, PLOT_LEFT, type + 1, "#000000", false, letter);
+            plot_page_text(f->page, (plot_point){f->panel->x.from - 36, f->panel->y.to + 17}, PLOT_LEFT, type + 1, "#000000", false, letter);
         *missing += plot_place_tags(f->page, plot_panel_box(f->panel), f->n_tag, f->tags, type);
     }
     return code;
@@ -400,7 +400,7 @@ static int draw(fep *f)
     report_unused(f);
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)), sizeof title, title);
     if (f->n_source == 1 || common->title)
-        plot_page_text(f->page, (plot_point){f->n_panel > 1 ? plot_page_width(f->page) / 2 : (f->panels[0].x.from + f->panels[0].x.to) / 2, f->panels[0].y.to + 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
+        plot_page_text(f->page, (plot_point){f->n_panel > 1 ? plot_page_width(f->page) / 2 : (f->panels[0].x.from + f->panels[0].x.to) / 2, plot_page_height(f->page) - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
     plot_legend(f->page, n_entry, entries, 12, plot_page_width(f->page) - 12, legend + 4);
     return plot_page_write(f->page, common->out);
 }

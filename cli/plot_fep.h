@@ -14,7 +14,7 @@ typedef struct {
     fep_question what;
     int atlas;
     const char *text;
-    int branch; /* of a label LABEL|P1 P2; 0: any of this name */
+    int junction, branch; /* of a label that names a junction, of a label LABEL|P1 P2; 0, 0: any branch of this name */
     bool used;
 } fep_asked;
 
@@ -66,7 +66,7 @@ typedef struct {
 /* plot_fep.c. NULL when memory ran out. */
 plot_tag *fep_new_tag(fep *f);
 /* Whether a name was asked for with --label; notes that it was found. */
-bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch);
+bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction);
 
 /* plot_fep_branches.c */
 int fep_choose_parts(fep *f, fep_source *s);

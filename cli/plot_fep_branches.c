@@ -158,7 +158,7 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
 {
     char name[400];
     const char *label = ric_duplicate_label(branch, k, sizeof name, name) == RIC_OK ? name : "";
-    if (fep_label_asked(f, s, label, k == 1 ? branch->id : 0))
+    if (fep_label_asked(f, s, label, k == 1 ? branch->id : 0, 0))
         return length > 0;
     if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED || f->options->labels == LABELS_ASKED)
         return false;
@@ -184,18 +184,20 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
     for (int i = 1, k = 0; i < t->n && k < PLACES; i++) {
         const double step = visible_piece(f, t, i, &a, &b);
         for (; k < PLACES && step > 0 && done + step >= next / PLACES * length; next++, k++) {
-            plot_tag *tag = fep_new_tag(f);
-            if (!tag)
-                return;
             const double part = (next / PLACES * length - done) / step;
-            tag->at = (plot_point){a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)};
-            tag->clear = 3;
-            tag->weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
-            tag->group = group;
-            tag->colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->index)
-                          : branch->impacts == 0 ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
-            tag->leader = asked;
-            plot_branch_title(branch, k_duplicate, sizeof tag->text, tag->text);
+            plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
+            tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
+            tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->index)
+                         : branch->impacts == 0 ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
+            plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
+            for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the curve */
+                plot_tag *place = fep_new_tag(f);
+                if (!place)
+                    return;
+                *place = tag;
+                place->leader = leader;
+                place->weight -= 60 * leader;
+            }
         }
         done += step;
     }

@@ -82,7 +82,7 @@ static int lighter(const void *a, const void *b)
 static bool labelled(fep *f, const fep_source *source, const ric_junction *junction, const spot *s, int rank)
 {
     const bool named = junction->name && *junction->name;
-    if (fep_label_asked(f, source, named ? junction->name : junction->label, 0))
+    if (fep_label_asked(f, source, "", 0, junction->id))
         return true;
     switch (f->options->labels) {
     case LABELS_NONE:

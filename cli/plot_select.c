@@ -85,6 +85,20 @@ static bool ends(const ric_atlas *atlas, const ric_branch *b, double s[2])
     return true;
 }
 
+bool plot_is_branch(const ric_atlas *atlas, const char *label)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b;
+        char duplicate[400];
+        if (ric_atlas_branch(atlas, id, &b) != RIC_OK)
+            continue;
+        for (int k = 1; k <= 100; k++)
+            if (ric_duplicate_label(&b, k, sizeof duplicate, duplicate) == RIC_OK && !strcmp(duplicate, label))
+                return true;
+    }
+    return false;
+}
+
 /* "P1 P2" or "P1" of LABEL|P1 P2. */
 static bool take_ends(const ric_atlas *atlas, const char *text, const char *what, int *n, int junctions[2])
 {
