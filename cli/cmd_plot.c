@@ -645,7 +645,11 @@ static bool take_size(const char *text, plot_options *options)
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv, const plot_options *options);
-} kinds[] = {{"fep", plot_fep}, {"orbit", plot_orbit}, {"orbits", plot_orbits}, {"curves", plot_curves}, {"floquet", plot_floquet}, {"cascade", plot_cascade}};
+    bool by_id; /* takes branches and junctions by id only */
+} kinds[] = {
+    {"fep", plot_fep, false}, {"orbit", plot_orbit, true}, {"orbits", plot_orbits, false}, {"curves", plot_curves, true},
+    {"floquet", plot_floquet, true}, {"cascade", plot_cascade, true}, {"sheet", plot_sheet, false}, {"strobe", plot_strobe, false},
+};
 
 /* The first word that is neither an option nor the value of one. */
 static const char *operand(int argc, char **argv)
@@ -690,7 +694,7 @@ static int run(int argc, char **argv)
     char ids[MAX_NAMED][16];
     const char *size = NULL;
     if (argc < 2)
-        return cli_wrong("plot: which picture? fep, orbit, curves, floquet or cascade; see ricochet plot --help");
+        return cli_wrong("plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet or strobe; see ricochet plot --help");
     if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title)
         || !cli_take_value(&argc, argv, "--size", &size))
         return CLI_WRONG;
@@ -701,11 +705,11 @@ static int run(int argc, char **argv)
             if (!options.out)
                 return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
             int code = plot_check_target(options.out);
-            if (code == CLI_DONE && kinds[i].run != plot_fep && kinds[i].run != plot_orbits)
+            if (code == CLI_DONE && kinds[i].by_id)
                 code = resolve_names(argc, argv, ids);
             return code == CLI_DONE ? kinds[i].run(argc - 1, argv + 1, &options) : code;
         }
-    return cli_wrong("plot: unknown picture '%s'; there are fep, orbit, curves, floquet and cascade", argc > 1 ? argv[1] : "");
+    return cli_wrong("plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet and strobe", argc > 1 ? argv[1] : "");
 }
 
 const cli_command cli_plot = {

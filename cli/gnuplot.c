@@ -66,6 +66,8 @@ static const struct {
     [PLOT_ATLAS + 16] = {"#3a9ac0", "atlas 6, stable", 2.8, {0}},
     [PLOT_ATLAS + 17] = {"#3a9ac0", "atlas 6, stability undecided", 2.2, {0.1, 4.4}},
     [PLOT_ZOOM] = {"#2a8a57", "window of a zoom", 0.9, {4, 3}},
+    [PLOT_SHEET] = {"#3a5f94", "sheet", 0.8, {0}},
+    [PLOT_SHEET + 1] = {"#16325c", "edge of a sheet", 1.7, {0}},
     [PLOT_JUMP] = {"#8c8c8c", "jump of the velocity", 0.9, {2.5, 3}},
     [PLOT_STOP] = {"#555555", "stop", 1.1, {12, 4}},
     [PLOT_SERIES] = {"#16325c", "first", 1.7, {0}},

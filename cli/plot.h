@@ -26,7 +26,8 @@ typedef enum {
     PLOT_ATLAS_DUPLICATE = PLOT_SYMMETRIC + 3, /* + 0..5: one of several atlases */
     PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6, /* + 3 times 0..5, + 0..2 */
     PLOT_ZOOM = PLOT_ATLAS + 18,
-    PLOT_JUMP,
+    PLOT_SHEET, /* + 0, 1: inside, edge */
+    PLOT_JUMP = PLOT_SHEET + 2,
     PLOT_STOP,
     PLOT_SERIES, /* + 0..3 */
     PLOT_FRAME = PLOT_SERIES + 4,
@@ -205,6 +206,8 @@ double plot_read_x(const plot_motion *motion, const double *row, int what);
 double plot_read_v(const plot_motion *motion, const double *row, int what);
 double plot_read_gap(const plot_motion *motion, const double *row, int what);
 void plot_motion_range(const plot_motion *motion, plot_reading y, int what, double *lo, double *hi);
+/* Displacement at time t, modulo the period. */
+double plot_motion_at(const plot_motion *motion, double t, int coordinate);
 /* One reading against another; times are shown `later`. */
 void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion, plot_reading x, plot_reading y,
                       int what, double later);
@@ -250,6 +253,8 @@ void plot_page_title(plot_page *page, const plot_options *common, const ric_atla
 int plot_fep(int argc, char **argv, const plot_options *options);
 int plot_orbit(int argc, char **argv, const plot_options *options);
 int plot_orbits(int argc, char **argv, const plot_options *options);
+int plot_sheet(int argc, char **argv, const plot_options *options);
+int plot_strobe(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);

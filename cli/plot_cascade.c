@@ -149,7 +149,7 @@ static int draw_diagram(picture *p)
                                   {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
         for (int i = 1; i < n; i++)
             draw_strip(p, &panel, i, &strips[i]);
-        snprintf(name, sizeof name, "x_{%d} at impacts", p->dof + 1);
+        snprintf(name, sizeof name, "at impacts: x_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
         mark_strips(p, &panel, n, strips);
         title(p);

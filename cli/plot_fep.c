@@ -296,7 +296,7 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
 /* Frames of the panels: one alone; two side by side; the first left of two; else rows of two or three. */
 static void lay_out(fep *f, double legend)
 {
-    const double width = plot_page_width(f->page), left = 64, right = 44, foot = 50, top = plot_page_height(f->page) - (f->n_panel > 1 ? 54 : 34);
+    const double width = plot_page_width(f->page), left = f->n_panel > 1 ? 78 : 64, right = 44, foot = 50, top = plot_page_height(f->page) - (f->n_panel > 1 ? 54 : 34);
     const int n = f->n_panel, columns = n == 1 ? 1 : n <= 4 ? 2 : 3, rows = n <= 2 ? 1 : 2;
     const double w = width / columns, h = (top - legend) / rows;
     for (int i = 0; i < n; i++) {
@@ -374,7 +374,7 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
             snprintf(frequency, sizeof frequency, "frequency ω (rad/s), logarithmic above %g", f->options->knee);
         plot_panel_frame(f->page, f->panel, "scaled energy E", broken ? frequency : "frequency ω (rad/s)");
         if (f->n_panel > 1)
-            plot_page_text(f->page, (plot_point){f->panel->x.from - 36, f->panel->y.to + 17}, PLOT_LEFT, type + 1, "#000000", false, letter);
+            plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17}, PLOT_LEFT, type + 1, "#000000", false, letter);
         *missing += plot_place_tags(f->page, plot_panel_box(f->panel), f->n_tag, f->tags, type);
     }
     return code;

@@ -517,3 +517,23 @@ void plot_motion_free(plot_motion *o)
     free(o->events);
     *o = (plot_motion){0};
 }
+
+double plot_motion_at(const plot_motion *o, double t, int coordinate)
+{
+    t = fmod(t, o->period);
+    t = t < 0 ? t + o->period : t;
+    int lo = 0, hi = o->first[o->n_piece] - 1;
+    while (hi - lo > 1) {
+        const int middle = (lo + hi) / 2;
+        if (plot_motion_row(o, middle)[0] <= t)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    const double *a = plot_motion_row(o, lo), *b = plot_motion_row(o, hi), h = b[0] - a[0];
+    const double x0 = a[1 + coordinate], x1 = b[1 + coordinate], v0 = a[1 + o->n + coordinate], v1 = b[1 + o->n + coordinate];
+    if (!(h > 0)) /* two rows at an impact */
+        return x0;
+    const double s = (t - a[0]) / h;
+    return x0 * (1 + 2 * s) * (1 - s) * (1 - s) + h * v0 * s * (1 - s) * (1 - s) + x1 * s * s * (3 - 2 * s) - h * v1 * s * s * (1 - s);
+}

@@ -1,0 +1,496 @@
+/* Sheets and stroboscopic diagrams: what many orbits along a part of a branch look like together. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plot.h"
+
+enum { MAX_ATLAS = 6, MAX_PART = 12, SAMPLES = 500, MAX_STROBE = 240 };
+static const double type = 12, pi = 3.14159265358979323846, touch = 1e-9;
+
+typedef struct {
+    const char *text;
+    int atlas, k; /* gone through k times */
+    plot_segment segment;
+    int n, branch;
+    plot_motion *motions; /* [n], along the segment */
+} part;
+
+typedef struct {
+    const plot_options *common;
+    int n_atlas;
+    ric_atlas *atlases[MAX_ATLAS];
+    const char *paths[MAX_ATLAS];
+    int n;
+    part parts[MAX_PART];
+    long orbits, contact, dof, samples;
+    plot_page *page;
+} sheet;
+
+/* ------------------------------------------------------------------- orbits */
+
+/* ATLAS --segment [K:]SEGMENT ...: a segment belongs to the atlas named last before it. */
+static int take_parts(int argc, char **argv, sheet *s)
+{
+    for (int i = 1; i < argc; i++) {
+        if (!strncmp(argv[i], "--segment", 9) && (!argv[i][9] || argv[i][9] == '=')) {
+            const char *value = argv[i][9] ? argv[i] + 10 : i + 1 < argc ? argv[++i] : "";
+            if (!*value)
+                return cli_wrong("--segment needs a value; see ricochet plot --help");
+            if (s->n == MAX_PART)
+                return cli_wrong("--segment: at most %d", MAX_PART);
+            s->parts[s->n++] = (part){.text = value, .atlas = s->n_atlas > 0 ? s->n_atlas - 1 : 0, .k = 1};
+        } else if (argv[i][0] == '-' && argv[i][1]) {
+            return cli_operands(&cli_plot, argc, argv, 1) ? CLI_DONE : CLI_WRONG;
+        } else if (s->n_atlas == MAX_ATLAS) {
+            return cli_wrong("plot: at most %d atlases", MAX_ATLAS);
+        } else {
+            s->paths[s->n_atlas++] = argv[i];
+        }
+    }
+    if (s->n_atlas == 0)
+        return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
+    return s->n ? CLI_DONE : cli_wrong("--segment 'BRANCH|P1 P2' is missing; see ricochet plot --help");
+}
+
+static int keep(plot_motion *m, const ric_model *model, int letters, const int *word, const double *state, const double *flights)
+{
+    *m = (plot_motion){.model = model, .n = ric_model_n_dof(model), .tolerance = touch};
+    if (!plot_motion_keep(m, letters, word, state, flights))
+        return cli_report(RIC_E_NOMEM);
+    const ric_status status = plot_motion_make(m);
+    return status == RIC_OK ? CLI_DONE : cli_report(status);
+}
+
+/* Energy at an arclength, between stored points. */
+static double energy_at(const ric_atlas *atlas, const ric_branch *b, double s)
+{
+    ric_point p, q;
+    for (int i = 1; i < b->n_point; i++) {
+        if (ric_atlas_point(atlas, b->id, i - 1, &p, NULL, NULL) != RIC_OK || ric_atlas_point(atlas, b->id, i, &q, NULL, NULL) != RIC_OK)
+            break;
+        if (q.arclength >= s && q.arclength > p.arclength)
+            return p.energy + (q.energy - p.energy) * fmax(0, s - p.arclength) / (q.arclength - p.arclength);
+    }
+    return b->n_point && ric_atlas_point(atlas, b->id, b->n_point - 1, &q, NULL, NULL) == RIC_OK ? q.energy : NAN;
+}
+
+/* The orbit next to arclength s: solved at the energy there; at a fold, where none may have it, a stored one. */
+static int orbit_near(const ric_atlas *atlas, const ric_branch *b, double s, plot_motion *out)
+{
+    const ric_model *model = ric_atlas_model(atlas);
+    const size_t n = 2 * (size_t)ric_model_n_dof(model), letters = (size_t)b->letters + 1;
+    double *state = calloc(n, sizeof *state), *flights = calloc(letters, sizeof *flights), best = INFINITY;
+    int *word = calloc(letters, sizeof *word), found = 0, code = CLI_FAILED;
+    ric_orbit **orbits = NULL;
+    ric_point p;
+    if (!state || !flights || !word) {
+        code = cli_report(RIC_E_NOMEM);
+        goto out;
+    }
+    if (ric_orbit_find(atlas, b->id, RIC_AT_ENERGY, energy_at(atlas, b, s), &found, &orbits) != RIC_OK)
+        found = 0;
+    for (int i = 0; i < found; i++) {
+        ric_orbit_data(orbits[i], &p, NULL, NULL, NULL);
+        if (fabs(p.arclength - s) < best) {
+            best = fabs(p.arclength - s);
+            ric_orbit_data(orbits[i], NULL, state, flights, word);
+        }
+    }
+    for (int i = 0; i < b->n_point; i++)
+        if (ric_atlas_point(atlas, b->id, i, &p, NULL, NULL) == RIC_OK && fabs(p.arclength - s) < best) {
+            best = fabs(p.arclength - s);
+            ric_atlas_point(atlas, b->id, i, NULL, state, flights);
+            memcpy(word, b->word, (size_t)b->letters * sizeof *word);
+        }
+    code = keep(out, model, b->letters, word, state, flights);
+out:
+    ric_orbits_free(found, orbits);
+    free(state);
+    free(flights);
+    free(word);
+    return code;
+}
+
+static int load_part(const sheet *s, part *p)
+{
+    const ric_atlas *atlas = s->atlases[p->atlas];
+    const char *colon = strchr(p->text, ':');
+    char first[16];
+    long k = 1;
+    ric_branch b;
+    if (colon && (size_t)(colon - p->text) < sizeof first) {
+        snprintf(first, sizeof first, "%.*s", (int)(colon - p->text), p->text);
+        if (!cli_parse_integer(first, "--segment", 1, 1000, &k))
+            return CLI_WRONG;
+    }
+    p->k = (int)k;
+    if (!plot_find_segment(atlas, colon ? colon + 1 : p->text, "--segment", &p->segment))
+        return CLI_WRONG;
+    const ric_status status = ric_atlas_branch(atlas, p->segment.branch, &b);
+    if (status != RIC_OK)
+        return cli_report(status);
+    p->motions = calloc((size_t)s->orbits, sizeof *p->motions);
+    int code = p->motions ? CLI_DONE : cli_report(RIC_E_NOMEM);
+    for (int i = 0; code == CLI_DONE && i < s->orbits; i++) {
+        const double way = (double)i / (double)(s->orbits - 1);
+        code = orbit_near(atlas, &b, p->segment.s[0] + way * (p->segment.s[1] - p->segment.s[0]), &p->motions[p->n++]);
+    }
+    return code;
+}
+
+static int load(sheet *s)
+{
+    int code = CLI_DONE;
+    for (int i = 0; code == CLI_DONE && i < s->n_atlas; i++) {
+        const ric_status status = ric_atlas_read(s->paths[i], &s->atlases[i]);
+        code = status == RIC_OK ? CLI_DONE : cli_report(status);
+    }
+    for (int i = 0; code == CLI_DONE && i < s->n; i++)
+        code = load_part(s, &s->parts[i]);
+    return code;
+}
+
+static void release(sheet *s)
+{
+    for (int i = 0; i < s->n; i++) {
+        for (int k = 0; k < s->parts[i].n; k++)
+            plot_motion_free(&s->parts[i].motions[k]);
+        free(s->parts[i].motions);
+    }
+    for (int i = 0; i < s->n_atlas; i++)
+        ric_atlas_free(s->atlases[i]);
+    plot_page_free(s->page);
+}
+
+/* -------------------------------------------------------------------- sheet */
+
+/* Gap over clearance at time t. */
+static double gap_at(const plot_motion *m, int contact, double t)
+{
+    double x[m->n];
+    for (int i = 0; i < m->n; i++)
+        x[i] = plot_motion_at(m, t, i);
+    return plot_motion_gap(m, contact, x);
+}
+
+/* Time zero of all sheets alike: where the gap becomes positive after its longest negative stretch. */
+static double start_of(const plot_motion *m, int contact)
+{
+    double best = 0, length = -1, since = NAN, before = gap_at(m, contact, 0);
+    for (int i = 1; i <= 2 * SAMPLES; i++) { /* two periods, so that every stretch is seen whole */
+        const double t = m->period * i / SAMPLES, gap = gap_at(m, contact, t);
+        if (before > 0 && gap <= 0)
+            since = t;
+        if (before <= 0 && gap > 0 && t - since > length) {
+            length = t - since;
+            best = t - m->period / SAMPLES * gap / (gap - before);
+        }
+        before = gap;
+    }
+    return best;
+}
+
+typedef struct {
+    plot_box box;
+    double depth_x, depth_y; /* shift of the rearmost curve, pixels */
+    double lo, hi;           /* gap */
+} view;
+
+static plot_point project(const view *v, double time, double depth, double gap)
+{
+    return (plot_point){v->box.left + time * (v->box.right - v->box.left - v->depth_x) + depth * v->depth_x,
+                        v->box.bottom + depth * v->depth_y + (gap - v->lo) / (v->hi - v->lo) * (v->box.top - v->box.bottom - v->depth_y)};
+}
+
+/* One curve behind those drawn before: visible above and below what they cover (floating horizon). high, low [width of the page] */
+static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_point *curve, double *high, double *low)
+{
+    plot_point *run = malloc((size_t)n * sizeof *run);
+    int length = 0;
+    for (int i = 0; run && i < n; i++) {
+        const int column = (int)curve[i].x;
+        const bool seen = curve[i].y >= high[column] || curve[i].y <= low[column];
+        if (seen)
+            run[length++] = curve[i];
+        if ((!seen || i == n - 1) && length > 0) {
+            if (length > 1)
+                plot_page_line(page, stroke, length, run);
+            length = 0;
+        }
+    }
+    for (int i = 1; i < n; i++) /* every column between two samples is covered */
+        for (int column = (int)curve[i - 1].x; column <= (int)curve[i].x; column++) {
+            const double share = fmin(1, fmax(0, (column - curve[i - 1].x) / fmax(1e-9, curve[i].x - curve[i - 1].x)));
+            const double y = curve[i - 1].y + share * (curve[i].y - curve[i - 1].y);
+            high[column] = fmax(high[column], y);
+            low[column] = fmin(low[column], y);
+        }
+    free(run);
+}
+
+static void draw_box(plot_page *page, const view *v, const part *p, double lo, double hi)
+{
+    const plot_point front = project(v, 0, 0, v->lo), right = project(v, 1, 0, v->lo), back = project(v, 1, 1, v->lo), top = project(v, 0, 0, v->hi);
+    char text[64];
+    plot_page_line(page, PLOT_FRAME, 4, (plot_point[]){top, front, right, back});
+    for (int i = 0; i <= 4; i++) {
+        const plot_point at = project(v, i / 4., 0, v->lo);
+        plot_page_line(page, PLOT_FRAME, 2, (plot_point[]){at, {at.x, at.y - 4}});
+        snprintf(text, sizeof text, "%g", i / 4.);
+        plot_page_text(page, (plot_point){at.x, at.y - 12}, PLOT_CENTRE, type, "#222222", false, text);
+    }
+    for (int i = (int)ceil(v->lo); i <= (int)floor(v->hi); i++) {
+        const plot_point at = project(v, 0, 0, i);
+        plot_page_line(page, PLOT_FRAME, 2, (plot_point[]){at, {at.x - 4, at.y}});
+        snprintf(text, sizeof text, i < 0 ? "\xe2\x88\x92%d" : "%d", abs(i));
+        plot_page_text(page, (plot_point){at.x - 8, at.y}, PLOT_RIGHT, type, "#222222", false, text);
+    }
+    plot_page_text(page, (plot_point){(front.x + right.x) / 2, front.y - 29}, PLOT_CENTRE, type, "#222222", false, "t / T");
+    plot_page_text(page, (plot_point){front.x - 34, (front.y + top.y) / 2}, PLOT_CENTRE, type, "#222222", true, "gap / clearance");
+    snprintf(text, sizeof text, "ω = %.5g", lo);
+    plot_page_text(page, (plot_point){right.x + 8, right.y}, PLOT_LEFT, type, "#222222", false, text);
+    snprintf(text, sizeof text, "ω = %.5g", hi);
+    plot_page_text(page, (plot_point){back.x + 8, back.y}, PLOT_LEFT, type, "#222222", false, text);
+    (void)p;
+}
+
+static int draw_sheet(sheet *s, const part *p, plot_box box, double lo, double hi, double *high, double *low)
+{
+    const int width = (int)plot_page_width(s->page);
+    const view v = {box, 0.26 * (box.right - box.left), 0.42 * (box.top - box.bottom), lo, hi};
+    plot_point *curve = malloc((SAMPLES + 1) * sizeof *curve);
+    ric_branch b;
+    char name[200], title[400];
+    if (!curve || ric_atlas_branch(s->atlases[p->atlas], p->segment.branch, &b) != RIC_OK) {
+        free(curve);
+        return cli_report(RIC_E_NOMEM);
+    }
+    for (int i = 0; i < width; i++) {
+        high[i] = -INFINITY;
+        low[i] = INFINITY;
+    }
+    for (int i = 0; i < p->n; i++) {
+        const plot_motion *m = &p->motions[i];
+        const double start = start_of(m, (int)s->contact - 1);
+        for (int k = 0; k <= SAMPLES; k++)
+            curve[k] = project(&v, (double)k / SAMPLES, p->n > 1 ? (double)i / (p->n - 1) : 0, gap_at(m, (int)s->contact - 1, start + m->period * k / SAMPLES));
+        const bool edge = i == 0 || i == p->n - 1;
+        draw_hidden(s->page, edge ? PLOT_SHEET + 1 : PLOT_SHEET, SAMPLES + 1, curve, high, low);
+    }
+    free(curve);
+    draw_box(s->page, &v, p, 2 * pi / p->motions[0].period, 2 * pi / p->motions[p->n - 1].period);
+    plot_branch_title(&b, 1, sizeof name, name);
+    plot_text_escape(ric_study_title(ric_atlas_study(s->atlases[p->atlas])), 200, title);
+    snprintf(title + strlen(title), sizeof title - strlen(title), ",  %s", name);
+    plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top + 12}, PLOT_CENTRE, type, "#000000", false, title);
+    return CLI_DONE;
+}
+
+static int draw_sheets(sheet *s)
+{
+    const int columns = s->n > 1 ? 2 : 1, rows = (s->n + columns - 1) / columns;
+    const double width = s->common->width > 0 ? s->common->width : columns * 600, height = s->common->height > 0 ? s->common->height : 40 + 420 * rows;
+    double lo = -1, hi = 1, *high = malloc((size_t)width * sizeof *high), *low = malloc((size_t)width * sizeof *low);
+    int code = high && low && (s->page = plot_page_create(width, height)) ? CLI_DONE : cli_report(RIC_E_NOMEM);
+    for (int i = 0; code == CLI_DONE && i < s->n; i++)
+        for (int k = 0; k < s->parts[i].n; k++)
+            plot_motion_range(&s->parts[i].motions[k], plot_read_gap, (int)s->contact - 1, &lo, &hi);
+    const double w = width / columns, h = (height - 40) / rows;
+    for (int i = 0; code == CLI_DONE && i < s->n; i++) {
+        const double left = w * (i % columns), top = height - 40 - h * (i / columns);
+        code = draw_sheet(s, &s->parts[i], (plot_box){left + 60, top - h + 56, left + w - 84, top - 30}, lo * 1.02, hi * 1.02, high, low);
+    }
+    free(high);
+    free(low);
+    if (code != CLI_DONE)
+        return code;
+    if (s->common->title)
+        plot_page_title(s->page, s->common, s->atlases[0], NULL);
+    return plot_page_write(s->page, s->common->out);
+}
+
+static bool common_contact(const sheet *s)
+{
+    for (int i = 0; i < s->n_atlas; i++)
+        if (s->contact > ric_model_n_contact(ric_atlas_model(s->atlases[i]))) {
+            cli_wrong("--contact %ld: the model has %d", s->contact, ric_model_n_contact(ric_atlas_model(s->atlases[i])));
+            return false;
+        }
+    return true;
+}
+
+int plot_sheet(int argc, char **argv, const plot_options *common)
+{
+    sheet s = {.common = common, .orbits = 25, .contact = 1};
+    const char *orbits, *contact;
+    if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--contact", &contact)
+        || (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits))
+        || (contact && !cli_parse_integer(contact, "--contact", 1, 1000, &s.contact)))
+        return CLI_WRONG;
+    int code = take_parts(argc, argv, &s);
+    if (code == CLI_DONE)
+        code = load(&s);
+    if (code == CLI_DONE)
+        code = common_contact(&s) ? draw_sheets(&s) : CLI_WRONG;
+    release(&s);
+    return code;
+}
+
+/* ------------------------------------------------------------------- strobe */
+
+/* Instants at which a displacement passes 0 upwards, at most `room`. */
+static int crossings(const plot_motion *m, int dof, int room, double *out)
+{
+    int n = 0;
+    double before = plot_motion_at(m, 0, dof);
+    for (int i = 1; i <= 4 * SAMPLES && n < room; i++) {
+        double a = m->period * (i - 1) / (4 * SAMPLES), b = m->period * i / (4 * SAMPLES);
+        const double now = plot_motion_at(m, b, dof);
+        for (int k = 0; before <= 0 && now > 0 && k < 50; k++) {
+            const double middle = (a + b) / 2;
+            *(plot_motion_at(m, middle, dof) > 0 ? &b : &a) = middle;
+        }
+        if (before <= 0 && now > 0)
+            out[n++] = b;
+        before = now;
+    }
+    return n;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void strobe_at(const sheet *s, const part *p, const plot_motion *m, double start, double *x)
+{
+    for (int k = 0; k < s->samples; k++)
+        x[k] = plot_motion_at(m, start + p->k * m->period * k / (double)s->samples, (int)s->dof - 1);
+}
+
+/* Samples from the crossing that continues what was seen before: of several crossings a multiplied orbit has one each, which differ. Along a
+ * segment every sample goes on; into the next one the set of them does. */
+static bool strobe(const sheet *s, const part *p, const plot_motion *m, const double *last, bool same, double *x)
+{
+    double starts[64], best = INFINITY, try[MAX_STROBE], sorted[MAX_STROBE], previous[MAX_STROBE];
+    const int n = crossings(m, (int)s->dof - 1, 64, starts);
+    const size_t count = (size_t)s->samples;
+    if (last)
+        memcpy(previous, last, count * sizeof *last);
+    if (last && !same)
+        qsort(previous, count, sizeof *previous, ascending);
+    for (int i = 0; i < n; i++) {
+        double distance = 0;
+        strobe_at(s, p, m, starts[i], try);
+        memcpy(sorted, try, count * sizeof *try);
+        if (!same)
+            qsort(sorted, count, sizeof *sorted, ascending);
+        for (size_t k = 0; last && k < count; k++)
+            distance += fabs(sorted[k] - previous[k]);
+        if (distance < best) {
+            best = distance;
+            memcpy(x, try, count * sizeof *try);
+        }
+    }
+    return n > 0;
+}
+
+typedef struct { double way, *x; } column; /* x [samples] */
+
+static int make_columns(const sheet *s, int n, column *columns)
+{
+    double way = 0, before = NAN, *last = NULL;
+    int used = 0;
+    for (int i = 0; i < s->n; i++) {
+        before = NAN;
+        for (int k = 0; k < s->parts[i].n && used < n; k++, used++) {
+            const plot_motion *m = &s->parts[i].motions[k];
+            const double frequency = 2 * pi / m->period / s->parts[i].k;
+            way += isnan(before) ? 0 : fabs(frequency - before);
+            before = frequency;
+            columns[used].way = way;
+            if (!strobe(s, &s->parts[i], m, last, k > 0, columns[used].x))
+                return cli_wrong("--dof %ld: this displacement does not pass 0 on %s", s->dof, s->parts[i].text);
+            last = columns[used].x;
+        }
+    }
+    return CLI_DONE;
+}
+
+static int draw_columns(sheet *s, int n, const column *columns)
+{
+    double lo = INFINITY, hi = -INFINITY;
+    char text[64];
+    plot_point *line = malloc(((size_t)s->orbits + 1) * sizeof *line);
+    if (!line || !(s->page = plot_page_create(s->common->width > 0 ? s->common->width : 900, s->common->height > 0 ? s->common->height : 620))) {
+        free(line);
+        return cli_report(RIC_E_NOMEM);
+    }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < s->samples; k++) {
+            lo = fmin(lo, columns[i].x[k]);
+            hi = fmax(hi, columns[i].x[k]);
+        }
+    plot_range_widen(false, 0.04, &lo, &hi);
+    const double end = columns[n - 1].way > 0 ? 1.02 * columns[n - 1].way : 1;
+    const plot_panel panel = {{.from = 82, .to = plot_page_width(s->page) - 24, .lo = 0, .hi = end},
+                              {.from = 56, .to = plot_page_height(s->page) - 66, .lo = lo, .hi = hi}};
+    for (int i = 0, at = 0; i < s->n; at += s->parts[i++].n) {
+        const double x = plot_axis_at(&panel.x, columns[at].way);
+        if (i > 0)
+            plot_page_line(s->page, PLOT_NATURAL, 2, (plot_point[]){{x, panel.y.from}, {x, panel.y.to}});
+        for (int k = 0; k < s->samples; k++) {
+            for (int j = 0; j < s->parts[i].n; j++)
+                line[j] = (plot_point){columns[at + j].way, columns[at + j].x[k]};
+            plot_panel_curve(s->page, &panel, (i % 2 ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC) + RIC_STABLE_NO, s->parts[i].n, line);
+        }
+        snprintf(text, sizeof text, "%d periods", s->parts[i].k);
+        plot_page_text(s->page, (plot_point){x + 3, panel.y.to + 12}, PLOT_LEFT, type, "#000000", false, text);
+    }
+    free(line);
+    snprintf(text, sizeof text, "x_{%ld}(k T/%ld),  x_{%ld}(0) = 0", s->dof, s->samples, s->dof);
+    plot_panel_frame(s->page, &panel, "frequency passed on the way (rad/s)", text);
+    plot_page_title(s->page, s->common, s->atlases[0], NULL);
+    return plot_page_write(s->page, s->common->out);
+}
+
+int plot_strobe(int argc, char **argv, const plot_options *common)
+{
+    sheet s = {.common = common, .orbits = 40, .samples = 24, .dof = 0};
+    const char *orbits, *samples, *dof;
+    if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--samples", &samples)
+        || !cli_take_value(&argc, argv, "--dof", &dof) || (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits))
+        || (samples && !cli_parse_integer(samples, "--samples", 1, MAX_STROBE, &s.samples))
+        || (dof && !cli_parse_integer(dof, "--dof", 1, 100000, &s.dof)))
+        return CLI_WRONG;
+    int code = take_parts(argc, argv, &s), n = 0;
+    if (code == CLI_DONE && s.n_atlas != 1)
+        code = cli_wrong("plot strobe: one atlas");
+    if (code == CLI_DONE)
+        code = load(&s);
+    const int n_dof = code == CLI_DONE ? ric_model_n_dof(ric_atlas_model(s.atlases[0])) : 0;
+    s.dof = s.dof ? s.dof : n_dof;
+    if (code == CLI_DONE && s.dof > n_dof)
+        code = cli_wrong("--dof %ld: there are displacements 1 to %d", s.dof, n_dof);
+    for (int i = 0; i < s.n; i++)
+        n += s.parts[i].n;
+    column *columns = calloc((size_t)n + 1, sizeof *columns);
+    double *x = calloc(((size_t)n + 1) * (size_t)s.samples, sizeof *x);
+    for (int i = 0; columns && i < n; i++)
+        columns[i].x = x + (size_t)i * (size_t)s.samples;
+    if (code == CLI_DONE && (!columns || !x))
+        code = cli_report(RIC_E_NOMEM);
+    if (code == CLI_DONE)
+        code = make_columns(&s, n, columns);
+    if (code == CLI_DONE)
+        code = draw_columns(&s, n, columns);
+    free(columns);
+    free(x);
+    release(&s);
+    return code;
+}
