@@ -211,7 +211,7 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
             || !wanted(o->has_frequency, o->frequency, p.frequency / part->k))
             continue;
         span_add(frequency, p.frequency / part->k);
-        if (p.energy > 0 && (branch.impacts > 0 || o->has_energy || isfinite(part->lo)))
+        if (p.energy > 0 && (branch.impacts > 0 || branch.depth > 0 || o->has_energy || isfinite(part->lo)))
             span_add(energy, p.energy);
         else if (p.energy > 0 && p.energy >= branch.energy_max) { /* and enough of the line to be seen */
             span_add(energy, p.energy);

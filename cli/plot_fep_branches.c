@@ -164,7 +164,7 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
         return false;
     if (f->options->labels == LABELS_MAIN && branch->depth > 3)
         return false;
-    return f->options->labels != LABELS_MAIN || k == 1 || (branch->mode && branch->impacts);
+    return f->options->labels != LABELS_MAIN || k == 1 || (branch->mode && branch->depth);
 }
 
 /* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part. */
@@ -188,7 +188,7 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
             tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->index)
-                         : branch->impacts == 0 ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
+                         : plot_branch_family(branch) == PLOT_LINEAR ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
             plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
             for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the curve */
                 plot_tag *place = fep_new_tag(f);
