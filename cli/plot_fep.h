@@ -74,8 +74,6 @@ ric_status fep_draw_branches(fep *f, fep_source *s);
 ric_status fep_find_ghosts(fep *f, fep_source *s);
 ric_status fep_draw_ghosts(fep *f, fep_source *s);
 void fep_free_source(fep_source *s);
-/* Whether a branch is the one that is multiplied at a q-tupling, not one that leaves it: it has q times the frequency there. */
-bool fep_is_multiplied(const fep_source *s, const ric_branch *branch, const ric_junction *junction);
 
 /* plot_fep_marks.c */
 ric_status fep_draw_junctions(fep *f, fep_source *s);

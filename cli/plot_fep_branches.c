@@ -130,20 +130,6 @@ void fep_free_source(fep_source *s)
 
 /* ----------------------------------------------------------------- branches */
 
-bool fep_is_multiplied(const fep_source *s, const ric_branch *branch, const ric_junction *junction)
-{
-    const double at = plot_junction_at(s->atlas, branch, junction->id);
-    double nearest = INFINITY, frequency = 0;
-    for (int i = 0; junction->multiple > 1 && i < branch->n_point; i++) {
-        ric_point p;
-        if (ric_atlas_point(s->atlas, branch->id, i, &p, NULL, NULL) == RIC_OK && fabs(p.arclength - at) < nearest) {
-            nearest = fabs(p.arclength - at);
-            frequency = p.frequency;
-        }
-    }
-    return frequency > junction->frequency * sqrt(junction->multiple);
-}
-
 /* The part of piece i of a track that lies in the panel, in pixels; returns its length, 0 if there is none. */
 static double visible_piece(const fep *f, const plot_track *t, int i, plot_point *a, plot_point *b)
 {
@@ -213,7 +199,7 @@ static ric_status add_joints(const fep_source *s, const ric_branch *branch, cons
             return status;
         if (branch->junction_at[i] < part->lo || branch->junction_at[i] > part->hi)
             continue;
-        const double frequency = junction.frequency * (fep_is_multiplied(s, branch, &junction) ? junction.multiple : 1);
+        const double frequency = junction.frequency * ric_junction_level(&junction, branch);
         if (!plot_track_add(t, (plot_point){junction.energy, frequency / part->k}, branch->junction_at[i], PLOT_JOINT))
             return RIC_E_NOMEM;
     }

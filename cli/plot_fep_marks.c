@@ -21,7 +21,7 @@ static bool part_meets(const fep_source *s, const fep_part *part, const ric_junc
     for (int i = 0; i < junction->n_branch; i++)
         listed |= junction->branches[i] == part->branch;
     if (!listed || part->k != k || ric_atlas_branch(s->atlas, part->branch, &branch) != RIC_OK
-        || fep_is_multiplied(s, &branch, junction) != multiplied)
+        || (ric_junction_level(junction, &branch) > 1) != multiplied)
         return false;
     const double at = plot_junction_at(s->atlas, &branch, junction->id), slack = 1e-9 * (1 + fabs(at));
     return at >= part->lo - slack && at <= part->hi + slack;

@@ -1,6 +1,6 @@
 /* The motion of an orbit over one period, as rows of numbers, with its impacts and touches.
  * Between rigid impacts it is written down from the modes, flight by flight, so that speeds on both sides of an impact are exact; under a
- * power law it is integrated from the stored state. */
+ * power law it is what the simulator gives from the stored state. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -298,91 +298,8 @@ out:
 
 /* ----------------------------------------------------------------- power laws */
 
-/* M x'' = -K x - sum b f(b.x), scaled by d: classical Runge-Kutta with fixed steps, enough for a picture, and it knows the matrices only. */
-enum { ROWS = 2400, STEPS = 24 };
+enum { ROWS = 2400 };
 static const double return_bound = 1e-3; /* how far a motion may end from its start, relative to its largest value */
-
-typedef struct {
-    const ric_model *model;
-    int n;
-    double *inverse; /* M^-1 [n n] */
-    double *force;   /* [n] */
-} springs;
-
-/* Gauss and Jordan; M is positive definite and needs no pivots. work [n n] */
-static void invert(int n, double *work, double *out)
-{
-    for (int i = 0; i < n * n; i++)
-        out[i] = i % (n + 1) == 0;
-    for (int k = 0; k < n; k++) {
-        const double pivot = work[k * n + k];
-        for (int j = 0; j < n; j++) {
-            work[k * n + j] /= pivot;
-            out[k * n + j] /= pivot;
-        }
-        for (int i = 0; i < n; i++) {
-            const double factor = work[i * n + k];
-            for (int j = 0; i != k && j < n; j++) {
-                work[i * n + j] -= factor * work[k * n + j];
-                out[i * n + j] -= factor * out[k * n + j];
-            }
-        }
-    }
-}
-
-/* Force of a contact at the scaled gap s, scaled. */
-static double contact_force(const ric_contact *c, double d, double s)
-{
-    return c->length > 0 ? c->reference * c->length / d * pow(s * d / c->length, c->exponent) : c->stiffness / d * pow(s * d, c->exponent);
-}
-
-/* z = (x, v), out = z' */
-static void slope(const springs *p, const double *z, double *out)
-{
-    const int n = p->n;
-    const double *stiffness = ric_model_stiffness(p->model), d = ric_model_length(p->model);
-    for (int i = 0; i < n; i++) {
-        p->force[i] = 0;
-        for (int j = 0; j < n; j++)
-            p->force[i] -= stiffness[i * n + j] * z[j];
-    }
-    for (int contact = 0; contact < ric_model_n_contact(p->model); contact++) {
-        ric_contact c;
-        double s = 0;
-        if (ric_model_contact(p->model, contact, &c) != RIC_OK)
-            continue;
-        for (int i = 0; i < n; i++)
-            s += c.normal[i] * z[i];
-        const double f = contact_force(&c, d, s);
-        for (int i = 0; i < n; i++)
-            p->force[i] -= f * c.normal[i];
-    }
-    for (int i = 0; i < n; i++) {
-        out[i] = z[n + i];
-        out[n + i] = 0;
-        for (int j = 0; j < n; j++)
-            out[n + i] += p->inverse[i * n + j] * p->force[j];
-    }
-}
-
-/* One step from z, in place; work [4 * 2 n]. */
-static void runge_kutta(const springs *p, double h, double *z, double *work)
-{
-    const int n = 2 * p->n;
-    double *sum = work, *k = work + n, *at = work + 2 * n;
-    static const double share[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6}, next[4] = {0.5, 0.5, 1, 0};
-    memset(sum, 0, (size_t)n * sizeof *sum);
-    memcpy(at, z, (size_t)n * sizeof *at);
-    for (int stage = 0; stage < 4; stage++) {
-        slope(p, at, k);
-        for (int i = 0; i < n; i++) {
-            sum[i] += share[stage] * k[i];
-            at[i] = z[i] + next[stage] * h * k[i];
-        }
-    }
-    for (int i = 0; i < n; i++)
-        z[i] += h * sum[i];
-}
 
 static bool returns(const plot_motion *o, const double *z)
 {
@@ -395,21 +312,21 @@ static bool returns(const plot_motion *o, const double *z)
     return error <= return_bound * size;
 }
 
+/* The motion of the simulator, in one smooth piece; refused where it has not come back after one period. */
 static ric_status integrate(plot_motion *o)
 {
-    const size_t n = (size_t)o->n;
-    springs p = {o->model, o->n, malloc(n * n * sizeof(double)), malloc(n * sizeof(double))};
-    double *work = malloc((n * n + 8 * n) * sizeof *work), *z = malloc(2 * n * sizeof *z);
-    ric_status status = p.inverse && p.force && work && z && (o->first = calloc(2, sizeof *o->first)) ? RIC_OK : RIC_E_NOMEM;
-    if (status == RIC_OK) {
-        memcpy(work, ric_model_mass(o->model), n * n * sizeof *work);
-        invert(o->n, work, p.inverse);
-        memcpy(z, o->state, 2 * n * sizeof *z);
-    }
+    ric_simulator *simulator = NULL;
+    double *z = calloc(2 * (size_t)o->n, sizeof *z);
+    ric_status status = z && (o->first = calloc(2, sizeof *o->first)) ? ric_simulator_create(o->model, &simulator) : RIC_E_NOMEM;
+    if (status == RIC_OK)
+        status = ric_simulator_start(simulator, o->state, o->state + o->n);
     for (int i = 0; status == RIC_OK && i <= ROWS; i++) {
-        status = add_row(o, o->period * i / ROWS, z) ? RIC_OK : RIC_E_NOMEM;
-        for (int k = 0; k < STEPS && i < ROWS; k++)
-            runge_kutta(&p, o->period / ROWS / STEPS, z, work);
+        bool hit;
+        if (i > 0)
+            status = ric_simulator_advance(simulator, o->period * i / ROWS, &hit, NULL);
+        ric_simulator_state(simulator, NULL, z, z + o->n);
+        if (status == RIC_OK && !add_row(o, o->period * i / ROWS, z))
+            status = RIC_E_NOMEM;
     }
     if (status == RIC_OK && !returns(o, z)) {
         fprintf(stderr, "ricochet: this orbit is too unstable to be drawn from its start: after one period it misses it\n");
@@ -417,9 +334,7 @@ static ric_status integrate(plot_motion *o)
     }
     if (o->first)
         o->first[1] = o->n_row;
-    free(p.inverse);
-    free(p.force);
-    free(work);
+    ric_simulator_free(simulator);
     free(z);
     return status;
 }
