@@ -201,8 +201,23 @@ static void word_text(const char *word, size_t n, size_t size, char *out)
     snprintf(out + used, size - used, "]");
 }
 
+/* Points of power-law structures have letters for numbers in the article: Ca_33, Ca8_33. */
+static bool lettered(const char *label, size_t size, char *out)
+{
+    if ((*label != 'C' && *label != 'G') || !islower((unsigned char)label[1]))
+        return false;
+    const size_t n = 1 + strspn(label + 2, "0123456789");
+    const char *low = label + 1 + n;
+    if (*low != '_' || !low[1] || strspn(low + 1, "0123456789,") != strlen(low + 1))
+        return false;
+    snprintf(out, size, "%c@^{%.*s}_{%s}", *label, (int)n, label + 1, low + 1);
+    return true;
+}
+
 void plot_text_label(const char *label, size_t size, char *out)
 {
+    if (lettered(label, size, out))
+        return;
     const char *c = label, *low = NULL;
     while (isalpha((unsigned char)*c))
         c++;
