@@ -27,6 +27,7 @@ typedef struct {
     int n;
     part parts[MAX_PART];
     long orbits, contact, dof, samples;
+    bool stretch; /* every segment has the same width */
     plot_page *page;
 } sheet;
 
@@ -209,19 +210,16 @@ static plot_point project(const view *v, double time, double depth, double gap)
 /* One curve behind those drawn before: visible above and below what they cover (floating horizon). high, low [width of the page] */
 static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_point *curve, double *high, double *low)
 {
-    plot_point *run = malloc((size_t)n * sizeof *run);
-    int length = 0;
-    for (int i = 0; run && i < n; i++) {
+    const double width = plot_page_width(page), height = plot_page_height(page);
+    const plot_panel pixels = {{.lo = 0, .hi = width, .from = 0, .to = width}, {.lo = 0, .hi = height, .from = 0, .to = height}};
+    plot_point *seen = malloc((size_t)n * sizeof *seen);
+    for (int i = 0; seen && i < n; i++) {
         const int column = (int)curve[i].x;
-        const bool seen = curve[i].y >= high[column] || curve[i].y <= low[column];
-        if (seen)
-            run[length++] = curve[i];
-        if ((!seen || i == n - 1) && length > 0) {
-            if (length > 1)
-                plot_page_line(page, stroke, length, run);
-            length = 0;
-        }
+        seen[i] = curve[i].y >= high[column] || curve[i].y <= low[column] ? curve[i] : (plot_point){NAN, NAN};
     }
+    if (seen)
+        plot_panel_curve(page, &pixels, stroke, n, seen);
+    free(seen);
     for (int i = 1; i < n; i++) /* every column between two samples is covered */
         for (int column = (int)curve[i - 1].x; column <= (int)curve[i].x; column++) {
             const double share = fmin(1, fmax(0, (column - curve[i - 1].x) / fmax(1e-9, curve[i].x - curve[i - 1].x)));
@@ -229,7 +227,6 @@ static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_p
             high[column] = fmax(high[column], y);
             low[column] = fmin(low[column], y);
         }
-    free(run);
 }
 
 static void draw_box(plot_page *page, const view *v, const part *p, double lo, double hi)
@@ -258,10 +255,10 @@ static void draw_box(plot_page *page, const view *v, const part *p, double lo, d
     (void)p;
 }
 
-static int draw_sheet(sheet *s, const part *p, plot_box box, double lo, double hi, double *high, double *low)
+static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, double *low)
 {
     const int width = (int)plot_page_width(s->page);
-    const view v = {box, 0.26 * (box.right - box.left), 0.42 * (box.top - box.bottom), lo, hi};
+    view v = {box, 0.26 * (box.right - box.left), 0.42 * (box.top - box.bottom), -1, 1};
     plot_point *curve = malloc((SAMPLES + 1) * sizeof *curve);
     ric_branch b;
     char name[200], title[400];
@@ -269,6 +266,8 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double lo, double h
         free(curve);
         return cli_report(RIC_E_NOMEM);
     }
+    for (int k = 0; k < p->n; k++)
+        plot_motion_range(&p->motions[k], plot_read_gap, (int)s->contact - 1, &v.lo, &v.hi);
     for (int i = 0; i < width; i++) {
         high[i] = -INFINITY;
         low[i] = INFINITY;
@@ -294,15 +293,12 @@ static int draw_sheets(sheet *s)
 {
     const int columns = s->n > 1 ? 2 : 1, rows = (s->n + columns - 1) / columns;
     const double width = s->common->width > 0 ? s->common->width : columns * 600, height = s->common->height > 0 ? s->common->height : 40 + 420 * rows;
-    double lo = -1, hi = 1, *high = malloc((size_t)width * sizeof *high), *low = malloc((size_t)width * sizeof *low);
+    double *high = malloc((size_t)width * sizeof *high), *low = malloc((size_t)width * sizeof *low);
     int code = high && low && (s->page = plot_page_create(width, height)) ? CLI_DONE : cli_report(RIC_E_NOMEM);
-    for (int i = 0; code == CLI_DONE && i < s->n; i++)
-        for (int k = 0; k < s->parts[i].n; k++)
-            plot_motion_range(&s->parts[i].motions[k], plot_read_gap, (int)s->contact - 1, &lo, &hi);
     const double w = width / columns, h = (height - 40) / rows;
     for (int i = 0; code == CLI_DONE && i < s->n; i++) {
         const double left = w * (i % columns), top = height - 40 - h * (i / columns);
-        code = draw_sheet(s, &s->parts[i], (plot_box){left + 60, top - h + 56, left + w - 84, top - 30}, lo * 1.02, hi * 1.02, high, low);
+        code = draw_sheet(s, &s->parts[i], (plot_box){left + 60, top - h + 56, left + w - 84, top - 30}, high, low);
     }
     free(high);
     free(low);
@@ -411,7 +407,7 @@ static int make_columns(const sheet *s, int n, column *columns)
         for (int k = 0; k < s->parts[i].n && used < n; k++, used++) {
             const plot_motion *m = &s->parts[i].motions[k];
             const double frequency = 2 * pi / m->period / s->parts[i].k;
-            way += isnan(before) ? 0 : fabs(frequency - before);
+            way += isnan(before) ? 0 : s->stretch ? 1. / (s->parts[i].n - 1) : fabs(frequency - before);
             before = frequency;
             columns[used].way = way;
             if (!strobe(s, &s->parts[i], m, last, k > 0, columns[used].x))
@@ -426,6 +422,7 @@ static int draw_columns(sheet *s, int n, const column *columns)
 {
     double lo = INFINITY, hi = -INFINITY;
     char text[64];
+    plot_tag tags[MAX_PART];
     plot_point *line = malloc(((size_t)s->orbits + 1) * sizeof *line);
     if (!line || !(s->page = plot_page_create(s->common->width > 0 ? s->common->width : 900, s->common->height > 0 ? s->common->height : 620))) {
         free(line);
@@ -449,12 +446,14 @@ static int draw_columns(sheet *s, int n, const column *columns)
                 line[j] = (plot_point){columns[at + j].way, columns[at + j].x[k]};
             plot_panel_curve(s->page, &panel, (i % 2 ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC) + RIC_STABLE_NO, s->parts[i].n, line);
         }
-        snprintf(text, sizeof text, "%d periods", s->parts[i].k);
-        plot_page_text(s->page, (plot_point){x + 3, panel.y.to + 12}, PLOT_LEFT, type, "#000000", false, text);
+        plot_tag *tag = &tags[i];
+        *tag = (plot_tag){.at = {x, panel.y.to + 12}, .weight = -i, .colour = "#000000"};
+        snprintf(tag->text, sizeof tag->text, s->parts[i].k > 1 ? "%d periods" : "%d period", s->parts[i].k);
     }
     free(line);
+    plot_place_tags(s->page, (plot_box){panel.x.from - 30, panel.y.to + 4, panel.x.to, panel.y.to + 40}, s->n, tags, type);
     snprintf(text, sizeof text, "x_{%ld}(k T/%ld),  x_{%ld}(0) = 0", s->dof, s->samples, s->dof);
-    plot_panel_frame(s->page, &panel, "frequency passed on the way (rad/s)", text);
+    plot_panel_frame(s->page, &panel, s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)", text);
     plot_page_title(s->page, s->common, s->atlases[0], NULL);
     return plot_page_write(s->page, s->common->out);
 }
@@ -463,6 +462,7 @@ int plot_strobe(int argc, char **argv, const plot_options *common)
 {
     sheet s = {.common = common, .orbits = 40, .samples = 24, .dof = 0};
     const char *orbits, *samples, *dof;
+    s.stretch = cli_take_flag(&argc, argv, "--stretch");
     if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--samples", &samples)
         || !cli_take_value(&argc, argv, "--dof", &dof) || (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits))
         || (samples && !cli_parse_integer(samples, "--samples", 1, MAX_STROBE, &s.samples))
