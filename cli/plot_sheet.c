@@ -8,7 +8,7 @@
 
 #include "plot.h"
 
-enum { MAX_ATLAS = 6, MAX_PART = 12, SAMPLES = 500, MAX_STROBE = 240 };
+enum { MAX_ATLAS = 6, MAX_PART = 12, SAMPLES = 500, MAX_STROBE = 240, MAX_START = 64 };
 static const double type = 12, pi = 3.14159265358979323846, touch = 1e-9;
 
 typedef struct {
@@ -338,7 +338,7 @@ int plot_sheet(int argc, char **argv, const plot_options *common)
 
 /* ------------------------------------------------------------------- strobe */
 
-/* Instants at which a displacement passes 0 upwards, at most `room`. */
+/* Instants at which a displacement passes 0, at most `room`; upwards and downwards, for the one may become the other along a branch. */
 static int crossings(const plot_motion *m, int dof, int room, double *out)
 {
     int n = 0;
@@ -346,11 +346,12 @@ static int crossings(const plot_motion *m, int dof, int room, double *out)
     for (int i = 1; i <= 4 * SAMPLES && n < room; i++) {
         double a = m->period * (i - 1) / (4 * SAMPLES), b = m->period * i / (4 * SAMPLES);
         const double now = plot_motion_at(m, b, dof);
-        for (int k = 0; before <= 0 && now > 0 && k < 50; k++) {
+        const bool passed = (before <= 0) != (now <= 0);
+        for (int k = 0; passed && k < 50; k++) {
             const double middle = (a + b) / 2;
-            *(plot_motion_at(m, middle, dof) > 0 ? &b : &a) = middle;
+            *((plot_motion_at(m, middle, dof) <= 0) == (now <= 0) ? &b : &a) = middle;
         }
-        if (before <= 0 && now > 0)
+        if (passed)
             out[n++] = b;
         before = now;
     }
@@ -369,51 +370,85 @@ static void strobe_at(const sheet *s, const part *p, const plot_motion *m, doubl
         x[k] = plot_motion_at(m, start + p->k * m->period * k / (double)s->samples, (int)s->dof - 1);
 }
 
-/* Samples from the crossing that continues what was seen before: of several crossings a multiplied orbit has one each, which differ. Along a
- * segment every sample goes on; into the next one the set of them does. */
-static bool strobe(const sheet *s, const part *p, const plot_motion *m, const double *last, bool same, double *x)
+typedef struct {
+    double way, *x; /* x [samples] */
+    int n_start;    /* crossings of zero: the samples may begin at any of them */
+    double starts[MAX_START];
+} column;
+
+/* Sum of differences between two sets of samples, one by one or as sets. */
+static double distance(const sheet *s, const double *a, const double *b, bool sets)
 {
-    double starts[64], best = INFINITY, try[MAX_STROBE], sorted[MAX_STROBE], previous[MAX_STROBE];
-    const int n = crossings(m, (int)s->dof - 1, 64, starts);
     const size_t count = (size_t)s->samples;
-    if (last)
-        memcpy(previous, last, count * sizeof *last);
-    if (last && !same)
-        qsort(previous, count, sizeof *previous, ascending);
-    for (int i = 0; i < n; i++) {
-        double distance = 0;
-        strobe_at(s, p, m, starts[i], try);
-        memcpy(sorted, try, count * sizeof *try);
-        if (!same)
-            qsort(sorted, count, sizeof *sorted, ascending);
-        for (size_t k = 0; last && k < count; k++)
-            distance += fabs(sorted[k] - previous[k]);
-        if (distance < best) {
-            best = distance;
-            memcpy(x, try, count * sizeof *try);
-        }
+    double first[MAX_STROBE], second[MAX_STROBE], sum = 0;
+    memcpy(first, a, count * sizeof *a);
+    memcpy(second, b, count * sizeof *b);
+    if (sets) {
+        qsort(first, count, sizeof *first, ascending);
+        qsort(second, count, sizeof *second, ascending);
     }
-    return n > 0;
+    for (size_t k = 0; k < count; k++)
+        sum += fabs(first[k] - second[k]);
+    return sum;
 }
 
-typedef struct { double way, *x; } column; /* x [samples] */
-
-static int make_columns(const sheet *s, int n, column *columns)
+/* Samples of the orbits of a segment that begin at one crossing of the first orbit and go on with the nearest in phase. Returns how far they
+ * go, the way from the segment before included: far where the crossing vanishes. */
+static double follow(const sheet *s, const part *p, column *columns, int first, const double *last)
 {
-    double way = 0, before = NAN, *last = NULL;
-    int used = 0;
-    for (int i = 0; i < s->n; i++) {
-        before = NAN;
-        for (int k = 0; k < s->parts[i].n && used < n; k++, used++) {
-            const plot_motion *m = &s->parts[i].motions[k];
-            const double frequency = 2 * pi / m->period / s->parts[i].k;
-            way += isnan(before) ? 0 : s->stretch ? 1. / (s->parts[i].n - 1) : fabs(frequency - before);
-            before = frequency;
-            columns[used].way = way;
-            if (!strobe(s, &s->parts[i], m, last, k > 0, columns[used].x))
-                return cli_wrong("--dof %ld: this displacement does not pass 0 on %s", s->dof, s->parts[i].text);
-            last = columns[used].x;
+    double way = 0, phase = columns[0].starts[first] / p->motions[0].period;
+    strobe_at(s, p, &p->motions[0], columns[0].starts[first], columns[0].x);
+    if (last)
+        way += distance(s, last, columns[0].x, true);
+    for (int i = 1; i < p->n; i++) {
+        int next = 0;
+        for (int k = 1; k < columns[i].n_start; k++)
+            if (fabs(remainder(columns[i].starts[k] / p->motions[i].period - phase, 1))
+                < fabs(remainder(columns[i].starts[next] / p->motions[i].period - phase, 1)))
+                next = k;
+        phase = columns[i].starts[next] / p->motions[i].period;
+        strobe_at(s, p, &p->motions[i], columns[i].starts[next], columns[i].x);
+        way += distance(s, columns[i - 1].x, columns[i].x, false);
+    }
+    return way;
+}
+
+/* Of several crossings of a multiplied orbit each gives other samples, and on the way crossings vanish: the one is taken that goes least. */
+static int fill_segment(const sheet *s, const part *p, column *columns, const double *last)
+{
+    int chosen = -1;
+    double best = INFINITY;
+    for (int i = 0; i < p->n; i++) {
+        columns[i].n_start = crossings(&p->motions[i], (int)s->dof - 1, MAX_START, columns[i].starts);
+        if (columns[i].n_start == 0)
+            return cli_wrong("--dof %ld: this displacement does not pass 0 on %s", s->dof, p->text);
+    }
+    for (int k = 0; k < columns[0].n_start; k++) {
+        const double way = follow(s, p, columns, k, last);
+        if (way < best * (1 - 1e-9)) {
+            best = way;
+            chosen = k;
         }
+    }
+    follow(s, p, columns, chosen < 0 ? 0 : chosen, last);
+    return CLI_DONE;
+}
+
+static int make_columns(const sheet *s, column *columns)
+{
+    double way = 0;
+    const double *last = NULL;
+    for (int i = 0; i < s->n; columns += s->parts[i++].n) {
+        const part *p = &s->parts[i];
+        const int code = fill_segment(s, p, columns, last);
+        if (code != CLI_DONE)
+            return code;
+        for (int k = 0; k < p->n; k++) {
+            const double now = 2 * pi / p->motions[k].period, before = k ? 2 * pi / p->motions[k - 1].period : now;
+            way += k == 0 ? 0 : s->stretch ? 1. / (p->n - 1) : fabs(now - before) / p->k;
+            columns[k].way = way;
+        }
+        last = columns[p->n - 1].x;
     }
     return CLI_DONE;
 }
@@ -486,7 +521,7 @@ int plot_strobe(int argc, char **argv, const plot_options *common)
     if (code == CLI_DONE && (!columns || !x))
         code = cli_report(RIC_E_NOMEM);
     if (code == CLI_DONE)
-        code = make_columns(&s, n, columns);
+        code = make_columns(&s, columns);
     if (code == CLI_DONE)
         code = draw_columns(&s, n, columns);
     free(columns);

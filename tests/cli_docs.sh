@@ -31,8 +31,8 @@ picture() { # the command of the README, with the picture beside the one that is
         && "$ricochet" plot fep "$folder/e.ricochet" --break 2.2 -o "$folder/e.svg" && grep -q '</svg>' "$folder/e.svg" docs/elementary.svg
 }
 ok 'README.md: the picture' picture
-for target in build demo test; do
-    ok "README.md: make $target is a target" grep -q "^$target:" "$root/Makefile"
+for target in build demo paper test; do
+    ok "make $target is a target" grep -q "^$target:" "$root/Makefile"
 done
 
 cd "$folder/commands" || exit 1
@@ -61,8 +61,8 @@ for page in README.md CONTRIBUTING.md CHANGELOG.md docs/*.md docs/decisions/*.md
         ok "$page: $target exists" test -e "$target"
     done < <(grep -oE '`(docs|src|cli|tests|tools|examples|include)/[A-Za-z0-9_./-]+`' "$page" | tr -d '`' | sort -u)
 done
-for study in examples/*/; do
-    ok "README.md: $study" grep -q "(${study}study.yaml)" README.md
+for study in examples/*/study.yaml; do
+    ok "README.md: $study" grep -q "($study)" README.md
 done
 
 finish

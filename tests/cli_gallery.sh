@@ -1,0 +1,95 @@
+#!/bin/bash
+# The gallery: every command of docs/gallery.md runs and gives a picture, the studies have the numbers that the article states, and every
+# figure from 3 to 30 is on the page.
+set -u
+root=$PWD
+. tests/tap.sh
+
+if ! command -v gnuplot >/dev/null || ! command -v python3 >/dev/null; then
+    echo '1..0 # SKIP gnuplot or python3 is not there'
+    exit 77
+fi
+
+ok 'all commands of the page run' tools/paper "$(dirname "$ricochet")" "$folder"
+while IFS= read -r picture; do
+    ok "$picture is a whole picture" sh -c 'test "$(wc -c <"$1")" -gt 5000 && tail -c 20 "$1" | grep -q "</svg>"' sh "$folder/$(basename "$picture")"
+    ok "$picture is in the tree" test -s "docs/$picture"
+done < <(grep -oE '\]\(gallery/[^)]*\)' docs/gallery.md | tr -d ']()')
+ok 'the page in one file has them all' sh -c 'test "$(grep -c data:image/svg "$1")" -eq "$(grep -c "^!\[" docs/gallery.md)"' sh "$folder/gallery.html"
+for figure in $(seq 3 30); do
+    ok "figure $figure is on the page" grep -q "^## Fig. $figure:" docs/gallery.md
+done
+
+# Numbers of the article, its points by their names: STUDY NAME ENERGY FREQUENCY
+place() {
+    "$ricochet" junctions "$folder/$1.ricochet" --json | python3 -c '
+import json, sys
+name, energy, frequency = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+found = [j for j in json.load(sys.stdin) if j["name"] == name]
+print(name, [(j["energy"], j["frequency"]) for j in found])
+near = lambda a, b: abs(a - b) <= 1e-9 * abs(b)
+sys.exit(not (len(found) == 1 and near(found[0]["energy"], energy) and near(found[0]["frequency"], frequency)))' "$2" "$3" "$4"
+}
+while read -r study name energy frequency; do
+    ok "$study: $name" place "$study" "$name" "$energy" "$frequency"
+done <<'END'
+elementary G1_0,2 0.601588369489 0.9287310650464
+elementary G2_0,2 2.960911630511 2.153475936438
+elementary C1_31 0.5935887039620914 0.9615592867033224
+elementary C2_31 1.8245662467804078 2.7537248237692933
+elementary C1_32 1.901327637945699 1.3820239896966182
+elementary G1_2,2 2.5197414093965973 1.3820239896966182
+elementary G1_2,4 80.97406747026484 1.6667902994358654
+elementary G2_4,2 28.644438205 1.680665446
+elementary G1_4,2 18.968887538984884 1.6983835151921738
+elementary C3_32 22.98740319908438 1.673922264624197
+elementary C1_33 3.8487372168924985 1.6862380961394556
+elementary C2_32 16.13227945265392 1.6667902994358654
+elementary C3_31 9.158308399286632 1.5192560925039564
+elementary C4_32 15.557457022590903 1.5319867157145204
+duplicates C6_33 2.2556893214 1.80003134035
+duplicates C7_33 1.8899969588 1.01057218023333
+duplicates C5_33 6.3037444738 1.658849298425
+path C2_33 9.5171204595 1.64837958998
+cascade C84_33 17.8169663303 0.8376801827
+power-3 C1_32 2.764187897 1.2411838299
+END
+
+# k - 1 multiplications on the k-duplicate of S2-[01] (Fig. 20a), and seven on the 8-duplicate of S6[010101] (Figs. 23, 30).
+multiplications() { # STUDY LABEL K
+    local branch
+    branch=$("$ricochet" branches "$folder/$1.ricochet" --json | python3 -c 'import json, sys
+print(next(b["id"] for b in json.load(sys.stdin) if b["label"] == sys.argv[1]))' "$2")
+    "$ricochet" junctions "$folder/$1.ricochet" --duplicates "$3" --branch "$branch" --json | python3 -c 'import json, sys
+n = sum(p["k"] == int(sys.argv[1]) and p["kind"] == "multiplication" and p["origin"] != "copy" for p in json.load(sys.stdin))
+print(n)
+sys.exit(n != int(sys.argv[1]) - 1)' "$3"
+}
+for k in 2 3 4 5 6 7 8 9; do
+    ok "the $k-duplicate of S2-[01] has $((k - 1)) points C_33" multiplications duplicates 'S2-[01]' $k
+done
+ok 'the 8-duplicate of S6[010101] has 7 points C_33' multiplications cascade 'S6[010101]' 8
+
+# Names that mean nothing, or more than one thing.
+refused() { # PATTERN ARGUMENTS...
+    local pattern=$1
+    shift
+    ! "$ricochet" plot "$@" -o "$folder/refused.svg" 2>"$folder/message" && grep -q "$pattern" "$folder/message" && [ ! -e "$folder/refused.svg" ]
+}
+atlas=$folder/elementary.ricochet
+ok 'a label of many branches' refused '2 branches fit' fep "$atlas" --branch 'S4[0011]'
+ok 'a branch that is not there' refused 'no branch has this label' fep "$atlas" --branch 'S4[01]'
+ok 'a junction that is not on the branch' refused 'meets these junctions' fep "$atlas" --branch 'S6[010101]|C1_31'
+ok 'a junction that is not there' refused 'no junction has this name' fep "$atlas" --label C9_99
+ok 'a duplicate without a number' refused 'K:BRANCH' fep "$atlas" --duplicate 'S2-[01]'
+ok 'a base that is not there' refused 'no base' fep "$atlas" --base F7_9
+ok 'a zoom that is no window' refused 'window' fep "$atlas" --zoom 1:2
+ok 'a label before the first of two atlases' refused 'stands behind' fep --label C1_32 "$atlas" "$folder/path.ricochet"
+ok 'an orbit at an energy that two have' refused 'orbits fit' orbits "$atlas" --orbit 'S2-[01]@E=2.5'
+ok 'an orbit beyond its branch' refused 'between 0 and 1' orbits "$atlas" --orbit 'S2-[01]@1.5'
+ok 'orbits without any' refused 'missing' orbits "$atlas"
+ok 'a sheet without a segment' refused 'missing' sheet "$atlas"
+ok 'a strobe of a displacement that is not there' refused 'displacements' strobe "$atlas" --segment 'S2+[01]' --dof 3
+ok 'a name of a junction for one orbit' "$ricochet" plot orbit "$atlas" --junction C1_32 -o "$folder/named.svg"
+
+finish
