@@ -101,6 +101,12 @@ note "ghosts outside of the window" "$(! grep -q 'ghost: no motion' away.svg; ec
 draws orbit plot orbit "$ATLAS" --branch 1 --point 0
 draws junction plot orbit "$ATLAS" --junction 1 --coordinates 1
 draws fep-duplicates plot fep "$ATLAS" --duplicates 3
+draws fep-two plot fep "$ATLAS" --key one "$ATLAS" --key two --branch 1
+draws fep-zoom plot fep "$ATLAS" --zoom 1.8:4,2.5:4 --zoom 0.6:1,0.9:1 --log-frequency --symmetric --mark 'P1: 1@0.5'
+draws orbits plot orbits "$ATLAS" --orbit 1 --orbit 'P1: 1@0.5*2' --same-axes
+draws histories plot orbits "$ATLAS" --orbit 1 --orbit 2 --histories --columns 2 --coordinates 2
+draws sheet plot sheet "$ATLAS" --segment 3 --orbits 6
+draws strobe plot strobe "$ATLAS" --segment 2:3 --orbits 6 --samples 5 --stretch
 draws curves plot curves "$ATLAS" --x energy --y frequency
 draws curves-log plot curves "$ATLAS" --x energy --y x1 --log x --branch 1
 draws floquet plot floquet "$ATLAS" --branch 1
@@ -129,12 +135,16 @@ leaves_nothing 2 plot fep -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" -o empty/a
 leaves_nothing 2 plot fep "$ATLAS" -o empty/a.jpeg
 leaves_nothing 2 plot fep "$ATLAS" -o empty
-leaves_nothing 2 plot fep "$ATLAS" extra -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --nonsense -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --energy 2:1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --energy 0:1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --frequency x:y -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --break 1e9 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --zoom 0:1,0:1 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --break 2 --log-frequency -o empty/a.svg
+leaves_nothing 2 plot curves "$ATLAS" --x energy --y x1 --window 1:2 -o empty/a.svg
+leaves_nothing 2 plot orbits "$ATLAS" -o empty/a.svg
+leaves_nothing 2 plot sheet "$ATLAS" --segment 1 --orbits 1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --labels some -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --duplicates 0 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --size 10x10 -o empty/a.svg
@@ -153,6 +163,7 @@ leaves_nothing 2 plot floquet "$ATLAS" -o empty/a.svg
 # What could not be done: 1.
 echo "this is no atlas" >foreign
 leaves_nothing 1 plot fep missing.ricochet -o empty/a.svg
+leaves_nothing 1 plot fep "$ATLAS" missing.ricochet -o empty/a.svg
 leaves_nothing 1 plot fep foreign -o empty/a.svg
 leaves_nothing 1 plot fep "$ATLAS" --energy 1e300:1e301 -o empty/a.svg
 leaves_nothing 1 plot fep "$ATLAS" -o empty/no-such-folder/a.svg
