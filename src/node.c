@@ -285,7 +285,7 @@ static int shortest(const ric_chain *c, const double *u)
 
 /* Re-solves `cycle` (with its symmetries) on its defining equation `what`: canonical start, unknowns rounded, solved again.
  * Returns the new cycle or NULL. */
-static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion what)
+static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion what, bool *moved)
 {
     ric_cycle *canonical = NULL, *out = NULL;
     for (int pass = 0; pass < 2; pass++) {
@@ -322,6 +322,7 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion 
     double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
     bool reverse, mirror, near = ric_cycle_match(m, cycle, out, far, &shift, &reverse, &mirror);
     canonical = near ? ric_cycle_canonical(m, out) : NULL;
+    if (moved) *moved = !near;
     ric_cycle_free(out);
     return canonical;
 }
@@ -394,7 +395,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
         if (!(full = shorter)) return no_memory();
         ric_cycle_find_symmetries(m, full, SAME);
     }
-    solved = resolve(m, full, (criterion){.test = RIC_TEST_APPROACH});
+    solved = resolve(m, full, (criterion){.test = RIC_TEST_APPROACH}, NULL);
     ric_cycle_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     return finish_grazing(m, solved, q, out);
@@ -461,7 +462,7 @@ static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int 
 {
     ric_cycle *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
     if (!least) return no_memory();
-    solved = resolve(m, least, (criterion){.test = RIC_TEST_FLIGHT});
+    solved = resolve(m, least, (criterion){.test = RIC_TEST_FLIGHT}, NULL);
     ric_cycle_free(least);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
@@ -534,7 +535,10 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
 {
     ric_kind kind = test == RIC_TEST_SLOPE ? RIC_KIND_EXTREMUM : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM : RIC_KIND_BRANCH_POINT;
     *out = NULL;
-    ric_cycle *solved = resolve(m, cycle, (criterion){.test = test});
+    bool moved = false;
+    ric_cycle *solved = resolve(m, cycle, (criterion){.test = test}, &moved);
+    /* on a branch of one energy, or of one period, an extremum that goes elsewhere, or is nowhere sharp, is rounding */
+    if (!solved && kind != RIC_KIND_BRANCH_POINT && (moved || !sharp(m, cycle, test))) return RIC_OK;
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge", cycle->N);
     if (kind != RIC_KIND_BRANCH_POINT && !sharp(m, solved, test)) {
         ric_cycle_free(solved);
@@ -554,7 +558,7 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
 ric_status ric_node_user(const ric_model *m, const ric_cycle *cycle, const ric_asked *asked, ric_node **out)
 {
     *out = NULL;
-    ric_cycle *solved = resolve(m, cycle, (criterion){.test = TEST_ASKED, .asked = asked});
+    ric_cycle *solved = resolve(m, cycle, (criterion){.test = TEST_ASKED, .asked = asked}, NULL);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_USER, solved);
     if (!node) return no_memory();
@@ -620,7 +624,7 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
     ric_problem problems[2];
     int count = ric_problem_multiplying(cycle, p, q, problems), order = ric_problem_order(cycle, p, q);
     *out = NULL;
-    ric_cycle *solved = resolve(m, cycle, what);
+    ric_cycle *solved = resolve(m, cycle, what, NULL);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
     ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
     if (!node || !add_departures(node, 4)) {
