@@ -768,7 +768,7 @@ const cli_command cli_plot = {
         "strobe   a displacement, zero at the start, at --samples N instants of K periods, along segments one after the other\n"
         "  --stretch           all segments equally wide instead of by the frequency passed\n"
         "names    a junction: its id, name or label. SEGMENT: a branch by id or label, LABEL|P1 where it meets P1, LABEL|P1 P2 for the part between\n"
-        "         two junctions. ORBIT: a junction, or SEGMENT@0.3 (part of the way), SEGMENT@E=20, SEGMENT@F=1.5; then *K if it is gone through\n"
+        "         two junctions, #N behind it for the Nth that fits. ORBIT: a junction, or SEGMENT@0.3 (part of the way), SEGMENT@E=20, SEGMENT@F=1.5; then *K if it is gone through\n"
         "         K times (a q-tupling counts q); before it 'NAME: '. With several atlases such options stand behind the one that they belong to\n"
         "all\n"
         "  --title TEXT        instead of the title of the study\n"

@@ -227,7 +227,8 @@ typedef struct {
 
 /* Whether some branch, or a duplicate of one, has this label. */
 bool plot_is_branch(const ric_atlas *atlas, const char *label);
-/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2. */
+/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2; #N behind it takes
+ * the Nth of several that fit. */
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out);
 
 typedef struct {

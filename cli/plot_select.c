@@ -124,10 +124,17 @@ static bool take_ends(const ric_atlas *atlas, const char *text, const char *what
 
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out)
 {
-    const char *bar = strchr(text, '|');
+    const char *bar;
     char label[NAME];
     int n_end = 0, junctions[2], found = 0, total = ric_atlas_n_branch(atlas);
-    trim(text, bar ? (size_t)(bar - text) : strlen(text), label);
+    char body[2 * NAME];
+    const char *number = strrchr(text, '#');
+    long which = 0;
+    if (number && !cli_parse_integer(number + 1, what, 1, 1000000, &which))
+        return false;
+    snprintf(body, sizeof body, "%.*s", (int)(number ? number - text : (long)strlen(text)), text);
+    bar = strchr(body, '|');
+    trim(body, bar ? (size_t)(bar - body) : strlen(body), label);
     if (bar && !take_ends(atlas, bar + 1, what, &n_end, junctions))
         return false;
     for (int id = 1; id <= total; id++) {
@@ -141,15 +148,19 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
             at[i] = plot_junction_at(atlas, &b, junctions[i]);
         if ((n_end > 0 && isnan(at[0])) || (n_end > 1 && isnan(at[1])))
             continue;
-        found++;
+        if (which && ++found != which)
+            continue;
+        found += !which;
         *out = (plot_segment){.branch = id, .s = {n_end == 2 ? at[0] : s[0], n_end == 2 ? at[1] : s[1]}};
     }
-    if (found == 1)
+    if (which ? found >= which : found == 1)
         return true;
-    if (found == 0)
+    if (which && found > 0)
+        cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es", found == 1 ? "s" : "");
+    else if (found == 0)
         cli_wrong("%s %s: no branch has this label%s; `ricochet branches` lists them", what, text, n_end ? " and meets these junctions" : "");
     else
-        cli_wrong("%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or take the id of one", what, text, found);
+        cli_wrong("%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth", what, text, found);
     return false;
 }
 
