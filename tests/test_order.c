@@ -64,7 +64,8 @@ static void check_example(const char *name)
 
 static void examples(void **state)
 {
-    static const char *const names[] = {"elementary", "symmetric-path", "three-masses", "corner", "loose-mass", "fractal-base"};
+    static const char *const names[] = {"elementary", "symmetric-path", "three-masses", "corner", "loose-mass", "fractal-base", "two-walls", "free-pair",
+                                       "symmetric-chain", "beam-midspan", "bilinear", "two-springs", "power-3"};
     (void)state;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) check_example(names[i]);
 }
