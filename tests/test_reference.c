@@ -346,14 +346,17 @@ static void wall_out_of_reach(void **state)
     static const int budgets[2][3] = {{24, 1, 4}, {12, 2, 3}};
     for (int i = 0; i < 2; i++) {
         ric_atlas *atlas[2];
-        int symmetric[2] = {0}, images = 0, missing = 0;
+        int symmetric[2] = {0}, images = 0;
+        /* A10 at E 28.524 passes its mirror image within one step of the usual length, with a doubling on either side: shorter steps see them
+         * (known limits in the changelog) */
+        double step = i == 1 ? 0.04 : 0;
         for (int k = 0; k < 2; k++) {
             char study_text[1024];
             ric_study *study = NULL;
             snprintf(study_text, sizeof study_text, text, k ? "    - {normal: [0, 1], clearance: 1000, sides: upper, law: rigid}\n" : "",
                      budgets[i][0], budgets[i][1], budgets[i][2]);
             if (ric_study_parse(study_text, "wall", ".", &study)) fail_msg("%s", ric_detail());
-            atlas[k] = explore(study, 0, NULL);
+            atlas[k] = explore(study, step, NULL);
             ric_study_free(study);
             for (int id = 1; id <= ric_atlas_n_branch(atlas[k]); id++) {
                 ric_branch b = branch_of(atlas[k], id);
@@ -370,13 +373,10 @@ static void wall_out_of_reach(void **state)
                 found += x.kind == y.kind && x.impacts == y.impacts && x.a == y.a && x.b == y.b && x.multiple == y.multiple &&
                          close_to(x.energy, y.energy, 1e-10) && close_to(x.frequency, y.frequency, 1e-10);
             }
-            missing += found == 0;
-            if (found > 2) fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
+            if (found < 1 || found > 2) fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
             images += found - 1;
         }
         assert_true(images > 0);
-        /* an event that makes no junction is told: on A10 at E 28.524 a doubling lies within one step of the end of its branch */
-        if (missing > ric_atlas_n_unplaced(atlas[1])) fail_msg("%d junctions are not there with the wall, %d events are told", missing, ric_atlas_n_unplaced(atlas[1]));
         assert_int_equal(ric_atlas_n_junction(atlas[0]) + images, ric_atlas_n_junction(atlas[1]));
         for (int k = 0; k < 2; k++) ric_atlas_free(atlas[k]);
     }
