@@ -364,6 +364,20 @@ void ric_trace_free(ric_trace *tr)
 
 /* --------------------------------------------------------------------- step */
 
+/* Without an event to start from the phase of an orbit is free, and the corrector leaves it as it is. Whatever a chord had along the flow the
+ * cubic below would multiply by five at every step, until no step is short enough: a prediction goes across the flow. */
+static void across_flow(const ric_trace *tr, double *u)
+{
+    const ric_chain *c = tr->chain;
+    int size = 2 * c->n;
+    if (c->start != RIC_MIRROR_NONE || c->face[0] >= 0) return;
+    double rate[size], along = 0;
+    ric_flight_rate(c->model, c->closed[0], tr->now.u, rate);
+    for (int i = 0; i < size; i++) along += rate[i] * (u[i] - tr->now.u[i]);
+    along /= ric_dot(size, rate, rate);
+    for (int i = 0; i < size; i++) u[i] -= along * rate[i];
+}
+
 /* Cubic through the last two points and tangents, read off at distance h beyond; a straight line at the start. */
 static void predict(const ric_trace *tr, double h, double *u)
 {
@@ -376,6 +390,7 @@ static void predict(const ric_trace *tr, double h, double *u)
     }
     double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a, d = (x * x * x - x * x) * H;
     for (int i = 0; i < size; i++) u[i] = a * u1[i] + b * t1[i] + c * u0[i] + d * t0[i];
+    across_flow(tr, u);
 }
 
 /* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no convergence. */

@@ -256,6 +256,31 @@ static void tends_to_the_stop(void **state)
     assert_true(near(constant[2], constant[1], 0.03));
 }
 
+/* The bridge of section 3.3 at n = 21: orbits with z(t+T/2) = -z(t) and without mirror points, whose phase is free, on one branch from one
+ * branch point of the symmetric path to another. */
+static void bridge(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 21, "start: [1], energy: [0, 200], frequency: [0.9, 10], multiply: 1, depth: 2", 0);
+    int bridges = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
+        if (!b.symmetric || b.reversible) continue;
+        bridges++;
+        assert_true(b.from && b.to);
+        double low = junction_of(atlas, b.from).energy, high = junction_of(atlas, b.to).energy;
+        assert_true(near(fmin(low, high), 27.8224604684721, 1e-9) && near(fmax(low, high), 70.1256339201796, 1e-9));
+        for (int i = 0; i < b.n_point; i += 7) {
+            ric_check check;
+            assert_int_equal(ric_verify_point(atlas, id, i, &check), RIC_OK);
+            assert_true(check.passed);
+        }
+    }
+    assert_int_equal(bridges, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -265,6 +290,7 @@ int main(void)
         cmocka_unit_test(tongue),
         cmocka_unit_test(orbits_return),
         cmocka_unit_test(tends_to_the_stop),
+        cmocka_unit_test(bridge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
