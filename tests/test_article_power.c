@@ -135,22 +135,23 @@ static void beside_turning(int which, int *before, int *after, double *lower_bef
     *lower_before = junction_at(which, &p.b, first).frequency < junction_at(which, &p.b, second).frequency;
 }
 
-static bool stable_after(int which, char *found, size_t size)
+static bool stable_is(int which, bool first, char *found, size_t size)
 {
     int before, after;
     double lower;
     beside_turning(which, &before, &after, &lower);
     snprintf(found, size, "before: %s, after: %s", before == 1 ? "stable" : "unstable", after == 1 ? "stable" : "unstable");
-    return before == 0 && after == 1;
+    return before == (first ? 1 : 0) && after == (first ? 0 : 1);
+}
+
+static bool stable_after(int which, char *found, size_t size)
+{
+    return stable_is(which, false, found, size);
 }
 
 static bool stable_before(int which, char *found, size_t size)
 {
-    int before, after;
-    double lower;
-    beside_turning(which, &before, &after, &lower);
-    snprintf(found, size, "before: %s, after: %s", before == 1 ? "stable" : "unstable", after == 1 ? "stable" : "unstable");
-    return before == 1 && after == 0;
+    return stable_is(which, true, found, size);
 }
 
 static bool stable_at_lower_frequency(int which, char *found, size_t size)
