@@ -1,0 +1,420 @@
+/* From a departure to an edge of the graph: the trace, what it ends at, what it passes. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "crossing.h"
+#include "depart.h"
+#include "graph_parts.h"
+#include "ring.h"
+#include "status.h"
+#include "subset.h"
+
+#define TWO_PI 6.283185307179586477
+#define AT_END 1e-9   /* arclength within which an event belongs to the end of its branch */
+#define NEAR_END 1e-2 /* part of a branch near its end where that end's own junction is not met again */
+#define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
+
+/* ------------------------------------------------------------------- tracing */
+
+/* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
+static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice, int side, char *key, size_t size)
+{
+    const ric_limits *l = &g->limits;
+    uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
+    hash ^= node->cycle->closed;
+    for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
+    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
+             node->energy, node->period, choice, side,
+             l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply,
+             hash);
+    if (l->n_asked) snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
+}
+
+/* For later runs, or for the owner of the graph. */
+static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, size_t size)
+{
+    if (ric_starved()) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    if (g->recall.worker) ric_memo_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
+    return g->store ? ric_store_trace_put(g->store, key, blob ? blob : "", size) : RIC_OK;
+}
+
+/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. */
+static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
+{
+    char key[1024];
+    void *blob = NULL;
+    size_t size;
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    ric_status status = RIC_OK;
+    *out = NULL;
+    trace_key(g, node, choice, side, key, sizeof key);
+    if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
+    bool stored = blob != NULL;
+    if (!blob && g->recall.memo && !g->recall.worker) blob = ric_memo_take(g->recall.memo, key, strlen(key), &size);
+    if (blob) {
+        status = size ? ric_trace_unpack(g->model, &g->limits, blob, size, out) : RIC_OK;
+        if (!status && !stored) status = keep_trace(g, key, blob, size);
+        free(blob);
+        return status;
+    }
+    if ((status = ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore))) return status;
+    if (chain) {
+        if ((status = ric_trace_create(chain, u0, t0, ignore, &g->limits, out))) goto out;
+        if ((status = ric_trace_run(*out))) goto out;
+    }
+    if (g->store || g->recall.worker) {
+        if (!(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK))) status = keep_trace(g, key, blob, size);
+    }
+out:
+    if (status) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    free(blob);
+    free(u0);
+    free(t0);
+    return status;
+}
+
+bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choice)
+{
+    char key[1024];
+    void *blob = NULL;
+    size_t size;
+    if (!g->store) return false;
+    trace_key(g, node, choice, 1, key, sizeof key);
+    bool found = !ric_store_trace_get(g->store, key, &blob, &size) && blob;
+    free(blob);
+    return found;
+}
+
+/* Whether the branch stopped because gaps of two contacts closed at one instant. */
+static bool at_corner(const ric_trace *tr)
+{
+    ric_touch touch;
+    if (tr->end.test == RIC_TEST_FLIGHT) return true;
+    if (tr->end.test != RIC_TEST_REACH) return false;
+    ric_chain_fly(tr->chain, tr->end.u);
+    ric_reach(tr->chain, tr->end.u, &touch);
+    return touch.face >= 0 && touch.kink;
+}
+
+/* Whether a branch that ends here can be traced from here. */
+static bool departs(const ric_node *node)
+{
+    return !(ric_node_chooses(node) && node->refusal);
+}
+
+/* Which of the branches that leave a multiplication without mirror points this is: its last point before the end tells. */
+static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric_node *node, unsigned *choice)
+{
+    int side;
+    const double *last = tr->points + (size_t)(tr->n_point - 2) * tr->stride + sizeof(ric_point) / sizeof(double);
+    ric_cycle *near = ric_trace_cycle(tr, last);
+    if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_status status = ric_ring_class(g->model, node, near, choice, &side);
+    ric_cycle_free(near);
+    if (status != RIC_E_NUMERIC) return status;
+    *choice = RIC_SIDE; /* refused to those who want to leave here, too */
+    return RIC_OK;
+}
+
+/* Under a power law the end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images, as
+ * orbits of the branch's own problem, the one that lies there. */
+static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node *node, unsigned choice)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    double nearest = END_NEAR * c->scale, best[size];
+    if (!g->model->smooth || !ric_node_leaves(node, choice)) return RIC_OK;
+    ric_problem problem = ric_node_problem(node, choice);
+    ric_cycle *whole = ric_problem_cycle(node->cycle, &problem);
+    if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+    for (int k = 0; k < 4 * whole->N; k++) {
+        ric_chain *chain = NULL;
+        double *u = NULL, off = 0;
+        ric_cycle *image = ric_cycle_transform(g->model, whole, k / 4, k & 1, k & 2);
+        bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && chain->start == c->start && chain->end == c->end;
+        for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
+        if (fits && off < nearest) {
+            nearest = off;
+            memcpy(best, u, sizeof best);
+        }
+        ric_cycle_free(image);
+        ric_chain_free(chain);
+        free(u);
+    }
+    ric_cycle_free(whole);
+    if (nearest == END_NEAR * c->scale) return RIC_OK;
+    double *last = tr->points + (size_t)(tr->n_point - 1) * tr->stride;
+    ric_point *row = (ric_point *)last;
+    memcpy(tr->end.u, best, sizeof best);
+    memcpy(last + sizeof *row / sizeof *last, best, sizeof best);
+    ric_chain_fly(c, best);
+    row->energy = ric_chain_energy(c) * g->model->energy_unit;
+    row->frequency = TWO_PI / ric_chain_time(c, best) * g->model->omega_ref;
+    row->residual = (float)c->residual;
+    return RIC_OK;
+}
+
+/* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
+static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
+{
+    ric_status status = RIC_OK;
+    ric_node *node = NULL;
+    *index = -1;
+    *choice = 0;
+    if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
+    ric_cycle *cycle = ric_trace_cycle(tr, tr->end.u);
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_solve solve = {.kind = tr->arrival                                                      ? RIC_SOLVE_ARRIVAL
+                               : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_SOLVE_CORNER
+                                                                                       : RIC_SOLVE_GRAZING};
+    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+    if (status == RIC_E_NUMERIC) {
+        tr->stop = RIC_STOP_FAILED;
+        tr->why = "the junction at the end does not converge";
+        status = RIC_OK;
+    }
+    if (node) {
+        if (node->kind == RIC_KIND_CORNER && node->refusal) tr->stop = RIC_STOP_CORNER;
+        *index = ric_graph_add(g, node, depth);
+        if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
+        else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
+            int found = ric_subset_choice(g->model, g->nodes[*index], cycle);
+            if (found < 0) {
+                tr->stop = RIC_STOP_FAILED;
+                tr->why = "the branch does not fit the junction at its end";
+                *index = -1;
+            } else *choice = (unsigned)found;
+        } else if (!g->model->smooth && ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
+    }
+    if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
+    ric_cycle_free(cycle);
+    return status;
+}
+
+/* ------------------------------------------------------------------- edges */
+
+/* Tests whose zeros are junctions on a chain of this form: on a half chain types a and d double the period, which is another matter. */
+static bool is_junction(const ric_chain *c, int test)
+{
+    bool half_chain = c->start != RIC_MIRROR_NONE && c->multiple == 2;
+    return !(half_chain && (test == RIC_TEST_A || test == RIC_TEST_D));
+}
+
+static bool breaks_or_crosses(int test)
+{
+    return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
+/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several periods, or one without the symmetry of the
+ * junction. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, bool aside, unsigned *choice)
+{
+    int size = e->trace->chain->n_unknown;
+    double u[size];
+    *choice = aside ? RIC_SIDE : RIC_THROUGH;
+    if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
+    for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
+    ric_cycle *near = ric_trace_cycle(e->trace, u);
+    ric_status status = near ? ric_crossing_choice(g->model, node, near, choice) : ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_cycle_free(near);
+    return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
+}
+
+/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its mirror image. */
+static bool passes_image(const ric_model *m, const ric_cycle *cycle, int test)
+{
+    ric_cycle *found = !m->symmetric && test == RIC_TEST_DET ? ric_cycle_copy(cycle) : NULL;
+    if (found) ric_cycle_find_symmetries(m, found, 1e-5);
+    bool more = found && ((found->half && !cycle->half) || (found->flip >= 0 && cycle->flip < 0));
+    ric_cycle_free(found);
+    return more;
+}
+
+static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
+{
+    ric_status status;
+    ric_node *node = NULL;
+    const double *last = e->trace->points + (size_t)(e->trace->n_point - 1) * e->trace->stride;
+    if (!is_junction(e->trace->chain, event->test)) return RIC_OK;
+    /* the ends of a branch are junctions of their own */
+    double length = ((const ric_point *)last)->arclength;
+    if (event->s < AT_END || event->s > length - AT_END) return RIC_OK;
+    ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    bool aside = breaks_or_crosses(event->test) && (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
+    const ric_asked *asked = ric_trace_asked(e->trace, event->test);
+    const ric_resonance *resonance = ric_trace_resonance(e->trace, event->test);
+    ric_solve solve = aside       ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
+                      : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
+                      : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
+                                  : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
+    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+    ric_cycle_free(cycle);
+    if (status == RIC_E_NUMERIC) {
+        e->n_unplaced++;
+        return RIC_OK;
+    }
+    if (!node) return status;
+    int index = ric_graph_add(g, node, e->depth);
+    if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;
+    for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
+        if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
+    unsigned choice;
+    if ((status = passing_choice(g, e, event, g->nodes[index], aside, &choice))) return status;
+    ric_graph_mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
+    return ric_edge_attach(e, index, choice, event->s);
+}
+
+/* Traces again from the far end, so that what is stored does not depend on which end was found first. */
+static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr, bool *turned)
+{
+    ric_trace *back = NULL;
+    int home = -1;
+    unsigned choice = 0;
+    ric_node *a = g->nodes[from], *b = g->nodes[to];
+    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
+    *turned = false;
+    if (order <= 0 || !departs(b)) return RIC_OK;
+    ric_status status = trace_departure(g, b, arrive, 1, &back);
+    if (status == RIC_E_NUMERIC) return RIC_OK;
+    if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
+    if (status) return status;
+    if (!back || home != from || (ric_node_chooses(a) && choice != leave)) {
+        (*tr)->stop = RIC_STOP_FAILED;
+        (*tr)->why = "the way back does not lead home";
+        ric_trace_free(back);
+        return RIC_OK;
+    }
+    ric_trace_free(*tr);
+    *tr = back;
+    *turned = true;
+    return RIC_OK;
+}
+
+static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth, int mode)
+{
+    ric_status status = RIC_OK;
+    ric_edge *e = ric_graph_add_edge(g);
+    if (!e) {
+        ric_trace_free(tr);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    e->trace = tr;
+    e->from = from;
+    e->to = to;
+    e->leave = leave;
+    e->arrive = arrive;
+    e->depth = depth;
+    e->mode = mode;
+    for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
+    return status;
+}
+
+/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind, stuck on the way,
+ * is a part of it. */
+static void supersede(ric_graph *g)
+{
+    ric_edge *last = &g->edges[g->n_edge - 1];
+    if (last->trace->stop == RIC_STOP_FAILED || last->from < 0 || last->to < 0) return;
+    for (int i = 0; i < g->n_edge - 1; i++) {
+        ric_edge *e = &g->edges[i];
+        bool same = (e->from == last->from && e->leave == last->leave) || (e->from == last->to && e->leave == last->arrive);
+        if (e->trace->stop != RIC_STOP_FAILED || e->to >= 0 || !same) continue;
+        ric_edge_release(e);
+        memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);
+        g->n_edge--;
+        return;
+    }
+}
+
+ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, bool *taken)
+{
+    ric_trace *tr = NULL;
+    int to;
+    unsigned arrive;
+    bool turned = false;
+    ric_status status = trace_departure(g, g->nodes[from], choice, 1, &tr);
+    *taken = tr != NULL;
+    if (status || !tr) return status;
+    if ((status = end_node(g, tr, depth, &to, &arrive))) goto out;
+    if (to >= 0) {
+        ric_graph_mark(g, g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
+        if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;
+    }
+    int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
+    if (turned) status = finish_edge(g, tr, to, arrive, from, choice, depth, mode);
+    else status = finish_edge(g, tr, from, choice, to, arrive, depth, mode);
+    if (!status) supersede(g);
+    return status;
+out:
+    ric_trace_free(tr);
+    return status;
+}
+
+/* Traces from the end of `tr` back along it, to its other end. */
+static ric_status trace_back(ric_graph *g, const ric_trace *tr, ric_trace **out)
+{
+    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
+                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
+                            1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
+    ric_chain *chain = ric_chain_copy(tr->chain);
+    double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
+    *out = NULL;
+    if (!back) {
+        ric_chain_free(chain);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
+    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, &g->limits, out);
+    if (!status) status = ric_trace_run(*out);
+    free(back);
+    if (status) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
+ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, int depth)
+{
+    ric_status status = RIC_OK;
+    ric_trace *tr[2] = {NULL, NULL}, *whole = NULL;
+    int to[2] = {-1, -1};
+    unsigned arrive[2];
+    for (int i = 0; i < 2; i++) {
+        if ((status = trace_departure(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
+        if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
+        if (tr[i]->stop == RIC_STOP_CLOSED) {
+            status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, g->nodes[inside]->mode);
+            tr[i] = NULL;
+            goto out;
+        }
+        if (to[i] < 0 || !departs(g->nodes[to[i]])) continue;
+        bool taken;
+        ric_graph_mark(g, g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
+        status = ric_graph_follow(g, to[i], arrive[i], depth, &taken);
+        goto out;
+    }
+    /* neither end is a junction that branches depart from */
+    int first = tr[0]->end.u ? 0 : 1, far;
+    unsigned choice;
+    if (!tr[first]->end.u) goto out;
+    if ((status = trace_back(g, tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
+    if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
+    status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
+    whole = NULL;
+out:
+    ric_trace_free(tr[0]);
+    ric_trace_free(tr[1]);
+    ric_trace_free(whole);
+    return status;
+}

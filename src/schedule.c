@@ -1,0 +1,304 @@
+/* The order of work: which departures lie within the budgets, in what order they are taken, and what is handed to workers ahead of that. */
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "graph_parts.h"
+#include "status.h"
+
+#define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
+
+/* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts from a mode, and what goes
+ * on beyond a corner, belongs to any. */
+static bool astray(const ric_graph *g, const ric_node *node, unsigned choice)
+{
+    const ric_explore_options *o = g->options;
+    if (o->n_cascade == 0) return choice != RIC_THROUGH && (node->multiple > o->multiply || o->base % node->multiple);
+    if (node->depth == 0 || node->kind == RIC_KIND_CORNER) return false;
+    return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
+}
+
+static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice, ric_budget *which)
+{
+    /* the original of a duplicate may lie outside the frequency window */
+    double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
+    *which = period < g->limits.period[0] || period > g->limits.period[1]                         ? RIC_BUDGET_WINDOW
+             : astray(g, node, choice)                                                            ? RIC_BUDGET_MULTIPLY
+             : ric_node_impacts(node, choice) > g->options->impacts                               ? RIC_BUDGET_IMPACTS
+             : g->options->symmetric_only && !ric_node_half(g->model, node, choice)               ? RIC_BUDGET_SYMMETRIC
+                                                                                                  : RIC_N_BUDGET;
+    return *which != RIC_N_BUDGET;
+}
+
+static bool is_linear(const ric_node *node, unsigned choice)
+{
+    return node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, choice) == 0;
+}
+
+static ric_status take(ric_graph *g, int index, int place, int depth)
+{
+    ric_node *node = g->nodes[index];
+    ric_departure *d = &node->departures[place];
+    unsigned choice = d->choice;
+    ric_status status = RIC_OK;
+    if (is_linear(node, choice)) {
+        d->state = RIC_DEPARTURE_KNOWN; /* the linear mode itself */
+        return RIC_OK;
+    }
+    if (over_budget(g, node, choice, &d->budget)) {
+        d->state = RIC_DEPARTURE_OVER_BUDGET;
+        return RIC_OK;
+    }
+    if (d->job && !ric_workers_await(g->workers, d->job, g->limits.stop, g->limits.user))
+        return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+    if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
+    if (ric_node_passes(node, choice)) {
+        /* where two branches of one symmetry cross, the edges that pass have said which they are */
+        bool crossing = node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET;
+        for (int i = 0; choice == RIC_THROUGH && !crossing && i < g->n_edge; i++) {
+            double where;
+            /* a branch that ends here has left, it does not pass */
+            if (g->edges[i].from == index || g->edges[i].to == index || !ric_edge_contains(g->model, &g->edges[i], node, &where))
+                continue;
+            d->state = RIC_DEPARTURE_KNOWN;
+            return node->kind == RIC_KIND_START ? RIC_OK : ric_edge_attach(&g->edges[i], index, choice, where);
+        }
+        status = ric_graph_follow_through(g, index, choice, depth);
+        node->departures[place].state = RIC_DEPARTURE_TAKEN;
+    } else {
+        bool taken = false;
+        d->state = RIC_DEPARTURE_TAKEN;
+        status = ric_graph_follow(g, index, choice, depth, &taken);
+        if (!status && !taken) node->departures[place].state = RIC_DEPARTURE_INADMISSIBLE;
+    }
+    if (ric_starved()) status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    if (status == RIC_E_INTERRUPTED || status == RIC_E_NOMEM) node->departures[place].state = RIC_DEPARTURE_OPEN;
+    if (status == RIC_E_NUMERIC) {
+        node->departures[place].state = RIC_DEPARTURE_REFUSED;
+        node->departures[place].why = strdup(ric_detail());
+        status = RIC_OK;
+    }
+    return status;
+}
+
+typedef struct {
+    int index, place;
+    const ric_node *node;
+} open_departure;
+
+static int departure_order(const void *a, const void *b)
+{
+    const open_departure *p = a, *q = b;
+    int order = p->index == q->index ? 0 : ric_node_order(p->node, q->node);
+    if (order) return order;
+    return p->index != q->index ? p->index - q->index : p->place - q->place;
+}
+
+/* Any order will do: Fisher and Yates' shuffle with the generator xorshift64. */
+static void shuffle(uint64_t seed, int n, open_departure *list)
+{
+    for (int i = n - 1; i > 0; i--) {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        int j = (int)(seed % (uint64_t)(i + 1));
+        open_departure moved = list[i];
+        list[i] = list[j];
+        list[j] = moved;
+    }
+}
+
+/* Open departures of nodes at `depth`, sorted; NULL with *n = 0 when there is none. At the last depth of the budget only corners: what goes
+ * on there is the same branch. */
+static open_departure *open_at(ric_graph *g, int depth, bool last, int *n)
+{
+    int count = 0;
+    for (int pass = 0;; pass++) {
+        open_departure *list = pass ? malloc((size_t)(count ? count : 1) * sizeof *list) : NULL;
+        int k = 0;
+        for (int i = 0; i < g->n_node; i++)
+            for (int j = 0; j < g->nodes[i]->n_departure; j++) {
+                if (g->nodes[i]->depth != depth || g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN) continue;
+                if (last && g->nodes[i]->kind != RIC_KIND_CORNER) continue;
+                if (list) list[k] = (open_departure){i, j, g->nodes[i]};
+                k++;
+            }
+        count = k;
+        if (!pass) continue;
+        *n = list ? count : 0;
+        if (list) qsort(list, (size_t)count, sizeof *list, departure_order);
+        return list;
+    }
+}
+
+/* Grazings at `depth` gone through several times are junctions, too: those from which some branch can leave within the budgets. */
+static ric_status list_duplicates(ric_graph *g, int depth)
+{
+    for (int i = 0; i < g->n_node; i++) {
+        ric_node *node = g->nodes[i];
+        if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded || node->refusal) continue;
+        node->expanded = true;
+        int flown = ric_cycle_impacts(node->springs, node->cycle) - node->n_touch;
+        for (int k = 2; k <= g->options->multiply && k * flown < g->options->impacts && k * node->period <= g->limits.period[1]; k++) {
+            ric_node *duplicate = NULL;
+            if (g->options->base % k) continue;
+            ric_status status = ric_node_duplicate(g->model, node, k, &duplicate);
+            if (status) return status;
+            if (ric_graph_add(g, duplicate, depth) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+            node = g->nodes[i];
+        }
+    }
+    return RIC_OK;
+}
+
+static double seconds_since(const struct timespec *start)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
+}
+
+/* Now and then what was traced is made safe against a kill. */
+static ric_status save_now_and_then(ric_graph *g, double *saved)
+{
+    double now = seconds_since(&g->start);
+    if (!g->store || now - *saved < SAVE_EVERY) return RIC_OK;
+    *saved = now;
+    return ric_store_commit(g->store);
+}
+
+/* Shows how far the owner has come and asks whether to stop. */
+static bool stopped(void *user)
+{
+    ric_graph *g = user;
+    if (!g->run || !g->run->progress) return false;
+    g->progress.branches = g->n_edge;
+    g->progress.junctions = g->n_node;
+    g->progress.seconds = seconds_since(&g->start);
+    if (g->run->progress(&g->progress, g->run->user)) g->stopping = true;
+    return g->stopping;
+}
+
+/* The same for a worker, who follows the owner. */
+static bool owner_stopped(void *user)
+{
+    return ((ric_graph *)user)->stopping;
+}
+
+static void refuse_all(ric_graph *g, const char *why)
+{
+    for (int i = 0; i < g->n_node; i++)
+        for (int j = 0; j < g->nodes[i]->n_departure; j++) {
+            bool linear = ric_node_impacts(g->nodes[i], g->nodes[i]->departures[j].choice) == 0;
+            g->nodes[i]->departures[j].state = linear ? RIC_DEPARTURE_KNOWN : RIC_DEPARTURE_REFUSED;
+            g->nodes[i]->departures[j].why = linear ? NULL : strdup(why);
+        }
+}
+
+void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
+{
+    ric_forget_hunger();
+    ric_graph *g = graph;
+    ric_graph *alone = calloc(1, sizeof *alone);
+    ric_node **nodes = malloc(sizeof *nodes);
+    if (alone && nodes) {
+        *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .recall = {g->recall.memo, true},
+                             .nodes = nodes, .n_node = 1, .node_capacity = 1};
+        alone->limits.stop = owner_stopped;
+        alone->limits.user = g;
+        nodes[0] = node;
+        for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
+        for (int i = 0; i < node->n_departure; i++)
+            if (node->departures[i].choice == choice) take(alone, 0, i, 1); /* an error is met again by the owner */
+        ric_graph_free(alone);
+    } else {
+        ric_node_free(node);
+        free(nodes);
+        free(alone);
+    }
+}
+
+/* What the owner comes to next. Of a branch that passes, the owner may know an edge that it is part of. */
+static void offer(ric_graph *g, int n, const open_departure *list)
+{
+    for (int i = 0; g->workers && i < n; i++) {
+        ric_node *node = g->nodes[list[i].index];
+        ric_departure *d = &node->departures[list[i].place];
+        bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
+        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice, &d->budget) &&
+            !ric_graph_followed_before(g, node, d->choice))
+            d->job = ric_workers_offer(g->workers, node, d->choice);
+    }
+}
+
+/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth are followed. */
+static void offer_ahead(ric_graph *g, int depth, int limit)
+{
+    int n;
+    if (!g->workers || depth + 1 > limit || ric_workers_waiting(g->workers) > 0) return;
+    open_departure *list = open_at(g, depth + 1, depth + 1 == limit, &n);
+    offer(g, n, list);
+    free(list);
+}
+
+static ric_status explore(ric_graph *g, const ric_run_options *run)
+{
+    clock_gettime(CLOCK_MONOTONIC, &g->start);
+    g->run = run;
+    g->stopping = false;
+    ric_forget_hunger();
+    g->limits.stop = stopped;
+    g->limits.user = g;
+    ric_status status = ric_graph_start(g);
+    if (status) return status;
+    if (g->model->n_part > 1) {
+        refuse_all(g, "the structure falls into parts that no contact joins: their energies are conserved one by one; study each part alone");
+        return RIC_OK;
+    }
+    double saved = 0;
+    int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
+    for (int depth = 0; depth <= limit && !status; depth++) {
+        int n = 0;
+        bool deeper = false;
+        do {
+            /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
+            if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
+            open_departure *list = open_at(g, depth, depth == limit, &n);
+            if (g->shuffle) shuffle(g->shuffle, n, list);
+            offer(g, n, list);
+            for (int i = 0; i < n && !status; i++) {
+                if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
+                g->progress.open = n - i;
+                g->progress.depth = depth;
+                if (stopped(g)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+                else status = take(g, list[i].index, list[i].place, depth + 1);
+                if (!status) status = save_now_and_then(g, &saved);
+                offer_ahead(g, depth, limit);
+            }
+            free(list);
+        } while (n && !status);
+        for (int i = 0; i < g->n_node; i++) deeper |= g->nodes[i]->depth > depth;
+        if (!deeper) break;
+    }
+    if (!status && ric_starved()) status = ric_fail(RIC_E_NOMEM, "no memory for an atlas");
+    return status ? status : ric_graph_settle(g);
+}
+
+ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
+{
+    ric_status status = RIC_OK;
+    g->n_worker = run && run->workers > 1 ? run->workers : 1;
+    if (g->n_worker > 1 || g->crew) {
+        if ((status = ric_memo_create(&g->recall.memo))) goto out;
+        if ((status = ric_workers_create(g->n_worker, ric_graph_prepare, g, &g->workers))) goto out;
+    }
+    if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo))) goto out;
+    status = explore(g, run);
+    if (g->crew) g->crew->leave(g->crew->user);
+out:
+    ric_workers_free(g->workers);
+    ric_memo_free(g->recall.memo);
+    g->workers = NULL;
+    g->recall.memo = NULL;
+    return status;
+}
