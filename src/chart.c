@@ -395,29 +395,50 @@ static int mark_order(const void *p, const void *q)
     return k->index - l->index;
 }
 
-static bool same_family(const ric_junction *a, const ric_junction *b)
+/* Junctions of one family share all of their label but its number. */
+static int family_order(const void *p, const void *q)
 {
-    if (strcmp(letter(a->kind), letter(b->kind))) return false;
-    if (a->kind == RIC_KIND_GRAZING) return a->impacts * a->multiple == b->impacts * b->multiple && a->grazings * a->multiple == b->grazings * b->multiple;
-    return a->a == b->a && a->b == b->b;
+    const mark *k = *(mark *const *)p, *l = *(mark *const *)q;
+    const ric_junction *a = &k->record.row, *b = &l->record.row;
+    int order = strcmp(letter(a->kind), letter(b->kind));
+    if (order) return order;
+    bool grazing = a->kind == RIC_KIND_GRAZING;
+    const int mine[2] = {grazing ? a->impacts * a->multiple : a->a, grazing ? a->grazings * a->multiple : a->b};
+    const int yours[2] = {grazing ? b->impacts * b->multiple : b->a, grazing ? b->grazings * b->multiple : b->b};
+    return mine[0] != yours[0] ? (mine[0] < yours[0] ? -1 : 1) : mine[1] != yours[1] ? (mine[1] < yours[1] ? -1 : 1) : 0;
 }
 
+static int label_order(const void *p, const void *q)
+{
+    int order = family_order(p, q), a = (*(mark *const *)p)->record.row.id, b = (*(mark *const *)q)->record.row.id;
+    return order ? order : a - b;
+}
+
+static char *junction_label(const ric_junction *row, int number)
+{
+    char text[64];
+    const char *l = letter(row->kind);
+    if (row->kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
+    else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
+    else snprintf(text, sizeof text, "%s%d", l, number);
+    return strdup(text);
+}
+
+/* Within a family junctions are numbered in the order of their ids. */
 static ric_status label_marks(int n, mark *marks)
 {
-    for (int i = 0; i < n; i++) {
-        ric_junction_record *r = &marks[i].record;
-        char text[64];
-        int number = 1;
-        for (int j = 0; j < i; j++) number += same_family(&marks[j].record.row, &r->row);
-        const char *l = letter(r->row.kind);
-        if (r->row.kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, r->row.impacts * r->row.multiple,
-                                                           r->row.grazings * r->row.multiple);
-        else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, r->row.a, r->row.b, r->row.decided ? "" : "?");
-        else snprintf(text, sizeof text, "%s%d", l, number);
-        if (!(r->label = strdup(text))) return no_memory();
-        r->row.label = r->label;
+    mark **list = malloc((size_t)(n + 1) * sizeof *list);
+    ric_status status = list ? RIC_OK : no_memory();
+    for (int i = 0; i < n && list; i++) list[i] = &marks[i];
+    if (list) qsort(list, (size_t)n, sizeof *list, label_order);
+    for (int i = 0, number = 0; i < n && !status; i++) {
+        ric_junction_record *r = &list[i]->record;
+        number = i > 0 && family_order(&list[i - 1], &list[i]) == 0 ? number + 1 : 1;
+        r->row.label = r->label = junction_label(&r->row, number);
+        if (!r->label) status = no_memory();
     }
-    return RIC_OK;
+    free(list);
+    return status;
 }
 
 /* The nearest junction of the right kind, within what the digits of a printed number leave open. */
@@ -490,31 +511,42 @@ static ric_status linear_sheets(const ric_graph *g, sheet *sheets, int *n, mark 
     return status;
 }
 
-static bool used_by(const ric_graph *g, int node)
+/* The nodes that some branch meets, or that belong to a mode. */
+static void mark_used(const ric_graph *g, bool *used)
 {
-    if (g->nodes[node]->mode >= 0) return true;
+    for (int i = 0; i < g->n_node; i++) used[i] = g->nodes[i]->mode >= 0;
     for (int i = 0; i < g->n_edge; i++) {
         const ric_edge *e = &g->edges[i];
-        if (e->from == node || e->to == node) return true;
-        for (int k = 0; k < e->n_inner; k++)
-            if (e->inner[k].node == node) return true;
+        if (e->from >= 0) used[e->from] = true;
+        if (e->to >= 0) used[e->to] = true;
+        for (int k = 0; k < e->n_inner; k++) used[e->inner[k].node] = true;
     }
-    return false;
 }
 
-static ric_status list_branches(mark *k, int n, const sheet *sheets)
+/* Branch `id` meets junction k; branches come in order. */
+static ric_status list_branch(mark *k, int id)
 {
-    int count = 0;
     ric_junction_record *r = &k->record;
-    if (!(r->branches = calloc((size_t)n + 1, sizeof *r->branches))) return no_memory();
-    for (int i = 0; i < n; i++) {
-        bool meets = sheets[i].from == k->index || sheets[i].to == k->index;
-        for (int j = 0; j < sheets[i].record.row.n_junction; j++) meets |= passed(&sheets[i], j) == k->index;
-        if (meets) r->branches[count++] = i + 1;
-    }
-    r->row.branches = r->branches;
-    r->row.n_branch = count;
+    if (r->row.n_branch > 0 && r->branches[r->row.n_branch - 1] == id) return RIC_OK;
+    int *grown = realloc(r->branches, (size_t)(r->row.n_branch + 1) * sizeof *grown);
+    if (!grown) return no_memory();
+    r->row.branches = r->branches = grown;
+    r->branches[r->row.n_branch++] = id;
     return RIC_OK;
+}
+
+/* For each junction the branches that meet there. `marks` lie in the order of ids. */
+static ric_status list_branches(mark *marks, int n, const sheet *sheets, const int *id)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; i < n && !status; i++) {
+        const sheet *s = &sheets[i];
+        if (s->from >= 0) status = list_branch(&marks[id[s->from] - 1], i + 1);
+        if (s->to >= 0 && !status) status = list_branch(&marks[id[s->to] - 1], i + 1);
+        for (int j = 0; j < s->record.row.n_junction && !status; j++)
+            if (passed(s, j) >= 0) status = list_branch(&marks[id[passed(s, j)] - 1], i + 1);
+    }
+    return status;
 }
 
 static void note_ends(sheet *s, const int *id)
@@ -565,17 +597,19 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
     size_t most = (size_t)g->n_node + (size_t)m->n_dof * g->limits.n_asked + 1;
     mark *marks = calloc(most, sizeof *marks);
     int *id = calloc(most, sizeof *id);
+    bool *used = calloc(most, sizeof *used);
     ric_atlas *atlas = calloc(1, sizeof *atlas);
     *out = NULL;
-    if (!sheets || !marks || !id || !atlas) {
+    if (!sheets || !marks || !id || !used || !atlas) {
         status = no_memory();
         goto out;
     }
     if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
     workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark};
     n_sheet += g->n_edge;
+    mark_used(g, used);
     for (int i = 0; i < g->n_node; i++)
-        if (used_by(g, i)) marks[n_mark++].index = i;
+        if (used[i]) marks[n_mark++].index = i;
     if ((status = ric_parallel(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
     if ((status = ric_parallel(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
     qsort(marks, (size_t)n_mark, sizeof *marks, mark_order);
@@ -586,7 +620,7 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
     for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
     qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
     link_sheets(n_sheet, sheets, id);
-    for (int i = 0; i < n_mark && !status; i++) status = list_branches(&marks[i], n_sheet, sheets);
+    status = list_branches(marks, n_sheet, sheets, id);
     if (!status) status = label_marks(n_mark, marks);
     if (!status) status = name_marks(study, n_mark, marks);
     if (status) goto out;
@@ -612,6 +646,7 @@ out:
     free(sheets);
     free(marks);
     free(id);
+    free(used);
     ric_atlas_free(atlas);
     return status;
 }

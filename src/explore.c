@@ -38,10 +38,6 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     ric_atlas *atlas = NULL;
     char *starts = NULL;
     ric_status written = RIC_OK, status = RIC_OK;
-    for (int i = 0; i < ric_model_n_contact(ric_study_model(study)); i++) {
-        ric_contact contact;
-        ric_model_contact(ric_study_model(study), i, &contact);
-    }
     if (ric_model_restitution(ric_study_model(study)) != 1)
         return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic orbits; `ricochet simulate` takes any");
     if ((status = check_phases(study))) return status;

@@ -300,6 +300,17 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     return RIC_OK;
 }
 
+static void note_energies(ric_edge *e)
+{
+    e->energy[0] = HUGE_VAL;
+    e->energy[1] = -HUGE_VAL;
+    for (int i = 0; i < e->trace->n_point; i++) {
+        const ric_point *p = (const ric_point *)(e->trace->points + (size_t)i * e->trace->stride);
+        e->energy[0] = fmin(e->energy[0], p->energy);
+        e->energy[1] = fmax(e->energy[1], p->energy);
+    }
+}
+
 static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth, int mode)
 {
     ric_status status = RIC_OK;
@@ -315,6 +326,7 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     e->arrive = arrive;
     e->depth = depth;
     e->mode = mode;
+    note_energies(e);
     for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
     return status;
 }

@@ -1,6 +1,8 @@
 #include "graph_parts.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "status.h"
 #include "subset.h"
@@ -41,6 +43,7 @@ void ric_graph_free(ric_graph *g)
     for (int i = 0; i < g->n_edge; i++) ric_edge_release(&g->edges[i]);
     ric_starts_release(&g->starts);
     free(g->nodes);
+    free(g->by_energy);
     free(g->edges);
     free(g);
 }
@@ -62,31 +65,71 @@ int ric_node_order(const ric_node *a, const ric_node *b)
     return ric_cycle_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the whole structure */
 }
 
+/* The first place of `by_energy` whose node has at least this energy. */
+static int place_of(const ric_graph *g, double energy)
+{
+    int low = 0, high = g->n_node;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (g->nodes[g->by_energy[middle]]->energy < energy) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* The known node that equals this one, the first of them, or -1. */
+static int known(const ric_graph *g, const ric_node *node)
+{
+    int found = -1;
+    double near = 2 * RIC_NODE_NEAR * (1e-3 + fabs(node->energy));
+    for (int k = place_of(g, node->energy - near); k < g->n_node; k++) {
+        int i = g->by_energy[k];
+        if (g->nodes[i]->energy > node->energy + near) break;
+        if ((found < 0 || i < found) && ric_node_same(g->model, g->nodes[i], node)) found = i;
+    }
+    return found;
+}
+
+static bool make_room(ric_graph *g)
+{
+    if (g->n_node < g->node_capacity) return true;
+    int capacity = g->node_capacity ? 2 * g->node_capacity : 64;
+    ric_node **nodes = realloc(g->nodes, (size_t)capacity * sizeof *nodes);
+    if (nodes) g->nodes = nodes;
+    int *by_energy = nodes ? realloc(g->by_energy, (size_t)capacity * sizeof *by_energy) : NULL;
+    if (by_energy) g->by_energy = by_energy;
+    if (by_energy) g->node_capacity = capacity;
+    return by_energy;
+}
+
+int ric_graph_append(ric_graph *g, ric_node *node)
+{
+    if (!make_room(g)) {
+        ric_node_free(node);
+        return -1;
+    }
+    int place = place_of(g, node->energy);
+    memmove(g->by_energy + place + 1, g->by_energy + place, (size_t)(g->n_node - place) * sizeof *g->by_energy);
+    g->by_energy[place] = g->n_node;
+    g->nodes[g->n_node] = node;
+    return g->n_node++;
+}
+
 int ric_graph_add(ric_graph *g, ric_node *node, int depth)
 {
-    for (int i = 0; i < g->n_node; i++) {
-        if (!ric_node_same(g->model, g->nodes[i], node)) continue;
+    int found = known(g, node);
+    if (found >= 0) {
         ric_node_free(node);
-        if (depth < g->nodes[i]->depth) g->nodes[i]->depth = depth;
-        return i;
+        if (depth < g->nodes[found]->depth) g->nodes[found]->depth = depth;
+        return found;
     }
     bool listed = !ric_node_chooses(node) || (node->kind == RIC_KIND_CORNER && node->refusal) || ric_subset_list(node);
-    if (listed && g->n_node == g->node_capacity) {
-        int capacity = g->node_capacity ? 2 * g->node_capacity : 64;
-        ric_node **grown = realloc(g->nodes, (size_t)capacity * sizeof *grown);
-        listed = grown;
-        if (grown) {
-            g->nodes = grown;
-            g->node_capacity = capacity;
-        }
-    }
     if (!listed) {
         ric_node_free(node);
         return -1;
     }
     node->depth = depth;
-    g->nodes[g->n_node] = node;
-    return g->n_node++;
+    return ric_graph_append(g, node);
 }
 
 void ric_graph_mark(ric_graph *g, ric_node *node, unsigned choice, ric_departure_state state)

@@ -25,6 +25,7 @@ typedef struct {
     int n_inner;
     ric_passage *inner;      /* in order */
     int n_unplaced;          /* events whose junction does not converge */
+    double energy[2];        /* least and largest of its points */
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 
@@ -46,6 +47,7 @@ typedef struct {
     bool only_given;         /* from these alone, not from the modes */
     int n_node, node_capacity;
     ric_node **nodes;
+    int *by_energy;          /* the same, by increasing energy */
     int n_edge, edge_capacity;
     ric_edge *edges;
     uint64_t shuffle;        /* 0; else departures of one depth are taken in another order: for tests, which expect the same atlas */

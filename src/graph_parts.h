@@ -7,6 +7,8 @@
 
 /* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */
 int ric_graph_add(ric_graph *graph, ric_node *node, int depth);
+/* Takes over a node that no other equals, whose departures are listed. -1: no memory. */
+int ric_graph_append(ric_graph *graph, ric_node *node);
 /* The state of departure `choice` of a node, unless it has been taken. */
 void ric_graph_mark(ric_graph *graph, ric_node *node, unsigned choice, ric_departure_state state);
 /* An empty edge, the last of the list; NULL: no memory. */

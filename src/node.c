@@ -709,7 +709,7 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
     bool reverse, mirror;
     if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] || a->cycle->N != b->cycle->N) return false;
     if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
-    if (fabs(a->energy - b->energy) > 1e-6 * (1e-3 + fabs(a->energy)) || fabs(a->period - b->period) > 1e-6 * a->period) return false;
+    if (fabs(a->energy - b->energy) > RIC_NODE_NEAR * (1e-3 + fabs(a->energy)) || fabs(a->period - b->period) > RIC_NODE_NEAR * a->period) return false;
     return ric_cycle_match(m, a->cycle, b->cycle, 10 * SAME, &shift, &reverse, &mirror);
 }
 

@@ -83,6 +83,7 @@ bool ric_node_leaves(const ric_node *node, unsigned choice);
 ric_problem ric_node_problem(const ric_node *node, unsigned choice);
 bool ric_node_passes(const ric_node *node, unsigned choice);
 
+#define RIC_NODE_NEAR 1e-6 /* relative: nodes farther apart in energy or period are not the same */
 /* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
 bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
 /* Which way out of a branch point or multiplication a branch is that arrives with `cycle`. */

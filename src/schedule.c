@@ -108,15 +108,15 @@ static void shuffle(uint64_t seed, int n, open_departure *list)
     }
 }
 
-/* Open departures of nodes at `depth`, sorted; NULL with *n = 0 when there is none. At the last depth of the budget only corners: what goes
- * on there is the same branch. */
-static open_departure *open_at(ric_graph *g, int depth, bool last, int *n)
+/* Open departures at `depth` of node `first` and those after it, sorted; NULL with *n = 0 when there is none. At the last depth of the budget only
+ * corners: what goes on there is the same branch. */
+static open_departure *open_at(ric_graph *g, int first, int depth, bool last, int *n)
 {
     int count = 0;
     for (int pass = 0;; pass++) {
         open_departure *list = pass ? malloc((size_t)(count ? count : 1) * sizeof *list) : NULL;
         int k = 0;
-        for (int i = 0; i < g->n_node; i++)
+        for (int i = first; i < g->n_node; i++)
             for (int j = 0; j < g->nodes[i]->n_departure; j++) {
                 if (g->nodes[i]->depth != depth || g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN) continue;
                 if (last && g->nodes[i]->kind != RIC_KIND_CORNER) continue;
@@ -200,22 +200,18 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
     ric_forget_hunger();
     ric_graph *g = graph;
     ric_graph *alone = calloc(1, sizeof *alone);
-    ric_node **nodes = malloc(sizeof *nodes);
-    if (alone && nodes) {
-        *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .recall = {g->recall.memo, true},
-                             .nodes = nodes, .n_node = 1, .node_capacity = 1};
-        alone->limits.stop = owner_stopped;
-        alone->limits.user = g;
-        nodes[0] = node;
-        for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
+    if (!alone) {
+        ric_node_free(node);
+        return;
+    }
+    *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .recall = {g->recall.memo, true}};
+    alone->limits.stop = owner_stopped;
+    alone->limits.user = g;
+    for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
+    if (ric_graph_append(alone, node) == 0)
         for (int i = 0; i < node->n_departure; i++)
             if (node->departures[i].choice == choice) take(alone, 0, i, 1); /* an error is met again by the owner */
-        ric_graph_free(alone);
-    } else {
-        ric_node_free(node);
-        free(nodes);
-        free(alone);
-    }
+    ric_graph_free(alone);
 }
 
 /* What the owner comes to next. Of a branch that passes, the owner may know an edge that it is part of. */
@@ -231,12 +227,14 @@ static void offer(ric_graph *g, int n, const open_departure *list)
     }
 }
 
-/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth are followed. */
-static void offer_ahead(ric_graph *g, int depth, int limit)
+/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth are followed. Each node is looked
+ * at once. */
+static void offer_ahead(ric_graph *g, int depth, int limit, int *seen)
 {
     int n;
     if (!g->workers || depth + 1 > limit || ric_workers_waiting(g->workers) > 0) return;
-    open_departure *list = open_at(g, depth + 1, depth + 1 == limit, &n);
+    open_departure *list = open_at(g, *seen, depth + 1, depth + 1 == limit, &n);
+    *seen = g->n_node;
     offer(g, n, list);
     free(list);
 }
@@ -258,12 +256,12 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     double saved = 0;
     int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
     for (int depth = 0; depth <= limit && !status; depth++) {
-        int n = 0;
+        int n = 0, seen = 0;
         bool deeper = false;
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
             if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
-            open_departure *list = open_at(g, depth, depth == limit, &n);
+            open_departure *list = open_at(g, 0, depth, depth == limit, &n);
             if (g->shuffle) shuffle(g->shuffle, n, list);
             offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {
@@ -273,7 +271,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
                 if (stopped(g)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
                 else status = take(g, list[i].index, list[i].place, depth + 1);
                 if (!status) status = save_now_and_then(g, &saved);
-                offer_ahead(g, depth, limit);
+                offer_ahead(g, depth, limit, &seen);
             }
             free(list);
         } while (n && !status);

@@ -29,6 +29,7 @@ bool ric_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *no
     bool reverse, mirror, found = false;
     if (c->multiple * c->n_flight + 2 < node->cycle->N || e->trace->n_point < 2) return false;
     double target = node->energy * m->energy_unit, du[size], u[size], t[size];
+    if (target < e->energy[0] || target > e->energy[1]) return false;
     for (int i = 0; i + 1 < tr->n_point && !found; i++) {
         const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
         const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
