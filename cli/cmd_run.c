@@ -1,6 +1,8 @@
 /* ricochet run STUDY: explores a study into an atlas. */
 #define _POSIX_C_SOURCE 200809L
 
+#include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,12 +13,17 @@
 #include "../src/study.h"
 #include "cli.h"
 
+#define MANY_MODES 200
+#define GRACE 10.0    /* seconds that a run may take to stop by itself */
+#define LONGEST 1e9
+
 const ric_crew *cli_run_crew = NULL;
 
 /* ---------------------------------------------------------------- progress */
 
 typedef struct {
-    bool terminal;
+    bool terminal, over; /* over: the time given has passed */
+    double seconds;      /* given for the run; HUGE_VAL: any */
     struct timespec start, shown;
 } display;
 
@@ -36,7 +43,8 @@ static bool show_progress(const ric_progress *now, void *user)
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
-    return cli_stopped();
+    d->over = seconds_since(&d->start) > d->seconds;
+    return d->over || cli_stopped();
 }
 
 static void clear_progress(const display *d)
@@ -60,7 +68,9 @@ static void print_report(const json_t *rows)
             continue;
         fprintf(stderr, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
         last = item;
-        if (json_is_integer(value))
+        if (json_is_string(value))
+            fputs(json_string_value(value), stderr);
+        else if (json_is_integer(value))
             fprintf(stderr, "%lld", (long long)json_integer_value(value));
         else
             fprintf(stderr, "%.1e", json_real_value(value));
@@ -107,32 +117,57 @@ static char *default_path(const char *study)
     return path;
 }
 
-static int explore(const ric_study *study, const char *path, long workers)
+/* Where one orbit takes longer than the time given, nobody asks in between. The file is left as by a kill, which it survives. */
+static void give_up(int number)
 {
-    display d = {.terminal = isatty(STDERR_FILENO)};
+    static const char said[] = "ricochet: the time given has long been over, in the middle of one orbit; what was done before is kept\n";
+    (void)number;
+    if (write(STDERR_FILENO, said, sizeof said - 1) < 0) _exit(CLI_FAILED);
+    _exit(CLI_FAILED);
+}
+
+static int explore(const ric_study *study, const char *path, long workers, double seconds)
+{
+    display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
     cli_catch_signals();
+    if (seconds < LONGEST) {
+        signal(SIGALRM, give_up);
+        alarm((unsigned)(seconds + GRACE));
+    }
     ric_status status = ric_explore_with(study, path, &options, cli_run_crew);
+    alarm(0);
     clear_progress(&d);
     if (status == RIC_E_INTERRUPTED) {
+        if (d.over)
+            fprintf(stderr, "ricochet: the %g s given are over\n", seconds);
         fprintf(stderr, "ricochet: stopped; what was done is kept in %s, and the same command continues there\n", path);
         return CLI_FAILED;
     }
     return status ? cli_report(status) : print_summary(path, &d);
 }
 
+/* The work for one orbit grows with the cube of the modes that take part. Where a single branch may take minutes, nobody shall wait unawares. */
+static bool too_large(const ric_study *study, double seconds)
+{
+    return ric_model_n_mode(ric_study_model(study)) > MANY_MODES && seconds == HUGE_VAL;
+}
+
 static int run(int argc, char **argv)
 {
-    const char *given, *workers_text, *step;
+    const char *given, *workers_text, *step, *seconds_text;
     char *path = NULL;
     long workers = 1;
+    double seconds = HUGE_VAL;
     ric_study *study = NULL;
     int code;
     if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_value(&argc, argv, "-j", &workers_text)
-        || !cli_take_value(&argc, argv, "--max-step", &step) || !cli_operands(&cli_run, argc, argv, 1)
-        || (workers_text && !cli_parse_integer(workers_text, "-j", 1, 1024, &workers)))
+        || !cli_take_value(&argc, argv, "--max-step", &step) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) || !cli_operands(&cli_run, argc, argv, 1)
+        || (workers_text && !cli_parse_integer(workers_text, "-j", 1, 1024, &workers))
+        || (seconds_text && !cli_parse_number(seconds_text, "--seconds", &seconds)))
         return CLI_WRONG;
+    if (!(seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
     ric_status status = ric_study_read(argv[1], &study);
     if (!status && step)
         status = ric_study_override(study, "explore", "step", step, "--max-step");
@@ -146,8 +181,11 @@ static int run(int argc, char **argv)
         code = cli_wrong("%s:%zu: model.restitution: %g loses energy, so that there are no families of periodic orbits; an atlas needs 1, "
                          "`ricochet simulate` takes [0, 1]", argv[1], ric_study_restitution_line(study),
                          ric_model_restitution(ric_study_model(study)));
+    else if (too_large(study, seconds))
+        code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; give --seconds S to try for so "
+                         "long, or reduce the structure to the modes that matter", argv[1], ric_model_n_mode(ric_study_model(study)));
     else
-        code = explore(study, path, workers);
+        code = explore(study, path, workers, seconds);
     free(path);
     ric_study_free(study);
     return code;
@@ -157,7 +195,7 @@ const cli_command cli_run = {
     .name = "run",
     .summary = "explore a study into an atlas",
     .help =
-        "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H]\n"
+        "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
         "\n"
         "Explores from the linear modes within the budgets of the study and writes the atlas, one file. Stopped with Ctrl-C, or killed, the\n"
         "same command continues; with larger budgets in the study it extends the atlas. The result does not depend on WORKERS.\n"
@@ -165,6 +203,7 @@ const cli_command cli_run = {
         "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
         "  -j WORKERS     how many at a time, 1 unless given\n"
         "  --max-step H   largest arclength step, instead of the study's explore.step\n"
+        "  --seconds S    stop after that time; the same command goes on from there. Needed where more than 200 modes take part\n"
         "\n"
         "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,

@@ -108,16 +108,13 @@ static void project(const ric_chain *c, bool on_face, const double *w, int face,
             for (int i = 0; i < 2 * n; i++) V[i * ld + j] -= flow[i] * (gap / speed);
         }
     }
+    memset(P, 0, (size_t)(ld * ld) * sizeof *P);
     for (int r = 0; r < k; r++)
-        for (int j = 0; j < ld; j++) {
-            double q = 0, p = 0;
-            for (int i = 0; i < n; i++) {
-                q += E[r * n + i] * V[i * ld + j] / m->kappa[i];
-                p += E[r * n + i] * V[(n + i) * ld + j];
+        for (int i = 0; i < n; i++) /* row by row, which is how V lies in memory */
+            for (int j = 0; j < ld; j++) {
+                P[r * ld + j] += E[r * n + i] * V[i * ld + j] / m->kappa[i];
+                P[(k + r) * ld + j] += E[r * n + i] * V[(n + i) * ld + j];
             }
-            P[r * ld + j] = q;
-            P[(k + r) * ld + j] = p;
-        }
 }
 
 /* ------------------------------------------------------------- propagation */

@@ -69,5 +69,10 @@ awk 'BEGIN {n = 1000; print "%%MatrixMarket matrix coordinate real symmetric"; p
 normal=$(awk 'BEGIN {for (i = 1; i <= 1000; i++) printf "%s%d", (i > 1 ? ", " : "["), (i == 333); print "]"}')
 study chain '{file: M.mtx}' '{file: K.mtx}' "$(contact "$normal" 1)" "energy: [0, 0.1], frequency: [1.9, 10], impacts: 2, depth: 1, start: [1]"
 seconds=120
-sanitized || ok "n = 1000 is checked" ends 0 "" check "$folder/chain.yaml"
+if ! sanitized; then
+    ok "n = 1000 is checked" ends 0 "" check "$folder/chain.yaml"
+    ok "a run without end is refused" ends 2 "1000 modes take part .* --seconds" run "$folder/chain.yaml"
+    ok "and stopped when the time given is over" ends 1 "same command continues" run "$folder/chain.yaml" --seconds 5
+    ok "no time is none" ends 2 "no time" run "$folder/chain.yaml" --seconds 0
+fi
 finish
