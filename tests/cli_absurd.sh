@@ -72,7 +72,9 @@ seconds=120
 if ! sanitized; then
     ok "n = 1000 is checked" ends 0 "" check "$folder/chain.yaml"
     ok "a run without end is refused" ends 2 "1000 modes take part .* --seconds" run "$folder/chain.yaml"
-    ok "and stopped when the time given is over" ends 1 "same command continues" run "$folder/chain.yaml" --seconds 5
-    ok "no time is none" ends 2 "no time" run "$folder/chain.yaml" --seconds 0
+    ok "with a time to end it is not" ends 0 "too large to do so in passing" run "$folder/chain.yaml" --seconds 100
 fi
+study long "$mass" "$spring" "$(contact '[-1, 1]' 1)" "energy: [0, 20], impacts: 14, multiply: 4"
+ok "no time is none" ends 2 "no time" run "$folder/long.yaml" --seconds 0
+ok "a run stops when its time is over" ends 1 "0.3 s given are over" run "$folder/long.yaml" --seconds 0.3
 finish
