@@ -331,8 +331,14 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     return status;
 }
 
-/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind, stuck on the way,
- * is a part of it. */
+/* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the way, or at the lower end of the energy window,
+ * which a branch that begins below it passes. */
+static bool one_sided(const ric_trace *tr)
+{
+    return tr->stop == RIC_STOP_FAILED || (tr->stop == RIC_STOP_WINDOW && tr->end.test == RIC_TEST_E_MIN);
+}
+
+/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind is a part of it. */
 static void supersede(ric_graph *g)
 {
     ric_edge *last = &g->edges[g->n_edge - 1];
@@ -340,7 +346,7 @@ static void supersede(ric_graph *g)
     for (int i = 0; i < g->n_edge - 1; i++) {
         ric_edge *e = &g->edges[i];
         bool same = (e->from == last->from && e->leave == last->leave) || (e->from == last->to && e->leave == last->arrive);
-        if (e->trace->stop != RIC_STOP_FAILED || e->to >= 0 || !same) continue;
+        if (!one_sided(e->trace) || e->to >= 0 || !same) continue;
         ric_edge_release(e);
         memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);
         g->n_edge--;

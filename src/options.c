@@ -20,7 +20,7 @@ static const ric_option RIC_OPTIONS[] = {
     {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
      "linear modes to start from: modes for all, or a list such as [1, 2]"},
     {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 200}, 0, 1e12, false, "scaled energy",
-     "energy window"},
+     "energy window; a branch that begins below its lower end is followed up into it, one that comes down to it ends there"},
     {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0.2, 10}, 0, 1e12, true, "rad/s",
      "window of the frequency that belongs to the shortest period"},
     {"explore", "impacts", RIC_OPTION_INTEGER, FIELD(impacts), {12, 0}, 1, 4096, false, "impacts",

@@ -27,6 +27,7 @@
 #define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
 #define MARGIN 1e-11         /* margins that count as rounding */
 #define BORDER 5e-13         /* slack of a window: what lies on its border is inside, whatever the rounding */
+#define AT_LOWEST 1e-9       /* relative: a start this near to the lower end of the energy window lies on it */
 #define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
 
 ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)
@@ -235,7 +236,7 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_SLOPE] = definite(ric_chain_energy_slope(c, p->t) / c->scale, ric_trace_blur(c, RIC_TEST_SLOPE));
     F[RIC_TEST_PERIOD] = definite(slope, ric_trace_blur(c, RIC_TEST_PERIOD));
     F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
-    F[RIC_TEST_E_MIN] = energy - lim->energy[0];
+    F[RIC_TEST_E_MIN] = energy - tr->lowest;
     F[RIC_TEST_F_MAX] = time - lim->period[0];
     F[RIC_TEST_F_MIN] = lim->period[1] - time;
     p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit, .frequency = TWO_PI / time * m->omega_ref,
@@ -292,6 +293,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     }
     tr->chain = chain;
     tr->limits = limits;
+    tr->lowest = limits->energy[0];
     tr->ignore = ignore;
     tr->end.test = -1;
     tr->stride = sizeof(ric_point) / sizeof(double) + size;
@@ -318,6 +320,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
     if (regular) sign = ric_trace_tangent(chain, t0, tr->now.t);
     for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
+    if (ric_chain_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1; /* families that reach into the window begin below it */
     if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
     for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);

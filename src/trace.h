@@ -67,6 +67,7 @@ ric_limits ric_trace_limits(const ric_model *model, const double energy[2], cons
 typedef struct {
     ric_chain *chain;    /* owned */
     const ric_limits *limits;
+    double lowest;       /* energy below which a branch is not followed that starts above it */
     ric_floquet floquet;
     int n_resonance;
     ric_resonance *resonances;

@@ -90,8 +90,48 @@ static void multiplications(void **state)
     }
 }
 
+/* Whether the atlas has a branch of this name of which this one is a part. */
+static bool has_like(const ric_atlas *atlas, const ric_branch *b)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch other = branch_of(atlas, id);
+        if (!strcmp(other.label, b->label) && other.energy_max > b->energy_max * (1 - 1e-9) && other.energy_min < b->energy_min * (1 + 1e-9)) return true;
+    }
+    return false;
+}
+
+/* Families that reach into a window begin below it. What a window with a higher lower end holds is part of what the whole one holds; all of it, but
+ * for what can be reached through lower energies alone, where a branch that comes down has ended. */
+static void windows_from_above(void **state)
+{
+    static const double lower[] = {0, 0.7, 5, 20};
+    static const int expected[] = {57, 57, 50, 40}; /* at least: branches that reach above 5, above 5, above 5 and above 20 */
+    ric_atlas *whole = NULL;
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\nexplore: {energy: [%g, 100], frequency: [0.3, 10], impacts: 8, "
+                 "multiply: 3, depth: 3}\n", lower[i]);
+        ric_atlas *atlas = explore_text(text);
+        int count = 0;
+        if (!whole) whole = atlas;
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            ric_branch b = branch_of(atlas, id);
+            if (b.energy_max < fmax(lower[i], 5)) continue;
+            count++;
+            if (!has_like(whole, &b)) fail_msg("lower end %g: %s up to E %.12g is not in the whole atlas", lower[i], b.label, b.energy_max);
+        }
+        print_message("lower end %g: %d branches\n", lower[i], count);
+        assert_true(count >= expected[i]);
+        if (atlas != whole) ric_atlas_free(atlas);
+    }
+    ric_atlas_free(whole);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications), cmocka_unit_test(windows_from_above)};
     return cmocka_run_group_tests_name("order", tests, NULL, NULL);
 }
