@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# What is promised about time, on a machine that does nothing else meanwhile (meson.build): the elementary structure up to energy 1000 and 24 impacts
+# is complete in a second, and two workers take at most 0.55 of the time of one. The latter is skipped, with a word, where the machine has no second
+# core to itself.
+set -u
+. tests/tap.sh
+
+sed 's/^  energy:.*/  energy: [0, 1000]/; s/^  impacts:.*/  impacts: 24/; s/^  multiply:.*/  multiply: 1/; s/^  depth:.*/  depth: 0/' \
+    examples/elementary/study.yaml >"$folder/study.yaml"
+
+complete() {
+    local TIMEFORMAT='%U' taken
+    taken=$({ time "$ricochet" run "$folder/study.yaml" -o "$folder/atlas.ricochet" 2>"$folder/said"; } 2>&1) || return 1
+    cat "$folder/said"
+    echo "processor time: $taken s"
+    grep -q '^departures taken: ' "$folder/said" && ! grep -q 'refused\|failed\|no junctions' "$folder/said" && awk -v t="$taken" 'BEGIN {exit !(t < 1)}'
+}
+if grep -q __asan_init "$ricochet"; then
+    echo "# with sanitizers times mean nothing"
+    ok "the elementary structure is complete" "$ricochet" run "$folder/study.yaml" -o "$folder/atlas.ricochet"
+    finish
+    exit
+fi
+ok "the elementary structure is complete in a second" complete
+
+if [ "$(nproc)" -lt 2 ]; then
+    number=$((number + 1))
+    echo "ok $number - two workers # SKIP one core"
+    finish
+    exit
+fi
+tools/workers.sh "$ricochet" three-masses >"$folder/speed"
+code=$?
+sed 's/^/# /' "$folder/speed"
+number=$((number + 1))
+case $code in
+0) echo "ok $number - two workers" ;;
+77) echo "ok $number - two workers # SKIP the machine is busy: $(tail -1 "$folder/speed")" ;;
+*)
+    echo "not ok $number - two workers: $(head -1 "$folder/speed")"
+    failed=$((failed + 1))
+    ;;
+esac
+finish
