@@ -71,10 +71,22 @@ static void add_refusals(json_t *rows, const ric_atlas *atlas)
     json_decref(reasons);
 }
 
+/* Where departures were tried with larger budgets than elsewhere. */
+static void add_regions(json_t *rows, const ric_atlas *atlas)
+{
+    const ric_explore_options *o = ric_study_options(ric_atlas_study(atlas));
+    char detail[200];
+    for (int i = 0; i < o->n_region; i++) {
+        const ric_region *r = &o->region[i];
+        snprintf(detail, sizeof detail, "energy %.6g to %.6g, frequency %.6g to %.6g", r->energy[0], r->energy[1], r->frequency[0], r->frequency[1]);
+        add_count(rows, "region with larger budgets", i + 1, detail);
+    }
+}
+
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
     static const char *const over[RIC_N_BUDGET] = {
-        [RIC_BUDGET_WINDOW] = "outside the frequency window", [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
+        [RIC_BUDGET_WINDOW] = "outside the windows", [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
         [RIC_BUDGET_IMPACTS] = "more than `impacts`", [RIC_BUDGET_SYMMETRIC] = "not symmetric",
         [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated", [RIC_BUDGET_DEPTH] = "beyond `depth`"};
     ric_departures sum = {0};
@@ -95,6 +107,7 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     add_count(rows, "departures taken", sum.taken, "");
     add_count(rows, "departures known", sum.known, "the branch was found another way");
     add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");
+    add_regions(rows, atlas);
     add_refusals(rows, atlas);
     for (int i = 0; i < RIC_N_BUDGET; i++)
         if (sum.over[i])

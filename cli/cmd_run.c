@@ -117,6 +117,60 @@ static char *default_path(const char *study)
     return path;
 }
 
+/* ------------------------------------------------------------------- budgets */
+
+/* What a study asks for less of than the atlas already has: "depth, impacts, regions". */
+static void list_smaller(const ric_explore_options *old, const ric_explore_options *now, size_t size, char *out)
+{
+    bool kept = true;
+    for (int i = 0; i < old->n_region && kept; i++) {
+        kept = false;
+        for (int k = 0; k < now->n_region && !kept; k++)
+            kept = !memcmp(&old->region[i], &now->region[k], sizeof *old->region);
+    }
+    const struct { const char *name; bool smaller; } all[] = {
+        {"energy", now->energy[0] > old->energy[0] || now->energy[1] < old->energy[1]},
+        {"frequency", now->frequency[0] > old->frequency[0] || now->frequency[1] < old->frequency[1]},
+        {"impacts", now->impacts < old->impacts},
+        {"multiply", now->multiply < old->multiply},
+        {"depth", now->depth && (!old->depth || now->depth < old->depth)},
+        {"regions", !kept},
+    };
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (all[i].smaller)
+            snprintf(out + strlen(out), size - strlen(out), "%s%s", *out ? ", " : "", all[i].name);
+}
+
+/* The regions of a study as they stand in its text, to be copied into another. */
+static void print_regions(const ric_study *study)
+{
+    const char *text = strstr(ric_study_text(study), "\nregions:\n"), *line = text ? text + 1 : NULL;
+    for (bool first = true; line && *line && (first || *line == ' '); first = false) {
+        const int n = (int)strcspn(line, "\n");
+        fprintf(stderr, "%.*s\n", n, line);
+        line += n + (line[n] == '\n');
+    }
+}
+
+/* An atlas that was extended, by `ricochet view` or by a larger study, is made smaller by this one: that is said. */
+static void tell_smaller(const char *path, const ric_study *study)
+{
+    ric_atlas *atlas = NULL;
+    char what[100];
+    if (access(path, F_OK) || ric_atlas_read(path, &atlas))
+        return;
+    list_smaller(ric_study_options(ric_atlas_study(atlas)), ric_study_options(study), sizeof what, what);
+    if (*what)
+        fprintf(stderr, "ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not listed any more, the work is kept\n",
+                path, what);
+    if (strstr(what, "regions")) {
+        fputs("ricochet: with these lines in the study it comes back:\n", stderr);
+        print_regions(ric_atlas_study(atlas));
+    }
+    ric_atlas_free(atlas);
+}
+
 /* Where one orbit takes longer than the time given, nobody asks in between. The file is left as by a kill, which it survives. */
 static void give_up(int number)
 {
@@ -136,6 +190,7 @@ static int explore(const ric_study *study, const char *path, long workers, doubl
         signal(SIGALRM, give_up);
         alarm((unsigned)(seconds + GRACE));
     }
+    tell_smaller(path, study);
     ric_status status = ric_explore_with(study, path, &options, cli_run_crew);
     alarm(0);
     clear_progress(&d);

@@ -108,6 +108,15 @@ typedef struct {
     double value[RIC_NUMBERS_MAX]; /* ascending, no two equal */
 } ric_numbers;
 
+/* A part of the plane of energy and frequency with larger budgets: they hold for departures from junctions there, drawn there or with their
+ * orbit there. */
+#define RIC_REGIONS_MAX 64
+#define RIC_REGION_SAME (-1)
+typedef struct {
+    double energy[2], frequency[2];
+    int depth, impacts, multiply; /* as in ric_explore_options; RIC_REGION_SAME: as elsewhere */
+} ric_region;
+
 /* Every option is one row of RIC_OPTIONS in src/options.c: name, type, default, range, unit, help. */
 typedef struct {
     double energy[2];     /* scaled energy window */
@@ -125,6 +134,8 @@ typedef struct {
     ric_numbers at_frequency;
     int n_cascade;        /* 0 = depart from every junction within the budgets */
     int cascade[16];      /* else only from multiplications: by these, one after the other */
+    int n_region;         /* key `regions` of the study, not of its section explore */
+    ric_region region[RIC_REGIONS_MAX];
 } ric_explore_options;
 
 void ric_explore_options_init(ric_explore_options *options);
@@ -245,7 +256,7 @@ const char *ric_kind_text(ric_kind kind);
 
 /* The budgets of a study that a departure may exceed; the first in this order counts. */
 typedef enum {
-    RIC_BUDGET_WINDOW,     /* the frequency of the branch that leaves */
+    RIC_BUDGET_WINDOW,     /* the frequency of the branch that leaves, or a junction in no window and no region */
     RIC_BUDGET_MULTIPLY,   /* multiply, or the list of a cascade or a base */
     RIC_BUDGET_IMPACTS,
     RIC_BUDGET_SYMMETRIC,  /* explore.symmetric */

@@ -19,9 +19,8 @@
 /* ------------------------------------------------------------------- tracing */
 
 /* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
-static void trace_key(const ric_graph *g, const ric_node *node, unsigned choice, int side, char *key, size_t size)
+static void trace_key(const ric_limits *l, const ric_node *node, unsigned choice, int side, char *key, size_t size)
 {
-    const ric_limits *l = &g->limits;
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
@@ -40,8 +39,8 @@ static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, si
     return g->store ? ric_store_trace_put(g->store, key, blob ? blob : "", size) : RIC_OK;
 }
 
-/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. */
-static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
+/* As trace_departure, within limits that outlive the trace. */
+static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
 {
     char key[1024];
     void *blob = NULL;
@@ -51,19 +50,19 @@ static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned c
     unsigned ignore = 0;
     ric_status status = RIC_OK;
     *out = NULL;
-    trace_key(g, node, choice, side, key, sizeof key);
+    trace_key(limits, node, choice, side, key, sizeof key);
     if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
     bool stored = blob != NULL;
     if (!blob && g->recall.memo && !g->recall.worker) blob = ric_memo_take(g->recall.memo, key, strlen(key), &size);
     if (blob) {
-        status = size ? ric_trace_unpack(g->model, &g->limits, blob, size, out) : RIC_OK;
+        status = size ? ric_trace_unpack(g->model, limits, blob, size, out) : RIC_OK;
         if (!status && !stored) status = keep_trace(g, key, blob, size);
         free(blob);
         return status;
     }
     if ((status = ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore))) return status;
     if (chain) {
-        if ((status = ric_trace_create(chain, u0, t0, ignore, &g->limits, out))) goto out;
+        if ((status = ric_trace_create(chain, u0, t0, ignore, limits, out))) goto out;
         if ((status = ric_trace_run(*out))) goto out;
     }
     if (g->store || g->recall.worker) {
@@ -80,13 +79,23 @@ out:
     return status;
 }
 
+/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A branch that comes to a
+ * region with multiplications of higher order is traced again, with an eye on them. */
+static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
+{
+    ric_status status = trace_within(g, &g->limits, node, choice, side, out);
+    if (status || !*out || !ric_region_multiplies(g->options, *out)) return status;
+    ric_trace_free(*out);
+    return trace_within(g, &g->deep, node, choice, side, out);
+}
+
 bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choice)
 {
     char key[1024];
     void *blob = NULL;
     size_t size;
     if (!g->store) return false;
-    trace_key(g, node, choice, 1, key, sizeof key);
+    trace_key(&g->limits, node, choice, 1, key, sizeof key);
     bool found = !ric_store_trace_get(g->store, key, &blob, &size) && blob;
     free(blob);
     return found;
@@ -379,7 +388,7 @@ out:
 }
 
 /* Traces from the end of `tr` back along it, to its other end. */
-static ric_status trace_back(ric_graph *g, const ric_trace *tr, ric_trace **out)
+static ric_status trace_back(const ric_trace *tr, ric_trace **out)
 {
     const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
                             1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
@@ -392,7 +401,7 @@ static ric_status trace_back(ric_graph *g, const ric_trace *tr, ric_trace **out)
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     }
     for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
-    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, &g->limits, out);
+    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, tr->limits, out);
     if (!status) status = ric_trace_run(*out);
     free(back);
     if (status) {
@@ -426,7 +435,7 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     int first = tr[0]->end.u ? 0 : 1, far;
     unsigned choice;
     if (!tr[first]->end.u) goto out;
-    if ((status = trace_back(g, tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
+    if ((status = trace_back(tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
     status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
     whole = NULL;

@@ -22,10 +22,15 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->model = m;
     g->options = o;
     g->store = store;
-    g->limits = ric_trace_limits(m, o->energy, o->frequency, o->max_step, MAX_POINTS);
+    double energy[2], frequency[2];
+    ric_region_window(o, energy, frequency);
+    g->largest = ric_region_largest(o);
+    g->limits = ric_trace_limits(m, energy, frequency, o->max_step, MAX_POINTS);
     g->limits.multiply = o->multiply;
     g->limits.n_asked = ric_asked_list(o, g->limits.asked);
     for (int i = 0; i < o->n_cascade; i++) g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;
+    g->deep = g->limits;
+    g->deep.multiply = g->largest.multiply;
     *out = g;
     return RIC_OK;
 }

@@ -7,6 +7,7 @@
 
 #include "crew.h"
 #include "node.h"
+#include "region.h"
 #include "solve.h"
 #include "start.h"
 #include "store.h"
@@ -34,6 +35,8 @@ typedef struct {
     const ric_model *model;
     const ric_explore_options *options;
     ric_limits limits;
+    ric_limits deep;         /* the same with the largest multiply of a region: for branches that come there */
+    ric_budgets largest;
     ric_store *store;        /* traces of an earlier run; may be NULL */
     ric_recall recall;       /* what workers have computed */
     const ric_crew *crew;    /* NULL: nobody beside the threads of this process */

@@ -390,4 +390,15 @@ void ric_options_document(FILE *out)
         fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "", option->key,
                 type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range, option->unit, option->help);
     }
+    fputs("\n## Regions\n\n"
+          "Larger budgets for a part of the plane, in a list at the top of a study; `ricochet view` writes such regions into its atlas.\n\n"
+          "```yaml\n"
+          "regions:\n"
+          "  - {energy: [1.5, 3], frequency: [1.7, 1.9], depth: 6, impacts: 36, multiply: 2}\n"
+          "```\n\n"
+          "`energy` and `frequency` say where; `depth`, `impacts` and `multiply` hold for departures from junctions that are there, drawn there\n"
+          "or with their orbit there, if they are larger than those of `explore`, and are those of `explore` where they are not given. Departures\n"
+          "elsewhere stay over their budgets and are counted so. A region may lie outside the windows: branches are then followed as far as the\n"
+          "smallest windows that hold it too, linear modes start there, and departures from junctions in neither are `outside the windows`. At\n"
+          "most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n", out);
 }

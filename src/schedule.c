@@ -6,14 +6,21 @@
 #include "graph_parts.h"
 #include "status.h"
 
+#define TWO_PI 6.283185307179586477
 #define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
+
+/* `multiple`: of the node, or that of a duplicate of it. */
+static ric_budgets budgets_at(const ric_graph *g, const ric_node *node, int multiple)
+{
+    return ric_region_budgets(g->options, node->energy * g->model->energy_unit, TWO_PI / node->period * g->model->omega_ref, multiple);
+}
 
 /* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts from a mode, and what goes
  * on beyond a corner, belongs to any. */
-static bool astray(const ric_graph *g, const ric_node *node, unsigned choice)
+static bool astray(const ric_graph *g, const ric_node *node, unsigned choice, int multiply)
 {
     const ric_explore_options *o = g->options;
-    if (o->n_cascade == 0) return choice != RIC_THROUGH && (node->multiple > o->multiply || o->base % node->multiple);
+    if (o->n_cascade == 0) return choice != RIC_THROUGH && (node->multiple > multiply || o->base % node->multiple);
     if (node->depth == 0 || node->kind == RIC_KIND_CORNER) return false;
     return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
 }
@@ -22,9 +29,11 @@ static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choic
 {
     /* the original of a duplicate may lie outside the frequency window */
     double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
-    *which = period < g->limits.period[0] || period > g->limits.period[1]                         ? RIC_BUDGET_WINDOW
-             : astray(g, node, choice)                                                            ? RIC_BUDGET_MULTIPLY
-             : ric_node_impacts(node, choice) > g->options->impacts                               ? RIC_BUDGET_IMPACTS
+    const ric_budgets here = budgets_at(g, node, node->multiple);
+    const bool outside = !here.inside && node->depth > 0; /* modes start wherever branches are followed */
+    *which = period < g->limits.period[0] || period > g->limits.period[1] || outside              ? RIC_BUDGET_WINDOW
+             : astray(g, node, choice, here.multiply)                                             ? RIC_BUDGET_MULTIPLY
+             : ric_node_impacts(node, choice) > here.impacts                                      ? RIC_BUDGET_IMPACTS
              : g->options->symmetric_only && !ric_node_half(g->model, node, choice)               ? RIC_BUDGET_SYMMETRIC
                                                                                                   : RIC_N_BUDGET;
     return *which != RIC_N_BUDGET;
@@ -108,9 +117,15 @@ static void shuffle(uint64_t seed, int n, open_departure *list)
     }
 }
 
-/* Open departures at `depth` of node `first` and those after it, sorted; NULL with *n = 0 when there is none. At the last depth of the budget only
- * corners: what goes on there is the same branch. */
-static open_departure *open_at(ric_graph *g, int first, int depth, bool last, int *n)
+/* At the last depth of the budget only corners are left: what goes on there is the same branch. */
+static bool reached(const ric_graph *g, const ric_node *node)
+{
+    int limit = budgets_at(g, node, node->multiple).depth;
+    return node->depth < limit || (node->depth == limit && node->kind == RIC_KIND_CORNER);
+}
+
+/* Open departures at `depth` of node `first` and those after it, sorted; NULL with *n = 0 when there is none. */
+static open_departure *open_at(ric_graph *g, int first, int depth, int *n)
 {
     int count = 0;
     for (int pass = 0;; pass++) {
@@ -119,7 +134,7 @@ static open_departure *open_at(ric_graph *g, int first, int depth, bool last, in
         for (int i = first; i < g->n_node; i++)
             for (int j = 0; j < g->nodes[i]->n_departure; j++) {
                 if (g->nodes[i]->depth != depth || g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN) continue;
-                if (last && g->nodes[i]->kind != RIC_KIND_CORNER) continue;
+                if (!reached(g, g->nodes[i])) continue;
                 if (list) list[k] = (open_departure){i, j, g->nodes[i]};
                 k++;
             }
@@ -139,9 +154,10 @@ static ric_status list_duplicates(ric_graph *g, int depth)
         if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded || node->refusal) continue;
         node->expanded = true;
         int flown = ric_cycle_impacts(node->springs, node->cycle) - node->n_touch;
-        for (int k = 2; k <= g->options->multiply && k * flown < g->options->impacts && k * node->period <= g->limits.period[1]; k++) {
+        for (int k = 2; k <= g->largest.multiply && k * node->period <= g->limits.period[1]; k++) {
             ric_node *duplicate = NULL;
-            if (g->options->base % k) continue;
+            const ric_budgets here = budgets_at(g, node, k);
+            if (g->options->base % k || k > here.multiply || k * flown >= here.impacts || depth >= here.depth) continue;
             ric_status status = ric_node_duplicate(g->model, node, k, &duplicate);
             if (status) return status;
             if (ric_graph_add(g, duplicate, depth) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
@@ -204,9 +220,10 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
         ric_node_free(node);
         return;
     }
-    *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .recall = {g->recall.memo, true}};
-    alone->limits.stop = owner_stopped;
-    alone->limits.user = g;
+    *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .deep = g->deep, .largest = g->largest,
+                         .recall = {g->recall.memo, true}};
+    alone->limits.stop = alone->deep.stop = owner_stopped;
+    alone->limits.user = alone->deep.user = g;
     for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
     if (ric_graph_append(alone, node) == 0)
         for (int i = 0; i < node->n_departure; i++)
@@ -233,7 +250,7 @@ static void offer_ahead(ric_graph *g, int depth, int limit, int *seen)
 {
     int n;
     if (!g->workers || depth + 1 > limit || ric_workers_waiting(g->workers) > 0) return;
-    open_departure *list = open_at(g, *seen, depth + 1, depth + 1 == limit, &n);
+    open_departure *list = open_at(g, *seen, depth + 1, &n);
     *seen = g->n_node;
     offer(g, n, list);
     free(list);
@@ -245,8 +262,8 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     g->run = run;
     g->stopping = false;
     ric_forget_hunger();
-    g->limits.stop = stopped;
-    g->limits.user = g;
+    g->limits.stop = g->deep.stop = stopped;
+    g->limits.user = g->deep.user = g;
     ric_status status = ric_graph_start(g);
     if (status) return status;
     if (g->model->n_part > 1) {
@@ -254,14 +271,14 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         return RIC_OK;
     }
     double saved = 0;
-    int limit = g->options->depth > 0 ? g->options->depth : 1 << 20;
+    int limit = g->largest.depth;
     for (int depth = 0; depth <= limit && !status; depth++) {
         int n = 0, seen = 0;
         bool deeper = false;
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
             if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
-            open_departure *list = open_at(g, 0, depth, depth == limit, &n);
+            open_departure *list = open_at(g, 0, depth, &n);
             if (g->shuffle) shuffle(g->shuffle, n, list);
             offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {

@@ -11,6 +11,7 @@
 
 #include "matrix_market.h"
 #include "options.h"
+#include "region.h"
 #include "status.h"
 
 enum {
@@ -155,7 +156,85 @@ static ric_status read_names(const ric_yaml *r, const ric_yaml_slot *from, ric_s
     return RIC_OK;
 }
 
+/* ----------------------------------------------------------------- regions */
+
+static const char *const region_keys[] = {"energy", "frequency", "depth", "impacts", "multiply"};
+enum { REGION_KEYS = sizeof region_keys / sizeof *region_keys };
+
+/* A region in the place of the options of the same names, so that these are read and written in one way. */
+static ric_explore_options options_of(const ric_region *region)
+{
+    ric_explore_options o;
+    ric_explore_options_init(&o);
+    memcpy(o.energy, region->energy, sizeof o.energy);
+    memcpy(o.frequency, region->frequency, sizeof o.frequency);
+    o.depth = region->depth;
+    o.impacts = region->impacts;
+    o.multiply = region->multiply;
+    return o;
+}
+
+static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_region *out)
+{
+    ric_explore_options given = options_of(&(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME, .multiply = RIC_REGION_SAME});
+    ric_yaml_slot slots[REGION_KEYS];
+    char key[RIC_KEY_MAX];
+    ric_status status = ric_yaml_map(r, map, path, REGION_KEYS, region_keys, slots);
+    for (int i = 0; i < REGION_KEYS && !status; i++) {
+        ric_yaml_join(key, path, region_keys[i]);
+        if (slots[i].key)
+            status = read_option(r, ric_option_find("explore", region_keys[i]), key, slots[i].value, &given);
+        else if (i < 2)
+            status = ric_yaml_wrong(r, map, key, "missing; a region is {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}");
+    }
+    *out = (ric_region){.depth = given.depth, .impacts = given.impacts, .multiply = given.multiply};
+    memcpy(out->energy, given.energy, sizeof out->energy);
+    memcpy(out->frequency, given.frequency, sizeof out->frequency);
+    return status;
+}
+
+static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric_explore_options *out)
+{
+    char key[RIC_KEY_MAX];
+    if (!from->key)
+        return RIC_OK;
+    if (!ric_yaml_is_list(from->value))
+        return ric_yaml_wrong(r, from->value, "regions", "expected a list, found %s; write '- {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}'",
+                              ric_yaml_kind(from->value));
+    int n = ric_yaml_length(from->value);
+    if (n > RIC_REGIONS_MAX)
+        return ric_yaml_wrong(r, from->value, "regions", "%d regions; at most %d are read, make some of them one", n, RIC_REGIONS_MAX);
+    if (n > 0 && out->n_cascade > 0)
+        return ric_yaml_wrong(r, from->value, "regions", "explore.cascade says what is departed from, wherever it is; leave out one of the two");
+    for (int i = 0; i < n; i++) {
+        snprintf(key, sizeof key, "regions[%d]", i + 1);
+        ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i]);
+        if (status)
+            return status;
+    }
+    out->n_region = n;
+    return RIC_OK;
+}
+
 /* ----------------------------------------------------------------- writing */
+
+static void write_regions(const ric_explore_options *options, FILE *out)
+{
+    if (options->n_region)
+        fputs("regions:\n", out);
+    for (int i = 0; i < options->n_region; i++) {
+        const ric_region *region = &options->region[i];
+        const ric_explore_options o = options_of(region);
+        const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME, region->impacts != RIC_REGION_SAME, region->multiply != RIC_REGION_SAME};
+        for (int k = 0; k < REGION_KEYS; k++) {
+            if (!given[k])
+                continue;
+            fprintf(out, "%s%s: ", k ? ", " : "  - {", region_keys[k]);
+            ric_option_write(ric_option_find("explore", region_keys[k]), &o, out);
+        }
+        fputs("}\n", out);
+    }
+}
 
 static void write_options(const ric_explore_options *options, FILE *out)
 {
@@ -172,6 +251,7 @@ static void write_options(const ric_explore_options *options, FILE *out)
             fputc('\n', out);
         }
     }
+    write_regions(options, out);
 }
 
 static void write_names(const ric_study *study, FILE *out)
@@ -227,8 +307,8 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 
 /* ------------------------------------------------------------------- study */
 
-enum { S_TITLE, S_MODEL, S_EXPLORE, S_NAMES, S_TOLERANCE, S_COUNT };
-static const char *const study_keys[S_COUNT] = {"title", "model", "explore", "names", "tolerance"};
+enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_COUNT };
+static const char *const study_keys[S_COUNT] = {"title", "model", "explore", "regions", "names", "tolerance"};
 
 static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model *raw)
 {
@@ -249,7 +329,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     if (slots[S_TOLERANCE].key)
         status = read_option(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value, &study->options);
-    if (status || (status = read_names(r, &slots[S_NAMES], study)))
+    if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options)) || (status = read_names(r, &slots[S_NAMES], study)))
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
@@ -342,6 +422,31 @@ ric_status ric_study_override(ric_study *study, const char *section, const char 
         return ric_fail(status, "%s: %s", label, why);
     }
     if ((status = write_text(study, NULL)))
+        study->options = before;
+    return status;
+}
+
+ric_status ric_study_add_region(ric_study *study, const ric_region *region)
+{
+    ric_explore_options before = study->options, *o = &study->options;
+    int n = 0;
+    if (o->n_cascade)
+        return ric_fail(RIC_E_INPUT, "explore.cascade says what is departed from, wherever it is: such a study has no regions");
+    for (int i = 0; i < o->n_region; i++)
+        if (ric_region_covers(&o->region[i], region))
+            return RIC_OK;
+    for (int i = 0; i < o->n_region; i++)
+        if (!ric_region_covers(region, &before.region[i]))
+            o->region[n++] = before.region[i];
+    o->n_region = n;
+    ric_status status = n < RIC_REGIONS_MAX ? RIC_OK
+                                            : ric_fail(RIC_E_RANGE, "the study has %d regions already, and more are not kept; take a larger region that holds some of "
+                                                                    "them", n);
+    if (!status) {
+        o->region[o->n_region++] = *region;
+        status = write_text(study, NULL);
+    }
+    if (status)
         study->options = before;
     return status;
 }
