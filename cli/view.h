@@ -62,12 +62,14 @@ typedef struct view_grower view_grower;
 typedef struct {
     int depth, impacts, multiply;
     double seconds; /* stop by itself after so long; 0: never */
+    bool somewhere; /* for departures from junctions within these windows alone; beyond those of the study, branches are followed to there */
+    double energy[2], frequency[2];
 } view_budgets;
 
 ric_status view_grower_create(view_shelf *shelf, int workers, view_grower **out);
 /* Asks a running extension to stop, and waits for it. */
 void view_grower_free(view_grower *grower);
-/* RIC_E_BUSY while one is running, RIC_E_INPUT when a budget would shrink. */
+/* RIC_E_BUSY while one is running, RIC_E_INPUT when a budget would shrink, or when the region is none. */
 ric_status view_grower_start(view_grower *grower, const view_budgets *budgets);
 void view_grower_stop(view_grower *grower);
 bool view_grower_busy(view_grower *grower);

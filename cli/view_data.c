@@ -290,10 +290,26 @@ static json_t *describe_model(const ric_model *model)
     return object;
 }
 
+static json_t *budgets(int depth, int impacts, int multiply, const double *energy, const double *frequency)
+{
+    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", depth, "impacts", impacts, "multiply", multiply, "energy", energy[0], energy[1],
+                     "frequency", frequency[0], frequency[1]);
+}
+
 static json_t *describe_budgets(const ric_explore_options *o)
 {
-    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", o->depth, "impacts", o->impacts, "multiply", o->multiply, "energy", o->energy[0],
-                     o->energy[1], "frequency", o->frequency[0], o->frequency[1]);
+    return budgets(o->depth, o->impacts, o->multiply, o->energy, o->frequency);
+}
+
+/* Where budgets of their own hold; -1: as elsewhere. */
+static json_t *describe_regions(const ric_explore_options *o)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < o->n_region; i++) {
+        const ric_region *r = &o->region[i];
+        json_array_append_new(array, budgets(r->depth, r->impacts, r->multiply, r->energy, r->frequency));
+    }
+    return array;
 }
 
 static json_t *junctions(const ric_atlas *atlas)
@@ -318,6 +334,7 @@ json_t *view_describe(const view_data *data)
     json_object_set_new(object, "finished", json_boolean(ric_atlas_finished(data->atlas)));
     json_object_set_new(object, "model", describe_model(ric_atlas_model(data->atlas)));
     json_object_set_new(object, "budgets", describe_budgets(ric_study_options(study)));
+    json_object_set_new(object, "regions", describe_regions(ric_study_options(study)));
     json_object_set(object, "branches", data->rows);
     json_object_set_new(object, "junctions", junctions(data->atlas));
     return object;

@@ -89,8 +89,16 @@ static ric_status raise_budget(ric_study *study, const char *key, int value)
     return value ? ric_study_override(study, "explore", key, text, key) : RIC_OK;
 }
 
+static int wanted(int budget)
+{
+    return budget ? budget : RIC_REGION_SAME;
+}
+
 static ric_status raise_budgets(ric_study *study, const view_budgets *b)
 {
+    if (b->somewhere)
+        return ric_study_add_region(study, &(ric_region){.energy = {b->energy[0], b->energy[1]}, .frequency = {b->frequency[0], b->frequency[1]},
+                                                         .depth = wanted(b->depth), .impacts = wanted(b->impacts), .multiply = wanted(b->multiply)});
     ric_status status = raise_budget(study, "depth", b->depth);
     if (!status)
         status = raise_budget(study, "impacts", b->impacts);
@@ -205,9 +213,16 @@ static bool shrinks(int wanted, int present)
     return wanted && (wanted < present || wanted < 0);
 }
 
-/* Only larger ones: smaller budgets would take branches out of the atlas. */
+static bool is_window(const double window[2])
+{
+    return window[0] >= 0 && window[0] < window[1] && window[1] <= 1e12; /* as a study has it; false for NaN */
+}
+
+/* Only larger ones: smaller budgets would take branches out of the atlas. In a region the larger of its own and the study's holds. */
 static ric_status check(view_grower *g, const view_budgets *b)
 {
+    if (b->somewhere)
+        return is_window(b->energy) && is_window(b->frequency) && b->frequency[0] > 0 ? RIC_OK : RIC_E_INPUT;
     view_data *data = view_data_take(g->shelf);
     const ric_explore_options o = *ric_study_options(ric_atlas_study(data->atlas));
     view_data_release(g->shelf, data);

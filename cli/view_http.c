@@ -8,6 +8,7 @@
 #include <arpa/inet.h>
 #include <ctype.h>
 #include <errno.h>
+#include <math.h>
 #include <microhttpd.h>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -313,21 +314,35 @@ static int budget(const json_t *object, const char *key)
     return n > 0 && n <= 1000000 ? (int)n : 0;
 }
 
+/* [lower, upper]; what is no such thing is not finite, and refused later. */
+static void window(const json_t *object, const char *key, double out[2])
+{
+    const json_t *list = json_object_get(object, key);
+    for (size_t i = 0; i < 2; i++) {
+        const json_t *value = json_array_get(list, i);
+        out[i] = json_is_number(value) && json_array_size(list) == 2 ? json_number_value(value) : NAN;
+    }
+}
+
 static answer post_extend(view_server *server, const request *r)
 {
     json_t *object = json_loadb(r->body, r->n, JSON_REJECT_DUPLICATES, NULL);
     if (!json_is_object(object)) {
         json_decref(object);
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "the body must be an object with depth, impacts, multiply, seconds"};
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "the body must be an object with depth, impacts, multiply, seconds, energy, frequency"};
     }
-    const view_budgets wanted = {.depth = budget(object, "depth"), .impacts = budget(object, "impacts"), .multiply = budget(object, "multiply"),
-                                 .seconds = budget(object, "seconds")};
+    view_budgets wanted = {.depth = budget(object, "depth"), .impacts = budget(object, "impacts"), .multiply = budget(object, "multiply"),
+                           .seconds = budget(object, "seconds")};
+    wanted.somewhere = json_object_get(object, "energy") || json_object_get(object, "frequency");
+    window(object, "energy", wanted.energy);
+    window(object, "frequency", wanted.frequency);
     json_decref(object);
     const ric_status status = view_grower_start(server->grower, &wanted);
     if (status == RIC_E_BUSY)
         return (answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
     if (status == RIC_E_INPUT)
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "a budget would shrink, which would take branches out of the atlas"};
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL, wanted.somewhere ? "a region is energy: [lower, upper] and frequency: [lower, upper], in numbers"
+                                                                    : "a budget would shrink, which would take branches out of the atlas"};
     return from_status(status, status ? NULL : view_grower_status(server->grower));
 }
 

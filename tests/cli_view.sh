@@ -124,6 +124,9 @@ ok 'a token in the address is no token' gives 403 "$url/api/bases?token=$token"
 ok 'extending without a token' gives 403 -d '{"depth":9}' "$url/api/extend"
 ok 'stopping without a token' gives 403 -d '{}' "$url/api/stop"
 ok 'a smaller budget' gives 400 "${with_token[@]}" -d '{"depth":1}' "$url/api/extend"
+ok 'a region with one window' gives 400 "${with_token[@]}" -d '{"depth":9,"energy":[1,2]}' "$url/api/extend"
+ok 'a region turned round' gives 400 "${with_token[@]}" -d '{"depth":9,"energy":[2,1],"frequency":[1,2]}' "$url/api/extend"
+ok 'a region without numbers' gives 400 "${with_token[@]}" -d '{"depth":9,"energy":["1",null],"frequency":[1,2]}' "$url/api/extend"
 ok 'a body that is no JSON' gives 400 "${with_token[@]}" -d 'depth' "$url/api/extend"
 for path in /../../etc/passwd /..%2f..%2fetc%2fpasswd //etc/passwd /app.js/.. "/api/atlas/../../x" /%61pp.jsx /api; do
     ok "path $path" gives 404 --path-as-is "$url$path"
@@ -169,8 +172,10 @@ ok 'the atlas is unchanged after all that' test "$before" = "$(sha256sum <"$atla
 
 status() { curl -s "$url/api/status"; }
 settled() { for _ in $(seq 600); do status | grep -q '"running":false' && return; sleep 0.1; done; return 1; }
-extends() { gives 200 "${with_token[@]}" -d '{"multiply":2}' "$url/api/extend" && settled && "$ricochet" junctions "$atlas" | grep -q '2.25568932141 *1.80003134035' && status | grep -q '"generation":2'; }
+extends() { gives 200 "${with_token[@]}" -d '{"multiply":2,"energy":[1.5,3],"frequency":[1.7,1.9]}' "$url/api/extend" && settled && "$ricochet" junctions "$atlas" | grep -q '2.25568932141 *1.80003134035' && status | grep -q '"generation":2'; }
 ok 'an extension finds C33^6 and saves it' extends
+local_region() { "$ricochet" report "$atlas" | grep 'region with larger budgets' | grep -q 'energy 1.5 to 3, frequency 1.7 to 1.9' && curl -s "$url/api/atlas" | grep -q '"multiply":1,"energy":\[0.0,200.0\]'; }
+ok 'in a region, and the budgets elsewhere stay' local_region
 ok 'what it has written verifies' "$ricochet" verify "$atlas" --branch 20
 busy() { gives 200 "${with_token[@]}" -d '{"depth":30,"impacts":200,"multiply":7}' "$url/api/extend" && gives 409 "${with_token[@]}" -d '{"depth":31}' "$url/api/extend" && gives 200 "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5"; }
 ok 'one at a time, and orbits meanwhile' busy

@@ -162,6 +162,7 @@ async function growing(page, shot, atlas) {
   for (let i = 0; i < 6; i++) await page.keyboard.press("+");
   await page.waitForFunction((n) => window.ricochet().branches > n, few, { timeout: 60000 });
   ok("zooming into a place over budget computes what leaves there", rows("branches", atlas).length > few);
+  ok("and asks for no more elsewhere", rows("report", atlas).some((r) => r.item === "region with larger budgets"));
   await page.click("[data-tab=grow]");
   await page.uncheck("#automatic");
   await page.click("#home");
@@ -170,6 +171,8 @@ async function growing(page, shot, atlas) {
   await page.waitForTimeout(200);
   await page.click("[data-offer=multiply]");
   await page.waitForFunction((n) => window.ricochet().branches > n, points, { timeout: 60000 });
+  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: 60000 });
+  ok("the regions that were asked for are listed", (await page.locator(".grow .ways").last().locator(".way").count()) > 0);
   await shot("grown");
   const found = rows("junctions", atlas).find((j) => j.kind === "multiplication" && near(j.energy, C6_33.energy, 1e-8) && near(j.frequency, C6_33.frequency, 1e-8));
   ok("the living atlas finds the multiplication C33^6 and saves it", Boolean(found), `${rows("branches", atlas).length} branches`);

@@ -52,6 +52,7 @@ export interface JunctionRow {
   frequency: number;
   branches: number[];
   departures: Departures;
+  budgets: Record<string, number>; // departures over each budget
   refusal: string;
 }
 
@@ -90,6 +91,7 @@ export interface Description {
   finished: boolean;
   model: Model;
   budgets: Budgets;
+  regions: Budgets[]; // where larger ones hold; -1: as elsewhere
   branches: BranchRow[];
   junctions: JunctionRow[];
 }
@@ -190,7 +192,11 @@ export const getStatus = () => ask<Status>("/api/status");
 export const getBases = () => ask<BaseRow[]>("/api/bases");
 export const getCascades = () => ask<CascadeRow[]>("/api/cascades");
 export const stopExtension = () => ask<Extension>("/api/stop", { method: "POST", body: "{}" });
-export const extend = (budgets: { depth?: number; impacts?: number; multiply?: number; seconds?: number }) =>
+export interface Region {
+  energy: [number, number];
+  frequency: [number, number];
+}
+export const extend = (budgets: { depth?: number; impacts?: number; multiply?: number; seconds?: number } & Partial<Region>) =>
   ask<Extension>("/api/extend", { method: "POST", body: JSON.stringify(budgets) });
 
 export type Where = { point: number } | { energy: number } | { frequency: number } | { arclength: number };

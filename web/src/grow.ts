@@ -1,15 +1,40 @@
 // The living atlas: further departures where a budget has left a region empty.
-import { extend, getStatus, mayCompute, stopExtension, type Extension, type Status } from "./api";
+import { extend, getStatus, mayCompute, stopExtension, type Budgets, type Extension, type Region, type Status } from "./api";
 import type { Atlas } from "./atlas";
 import { button, el } from "./dom";
+
+export interface InView {
+  over: Record<string, number>; // departures over each budget
+  junctions: number;            // that have such departures
+  depth: number;                // of the one nearest to the start whose departures are too deep; Infinity: none
+  duplicates: number;
+  narrow: boolean;
+  key: string;
+  region: Region;
+}
 
 export interface GrowEvents {
   renewed(generation: number): void; // the atlas in the server is another one
   progress(e: Extension): void;
-  inView(): { over: number; junctions: number; refused: number; duplicates: number; narrow: boolean; key: string };
+  inView(): InView;
+  look(region: Region): void;
 }
 
 const AUTOMATIC_SECONDS = 20;
+const REASONS: Record<string, string> = {
+  depth: "beyond depth", impacts: "too many impacts", multiply: "beyond multiply", frequency: "outside the windows", symmetric: "not symmetric", touches: "too many touches",
+};
+
+type Pair = [number, number];
+const hull = (a: Pair, b: Pair): Pair => [Math.min(a[0], b[0]), Math.max(a[1], b[1])];
+const overlap = (a: Pair, b: Pair): Pair => [Math.max(a[0], b[0]), Math.min(a[1], b[1])];
+const holds = (outer: Region, inner: Region) =>
+  outer.energy[0] <= inner.energy[0] && outer.energy[1] >= inner.energy[1] && outer.frequency[0] <= inner.frequency[0] && outer.frequency[1] >= inner.frequency[1];
+const beyond = (view: Region, window: Region) => // by more than the margin of a view of everything
+  (["energy", "frequency"] as const).some((axis) => view[axis][1] > 1.5 * window[axis][1] || 1.5 * view[axis][0] < window[axis][0]);
+const deep = (depth: number) => depth || Infinity; // 0 is without limit
+const short = (v: number) => String(Number(v.toPrecision(4)));
+const span = (p: Pair) => `${short(p[0])} to ${short(p[1])}`;
 
 export class Grow {
   readonly root = el("section", { class: "grow" });
@@ -20,6 +45,8 @@ export class Grow {
   private go = button("Compute further departures", "Extends the atlas with these budgets", () => void this.start(), "wide primary");
   private stop = button("Stop", "Stops; what was finished is kept", () => void this.halt(), "wide");
   private automatic = el("input", { type: "checkbox", id: "automatic" });
+  private everywhere = el("input", { type: "checkbox", id: "everywhere" });
+  private regions = el("div", { class: "ways" });
   private proposals = el("div", { class: "ways" });
   private tried = new Set<string>();
   private timer = 0;
@@ -35,27 +62,57 @@ export class Grow {
     const field = (name: string, help: string) => el("input", { type: "number", min: "0", step: "1", title: help, data: { budget: name } });
     this.fields = {
       depth: field("depth", "Departures from the start along the shortest path"), impacts: field("impacts", "Largest number of impacts per period"),
-      multiply: field("multiply", "Largest q of a q-tupling, and of a duplicated grazing"), seconds: field("seconds", "Stop by itself after so many seconds; 0: never"),
+      multiply: field("multiply", "Largest q of a q-tupling, and of a duplicated grazing"),
+      seconds: field("seconds", "Stop by itself after so many seconds; 0: never"),
     };
     this.fields.seconds.value = "60";
     const label = (text: string, input: HTMLElement) => el("label", {}, text, input);
     this.root.append(el("h2", { textContent: "Living atlas" }),
-      el("p", { class: "sub", textContent: "Where a budget has ended the search, larger ones go on from there. New branches appear here and are saved into the atlas; larger budgets become those of its study." }),
+      el("p", { class: "sub", textContent: "Where a budget has ended the search, larger ones go on: from the junctions in view, unless you ask for everywhere. New branches appear here and are saved into the atlas, and the larger budgets into its study." }),
       this.state, this.seen, this.proposals,
       el("div", { class: "budgets" }, label("Depth", this.fields.depth), label("Impacts", this.fields.impacts), label("Multiply", this.fields.multiply), label("Seconds", this.fields.seconds)),
-      this.go, this.stop, this.progress, el("label", { class: "check" }, this.automatic, ` also while I zoom in: one departure deeper, ${AUTOMATIC_SECONDS} s at most`));
+      el("label", { class: "check" }, this.everywhere, " everywhere, not only in view"), this.go, this.stop, this.progress,
+      el("label", { class: "check" }, this.automatic, ` also while I zoom in: one departure deeper, ${AUTOMATIC_SECONDS} s at most`), this.regions);
+    this.everywhere.onchange = () => this.show();
     this.show();
     void this.poll();
   }
 
   /* ------------------------------------------------------------------ show */
 
+  // The view as far as branches are followed; null: nothing of it.
+  private region(v: InView): Region | null {
+    const { budgets, regions } = this.atlas().description;
+    const [energy, frequency] = (["energy", "frequency"] as const).map((axis) => overlap(v.region[axis], regions.map((r) => r[axis]).reduce(hull, budgets[axis])));
+    return energy[0] < energy[1] && frequency[0] < frequency[1] ? { energy, frequency } : null;
+  }
+
+  // Those that hold in all of a region.
+  private budgetsIn(where: Region | null): Budgets {
+    const { budgets, regions } = this.atlas().description;
+    const out = { ...budgets };
+    for (const r of where ? regions.filter((one) => holds(one, where)) : []) {
+      if (r.depth >= 0 && deep(r.depth) > deep(out.depth)) out.depth = r.depth;
+      out.impacts = Math.max(out.impacts, r.impacts);
+      out.multiply = Math.max(out.multiply, r.multiply);
+    }
+    return out;
+  }
+
+  // A depth that reaches departures in view that are too deep now.
+  private deeper(b: Budgets, v: InView): number {
+    return Math.max(b.depth, Number.isFinite(v.depth) ? v.depth : 0) + 1;
+  }
+
   show(): void {
-    const b = this.atlas().description.budgets;
+    const { budgets } = this.atlas().description;
     const v = this.events.inView();
-    this.state.textContent = `Budgets now: depth ${b.depth || "unlimited"}, impacts ${b.impacts}, multiply ${b.multiply}; energy ${b.energy.join(" to ")}, frequency ${b.frequency.join(" to ")} rad/s.` +
+    const where = this.everywhere.checked ? null : this.region(v);
+    const b = this.budgetsIn(where);
+    this.state.textContent = `Budgets ${where ? "in view" : "everywhere"}: depth ${b.depth || "unlimited"}, impacts ${b.impacts}, multiply ${b.multiply}; windows: energy ${budgets.energy.join(" to ")}, frequency ${budgets.frequency.join(" to ")} rad/s.` +
       (this.atlas().description.finished ? "" : " The last run was stopped before its end.");
-    this.seen.textContent = v.over ? `In view: ${v.over} departure${v.over > 1 ? "s" : ""} over a budget, at ${v.junctions} junction${v.junctions > 1 ? "s" : ""}.` : "In view: no departure is over a budget.";
+    const over = Object.entries(v.over).map(([budget, n]) => `${n} ${REASONS[budget] ?? budget}`);
+    this.seen.textContent = over.length ? `Departures in view that a budget has left out: ${over.join(", ")}; at ${v.junctions} junction${v.junctions > 1 ? "s" : ""}.` : "In view: no departure is over a budget.";
     const present = [b.depth, b.impacts, b.multiply].join(" ");
     if (present !== this.filled) {
       this.filled = present;
@@ -64,19 +121,38 @@ export class Grow {
       this.fields.multiply.value = String(b.multiply);
     }
     const busy = this.extension?.running ?? false;
-    const offers: [string, string, Partial<Record<"depth" | "impacts" | "multiply", number>>][] = [];
-    if (b.depth) offers.push([`Depth ${b.depth} → ${b.depth + 1}`, "departures of the branches found last", { depth: b.depth + 1 }]);
-    offers.push([`Impacts ${b.impacts} → ${Math.ceil(1.5 * b.impacts)}`, "orbits with more impacts", { impacts: Math.ceil(1.5 * b.impacts) }]);
-    const q = Math.max(b.multiply + 1, v.duplicates);
-    offers.push([`Multiply ${b.multiply} → ${q}`, v.duplicates > b.multiply ? `multiplications on the ${q}-duplicates that are shown` : "multiplications of the period, and duplicated grazings", { multiply: q }]);
-    this.proposals.replaceChildren(...offers.map(([text, why, budgets]) =>
-      el("button", { type: "button", class: "way", disabled: busy || !mayCompute, data: { offer: Object.keys(budgets)[0] }, onclick: () => void this.begin({ ...budgets, seconds: this.fields.seconds.valueAsNumber || 0 }) },
-        el("span", { textContent: text }), el("small", { textContent: why }))));
-    this.go.disabled = busy || !mayCompute;
+    const possible = !busy && mayCompute && (this.everywhere.checked || where !== null);
+    this.showOffers(b, v, where, possible);
+    this.showRegions();
+    this.go.disabled = !possible;
     this.stop.hidden = !busy;
     this.progress.classList.toggle("busy", busy);
     this.progress.classList.toggle("failed", this.extension?.failed ?? false);
     this.progress.textContent = this.words();
+  }
+
+  private showOffers(b: Budgets, v: InView, where: Region | null, possible: boolean): void {
+    type Offer = { id: string; text: string; why: string; what: Parameters<typeof extend>[0]; disabled?: boolean };
+    const here: Partial<Region> = where ?? {};
+    const offers: Offer[] = [];
+    const q = Math.max(b.multiply + 1, v.duplicates);
+    if (b.depth) offers.push({ id: "depth", text: `Depth ${b.depth} → ${this.deeper(b, v)}`, why: "departures of the branches found last", what: { ...here, depth: this.deeper(b, v) } });
+    offers.push({ id: "impacts", text: `Impacts ${b.impacts} → ${Math.ceil(1.5 * b.impacts)}`, why: "orbits with more impacts", what: { ...here, impacts: Math.ceil(1.5 * b.impacts) } });
+    offers.push({ id: "multiply", text: `Multiply ${b.multiply} → ${q}`, why: v.duplicates > b.multiply ? `multiplications on the ${q}-duplicates that are shown` : "multiplications of the period, and duplicated grazings", what: { ...here, multiply: q } });
+    const reached = this.region(v);
+    if (!reached || beyond(v.region, reached))
+      offers.push({ id: "windows", text: "Beyond the windows", why: `follow branches into all of the view: energy ${span(v.region.energy)}, frequency ${span(v.region.frequency)}`, what: v.region, disabled: !mayCompute || (this.extension?.running ?? false) });
+    this.proposals.replaceChildren(...offers.map((offer) =>
+      el("button", { type: "button", class: "way", disabled: offer.disabled ?? !possible, data: { offer: offer.id }, onclick: () => void this.begin({ ...offer.what, seconds: this.fields.seconds.valueAsNumber || 0 }) },
+        el("span", { textContent: offer.text }), el("small", { textContent: offer.why }))));
+  }
+
+  private showRegions(): void {
+    const { regions } = this.atlas().description;
+    const has = (r: Budgets) => (["depth", "impacts", "multiply"] as const).filter((key) => r[key] >= 0).map((key) => `${key} ${key === "depth" && !r[key] ? "unlimited" : r[key]}`).join(", ");
+    this.regions.replaceChildren(...(regions.length ? [el("h3", { textContent: "Regions with larger budgets" })] : []), ...regions.map((r) =>
+      el("button", { type: "button", class: "way", title: "Look there", onclick: () => this.events.look(r) },
+        el("span", { textContent: `E ${span(r.energy)}, ω ${span(r.frequency)}` }), el("small", { textContent: has(r) || "followed to here" }))));
   }
 
   words(): string {
@@ -91,7 +167,8 @@ export class Grow {
 
   private start(): Promise<void> {
     const n = (f: HTMLInputElement) => f.valueAsNumber || 0;
-    return this.begin({ depth: n(this.fields.depth), impacts: n(this.fields.impacts), multiply: n(this.fields.multiply), seconds: n(this.fields.seconds) });
+    const where = this.everywhere.checked ? null : this.region(this.events.inView());
+    return this.begin({ ...where, depth: n(this.fields.depth), impacts: n(this.fields.impacts), multiply: n(this.fields.multiply), seconds: n(this.fields.seconds) });
   }
 
   async begin(budgets: Parameters<typeof extend>[0]): Promise<void> {
@@ -141,15 +218,16 @@ export class Grow {
     this.schedule(status?.extension.running ? 300 : document.hidden ? 5000 : 2000);
   }
 
-  // The view has come to rest. When switched on, a narrow view with something over budget asks for one departure more, once per place.
+  // The view has come to rest. When switched on, a narrow view with departures that are too deep asks for one more, once per place.
   rested(): void {
-    const b = this.atlas().description.budgets;
     const v = this.events.inView();
+    const where = this.region(v);
     this.show();
-    if (!this.automatic.checked || this.extension?.running || !v.narrow || !v.over || !b.depth) return;
-    const key = `${v.key} ${b.depth}`;
+    if (!this.automatic.checked || this.extension?.running || !v.narrow || !where || !v.over.depth) return;
+    const depth = this.deeper(this.budgetsIn(where), v);
+    const key = `${v.key} ${depth}`;
     if (this.tried.has(key)) return;
     this.tried.add(key);
-    void this.begin({ depth: b.depth + 1, seconds: AUTOMATIC_SECONDS });
+    void this.begin({ ...where, depth, seconds: AUTOMATIC_SECONDS });
   }
 }

@@ -1,9 +1,9 @@
 // The page: what belongs together, and what happens when something is clicked or typed.
-import { getAtlas, mayCompute } from "./api";
+import { getAtlas, mayCompute, type Region } from "./api";
 import { readAddress, writeAddress, type Address } from "./address";
 import { Atlas } from "./atlas";
 import { $ } from "./dom";
-import { Grow } from "./grow";
+import { Grow, type InView } from "./grow";
 import { junctionPanel, placeOn } from "./junctionpanel";
 import { CanvasPen } from "./pen";
 import { junctionRuns, toHtml } from "./labels";
@@ -59,6 +59,7 @@ class Page {
       renewed: () => void this.renew(),
       progress: () => this.status(this.hovering),
       inView: () => this.inView(),
+      look: (r) => this.look(r),
     });
     this.install();
     this.apply(a);
@@ -258,6 +259,11 @@ class Page {
     this.plot.touch();
   }
 
+  private look(r: Region): void {
+    const v = this.plot.view;
+    this.plot.show({ x0: v.toX(r.energy[0]), x1: v.toX(r.energy[1]), y0: v.toY(r.frequency[0]), y1: v.toY(r.frequency[1]) });
+  }
+
   // Shows all of some branches, with room around them.
   private fit(ids: number[]): void {
     let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
@@ -327,16 +333,19 @@ class Page {
 
   /* --------------------------------------------------------- living atlas */
 
-  private inView() {
+  // A junction is in view where it is drawn, or where its orbit is: on a duplicate, or on the branch that it duplicates.
+  private inView(): InView {
     const w = this.plot.view.window;
     const h = this.plot.home();
-    const out = { over: 0, junctions: 0, refused: 0, duplicates: this.plot.options.duplicates, narrow: w.x1 - w.x0 < 0.34 * (h.x1 - h.x0) || w.y1 - w.y0 < 0.34 * (h.y1 - h.y0),
-      key: [w.x0, w.x1, w.y0, w.y1].map((v) => v.toPrecision(2)).join(" ") };
+    const v = this.plot.view;
+    const out: InView = { over: {}, junctions: 0, depth: Infinity, duplicates: this.plot.options.duplicates, narrow: w.x1 - w.x0 < 0.34 * (h.x1 - h.x0) || w.y1 - w.y0 < 0.34 * (h.y1 - h.y0),
+      key: [w.x0, w.x1, w.y0, w.y1].map((at) => at.toPrecision(2)).join(" "),
+      region: { energy: [Math.max(0, v.toEnergy(w.x0)), v.toEnergy(w.x1)], frequency: [Math.max(1e-9, v.toFrequency(w.y0)), v.toFrequency(w.y1)] } };
     for (const j of this.atlas.junctions) {
-      if (!this.plot.shows(j.energy, j.frequency)) continue;
-      out.refused += j.departures.refused;
-      out.over += j.departures.over_budget;
-      if (j.departures.over_budget) out.junctions++;
+      if (!j.departures.over_budget || !(this.plot.shows(j.energy, j.frequency) || this.plot.shows(j.energy, j.frequency * j.multiple))) continue;
+      out.junctions++;
+      for (const [budget, n] of Object.entries(j.budgets)) out.over[budget] = (out.over[budget] ?? 0) + n;
+      if (j.budgets.depth) out.depth = Math.min(out.depth, ...j.branches.map((b) => this.atlas.branch(b).depth));
     }
     return out;
   }
