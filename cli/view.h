@@ -25,8 +25,8 @@ extern const view_file view_page[]; /* ends with path NULL */
 typedef struct {
     ric_atlas *atlas;
     unsigned generation;    /* 1, 2, ...: pages ask for everything anew when it grows */
-    char *points;           /* every branch with its joints, as /api/points gives it */
-    size_t points_size;
+    char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that, for the first picture, as /api/outline does */
+    size_t points_size, outline_size;
     json_t *rows;           /* branches with their places in `points`, as /api/atlas gives them */
     int holders;            /* under the lock of the shelf */
 } view_data;

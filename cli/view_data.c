@@ -10,7 +10,8 @@
 
 #include "view.h"
 
-enum { JOINT = 3 }; /* the flag of a knot that is a junction; others have their ric_stability */
+enum { JOINT = 3 };      /* the flag of a knot that is a junction; others have their ric_stability */
+enum { OUTLINE = 40000 }; /* knots of a first picture, about: a megabyte */
 
 struct view_shelf {
     char *path;
@@ -79,6 +80,14 @@ static json_t *levels(const ric_atlas *atlas, const ric_branch *branch)
 
 /* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as 64-bit floats, then n bytes of flags. The
  * place and number of the knots of a branch are in its row. */
+typedef struct { double *energy, *frequency, *arclength; unsigned char *flags; } columns;
+
+static columns columns_of(char *bytes, size_t total)
+{
+    double *energy = (double *)(void *)bytes;
+    return (columns){energy, energy + total, energy + 2 * total, (unsigned char *)(energy + 3 * total)};
+}
+
 static ric_status pack(view_data *data)
 {
     const int n_branch = ric_atlas_n_branch(data->atlas);
@@ -91,10 +100,9 @@ static ric_status pack(view_data *data)
     data->points_size = total * 25;
     data->points = malloc(data->points_size + 1);
     data->rows = json_array();
-    double *energy = (double *)(void *)data->points, *frequency = energy + total, *arclength = frequency + total;
-    unsigned char *flags = (unsigned char *)(arclength + total);
     if (!data->points || !data->rows)
         return RIC_E_NOMEM;
+    const columns to = columns_of(data->points, total);
     for (int id = 1; !status && id <= n_branch; id++) {
         int n = 0;
         knot *knots = NULL;
@@ -107,14 +115,55 @@ static ric_status pack(view_data *data)
         json_object_set_new(row, "place", json_integer((json_int_t)place));
         json_object_set_new(row, "knots", json_integer(n));
         for (int i = 0; !status && i < n; i++, place++) {
-            energy[place] = knots[i].energy;
-            frequency[place] = knots[i].frequency;
-            arclength[place] = knots[i].arclength;
-            flags[place] = (unsigned char)knots[i].flag;
+            to.energy[place] = knots[i].energy;
+            to.frequency[place] = knots[i].frequency;
+            to.arclength[place] = knots[i].arclength;
+            to.flags[place] = (unsigned char)knots[i].flag;
         }
         free(knots);
     }
     return status;
+}
+
+/* Of n knots that begin at `place`: ends, junctions, changes of stability, and as many others as there is room for. */
+static bool outlined(const unsigned char *flags, size_t place, size_t n, size_t i, size_t stride)
+{
+    const unsigned char *here = flags + place + i;
+    return i % stride == 0 || i + 1 == n || here[0] == JOINT || here[0] != here[-1] || here[0] != here[1];
+}
+
+/* /api/outline: the layout of /api/points, and at its end the number of knots of each branch, 32 bits. All of it if that is little. */
+static ric_status pack_outline(view_data *data)
+{
+    const size_t total = data->points_size / 25, n_branch = json_array_size(data->rows), room = OUTLINE / (n_branch + 1) + 8;
+    const columns from = columns_of(data->points, total);
+    uint32_t *counts = calloc(n_branch + 1, sizeof *counts);
+    size_t *kept = malloc((total + 1) * sizeof *kept), n_kept = 0;
+    for (size_t k = 0; counts && kept && k < n_branch; k++) {
+        const json_t *row = json_array_get(data->rows, k);
+        const size_t place = (size_t)json_integer_value(json_object_get(row, "place")), n = (size_t)json_integer_value(json_object_get(row, "knots"));
+        const size_t stride = total <= OUTLINE ? 1 : n / room + 1;
+        for (size_t i = 0; i < n; i++)
+            if (outlined(from.flags, place, n, i, stride)) {
+                kept[n_kept++] = place + i;
+                counts[k]++;
+            }
+    }
+    data->outline_size = n_kept * 25 + n_branch * sizeof *counts;
+    data->outline = counts && kept ? malloc(data->outline_size + 1) : NULL;
+    if (data->outline) {
+        const columns to = columns_of(data->outline, n_kept);
+        for (size_t i = 0; i < n_kept; i++) {
+            to.energy[i] = from.energy[kept[i]];
+            to.frequency[i] = from.frequency[kept[i]];
+            to.arclength[i] = from.arclength[kept[i]];
+            to.flags[i] = from.flags[kept[i]];
+        }
+        memcpy(data->outline + n_kept * 25, counts, n_branch * sizeof *counts);
+    }
+    free(counts);
+    free(kept);
+    return data->outline ? RIC_OK : RIC_E_NOMEM;
 }
 
 static void data_free(view_data *data)
@@ -123,6 +172,7 @@ static void data_free(view_data *data)
         return;
     json_decref(data->rows);
     free(data->points);
+    free(data->outline);
     ric_atlas_free(data->atlas);
     free(data);
 }
@@ -133,6 +183,8 @@ static ric_status data_read(const char *path, view_data **out)
     ric_status status = data ? ric_atlas_read(path, &data->atlas) : RIC_E_NOMEM;
     if (!status)
         status = pack(data);
+    if (!status)
+        status = pack_outline(data);
     if (status)
         data_free(data);
     *out = status ? NULL : data;

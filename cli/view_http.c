@@ -363,13 +363,14 @@ static void release_held(void *user)
 }
 
 /* The packed points stay as long as the response needs them. */
-static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *connection, const char *tag)
+static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *connection, bool outline, const char *tag)
 {
     held *h = malloc(sizeof *h);
     if (!h)
         return MHD_NO;
     *h = (held){server->shelf, view_data_take(server->shelf)};
-    struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(h->data->points_size, h->data->points, release_held, h);
+    const view_data *data = h->data;
+    struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(outline ? data->outline_size : data->points_size, outline ? data->outline : data->points, release_held, h);
     if (!response) {
         release_held(h);
         return MHD_NO;
@@ -410,11 +411,11 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
     if (!strcmp(path, "/api/status"))
         return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
     snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
-    const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points");
-    if ((atlas || points) && known_to_browser(connection, tag))
+    const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"), outline = !strcmp(path, "/api/outline");
+    if ((atlas || points || outline) && known_to_browser(connection, tag))
         return reply_known(connection, tag);
-    if (points)
-        return reply_points(server, connection, tag);
+    if (points || outline)
+        return reply_points(server, connection, outline, tag);
     if (atlas)
         return reply_json(connection, MHD_HTTP_OK, view_describe(data), tag);
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");

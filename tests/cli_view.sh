@@ -14,6 +14,7 @@ atlas=$folder/e.ricochet
 before=$(sha256sum <"$atlas")
 
 start() { # ATLAS OPTION...: sets pid, url, token, port
+    : >"$folder/url" # what the last one has said is not what this one says
     "$ricochet" view "$@" --no-browser >"$folder/url" 2>"$folder/err" &
     pid=$!
     for _ in $(seq 100); do
@@ -76,6 +77,11 @@ points() {
     [ "$(curl -s "$url/api/points" | wc -c)" = $((25 * knots)) ]
 }
 ok 'its points have 25 bytes each' points
+outline() { # of a small atlas it is all, and the numbers of knots
+    curl -s "$url/api/points" >"$folder/points" && curl -s "$url/api/outline" >"$folder/outline" && cmp -n "$(stat -c %s "$folder/points")" "$folder/points" "$folder/outline" \
+        && [ "$(tail -c +$(($(stat -c %s "$folder/points") + 1)) "$folder/outline" | od -An -v -tu4 -w4 | tr -d ' ')" = "$(curl -s "$url/api/atlas" | python3 -c 'import json, sys; [print(b["knots"]) for b in json.load(sys.stdin)["branches"]]')" ]
+}
+ok 'the outline of a small atlas is all of it' outline
 
 orbit() { # both ways give the same bits
     curl -s "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5" >"$folder/a" && "$ricochet" orbit "$atlas" --branch 3 --energy 1.5 --json >"$folder/b"

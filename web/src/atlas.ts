@@ -1,6 +1,6 @@
 // The atlas in the browser: knots of all branches in flat arrays, and for each branch a tree from which any view of it is drawn with as few
 // segments as the eye can tell, however many knots there are.
-import type { BranchRow, Description, JunctionRow } from "./api";
+import type { BranchRow, Description, JunctionRow, Source } from "./api";
 
 export const JOINT = 3; // flag of a knot that is a junction; others carry 0 unstable, 1 stable, 2 undecided
 const BLOCK = 8; // segments in a leaf
@@ -23,15 +23,21 @@ export class Atlas {
   readonly junctions: JunctionRow[];
   private nodes: Float64Array;
   private uniform: Uint8Array;
-  readonly total: number;
+  readonly description: Description;
+  readonly total: number; // knots here
+  readonly complete: boolean; // all that there are
+  private missX = 0; // what `miss` has found
+  private missY = 0;
 
   constructor(
-    readonly description: Description,
-    packed: ArrayBuffer,
+    { description, packed, outline }: Source,
     readonly log: { x: boolean; y: boolean },
   ) {
-    const n = packed.byteLength / 25;
+    const n = outline ? (packed.byteLength - 4 * description.branches.length) / 25 : packed.byteLength / 25;
+    const counts = outline ? new Uint32Array(packed.slice(25 * n)) : null;
+    this.description = description;
     this.total = n;
+    this.complete = n === description.branches.reduce((sum, b) => sum + b.knots, 0);
     this.energy = new Float64Array(packed, 0, n);
     this.frequency = new Float64Array(packed, 8 * n, n);
     this.arclength = new Float64Array(packed, 16 * n, n);
@@ -41,13 +47,16 @@ export class Atlas {
     this.x = log.x ? this.energy.map((e) => Math.log10(Math.max(e, 1e-30))) : this.energy;
     this.y = log.y ? this.frequency.map((w) => Math.log10(w)) : this.frequency;
     let nodes = 0;
-    this.branches = description.branches.map((row) => {
+    let place = 0;
+    this.branches = description.branches.map((row, i) => {
       const levels: number[] = [];
-      for (let m = Math.max(1, Math.ceil((row.knots - 1) / BLOCK)); ; m = Math.ceil(m / 2)) {
+      const knots = counts ? counts[i] : row.knots;
+      for (let m = Math.max(1, Math.ceil((knots - 1) / BLOCK)); ; m = Math.ceil(m / 2)) {
         levels.push(m);
         if (m === 1) break;
       }
-      const branch = { ...row, root: nodes, levels };
+      const branch = { ...row, place, knots, root: nodes, levels };
+      place += knots;
       nodes += levels.reduce((a, b) => a + b, 0);
       return branch;
     });
@@ -85,38 +94,42 @@ export class Atlas {
     }
   }
 
-  // Bounds of how far knot m lies from the chord of knots a and b, in x and in y, at the place of the chord that is nearest to it.
-  private miss(a: number, b: number, m: number, out: [number, number]): void {
+  // How far knot m lies from the chord of knots a and b, in x and in y, at the place of the chord that is nearest to it.
+  private miss(a: number, b: number, m: number): void {
     const dx = this.x[b] - this.x[a];
     const dy = this.y[b] - this.y[a];
     const length = dx * dx + dy * dy;
     const px = this.x[m] - this.x[a];
     const py = this.y[m] - this.y[a];
     const t = length > 0 ? Math.min(1, Math.max(0, (px * dx + py * dy) / length)) : 0;
-    out[0] = Math.abs(px - t * dx);
-    out[1] = Math.abs(py - t * dy);
+    this.missX = Math.abs(px - t * dx);
+    this.missY = Math.abs(py - t * dy);
   }
 
   private build(b: Branch): void {
     const { nodes, uniform, x, y, style } = this;
     const last = b.place + b.knots - 1;
-    const out: [number, number] = [0, 0];
     for (let k = 0; k < b.levels[0]; k++) {
       const from = b.place + k * BLOCK;
       const to = Math.min(last, from + BLOCK);
       const at = (b.root + k) * NODE;
-      let [x0, x1, y0, y1, mx, my, same] = [Infinity, -Infinity, Infinity, -Infinity, 0, 0, style[from]];
-      for (let i = from; i <= to; i++) {
+      let x0 = x[from], x1 = x0, y0 = y[from], y1 = y0, mx = 0, my = 0, same = style[from]; // plain: this is done for every knot
+      for (let i = from + 1; i <= to; i++) {
         x0 = Math.min(x0, x[i]);
         x1 = Math.max(x1, x[i]);
         y0 = Math.min(y0, y[i]);
         y1 = Math.max(y1, y[i]);
         if (i < to && style[i] !== same) same = MIXED;
-        this.miss(from, to, i, out);
-        mx = Math.max(mx, out[0]);
-        my = Math.max(my, out[1]);
+        this.miss(from, to, i);
+        mx = Math.max(mx, this.missX);
+        my = Math.max(my, this.missY);
       }
-      nodes.set([x0, x1, y0, y1, mx, my], at);
+      nodes[at] = x0;
+      nodes[at + 1] = x1;
+      nodes[at + 2] = y0;
+      nodes[at + 3] = y1;
+      nodes[at + 4] = mx;
+      nodes[at + 5] = my;
       uniform[b.root + k] = same;
     }
     let below = b.root;
@@ -125,15 +138,14 @@ export class Atlas {
       for (let k = 0; k < b.levels[level]; k++) {
         const l = below + 2 * k;
         const r = 2 * k + 1 < b.levels[level - 1] ? l + 1 : l;
-        const [from, middle, to] = [this.start(b, level, k), this.start(b, level - 1, 2 * k + 1), this.start(b, level, k + 1)];
-        this.miss(from, to, middle, out);
-        const [p, q, at] = [l * NODE, r * NODE, (here + k) * NODE];
+        this.miss(this.start(b, level, k), this.start(b, level, k + 1), this.start(b, level - 1, 2 * k + 1));
+        const p = l * NODE, q = r * NODE, at = (here + k) * NODE;
         nodes[at] = Math.min(nodes[p], nodes[q]);
         nodes[at + 1] = Math.max(nodes[p + 1], nodes[q + 1]);
         nodes[at + 2] = Math.min(nodes[p + 2], nodes[q + 2]);
         nodes[at + 3] = Math.max(nodes[p + 3], nodes[q + 3]);
-        nodes[at + 4] = Math.max(nodes[p + 4], nodes[q + 4]) + out[0];
-        nodes[at + 5] = Math.max(nodes[p + 5], nodes[q + 5]) + out[1];
+        nodes[at + 4] = Math.max(nodes[p + 4], nodes[q + 4]) + this.missX;
+        nodes[at + 5] = Math.max(nodes[p + 5], nodes[q + 5]) + this.missY;
         uniform[here + k] = uniform[l] === uniform[r] ? uniform[l] : MIXED;
       }
       below = here;

@@ -1,5 +1,5 @@
 // The page: what belongs together, and what happens when something is clicked or typed.
-import { getAtlas, mayCompute, type Region } from "./api";
+import { getAtlas, getPoints, mayCompute, type Region, type Source } from "./api";
 import { readAddress, writeAddress, type Address } from "./address";
 import { Atlas } from "./atlas";
 import { $ } from "./dom";
@@ -32,9 +32,9 @@ class Page {
   private restoring = false;
   private written = "";
 
-  constructor(private source: Awaited<ReturnType<typeof getAtlas>>) {
+  constructor(private source: Source) {
     const a = readAddress();
-    this.atlas = new Atlas(source.description, source.packed, a.log);
+    this.atlas = new Atlas(source, a.log);
     this.applyTheme();
     const options = { duplicates: a.duplicates, marks: a.marks, labels: a.labels, reference: true };
     this.lists = new Lists(() => this.atlas, {
@@ -66,7 +66,7 @@ class Page {
     this.showTab(a.junction || a.selected ? "here" : "help");
     document.title = `${source.description.title} – ricochet`;
     $("title").textContent = source.description.title;
-    $("title").title = `${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${this.atlas.total} points; ricochet ${source.description.version}`;
+    $("title").title = `${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${source.description.branches.reduce((sum, b) => sum + b.points, 0)} points; ricochet ${source.description.version}`;
   }
 
   /* ---------------------------------------------------------------- looks */
@@ -131,7 +131,7 @@ class Page {
     $<HTMLInputElement>("logx").checked = log.x;
     $<HTMLInputElement>("logy").checked = log.y;
     if (log.x === this.atlas.log.x && log.y === this.atlas.log.y) return;
-    this.atlas = new Atlas(this.source.description, this.source.packed, log);
+    this.atlas = new Atlas(this.source, log);
     this.plot.setAtlas(this.atlas, this.painter());
   }
 
@@ -350,6 +350,16 @@ class Page {
     return out;
   }
 
+  // A large atlas comes in two parts: after the outline all points, for the same view.
+  async refine(): Promise<void> {
+    if (this.atlas.complete) return;
+    const source = await getPoints(this.source).catch(() => null);
+    if (!source || source.description !== this.source.description) return; // a newer atlas has come, or comes soon
+    this.source = source;
+    this.atlas = new Atlas(source, this.plot.view.log);
+    this.plot.setAtlas(this.atlas, this.painter());
+  }
+
   // The atlas has changed: same view, same place; what is new is shown for a while.
   private async renew(): Promise<void> {
     const before = new Set(this.atlas.branches.map(nameOf));
@@ -362,7 +372,7 @@ class Page {
       this.status((e as Error).message);
       return;
     }
-    this.atlas = new Atlas(this.source.description, this.source.packed, this.plot.view.log);
+    this.atlas = new Atlas(this.source, this.plot.view.log);
     this.lists.forget();
     if (this.colouring === "base") await this.lists.loadBases().catch(() => []);
     this.plot.path = [];
@@ -379,6 +389,7 @@ class Page {
     this.grow.show();
     if (this.tab !== "grow") this.showTab(this.tab);
     this.keep(false);
+    await this.refine();
   }
 
   // The branch of that name through the place that was selected: numbers of branches may have changed.
@@ -533,7 +544,10 @@ getAtlas().then(
   (source) => {
     const page = new Page(source);
     window.ricochet = () => page.probe();
-    requestAnimationFrame(() => requestAnimationFrame(() => performance.measure("shown", { start: 0, end: performance.now() })));
+    requestAnimationFrame(() => requestAnimationFrame(() => {
+      performance.measure("shown", { start: 0, end: performance.now() });
+      void page.refine().then(() => performance.measure("complete", { start: 0, end: performance.now() }));
+    }));
   },
   (e: Error) => {
     $("plot").append(Object.assign(document.createElement("p"), { id: "wait", textContent: e.message }));
