@@ -14,7 +14,7 @@
 typedef struct { double x, y; } plot_point;
 typedef struct { double left, bottom, right, top; } plot_box;
 
-/* ---------------------------------------------------------------- page (gnuplot.c) */
+/* -------------------------------------------------------------- page (plot_page.c) */
 
 /* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
 typedef enum {
@@ -61,6 +61,13 @@ bool plot_page_free_box(const plot_page *page, plot_box box);
 bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to);
 double plot_page_ink(plot_page *page, plot_box box);
 
+/* The script that has gnuplot draw the page; false when memory ran out, or the file cannot be written. */
+typedef enum { PLOT_FORMAT_NONE, PLOT_FORMAT_SVG, PLOT_FORMAT_PDF, PLOT_FORMAT_PNG } plot_format;
+bool plot_page_script(plot_page *page, plot_format format, FILE *script);
+bool plot_page_failed(const plot_page *page);
+
+/* ------------------------------------------------------------ rendering (gnuplot.c) */
+
 /* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the target is untouched. */
 int plot_page_write(plot_page *page, const char *path);
 /* Copies gnuplot's SVG without what a picture does not need (svg.c). */
@@ -68,15 +75,19 @@ bool plot_svg_squeeze(FILE *from, FILE *to);
 /* CLI_DONE, or CLI_WRONG with a message when the ending is none of the three. */
 int plot_check_target(const char *path);
 
+/* -------------------------------------------------------------- texts (plot_text.c) */
+
 /* Free text made safe for enhanced notation: its special characters escaped, broken UTF-8 and control characters replaced. */
 void plot_text_escape(const char *text, size_t size, char *out);
 /* Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A5[00101]; long words as powers. Others are escaped. */
 void plot_text_label(const char *label, size_t size, char *out);
 /* Estimated width, on the wide side, and the box that a text fills. */
 double plot_text_width(const char *text, double size);
+/* As gnuplot places pieces of it, up to `end`. */
+double plot_text_exact_width(const char *text, const char *end, double size);
 plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upright, const char *text);
 
-/* ------------------------------------------------------- axes, panels, labels (cmd_plot.c) */
+/* ------------------------------------------------------- axes, panels (plot_axes.c) */
 
 typedef enum { PLOT_SCALE_LINEAR, PLOT_SCALE_LOG, PLOT_SCALE_BROKEN, PLOT_SCALE_ASINH } plot_scale;
 
@@ -101,6 +112,8 @@ plot_point plot_panel_at(const plot_panel *panel, plot_point data);
 bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b);
 /* Widens [lo, hi] by `part` of its length (of its logarithm), or to something visible when it is a point. */
 void plot_range_widen(bool logarithmic, double part, double *lo, double *hi);
+
+/* ------------------------------------------------------- legend, labels (plot_labels.c) */
 
 /* One sample per entry, centred in rows below `top`; returns the height used. Draws nothing if page is NULL. */
 typedef struct {
@@ -128,7 +141,7 @@ typedef struct {
 /* Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how many found no place. Sorts tags. */
 int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double size);
 
-/* ----------------------------------------------------------------- options */
+/* ---------------------------------------------------------- options (cmd_plot.c) */
 
 typedef struct {
     const char *out, *title;
@@ -139,6 +152,13 @@ typedef struct {
 bool plot_parse_range(const char *text, const char *what, double range[2]);
 /* "X0:X1,Y0:Y1" */
 bool plot_parse_window(const char *text, const char *what, double window[4]);
+/* ATLAS --option VALUE... ATLAS --option VALUE...: each value belongs to the atlas named last before it (-1: none yet). Returns an exit code, with
+ * a message if there are more than `most_atlas` or `most`, another option, or no atlas. */
+typedef struct {
+    const char *text;
+    int atlas;
+} plot_listed;
+int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases, int most, int *n, plot_listed *values);
 /* Mark of a junction kind, and its word for the legend. */
 plot_mark plot_junction_mark(ric_kind kind);
 plot_stroke plot_branch_family(const ric_branch *branch);

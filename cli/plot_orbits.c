@@ -57,28 +57,14 @@ static bool take_coordinates(figure *f, const char *text)
     return f->n_shown > 0 || (cli_wrong("--coordinates %s: which?", text), false);
 }
 
-/* ATLAS --orbit SPEC --orbit SPEC ATLAS --orbit SPEC: an orbit belongs to the atlas named last before it. */
 static int take_orbits(int argc, char **argv, figure *f)
 {
-    for (int i = 1; i < argc; i++) {
-        const char *value = NULL;
-        if (!strncmp(argv[i], "--orbit", 7) && (!argv[i][7] || argv[i][7] == '=')) {
-            value = argv[i][7] ? argv[i] + 8 : i + 1 < argc ? argv[++i] : "";
-            if (!*value)
-                return cli_wrong("--orbit needs a value; see ricochet plot --help");
-            if (f->n == MAX_ORBIT)
-                return cli_wrong("plot orbits: at most %d fit on a page", MAX_ORBIT);
-            f->panels[f->n++] = (panel){.text = value, .atlas = f->n_atlas - 1};
-        } else if (argv[i][0] == '-' && argv[i][1]) {
-            return cli_operands(&cli_plot, argc, argv, 1) ? CLI_DONE : CLI_WRONG;
-        } else if (f->n_atlas == MAX_ATLAS) {
-            return cli_wrong("plot orbits: at most %d atlases", MAX_ATLAS);
-        } else {
-            f->paths[f->n_atlas++] = argv[i];
-        }
-    }
-    if (f->n_atlas == 0)
-        return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
+    plot_listed values[MAX_ORBIT];
+    const int code = plot_take_listed(argc, argv, "--orbit", MAX_ATLAS, &f->n_atlas, f->paths, MAX_ORBIT, &f->n, values);
+    for (int i = 0; i < f->n; i++)
+        f->panels[i] = (panel){.text = values[i].text, .atlas = values[i].atlas};
+    if (code != CLI_DONE)
+        return code;
     if (f->n == 0)
         return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see ricochet plot --help");
     for (int i = 0; i < f->n; i++)

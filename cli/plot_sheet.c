@@ -33,27 +33,15 @@ typedef struct {
 
 /* ------------------------------------------------------------------- orbits */
 
-/* ATLAS --segment [K:]SEGMENT ...: a segment belongs to the atlas named last before it. */
+/* --segment [K:]SEGMENT */
 static int take_parts(int argc, char **argv, sheet *s)
 {
-    for (int i = 1; i < argc; i++) {
-        if (!strncmp(argv[i], "--segment", 9) && (!argv[i][9] || argv[i][9] == '=')) {
-            const char *value = argv[i][9] ? argv[i] + 10 : i + 1 < argc ? argv[++i] : "";
-            if (!*value)
-                return cli_wrong("--segment needs a value; see ricochet plot --help");
-            if (s->n == MAX_PART)
-                return cli_wrong("--segment: at most %d", MAX_PART);
-            s->parts[s->n++] = (part){.text = value, .atlas = s->n_atlas > 0 ? s->n_atlas - 1 : 0, .k = 1};
-        } else if (argv[i][0] == '-' && argv[i][1]) {
-            return cli_operands(&cli_plot, argc, argv, 1) ? CLI_DONE : CLI_WRONG;
-        } else if (s->n_atlas == MAX_ATLAS) {
-            return cli_wrong("plot: at most %d atlases", MAX_ATLAS);
-        } else {
-            s->paths[s->n_atlas++] = argv[i];
-        }
-    }
-    if (s->n_atlas == 0)
-        return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
+    plot_listed values[MAX_PART];
+    const int code = plot_take_listed(argc, argv, "--segment", MAX_ATLAS, &s->n_atlas, s->paths, MAX_PART, &s->n, values);
+    for (int i = 0; i < s->n; i++)
+        s->parts[i] = (part){.text = values[i].text, .atlas = values[i].atlas > 0 ? values[i].atlas : 0, .k = 1};
+    if (code != CLI_DONE)
+        return code;
     return s->n ? CLI_DONE : cli_wrong("--segment 'BRANCH|P1 P2' is missing; see ricochet plot --help");
 }
 
