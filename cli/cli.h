@@ -62,6 +62,9 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);
  * cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row);
 ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row);
+/* Whether a point of a branch is its junction, an interior one or that at an end: an orbit on the border has no stability of its own, the branch
+ * on either side has. */
+bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *point);
 json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d);
 /* Appends a row. */
 ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double d, json_t *rows);

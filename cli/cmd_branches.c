@@ -4,6 +4,16 @@
 
 #include "cli.h"
 
+bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *point)
+{
+    if ((i == 0 && branch->from) || (i == branch->n_point - 1 && branch->to))
+        return true;
+    for (int k = 0; k < branch->n_junction; k++)
+        if (fabs(branch->junction_at[k] - point->arclength) <= 1e-9 * (1 + point->arclength))
+            return true;
+    return false;
+}
+
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
     const ric_model *model = ric_atlas_model(atlas);

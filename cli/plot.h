@@ -181,6 +181,8 @@ typedef struct {
 
 bool plot_track_add(plot_track *track, plot_point at, double arclength, int stable);
 void plot_track_free(plot_track *track);
+/* Of a stored point: PLOT_JOINT where it is undecided because it is a junction. */
+int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);
 /* By arclength, where joints were added after the points. */
 void plot_track_sort(plot_track *track);
 /* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities seen, 1 << ric_stability. */

@@ -41,6 +41,12 @@ static int by_arclength(const void *a, const void *b)
     return (s->stable == PLOT_JOINT) - (t->stable == PLOT_JOINT);
 }
 
+int plot_point_stability(const ric_branch *branch, int i, const ric_point *point)
+{
+    const int stable = point->stable >= 0 && point->stable <= 2 ? point->stable : RIC_STABLE_UNDECIDED;
+    return stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, point) ? PLOT_JOINT : stable;
+}
+
 void plot_track_sort(plot_track *t)
 {
     if (t->n > 0)
@@ -171,7 +177,7 @@ static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, c
         if (status != RIC_OK)
             break;
         const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights), read_quantity(y, branch, n_dof, &p, state, flights)};
-        if (!plot_track_add(t, at, p.arclength, p.stable >= 0 && p.stable <= 2 ? p.stable : RIC_STABLE_UNDECIDED))
+        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p)))
             status = RIC_E_NOMEM;
     }
     free(state);

@@ -145,7 +145,7 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
     char name[400];
     const char *label = ric_duplicate_label(branch, k, sizeof name, name) == RIC_OK ? name : "";
     if (fep_label_asked(f, s, label, k == 1 ? branch->id : 0, 0))
-        return length > 0;
+        return length > 12; /* a corner of a panel says nothing */
     if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED || f->options->labels == LABELS_ASKED)
         return false;
     if (f->options->labels == LABELS_MAIN && branch->depth > 3)
@@ -217,8 +217,7 @@ static ric_status make_track(const fep_source *s, const ric_branch *branch, cons
             return status;
         if (p.arclength < part->lo || p.arclength > part->hi)
             continue;
-        const int stable = p.stable >= 0 && p.stable <= 2 ? p.stable : RIC_STABLE_UNDECIDED;
-        if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength, stable))
+        if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength, plot_point_stability(branch, i, &p)))
             return RIC_E_NOMEM;
     }
     return add_joints(s, branch, part, t);
@@ -363,7 +362,7 @@ static void mark_ghost(fep *f, const ric_ghost *ghost, int k)
             continue;
         const plot_point at = {m.energy, m.frequency / k};
         if (plot_panel_inside(f->panel, at))
-            plot_page_mark(f->page, PLOT_STAR, plot_panel_at(f->panel, at), 2.4);
+            plot_page_mark(f->page, PLOT_STAR, plot_panel_at(f->panel, at), k == m.rotation[1] ? 4.4 : 2.4);
     }
 }
 

@@ -10,7 +10,7 @@
 
 #include "view.h"
 
-enum { JOINT = 3 };      /* the flag of a knot that is a junction; others have their ric_stability */
+enum { JOINT = 3 };      /* the flag of a knot that is a junction, or a point on one; others have their ric_stability */
 enum { OUTLINE = 40000 }; /* knots of a first picture, about: a megabyte */
 
 struct view_shelf {
@@ -54,7 +54,7 @@ static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, i
     for (int i = 0; !status && i < branch->n_point; i++) {
         ric_point p;
         if (!(status = ric_atlas_point(atlas, branch->id, i, &p, NULL, NULL)))
-            knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency, p.stable};
+            knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency, p.stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, &p) ? JOINT : (int)p.stable};
     }
     if (!status && branch->n_junction) {
         status = add_joints(atlas, branch, knots, n);
