@@ -82,9 +82,18 @@ static double nice_step(double span, double count)
     return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
 }
 
+/* A step that shows three labels or more: one alone says nothing of the scale. */
+static double telling_step(double low, double high, double count)
+{
+    double step = nice_step(high - low, count);
+    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++)
+        step = nice_step(step / 2, 1);
+    return step;
+}
+
 static void linear_ticks(tick_list *list, double pixels, double spacing)
 {
-    const double step = nice_step(list->high - list->low, pixels / spacing), slack = 1e-9 * (list->high - list->low);
+    const double step = telling_step(list->low, list->high, pixels / spacing), slack = 1e-9 * (list->high - list->low);
     const double lead = step / pow(10, floor(log10(step) + 1e-9)), size = fmax(fabs(list->low), fabs(list->high));
     const int fine = lead > 1.5 && lead < 3 ? 4 : 5, minor = pixels * step / (list->high - list->low) / fine < 7 ? fine == 4 ? 2 : 1 : fine;
     const bool plain = size < 1e5 && step > 1e-7 * (size < 1 ? 1 : size);
@@ -99,18 +108,30 @@ static void linear_ticks(tick_list *list, double pixels, double spacing)
     }
 }
 
-/* lead * 10^exponent */
-static void power_tick(tick_list *list, int lead, int exponent)
+/* tenths / 10 * 10^exponent */
+static void power_tick(tick_list *list, int tenths, int exponent)
 {
-    const double value = lead * pow(10, exponent);
+    const double value = tenths * pow(10, exponent - 1);
     char text[64];
     if (exponent < 5 && exponent > -4)
         snprintf(text, sizeof text, "%.10g", value);
-    else if (lead == 1)
+    else if (tenths == 10)
         snprintf(text, sizeof text, "10^{%d}", exponent);
     else
-        snprintf(text, sizeof text, "%d\xc2\xb7" "10^{%d}", lead, exponent);
+        snprintf(text, sizeof text, "%g\xc2\xb7" "10^{%d}", tenths / 10., exponent);
     add_tick(list, value, text);
+}
+
+/* Which of a decade have a label, in tenths: the more, the larger a decade is, in widths of a label. */
+static const char *labelled(double decade)
+{
+    static const struct { double least; char tenths[13]; } sets[] = {
+        {22, {10, 12, 15, 20, 25, 30, 40, 50, 60, 70, 80, 90}}, {12, {10, 15, 20, 30, 40, 50, 70}}, {9, {10, 20, 30, 50}},
+        {4.5, {10, 20, 50}}, {2.2, {10, 30}}, {0, {10}}};
+    int i = 0;
+    while (decade <= sets[i].least && sets[i].least > 0)
+        i++;
+    return sets[i].tenths;
 }
 
 static void log_ticks(tick_list *list, double pixels, double spacing)
@@ -120,16 +141,15 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
         linear_ticks(list, pixels, spacing);
         return;
     }
-    /* Labelled leads: the more, the larger a decade; with tiny decades only every other power. */
-    const char *leads = decade > 22 * spacing ? "123456789" : decade > 9 * spacing ? "1235" : decade > 4.5 * spacing ? "125"
-                      : decade > 2.2 * spacing ? "13" : "1";
-    const int every = (int)fmax(1, ceil(spacing / decade));
+    const char *tenths = labelled(decade / spacing);
+    const int every = (int)fmax(1, ceil(spacing / decade)); /* with tiny decades only every other power */
+    const bool fine = decade > 22 * spacing;
     for (int e = (int)floor(log10(list->low)) - 1; e <= (int)ceil(log10(list->high)); e++)
-        for (int lead = 1; lead <= 9; lead++) {
-            if (strchr(leads, '0' + lead) && e % every == 0)
-                power_tick(list, lead, e);
-            else if (decade > 25)
-                add_tick(list, lead * pow(10, e), NULL);
+        for (int k = 10; k < 100; k++) {
+            if (strchr(tenths, k) && e % every == 0)
+                power_tick(list, k, e);
+            else if (decade > 25 && (k % 10 == 0 || (fine && (k < 50 || k % 5 == 0))))
+                add_tick(list, k * pow(10, e - 1), NULL);
         }
 }
 

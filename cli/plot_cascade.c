@@ -165,18 +165,32 @@ static int draw_diagram(picture *p)
 
 /* ------------------------------------------------------------------ shapes */
 
+/* Samples of a phase portrait; where the velocity jumps a dashed line, as in the pictures of orbits. */
+static void draw_portrait(picture *p, const plot_panel *panel, int n, const plot_point *data)
+{
+    const double jump = 0.05 * (panel->y.hi - panel->y.lo);
+    for (int i = 0, first = 0; i < n; i++) {
+        if (i + 1 < n && fabs(data[i + 1].y - data[i].y) < jump)
+            continue;
+        plot_panel_curve(p->page, panel, thin[1], i + 1 - first, data + first);
+        if (i + 1 < n)
+            plot_panel_curve(p->page, panel, PLOT_JUMP, 2, data + i);
+        first = i + 1;
+    }
+}
+
 /* One row: the displacement over as many periods as give the impacts of the last orbit, and its phase portrait. */
 static bool draw_shape(picture *p, int step, plot_box row, const double range[2], const double speed[2], bool last)
 {
     const int n = ric_cascade_length(p->cascade), n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
-    const double split = row.right - (row.top - row.bottom) - 60, times = periods(p, n - 1) / periods(p, step);
+    const double gap = 76, split = row.right - (row.top - row.bottom) - gap, times = periods(p, n - 1) / periods(p, step);
     ric_cascade_step s;
     ric_cascade_step_at(p->cascade, step, &s);
     const double period = 2 * pi / s.frequency;
     double *state = calloc(2 * (size_t)n_dof, sizeof *state);
     plot_point *history = calloc(SAMPLES + 1, sizeof *history), *portrait = calloc(SAMPLES + 1, sizeof *portrait);
     const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1}, {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
-    const plot_panel right = {{.from = split + 60, .to = row.right, .lo = range[0], .hi = range[1]},
+    const plot_panel right = {{.from = split + gap, .to = row.right, .lo = range[0], .hi = range[1]},
                               {.from = row.bottom, .to = row.top, .lo = speed[0], .hi = speed[1]}};
     char text[96], name[32];
     const bool good = state && history && portrait;
@@ -187,10 +201,11 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
     }
     if (good) {
         plot_panel_curve(p->page, &left, thin[0], SAMPLES + 1, history);
-        plot_panel_curve(p->page, &right, thin[1], SAMPLES + 1, portrait);
+        draw_portrait(p, &right, SAMPLES + 1, portrait);
         snprintf(name, sizeof name, "x_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &left, last ? "time, in periods of the last orbit" : NULL, name);
-        plot_panel_frame(p->page, &right, last ? name : NULL, NULL);
+        snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
+        plot_panel_frame(p->page, &right, last ? name : NULL, text);
         if (s.multiple > 1)
             snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.impacts, s.energy, s.frequency);
         else
@@ -304,6 +319,8 @@ static int draw_circle(picture *p)
             draw_dot(p, &angles, thick[k], (plot_point){point.arclength, turn[k]});
         }
     }
+    const plot_legend_entry pair[2] = {{"exp(2πiγ)", thick[0], -1}, {"exp(\xe2\x88\x92" "2πiγ)", thick[1], -1}};
+    plot_legend(p->page, 2, pair, 66, 66 + side, plot_page_height(p->page) - 28);
     plot_panel_frame(p->page, &circle, "Re μ", "Im μ");
     plot_panel_frame(p->page, &angles, "arclength", "arg μ / 2π");
     title(p);

@@ -160,6 +160,16 @@ leaves_nothing 2 plot curves "$ATLAS" --x energy --y nonsense -o empty/a.svg
 leaves_nothing 2 plot curves "$ATLAS" --x energy --y x0 -o empty/a.svg
 leaves_nothing 2 plot floquet "$ATLAS" -o empty/a.svg
 
+# What is in a picture.
+shows() { grep -q ">$2</tspan>" "$work/$1"; }
+"$RICOCHET" plot fep "$ATLAS" --branch 'S2+[01]' --energy 1.2:4 --frequency 1.28:1.48 --size 900x560 -o part.svg
+shows part.svg 1.5 && shows part.svg 2.5
+note "less than a decade has labels between whole numbers" $?
+shows part.svg 'thin: unstable' && ! grep -q undecided part.svg
+note "stability changes at the junction itself, with nothing undecided around it" $?
+"$RICOCHET" plot orbits "$ATLAS" --orbit 'S2+[01]@E=4' --size 700x220 -o small.svg
+for panel in 0.5 1; do shows small.svg "$panel"; note "a small panel has more than one number, $panel" $?; done
+
 # What could not be done: 1.
 echo "this is no atlas" >foreign
 leaves_nothing 1 plot fep missing.ricochet -o empty/a.svg
