@@ -241,10 +241,24 @@ static void gap_name(const orbit *o, int contact, size_t size, char *out)
     char name[60];
     if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK && c.name && *c.name) {
         plot_text_escape(c.name, sizeof name, name);
-        snprintf(out, size, "gap at %s", name);
+        snprintf(out, size, "gap of %s", name); /* whatever the contact is called */
     } else {
         snprintf(out, size, "gap %d", contact + 1);
     }
+}
+
+/* What full dots stand for: springs behind a gap close and open, stops are hit. */
+static const char *what_happens(const ric_model *model)
+{
+    bool rigid = false, springs = false;
+    for (int i = 0; i < ric_model_n_contact(model); i++) {
+        ric_contact c;
+        if (ric_model_contact(model, i, &c) != RIC_OK)
+            continue;
+        rigid |= c.law == RIC_LAW_RIGID;
+        springs |= c.law == RIC_LAW_BILINEAR;
+    }
+    return !springs ? "impact" : rigid ? "impact, closing, opening" : "closing, opening";
 }
 
 /* Whether a stop on this side exists among the gaps shown. */
@@ -318,7 +332,8 @@ static void draw_gaps(orbit *o, plot_box box)
         gap_name(o, o->gaps[i], sizeof names[i], names[i]);
         entries[n++] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
-    entries[n++] = (plot_legend_entry){"stop", PLOT_STOP, -1};
+    if (upper || lower)
+        entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
     plot_panel_frame(o->page, &panel, "time (s)", "gap / clearance");
     draw_gap_events(o, &panel);
     bool hit = false, touch = false;
@@ -331,7 +346,7 @@ static void draw_gaps(orbit *o, plot_box box)
         plot_legend_entry marks[2];
         int k = 0;
         if (hit)
-            marks[k++] = (plot_legend_entry){"impact", -1, PLOT_DOT};
+            marks[k++] = (plot_legend_entry){what_happens(o->motion.model), -1, PLOT_DOT};
         if (touch)
             marks[k++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
         plot_legend(o->page, k, marks, box.left, box.right, box.bottom - 42);
