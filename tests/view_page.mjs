@@ -182,10 +182,44 @@ async function growing(page, shot, atlas) {
   await shot("c33-6");
 }
 
+// What the eye is told, the ear is too: every control has a name. And the whole way from a name to a motion goes by keys.
+async function keys(page, shot) {
+  const nameless = await page.evaluate(() => [...document.querySelectorAll("button, input, select, summary, canvas, [tabindex='0']")].filter((e) =>
+    !(e.textContent.trim() || e.getAttribute("aria-label") || e.title || e.labels?.length || e.closest("[hidden], [aria-hidden=true]"))).map((e) => e.outerHTML.slice(0, 80)));
+  ok("every control has a name", nameless.length === 0, nameless.join(" "));
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("h");
+  await page.keyboard.press("/");
+  await page.keyboard.type("C1_32");
+  await page.keyboard.press("Enter");
+  for (let i = 0; i < 60 && !(await page.evaluate(() => document.activeElement.matches("#content .way"))); i++) await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await orbitShown(page, 0);
+  const before = await page.evaluate(() => window.ricochet().selected().arclength);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction((s) => window.ricochet().selected().arclength !== s, before, { timeout: 20000 });
+  ok("by keys alone from a name to a junction, out of it, and along the branch", true);
+  const colours = [];
+  for (let i = 0; i < 4; i++) {
+    await page.keyboard.press("c");
+    await page.waitForTimeout(300);
+    colours.push([await page.inputValue("#colouring"), await page.locator("#legend > span:not(.sub)").count()]);
+  }
+  ok("colours by stability, word family, fractal base and symmetry", colours.map(([name]) => name).join() === "stability,word,base,symmetry" && colours.every(([, n]) => n > 1), JSON.stringify(colours));
+  await page.focus("#divider");
+  const wide = await page.locator("#side").evaluate((e) => e.clientWidth);
+  await page.keyboard.press("ArrowLeft");
+  ok("the width of the panel too", (await page.locator("#side").evaluate((e) => e.clientWidth)) > wide);
+  await shot("keys");
+}
+
 async function saving(page) {
   for (const [what, ending, test] of [
     ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && (text.match(/<path/g) ?? []).length > 20],
     ["csv", ".csv", (text) => text.startsWith("branch,duplicate,label,arclength,energy,frequency,stable\n") && text.split("\n").length > 200],
+    ["orbit-svg", "-orbit.svg", (text) => text.startsWith("<svg")],
+    ["orbit-csv", "-orbit.csv", (text) => text.startsWith("t,x1,x2,v1,v2") && text.split("\n").length > 50],
     ["png", ".png", (_, bytes) => bytes.subarray(1, 4).toString() === "PNG" && bytes.length > 20000],
   ]) {
     await page.click("#saving summary");
@@ -207,6 +241,7 @@ async function demo(browser) {
   await orbits(page, shot, atlas);
   await zooming(page, shot);
   await growing(page, shot, atlas);
+  await keys(page, shot);
   await saving(page);
   await page.click("#theme");
   await page.selectOption("#colouring", "base");

@@ -2,7 +2,7 @@
 import type { Model, Orbit } from "./api";
 import type { Pen } from "./pen";
 import type { Palette } from "./theme";
-import { niceStep } from "./view";
+import { tellingStep } from "./view";
 
 export interface Frame {
   pen: Pen;
@@ -39,12 +39,12 @@ function axes(f: Frame, box: [number, number, number, number], xr: [number, numb
   const x = (v: number) => l + ((v - xr[0]) / (xr[1] - xr[0])) * (r - l);
   const y = (v: number) => b - ((v - yr[0]) / (yr[1] - yr[0])) * (b - t);
   pen.path([l, t, r, t, r, b, l, b], { stroke: p.grid, width: 1 }, true);
-  const sx = niceStep(xr[1] - xr[0], Math.max(2, (r - l) / 75));
-  const sy = niceStep(yr[1] - yr[0], Math.max(2, (b - t) / 32));
+  const sx = tellingStep(xr[0], xr[1], Math.max(2, (r - l) / 75));
+  const sy = tellingStep(yr[0], yr[1], Math.max(2, (b - t) / 32));
   for (let i = Math.ceil(xr[0] / sx); i * sx <= xr[1]; i++) {
     const px = x(i * sx);
     pen.path([px, b, px, b + 4], { stroke: p.soft });
-    if (px < r - 12) pen.text(px, b + 4 + small, short(i * sx), { size: small, fill: p.soft, anchor: px < l + 8 ? "start" : "middle" });
+    pen.text(px, b + 4 + small, short(i * sx), { size: small, fill: p.soft, anchor: px < l + 8 ? "start" : px > r - 8 ? "end" : "middle" });
   }
   for (let i = Math.ceil(yr[0] / sy); i * sy <= yr[1]; i++) {
     const py = y(i * sy);

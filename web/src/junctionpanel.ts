@@ -52,8 +52,10 @@ export function junctionPanel(atlas: Atlas, j: JunctionRow, full: boolean, physi
     const s = placeOn(atlas, id, j.id);
     const end = b.from === j.id || b.to === j.id;
     const far = end ? atlas.junction((b.from === j.id ? b.to : b.from) ?? 0) : undefined;
-    const where = !end ? "passes through" : far ? `to ${far.name || far.label}` : `to its end (${b.stop})`;
-    const way = el("button", { type: "button", class: "way", title: "Follow this branch" }, el("span", {}, toHtml(branchRuns(b.label, b.word))), el("small", { textContent: `branch ${id}, ${where}` }));
+    const where = !end ? "passes through" : far ? "to " : `to its end (${b.stop})`;
+    const small = el("small", { textContent: `branch ${id}, ${where}` });
+    if (far) small.append(toHtml(junctionRuns(far.name || far.label)));
+    const way = el("button", { type: "button", class: "way", title: "Follow this branch" }, el("span", {}, toHtml(branchRuns(b.label, b.word))), small);
     way.onclick = () => events.follow(id, s);
     way.onpointerenter = () => events.hover(id);
     way.onpointerleave = () => events.hover(0);

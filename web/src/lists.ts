@@ -46,8 +46,13 @@ export class Lists {
     const list = this.bases!.map((row) => {
       const name = /^F(\d+)_(\d+)$/.exec(row.base);
       const label = name ? toHtml([{ text: "F", shift: 0 }, { text: name[1], shift: 1 }, { text: name[2], shift: -1 }]) : row.base;
-      return el("button", { type: "button", class: "way", title: "Show the branches of this base", onclick: () => this.events.path(row.branches, true) }, el("span", {}, label),
-        el("small", { textContent: `${row.number} ${row.number === 1 ? "branch" : "branches"}: ${row.labels.slice(0, 5).join(", ")}${row.number > 5 ? ", …" : ""}` }));
+      const small = el("small", { textContent: `${row.number} ${row.number === 1 ? "branch" : "branches"}: ` });
+      row.branches.slice(0, 5).forEach((id, i) => {
+        const b = this.atlas().branch(id);
+        if (b) small.append(i ? ", " : "", toHtml(branchRuns(b.label, b.word)));
+      });
+      if (row.number > 5) small.append(", …");
+      return el("button", { type: "button", class: "way", title: "Show the branches of this base", onclick: () => this.events.path(row.branches, true) }, el("span", {}, label), small);
     });
     return [el("h3", { textContent: "Fractal bases" }), list.length ? el("div", { class: "ways" }, ...list) : el("p", { class: "sub", textContent: "None." })];
   }

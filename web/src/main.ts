@@ -20,6 +20,8 @@ type Tab = "here" | "paths" | "grow" | "help";
 
 const settings = { full: false, physical: false, size: Number(localStorage.getItem("size")) || 14 };
 
+const LINES = Object.assign(document.createElement("span"), { className: "sub", textContent: "thick: stable, thin: unstable, dotted: undecided, dashed: duplicate" });
+
 class Page {
   private atlas: Atlas;
   private plot: Plot;
@@ -88,7 +90,7 @@ class Page {
       span.append(canvas, /^F\d+_\d+$/.test(entry.text) ? toHtml(junctionRuns(entry.text)) : entry.text);
       return span;
     });
-    $("legend").replaceChildren(...swatches);
+    $("legend").replaceChildren(...swatches, ...(painter.oneColour ? [LINES] : []));
     this.orbit.refresh();
   }
 
@@ -290,6 +292,8 @@ class Page {
 
   private showTab(tab: Tab): void {
     this.tab = tab;
+    this.plot.regions = tab === "grow" ? this.atlas.description.regions : [];
+    this.plot.touch(false);
     for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.setAttribute("aria-selected", String(b.dataset.tab === tab));
     const content = $("content");
     if (tab === "help") content.replaceChildren($<HTMLTemplateElement>("helptext").content.cloneNode(true));
@@ -387,7 +391,7 @@ class Page {
     }, 6000);
     this.repaint();
     this.grow.show();
-    if (this.tab !== "grow") this.showTab(this.tab);
+    this.showTab(this.tab);
     this.keep(false);
     await this.refine();
   }
@@ -437,7 +441,11 @@ class Page {
       };
     for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.onclick = () => this.showTab(b.dataset.tab as Tab);
     for (const b of document.querySelectorAll<HTMLElement>("[data-save]")) b.onclick = () => void this.save(b.dataset.save!);
-    installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, (f) => (f.kind === "branch" ? this.goBranch(f.id) : this.goJunction(f.id)));
+    installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, (f) => {
+      if (f.kind === "branch") this.goBranch(f.id);
+      else this.goJunction(f.id);
+      document.querySelector<HTMLElement>(".overlay")?.focus(); // keys go on from there
+    });
     addEventListener("popstate", () => this.apply(readAddress()));
     addEventListener("keydown", (e) => this.key(e));
     addEventListener("click", (e) => {
@@ -448,6 +456,13 @@ class Page {
       $("divider").setPointerCapture(e.pointerId);
       $("divider").onpointermove = (m) => ($("side").style.width = `${innerWidth - m.clientX - 3}px`);
       $("divider").onpointerup = () => ($("divider").onpointermove = null);
+    };
+    $("divider").onkeydown = (e) => {
+      const by = e.key === "ArrowLeft" ? 24 : e.key === "ArrowRight" ? -24 : 0;
+      if (!by) return;
+      $("side").style.width = `${$("side").clientWidth + by}px`;
+      e.preventDefault();
+      e.stopPropagation();
     };
     if (!mayCompute) this.status("opened without its token: nothing can be computed");
   }

@@ -1,4 +1,5 @@
 // The frequency-energy plot: lines below, axes, marks and labels above, pointer and wheel on top.
+import type { Region } from "./api";
 import type { Atlas } from "./atlas";
 import { junctionRuns, measure } from "./labels";
 import { createLines, type LineRenderer, Segments, type Style } from "./lines";
@@ -57,6 +58,7 @@ export class Plot {
   private hovered: Hit | null = null;
   private hoveredMark: Mark | null = null;
   private rubber: { x0: number; y0: number; x1: number; y1: number } | null = null;
+  regions: Region[] = [];
   private type = 14; // size in pixels, which the margins follow
   private pad = { left: 70, right: 14, top: 34, bottom: 46 };
 
@@ -72,6 +74,7 @@ export class Plot {
     this.miniView = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.log, 176, 108);
     this.scene = new Scene(atlas, painter);
     this.gl.className = "lines";
+    this.gl.setAttribute("aria-hidden", "true"); // what it shows is said by the overlay
     this.overlay.className = "overlay";
     this.overlay.tabIndex = 0;
     this.overlay.setAttribute("role", "img");
@@ -233,6 +236,8 @@ export class Plot {
     const { view, scene, options } = this;
     scene.build(view, options.duplicates);
     scene.buildMarks(view, options.duplicates);
+    const under = this.hoveredMark; // it has moved with the view, which keys may have changed
+    if (under) this.hoveredMark = scene.marks.find((m) => m.junction.id === under.junction.id && m.k === under.k) ?? null;
     this.lines.draw(this.withHighlights(), [...scene.painter.styles, ...this.highlightStyles()], view.width, view.height, scale);
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
     if (this.overlay.width !== Math.round(w * scale) || this.overlay.height !== Math.round(h * scale)) {
@@ -328,10 +333,13 @@ export class Plot {
       pen.text(x, b + 0.5 * size + size * 0.9, tick.text, { size: size - 1, fill: p.ink, anchor: "middle" });
       last = x + half;
     }
-    for (const tick of ys.ticks) {
+    const numbered: number[] = []; // powers of ten first, others where there is room
+    for (const tick of [...ys.ticks].sort((one, other) => Number(one.minor) - Number(other.minor))) {
       const y = t + view.py(tick.at);
       pen.path([tick.minor && !tick.text ? l - 3 : l - 6, y, l, y], { stroke: p.soft });
-      if (y > t + 4 && tick.text) pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
+      if (!tick.text || y <= t + 4 || numbered.some((other) => Math.abs(other - y) < 1.15 * size)) continue;
+      pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
+      numbered.push(y);
     }
     const unit = xs.offset ? ` = ${xs.offset}` : "";
     pen.text((l + r) / 2, h - 0.4 * size, `energy E, scaled by d²${unit}`, { size, fill: p.soft, anchor: "middle" });
@@ -341,6 +349,7 @@ export class Plot {
   private paintInside(pen: Pen): void {
     const { view, scene, palette: p, options } = this;
     if (options.reference) this.paintReference(pen);
+    this.paintRegions(pen);
     const placed = this.labels.map((label) => ({ label, dx: view.px(label.anchor.x) - label.px, dy: view.py(label.anchor.y) - label.py }));
     for (const { label, dx, dy } of placed)
       if (label.leader)
@@ -371,6 +380,17 @@ export class Plot {
       });
     draw(model.frequencies, [12, 4, 1, 4]);
     draw(model.locked, [5, 4]);
+  }
+
+  // Where larger budgets hold, while the living atlas is looked at.
+  private paintRegions(pen: Pen): void {
+    const { view, palette: p } = this;
+    for (const { energy, frequency } of this.regions) {
+      const [x0, x1, y0, y1] = [view.px(view.toX(energy[0])), view.px(view.toX(energy[1])), view.py(view.toY(frequency[1])), view.py(view.toY(frequency[0]))];
+      const cut = (v: number, most: number) => Math.min(most + 9, Math.max(-9, v));
+      pen.path([cut(x0, view.width), cut(y0, view.height), cut(x1, view.width), cut(y0, view.height), cut(x1, view.width), cut(y1, view.height), cut(x0, view.width), cut(y1, view.height)],
+        { stroke: p.accent, width: 1, dash: [2, 4] }, true);
+    }
   }
 
   private paintSelected(pen: Pen): void {

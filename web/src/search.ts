@@ -65,7 +65,10 @@ export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas:
     input.setAttribute("aria-expanded", String(!list.hidden));
   };
   input.addEventListener("input", show);
-  input.addEventListener("focus", show);
+  input.addEventListener("focus", () => {
+    input.select(); // what is typed takes the place of the last name
+    show();
+  });
   input.addEventListener("blur", close);
   input.addEventListener("keydown", (e) => {
     if (e.key === "ArrowDown" || e.key === "ArrowUp") {

@@ -77,6 +77,12 @@ function scaled(w: Window, a: "x0" | "y0", b: "x1" | "y1", at: number, factor: n
   return { [a]: at - (at - lo) * f, [b]: at + (hi - at) * f };
 }
 
+// The same, smaller if fewer than three ticks would show: one alone says nothing of the scale.
+export function tellingStep(lo: number, hi: number, count: number): number {
+  const step = niceStep(hi - lo, count);
+  return Math.floor(hi / step) - Math.ceil(lo / step) < 2 ? niceStep(step / 2, 1) : step;
+}
+
 // A round step that gives about `count` ticks.
 export function niceStep(span: number, count: number): number {
   const raw = span / count;
@@ -128,7 +134,7 @@ export function axisTicks(lo: number, hi: number, logarithmic: boolean, count: n
       const at = p + Math.log10(d);
       if (at < lo || at > hi) continue;
       const major = d === 1 && p % every === 0;
-      const shown = major || hi - lo < 1.3 || (hi - lo < 2.2 && (d === 2 || d === 5));
+      const shown = major || hi - lo < 1.3 || (hi - lo < 2.2 && (d === 2 || d === 5)) || (hi - lo < 3.5 && d === 3 && hi - lo >= 2.2);
       if (!shown && hi - lo > 8) continue;
       ticks.push({ at, text: !shown ? "" : p >= -3 && p <= 4 ? String(Number((d * 10 ** p).toPrecision(3))) : `${d > 1 ? `${d}·` : ""}10${superscript(p)}`, minor: !major });
     }
