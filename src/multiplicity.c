@@ -22,9 +22,9 @@
 /* What the kind of a junction lets expect (docs/theory.md section 7). */
 static void expected(const ric_node *node, int *a, int *b)
 {
-    bool half = node->cycle->half;
-    *b = node->kind == RIC_KIND_EXTREMUM ? 1 : 2;
-    *a = half ? 3 : 2;
+    bool half = node->cycle->half, extremum = node->kind == RIC_KIND_EXTREMUM;
+    *b = extremum ? 1 : 2;
+    *a = half || (extremum && ric_cycle_letters(node->cycle) < 2) ? 3 : 2; /* with one flight its time fraction is fixed */
     if (node->kind == RIC_KIND_MULTIPLICATION) *a = *b = node->multiple == 2 && !half ? 2 : 3;
 }
 

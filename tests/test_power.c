@@ -124,6 +124,27 @@ static void symmetric_path(void **state)
     }
 }
 
+/* The period of an orbit without impacts is one flight, whose time fraction is fixed: its extrema have a = 3 whether it is S or A, and those
+ * whose ranks are lost in rounding say the same. */
+static void extrema_have_three(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 3, "energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
+    int measured = 0, lost = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        for (int i = 0; i < b.n_junction && !b.symmetric; i++) {
+            ric_junction j = junction_of(atlas, b.junctions[i]);
+            if (j.kind != RIC_KIND_EXTREMUM) continue;
+            assert_true(j.a == 3 && j.b == 1);
+            measured += j.decided;
+            lost += !j.decided;
+        }
+    }
+    assert_true(measured > 0 && lost > 0);
+    ric_atlas_free(atlas);
+}
+
 /* The eight-duplicate of the segment between the extremum near omega 1.609 and the branch point near 1.584 carries exactly the multiplications
  * p/8, p = 1..7. */
 static void eight_duplicate(void **state)
@@ -286,6 +307,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(published_frequencies),
         cmocka_unit_test(symmetric_path),
+        cmocka_unit_test(extrema_have_three),
         cmocka_unit_test(eight_duplicate),
         cmocka_unit_test(tongue),
         cmocka_unit_test(orbits_return),
