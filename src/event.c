@@ -16,6 +16,8 @@
 #define JUMP 1e-7
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
 #define TRUE_RESONANCE 1e-2
+/* How far the sign of a factor that was never seen may come out of rounding in one step, over the least that is seen. */
+#define EMERGED 100
 /* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
 #define ASIDE_STEPS 3
 /* Part of the largest step within which two pairs that pass a resonance count as one event. */
@@ -74,10 +76,23 @@ static double crossing_ahead(const ric_trace *tr, double h)
     return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
 }
 
+/* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first that is seen may be that
+ * behind a zero: it has to be seen soon after it emerges. */
+static bool emerges_late(const ric_trace *tr)
+{
+    for (int i = 0; i < 3; i++) {
+        int test = RIC_TEST_A + i;
+        bool lost = tr->definite[test] == 0 && tr->past.test[test] == 0 && tr->now.test[test] == 0;
+        if (watched(tr, test) && lost && fabs(tr->next.test[test]) > EMERGED * tr->now.hidden[i]) return true;
+    }
+    return false;
+}
+
 bool ric_event_suspicious(const ric_trace *tr, double h)
 {
     const ric_station *p = &tr->past, *a = &tr->now, *b = &tr->next;
     if (!tr->has_past || h < 1e-5 * tr->step_max || crossing_ahead(tr, h) < HUGE_VAL) return false;
+    if (emerges_late(tr)) return true;
     double x0 = p->s - a->s, x2 = b->s - a->s;
     for (int i = 0; i < tr->floquet.n_pair && !(tr->ignore & singular); i++)
         if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;

@@ -199,6 +199,7 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
         size_of[i] = error[i] > 0 ? error[i] / DBL_EPSILON : 1;
         p->factor[i] = value[i] / most[i];
         p->test[RIC_TEST_A + i] = (expected ? value[i] : definite(value[i], error[i] * blur)) / size_of[i];
+        p->hidden[i] = error[i] * blur / size_of[i];
         open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
     }
     if (!open || !isfinite(move)) return RIC_OK;
@@ -212,8 +213,10 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
         for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], MEASURED * fabs(moved[i] - value[i]));
     }
     ric_chain_fly(c, p->u);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         if (p->test[RIC_TEST_A + i] == 0) p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
+        p->hidden[i] = fmin(p->hidden[i], seen[i] / size_of[i]);
+    }
     return RIC_OK;
 }
 

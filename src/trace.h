@@ -35,6 +35,7 @@ typedef struct {
     double *u, *t;       /* [n_unknown] unknowns and unit tangent */
     double test[RIC_N_TEST];
     double factor[3];    /* the factors A, B, D of the map over what they are at most: smooth, but next to nothing beside a grazing */
+    double hidden[3];    /* below it the sign of their tests is lost in rounding */
     double *own;         /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
 } ric_station;
