@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "corner.h"
+#include "fine.h"
 #include "motion.h"
 #include "problem.h"
 #include "subset.h"
@@ -15,6 +16,7 @@
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
 #define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a pole */
+#define FINE 1e-12      /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in higher precision */
 #define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a tenth) */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define TEST_ROTATION 100 /* criterion: lambda + 1/lambda of some pair reaches a given value */
@@ -104,6 +106,8 @@ typedef struct {
     const double *u;
     int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
     const ric_asked *asked;
+    bool last;     /* from a canonical orbit: what is found is kept */
+    double noise;  /* rounding in the determinant of the larger problem, beside its zero */
     double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
 } criterion;
 
@@ -154,6 +158,7 @@ static double larger_determinant(criterion *q, const double *u)
         ric_chain_evaluate(large, v);
         double sign = ric_trace_tangent(large, q->along, t);
         value = sign * large->end_det;
+        q->noise = ric_trace_tolerance(large) * fabs(large->end_det / large->smallest);
         if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
     }
     ric_chain_free(large);
@@ -207,6 +212,17 @@ static bool breaks_symmetry(int test)
     return test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
 }
 
+/* The same zero where rounding hides it: sought in quadruple precision from u on, an orbit beside it. */
+static bool solve_finely(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    double t[c->n_unknown];
+    ric_trace_tangent(c, NULL, t);
+    if (!ric_fine_branch_point(c, q->test, t, u)) return false;
+    ric_chain_evaluate(c, u);
+    return c->residual <= 4 * ric_trace_tolerance(c);
+}
+
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
 static bool solve_criterion(criterion *q, double *u)
 {
@@ -247,7 +263,10 @@ static bool solve_criterion(criterion *q, double *u)
     ric_chain_evaluate(c, u);
     if (q->test == TEST_ASKED) return least <= MET;
     bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET || (q->test == TEST_ROTATION && c->start != RIC_MIRROR_NONE);
-    return !by_determinant || least <= AT_ZERO * c->scale * slope;
+    if (!by_determinant) return true;
+    bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
+    if (blurred) return !q->last || solve_finely(q, u);
+    return least <= AT_ZERO * c->scale * slope;
 }
 
 /* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is shortest. */
@@ -290,6 +309,7 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion 
     ric_cycle *canonical = NULL, *out = NULL;
     for (int pass = 0; pass < 2; pass++) {
         criterion q = what;
+        q.last = pass > 0;
         double *u = NULL;
         ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);

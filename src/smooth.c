@@ -12,8 +12,6 @@ enum { ORDER = 28, PAD = 4 };
 #define TRUNCATION DBL_EPSILON
 /* What the equation of motion may be off by at the end of a step, over ORDER, relative to the largest coordinate: rounding takes the half. */
 #define DEFECT (4 * DBL_EPSILON)
-/* s^(m - 1) takes a square per binary digit and a product per digit that is not 0; m is at most 99. */
-enum { PRODUCTS = 12 };
 /* Exponents up to this one show all of themselves within the orders computed. */
 enum { SEEN = ORDER - 3 };
 
@@ -27,27 +25,31 @@ typedef struct {
 /* The series of one contact: s, its powers on the way to s^(m - 1), which is the last, and s^m. */
 typedef struct {
     int count;                /* products to s^(m - 1); series 0 is s, series k the k-th product */
-    int left[PRODUCTS + 1], right[PRODUCTS + 1];
-    numbers power[PRODUCTS + 1];
+    int left[RIC_SMOOTH_PRODUCTS + 1], right[RIC_SMOOTH_PRODUCTS + 1];
+    numbers power[RIC_SMOOTH_PRODUCTS + 1];
 } powers;
 
-/* Binary powers: squares s^2, s^4, ..., and the products of those that m - 1 is made of. */
-static void plan(int exponent, powers *p)
+int ric_smooth_products(int exponent, int *left, int *right)
 {
-    int product = -1;
-    p->count = 0;
-    memset(p->power, 0, sizeof p->power);
+    int count = 0, product = -1;
     for (int rest = (exponent - 1) / 2, square = 0; rest > 0; rest /= 2) {
-        p->left[++p->count] = square;
-        p->right[p->count] = square;
-        square = p->count;
+        left[++count] = square;
+        right[count] = square;
+        square = count;
         if (rest % 2 == 0) continue;
         if (product >= 0) {
-            p->left[++p->count] = product;
-            p->right[p->count] = square;
-            product = p->count;
+            left[++count] = product;
+            right[count] = square;
+            product = count;
         } else product = square;
     }
+    return count;
+}
+
+static void plan(int exponent, powers *p)
+{
+    memset(p->power, 0, sizeof p->power);
+    p->count = ric_smooth_products(exponent, p->left, p->right);
 }
 
 static inline double larger(double a, double b)

@@ -6,6 +6,12 @@
 
 #include "model.h"
 
+/* The products that make s^(exponent - 1), the last, of s, number 0: squares s^2, s^4, ..., and products of those that exponent - 1 is made of.
+ * left and right [RIC_SMOOTH_PRODUCTS + 1] from place 1 on; returns their number. A square per binary digit and a product per digit that is
+ * not 0; exponents are at most 99. */
+enum { RIC_SMOOTH_PRODUCTS = 12 };
+int ric_smooth_products(int exponent, int *left, int *right);
+
 /* Doubles of workspace for `columns` neighbours; it starts at a multiple of 16 bytes. */
 size_t ric_smooth_work(const ric_model *model, int columns);
 
