@@ -131,6 +131,21 @@ ok 'free-pair: no branch point' exactly 0 branch-point free-pair junctions kind
 low() { rows loose-mass branches label energy_min | grep -E '^S2.*\|0\.0(10*|09999999999[0-9]*)$'; }
 ok 'loose-mass: the family of the loose mass starts at the lower edge of the window' low
 ok 'loose-mass: branches' branches loose-mass 10
+tongue() { # S+ goes on to the end of the window from where it touches the 3-duplicate of S-, over two more extrema
+    rows peeters branches id label stop energy_max junctions | grep '^1|S+|window|10000' >"$folder/path" && cat "$folder/path" || return 1
+    rows peeters junctions id kind multiple energy frequency branches | python3 -c '
+import sys
+path = [int(i) for i in sys.argv[1].strip("[]").split(", ")]
+rows = {int(row[0]): row for row in (line.strip().split("|") for line in sys.stdin)}
+wanted = [("extremum", 4680.546292756), ("multiplication", 285.1593439288), ("extremum", 285.1589908027), ("extremum", 2105.466020769),
+          ("extremum", 1786.385084028)]
+found = [i for i in path if any(rows[i][1] == kind and abs(float(rows[i][3]) / energy - 1) < 1e-9 for kind, energy in wanted)]
+print(*(rows[i] for i in found), sep="\n")
+touch = rows[found[1]]
+sys.exit(not (len(found) == len(wanted) and touch[2] == "3" and touch[5] == "[1, 2]" and abs(float(touch[4]) - 1.407414986264) < 1e-9))' \
+        "$(cut -d'|' -f5 "$folder/path")"
+}
+ok 'peeters: the tongue leads to the 3-duplicate of the other mode and back to the backbone' tongue
 ok 'beam-lumped: 50 branches' branches beam-lumped 50
 ok 'beam-lumped: ten of four or more impacts' with_impacts beam-lumped 4 10
 made() { # the matrices are those that the script makes

@@ -173,26 +173,75 @@ static void eight_duplicate(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The 3:1 tongue of the in-phase mode is gone through to its end and back to the backbone, and touches the 3-duplicate of the other mode. */
+/* Amplitudes of sin(omega t) and sin(3 omega t) in x1 of an orbit with z(t+T/2) = -z(t) that starts at a centre, integrated by CVODE, which has to
+ * find it in the opposite state after half a period. */
+static void harmonics(const ric_atlas *atlas, const double *state, double period, double *first, double *third)
+{
+    enum { SAMPLES = 48 };
+    const ric_model *m = ric_atlas_model(atlas);
+    ric_contact contact;
+    double z[4], size = 0, off = 0;
+    assert_int_equal(ric_model_contact(m, 0, &contact), RIC_OK);
+    memcpy(z, state, sizeof z);
+    *first = *third = 0;
+    for (int i = 0; i < SAMPLES; i++) {
+        *first += 2.0 / SAMPLES * z[0] * sin(i * M_PI / SAMPLES);
+        *third += 2.0 / SAMPLES * z[0] * sin(i * 3 * M_PI / SAMPLES);
+        cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, period / 2 / SAMPLES, z, z + 2);
+    }
+    for (int k = 0; k < 4; k++) {
+        size = fmax(size, fabs(state[k]));
+        off = fmax(off, fabs(z[k] + state[k]));
+    }
+    if (!(off < 1e-8 * size)) fail_msg("CVODE returns with %g after half a period of %g", off / size, period);
+}
+
+/* The loop of the 3:1 resonance (Peeters et al. 2009), which is one branch, S+. On the backbone x1 has little of the third harmonic. From an
+ * extremum of the energy on the branch leaves it, with the first harmonic falling to 0: there it is the other mode gone through three times, and
+ * touches its 3-duplicate. It comes back with the first harmonic in the opposite phase, over two more extrema, and is the backbone again: that
+ * of x1 being drawn along by x2 as x1^3 ~ sin(omega t), whose third harmonic is 1/5 of the first. */
 static void tongue(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore(peeters, 3, "energy: [0, 10000], frequency: [0.2, 20], multiply: 3, depth: 1", 0);
     ric_branch in = branch_of(atlas, 1), out = branch_of(atlas, 2);
-    int touch = -1;
-    for (int i = 0; i < in.n_junction; i++)
-        for (int k = 0; k < out.n_junction; k++)
-            if (in.junctions[i] == out.junctions[k] && junction_of(atlas, in.junctions[i]).multiple == 3) touch = i;
-    assert_true(touch >= 0);
-    ric_junction j = junction_of(atlas, in.junctions[touch]);
-    assert_true(near(3 * j.frequency, frequency_at(atlas, out.id, j.energy), 1e-9));
-    /* the way back: two extrema of the energy, and then up to the end of the window */
-    int extrema = 0;
-    for (int i = touch + 1; i < in.n_junction; i++) {
-        ric_junction k = junction_of(atlas, in.junctions[i]);
-        extrema += k.kind == RIC_KIND_EXTREMUM;
+    static const double energies[] = {4680.546292756, 285.1589908027, 2105.466020769, 1786.385084028}; /* of the extrema, in order */
+    double at[4] = {0}, touch = -1, first = 0, third = 0;
+    int extrema = 0, taken_over = 0;
+    for (int i = 0; i < in.n_junction; i++) {
+        ric_junction j = junction_of(atlas, in.junctions[i]);
+        bool shared = false;
+        for (int k = 0; k < out.n_junction; k++) shared |= in.junctions[i] == out.junctions[k];
+        if (shared) {
+            assert_true(touch < 0 && j.kind == RIC_KIND_MULTIPLICATION && j.multiple == 3);
+            assert_true(near(3 * j.frequency, frequency_at(atlas, out.id, j.energy), 1e-9));
+            assert_true(near(j.energy, 285.1593439288, 1e-9) && near(j.frequency, 1.407414986264, 1e-9));
+            harmonics(atlas, j.state, 6.283185307179586 / j.frequency, &first, &third);
+            assert_true(fabs(first) < 1e-8 * fabs(third));
+            touch = in.junction_at[i];
+        }
+        if (j.kind != RIC_KIND_EXTREMUM) continue;
+        assert_true(extrema < 4 && near(j.energy, energies[extrema], 1e-9));
+        at[extrema++] = in.junction_at[i];
     }
-    assert_true(extrema >= 2);
+    assert_int_equal(extrema, 4);
+    assert_true(at[0] < touch && touch < at[2] && fabs(at[1] - touch) < 0.1); /* one extremum lies next to the touch */
+    bool mostly_third = false;
+    for (int i = 0; i < in.n_point; i += i < in.n_point - 8 ? 8 : 1) {
+        double z[4], period;
+        ric_point p;
+        assert_int_equal(ric_atlas_point(atlas, in.id, i, &p, z, &period), RIC_OK);
+        if (p.energy < 1 || fabs(p.arclength - touch) < 1) continue;
+        harmonics(atlas, z, period, &first, &third);
+        assert_true((first * third < 0) == (p.arclength < touch));
+        if ((fabs(third) > fabs(first)) == mostly_third) continue;
+        mostly_third = !mostly_third;
+        /* on the way out shortly before the greatest energy, on the way back between the last two extrema */
+        assert_true(++taken_over == 1 ? p.arclength < at[0] && p.energy > 2500 : taken_over == 2 && p.arclength > at[2] && p.arclength < at[3]);
+    }
+    assert_int_equal(taken_over, 2);
+    print_message("# at E %.6g the third harmonic is %.3f of the first\n", in.energy_max, third / first);
+    assert_true(near(third / first, 0.2, 0.1));
     assert_int_equal(in.stop, RIC_STOP_WINDOW);
     assert_true(near(in.energy_max, 10000, 1e-9));
     ric_atlas_free(atlas);
