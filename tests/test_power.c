@@ -86,41 +86,51 @@ static int next_of(const ric_atlas *atlas, const ric_branch *b, int from, ric_ki
     return -1;
 }
 
-/* From the linear mode over C32 to C33 with an energy extremum beside it, and on to energy 1e3: the same for steps over a factor 100. */
+/* From the linear mode over C32 to C33 with an energy extremum beside it, and on to energy 1e3. */
+static ric_branch goes_all_the_way(const ric_atlas *atlas, int exponent)
+{
+    ric_branch b = branch_of(atlas, 1);
+    assert_int_equal(ric_atlas_n_branch(atlas), 1);
+    assert_int_equal(b.stop, RIC_STOP_WINDOW);
+    assert_true(b.symmetric && b.impacts == 0 && near(b.energy_max, 1000, 1e-9));
+    int first = next_of(atlas, &b, 0, RIC_KIND_BRANCH_POINT, 1), tripling = next_of(atlas, &b, first, RIC_KIND_MULTIPLICATION, 3);
+    int fold = next_of(atlas, &b, first, RIC_KIND_EXTREMUM, 1);
+    assert_true(first >= 0 && tripling > first && fold > first);
+    if (exponent == 3) { /* published */
+        assert_true(near(junction_of(atlas, b.junctions[first]).frequency, 1.2411838299, 1e-9));
+        assert_true(near(junction_of(atlas, b.junctions[first]).energy, 2.764187897, 1e-9));
+    }
+    return b;
+}
+
+/* The same for the steps of tools/steps.py, over a factor 100. */
 static void symmetric_path(void **state)
 {
     static const int exponents[] = {3, 7, 21};
     (void)state;
     for (int e = 0; e < 3; e++) {
-        double seen[64][2];
-        int count = 0;
+        ric_atlas *smallest = NULL;
+        ric_branch path;
         for (int step = 0; step < 20; step++) {
             ric_atlas *atlas = explore(article, exponents[e], "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
-                                       0.002 * pow(100, step / 19.0));
-            ric_branch b = branch_of(atlas, 1);
-            assert_int_equal(ric_atlas_n_branch(atlas), 1);
-            assert_int_equal(b.stop, RIC_STOP_WINDOW);
-            assert_true(b.symmetric && b.impacts == 0 && near(b.energy_max, 1000, 1e-9));
-            int first = next_of(atlas, &b, 0, RIC_KIND_BRANCH_POINT, 1), tripling = next_of(atlas, &b, first, RIC_KIND_MULTIPLICATION, 3);
-            int fold = next_of(atlas, &b, first, RIC_KIND_EXTREMUM, 1);
-            assert_true(first >= 0 && tripling > first && fold > first);
-            if (exponents[e] == 3) { /* published */
-                assert_true(near(junction_of(atlas, b.junctions[first]).frequency, 1.2411838299, 1e-9));
-                assert_true(near(junction_of(atlas, b.junctions[first]).energy, 2.764187897, 1e-9));
+                                       0.01 * pow(100, step / 19.0));
+            ric_branch b = goes_all_the_way(atlas, exponents[e]);
+            if (!smallest) {
+                smallest = atlas;
+                path = b;
+                continue;
             }
-            if (step == 0) count = b.n_junction;
-            assert_int_equal(b.n_junction, count);
-            for (int i = 0; i < count; i++) {
-                ric_junction j = junction_of(atlas, b.junctions[i]);
-                if (step == 0) {
-                    seen[i][0] = j.energy;
-                    seen[i][1] = j.frequency;
-                } else if (!near(j.energy, seen[i][0], 1e-9) || !near(j.frequency, seen[i][1], 1e-9))
-                    fail_msg("n = %d: junction %d at E %.14g omega %.14g, with the smallest step E %.14g omega %.14g", exponents[e], i, j.energy,
-                             j.frequency, seen[i][0], seen[i][1]);
+            assert_int_equal(b.n_junction, path.n_junction);
+            for (int i = 0; i < b.n_junction; i++) {
+                ric_junction j = junction_of(atlas, b.junctions[i]), k = junction_of(smallest, path.junctions[i]);
+                bool same = j.kind == k.kind && j.multiple == k.multiple && j.a == k.a && j.b == k.b;
+                if (!same || !near(j.energy, k.energy, 1e-9) || !near(j.frequency, k.frequency, 1e-9))
+                    fail_msg("n = %d: %s at E %.14g omega %.14g, with the smallest step %s at E %.14g omega %.14g", exponents[e], j.label, j.energy,
+                             j.frequency, k.label, k.energy, k.frequency);
             }
             ric_atlas_free(atlas);
         }
+        ric_atlas_free(smallest);
     }
 }
 
