@@ -50,6 +50,63 @@ static double middle(int size, const double *here, const double *near, const dou
     return product / (2 * square);
 }
 
+/* Unknowns of a cycle without mirror points as it stands. */
+static void free_unknowns(const ric_chain *c, const ric_cycle *cycle, double *u)
+{
+    memcpy(u, cycle->w, 2 * (size_t)c->n * sizeof *u);
+    u[2 * c->n] = ric_cycle_period(cycle) / c->multiple;
+}
+
+/* An orbit of a chain without events as a cycle that starts where the chain does; NULL: no memory. */
+static ric_cycle *free_cycle(const ric_chain *c, const double *u)
+{
+    ric_cycle *cycle = ric_cycle_create(c->n, 1);
+    if (!cycle) return NULL;
+    memcpy(cycle->w, u, 2 * (size_t)c->n * sizeof *u);
+    cycle->tau[0] = c->multiple * u[2 * c->n];
+    cycle->face[0] = -1;
+    if (ric_cycle_mark(cycle, 2)) return cycle;
+    ric_cycle_free(cycle);
+    return NULL;
+}
+
+/* turned_round of orbits without events or mirror points: the operation comes with any shift in time, which is that which keeps `here`, or half
+ * a period more. */
+static bool turned_freely(const ric_trace *tr, const double *at, const double *beside, int from, int to, double *aside)
+{
+    const ric_chain *c = tr->chain;
+    const ric_model *m = c->model;
+    bool found = false;
+    *aside = 0;
+    ric_cycle *here = free_cycle(c, at), *near = free_cycle(c, beside);
+    for (int op = from; here && near && op <= to; op++) {
+        ric_cycle *image = ric_cycle_transform(m, here, 0, op & 1, op & 2);
+        double time = image && op ? ric_cycle_phase(m, here, image) : 0;
+        ric_cycle_free(image);
+        for (int s = op == 0; s < 2 && !found; s++) {
+            double shift = time + s * ric_cycle_period(here) / 2, same[c->n_unknown], w[c->n_unknown];
+            ric_cycle *image_here = ric_cycle_transform(m, here, 0, op & 1, op & 2), *image_near = ric_cycle_transform(m, near, 0, op & 1, op & 2);
+            if (image_here && image_near) {
+                ric_cycle_shift(m, here, shift, image_here);
+                double distance = ric_cycle_distance(here, image_here);
+                free_unknowns(c, image_here, same);
+                if (distance < MAY_BE_SAME) {
+                    ric_cycle_shift(m, here, shift, image_near);
+                    free_unknowns(c, image_near, w);
+                    bool turned = opposite(c->n_unknown, at, beside, w);
+                    found = turned && distance < SAME_ORBIT;
+                    if (turned && !found) *aside = middle(c->n_unknown, at, beside, same);
+                }
+            }
+            ric_cycle_free(image_here);
+            ric_cycle_free(image_near);
+        }
+    }
+    ric_cycle_free(here);
+    ric_cycle_free(near);
+    return found;
+}
+
 /* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x -> -x, 3 both, each with a shift; 0 shifts only)
  * keeps the orbit there and turns the branch round. Where one all but does, *aside is how far towards `beside` the middle between the orbit and
  * its image lies; else 0. */
@@ -58,6 +115,7 @@ static bool turned_round(const ric_trace *tr, const double *at, const double *be
     ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
+    if (m->smooth && c->start == RIC_MIRROR_NONE) return turned_freely(tr, at, beside, from, to, aside);
     *aside = 0;
     ric_cycle *here = ric_trace_cycle(tr, at), *near = ric_trace_cycle(tr, beside);
     double *u = unknowns(m, here), *v = unknowns(m, near);

@@ -509,6 +509,18 @@ bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b,
     return false;
 }
 
+bool ric_cycle_same(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance)
+{
+    int shift;
+    bool reverse, mirror;
+    if (ric_cycle_match(m, a, b, tolerance, &shift, &reverse, &mirror)) return true;
+    if (!m->smooth || a->N != b->N || a->pure >= 0 || a->flip >= 0) return false;
+    ric_cycle *image = ric_cycle_nearest_phase(m, a, b, tolerance);
+    bool found = image;
+    ric_cycle_free(image);
+    return found;
+}
+
 bool ric_cycle_repeats(const ric_model *m, const ric_cycle *c, double tolerance)
 {
     if (m->smooth) return ric_cycle_copies(m, c, tolerance) > 1;
@@ -521,6 +533,7 @@ ric_cycle *ric_cycle_nearest(const ric_model *m, const ric_cycle *orbit, const r
 {
     ric_cycle *best = NULL;
     double least = limit;
+    if (m->smooth && orbit->pure < 0 && orbit->flip < 0) return ric_cycle_nearest_phase(m, orbit, near, limit);
     for (int op = 0; op < (m->symmetric ? 4 : 2); op++)
         for (int k = 0; k < near->N; k++) {
             ric_cycle *image = ric_cycle_transform(m, near, k, op & 1, op & 2);
@@ -557,6 +570,8 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
         if (c->pure < 0 && image_distance(m, c, c, s, true, false) <= tolerance) c->pure = s;
         if (c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
     }
+    if (m->smooth && c->pure < 0 && c->flip < 0 && ric_cycle_find_mirrors(m, c, q, tolerance) && c->half) /* the other reversal a quarter on */
+        *(c->pure < 0 ? &c->pure : &c->flip) = 1;
     /* smooth orbits with all symmetries start at a centre */
     if (m->smooth && c->half && c->pure == 0) ric_cycle_half_mark(m, c);
     return q;

@@ -63,6 +63,8 @@ ric_cycle *ric_cycle_repeat(const ric_cycle *cycle, int q);
 double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
 /* The operation that takes b to a within `tolerance`: found or not. */
 bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
+/* Whether there is one, however it reads. */
+bool ric_cycle_same(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance);
 /* Whether the cycle is one of fewer impacts gone through several times. */
 bool ric_cycle_repeats(const ric_model *model, const ric_cycle *cycle, double tolerance);
 /* The image of `near` under the group that is nearest to `orbit`. NULL: none within `limit`, or no memory. */
@@ -79,9 +81,18 @@ ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
 bool ric_cycle_mark(ric_cycle *cycle, int marks);
 ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u);
 ric_status ric_cycle_to_smooth(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
+/* Orbits without mirror points may start at any time. Moves the start of `near` to where it is nearest to that of `orbit`, across the flow there;
+ * returns the time that takes. Or by a given time, and across the flow from there. */
+double ric_cycle_phase(const ric_model *model, const ric_cycle *orbit, ric_cycle *near);
+void ric_cycle_shift(const ric_model *model, const ric_cycle *orbit, double time, ric_cycle *near);
+/* ric_cycle_nearest of such orbits. */
+ric_cycle *ric_cycle_nearest_phase(const ric_model *model, const ric_cycle *orbit, const ric_cycle *near, double limit);
+/* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts at one of them afterwards. */
+bool ric_cycle_find_mirrors(const ric_model *model, ric_cycle *cycle, int copies, double tolerance);
 /* The same orbit started half a mark later. */
 void ric_cycle_half_mark(const ric_model *model, ric_cycle *cycle);
-/* How often a shorter orbit is gone through. */
+/* How often a shorter orbit is gone through, up to RIC_COPIES times. */
+enum { RIC_COPIES = 24 };
 int ric_cycle_copies(const ric_model *model, const ric_cycle *cycle, double tolerance);
 /* Letters of its word: N, or none where there are only marks. */
 int ric_cycle_letters(const ric_cycle *cycle);

@@ -10,7 +10,7 @@
 
 #define SAMPLES 48       /* per turn of the fastest mode, at least: where the largest |s| is looked for */
 #define MOST_SAMPLES 4096
-#define MOST_COPIES 24   /* repetitions that are looked for */
+#define NEWTON_STEPS 8
 
 bool ric_cycle_mark(ric_cycle *c, int marks)
 {
@@ -40,10 +40,15 @@ static double gap_of(const ric_model *m, const double *w)
     return ric_dot(m->n, m->g, w);
 }
 
+static int samples(const ric_model *m, double period)
+{
+    return (int)fmin(MOST_SAMPLES, SAMPLES * (1 + period * m->omega[m->n - 1] / 6.283185307179586));
+}
+
 /* Moves w to where |s| of the first contact is largest within the period: sampled, then Newton on ds/dt = 0. */
 static void to_summit(const ric_model *m, double period, double *w)
 {
-    int n = m->n, count = (int)fmin(MOST_SAMPLES, SAMPLES * (1 + period * m->omega[n - 1] / 6.283185307179586));
+    int n = m->n, count = samples(m, period);
     double best[2 * n], now[2 * n], rate[2 * n], last = 0;
     memcpy(now, w, sizeof now);
     memcpy(best, w, sizeof best);
@@ -55,7 +60,7 @@ static void to_summit(const ric_model *m, double period, double *w)
         }
         ric_flight_go(m, 0, -1, period / count, now, now);
     }
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < NEWTON_STEPS; i++) {
         double slope = 0, bend = 0;
         ric_flight_rate(m, 0, best, rate);
         for (int k = 0; k < n; k++) {
@@ -68,6 +73,109 @@ static void to_summit(const ric_model *m, double period, double *w)
         if (fabs(t) < 1e-15 * period) break;
     }
     memcpy(w, best, sizeof best);
+}
+
+static double distance(int size, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < size; i++) sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sqrt(sum);
+}
+
+/* Newton's method on the time at which the orbit through w passes the plane across the flow at `to`; false if it is farther away than `most`. */
+static bool onto_plane(const ric_model *m, const double *to, double most, double *w, double *time)
+{
+    int size = 2 * m->n;
+    double across[size], rate[size], from = *time;
+    ric_flight_rate(m, 0, to, across);
+    for (int i = 0; i < NEWTON_STEPS; i++) {
+        double off = 0;
+        ric_flight_rate(m, 0, w, rate);
+        for (int k = 0; k < size; k++) off += across[k] * (w[k] - to[k]);
+        double t = -off / ric_dot(size, across, rate);
+        if (!(fabs(*time + t - from) <= most)) return false;
+        ric_flight_go(m, 0, -1, t, w, w);
+        *time += t;
+        if (fabs(t) < 1e-15 * (most + fabs(*time))) break;
+    }
+    return true;
+}
+
+/* Moves w along its orbit to where that is nearest to `to`: sampled, every local minimum refined. Returns the time that takes. */
+static double to_neighbour(const ric_model *m, double period, const double *to, double *w)
+{
+    int size = 2 * m->n, count = samples(m, period);
+    double step = period / count, now[size], best[size], off[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, least = HUGE_VAL, result = 0;
+    memcpy(now, w, sizeof now);
+    memcpy(best, w, sizeof best);
+    for (int i = 0; i <= count + 1; i++) {
+        off[0] = off[1];
+        off[1] = off[2];
+        off[2] = distance(size, now, to);
+        if (i > 1 && off[1] <= off[0] && off[1] <= off[2]) {
+            double near[size], time = (i - 1) * step;
+            ric_flight_go(m, 0, -1, -step, now, near);
+            if (onto_plane(m, to, step, near, &time) && distance(size, near, to) < least) {
+                least = distance(size, near, to);
+                memcpy(best, near, sizeof best);
+                result = time;
+            }
+        }
+        ric_flight_go(m, 0, -1, step, now, now);
+    }
+    memcpy(w, best, sizeof best);
+    return result;
+}
+
+double ric_cycle_phase(const ric_model *m, const ric_cycle *orbit, ric_cycle *near)
+{
+    return ric_cycle_mark(near, orbit->N) ? to_neighbour(m, ric_cycle_period(near), orbit->w, near->w) : 0;
+}
+
+void ric_cycle_shift(const ric_model *m, const ric_cycle *orbit, double time, ric_cycle *near)
+{
+    ric_flight_go(m, 0, -1, time, near->w, near->w);
+    onto_plane(m, orbit->w, ric_cycle_period(near) / samples(m, ric_cycle_period(near)), near->w, &(double){0});
+}
+
+ric_cycle *ric_cycle_nearest_phase(const ric_model *m, const ric_cycle *orbit, const ric_cycle *near, double limit)
+{
+    ric_cycle *best = NULL;
+    double least = limit;
+    for (int op = 0; op < (m->symmetric ? 4 : 2); op++) {
+        ric_cycle *image = ric_cycle_transform(m, near, 0, op & 1, op & 2);
+        if (!image) continue;
+        ric_cycle_phase(m, orbit, image);
+        double off = ric_cycle_distance(orbit, image);
+        if (off < least) {
+            ric_cycle *last = best;
+            best = image;
+            image = last;
+            least = off;
+        }
+        ric_cycle_free(image);
+    }
+    return best;
+}
+
+/* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of that behind w, and half a period on. */
+bool ric_cycle_find_mirrors(const ric_model *m, ric_cycle *c, int copies, double tolerance)
+{
+    double period = ric_cycle_period(c) / copies;
+    for (int flip = 0; flip < (m->symmetric ? 2 : 1); flip++) {
+        ric_cycle *image = ric_cycle_transform(m, c, 0, true, flip), *once = image ? ric_cycle_copy(c) : NULL;
+        bool found = once && ric_cycle_mark(image, 2) && ric_cycle_mark(once, 2);
+        for (int i = 0; found && i < 2; i++) once->tau[i] = image->tau[i] = period / 2;
+        double time = found ? ric_cycle_phase(m, once, image) : 0;
+        found = found && ric_cycle_distance(once, image) <= tolerance;
+        ric_cycle_free(image);
+        ric_cycle_free(once);
+        if (!found) continue;
+        ric_flight_go(m, 0, -1, -time / 2, c->w, c->w);
+        *(flip ? &c->flip : &c->pure) = 0;
+        return true;
+    }
+    return false;
 }
 
 ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u)
@@ -125,7 +233,7 @@ int ric_cycle_copies(const ric_model *m, const ric_cycle *c, double tolerance)
 {
     int n = c->n;
     double w[2 * n], period = ric_cycle_period(c), size = 1 + sqrt(ric_dot(2 * n, c->w, c->w));
-    for (int q = MOST_COPIES; q > 1; q--) {
+    for (int q = RIC_COPIES; q > 1; q--) {
         double off = 0;
         ric_flight_go(m, 0, -1, period / q, c->w, w);
         for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(w[i] - c->w[i]));

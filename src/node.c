@@ -337,10 +337,9 @@ static ric_cycle *resolve(const ric_model *m, const ric_cycle *cycle, criterion 
         }
     }
     /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
-    int shift;
     /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
     double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
-    bool reverse, mirror, near = ric_cycle_match(m, cycle, out, far, &shift, &reverse, &mirror);
+    bool near = ric_cycle_same(m, cycle, out, far);
     canonical = near ? ric_cycle_canonical(m, out) : NULL;
     if (moved) *moved = !near;
     ric_cycle_free(out);
@@ -725,12 +724,10 @@ bool ric_node_chooses(const ric_node *node)
 
 bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 {
-    int shift;
-    bool reverse, mirror;
     if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] || a->cycle->N != b->cycle->N) return false;
     if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
     if (fabs(a->energy - b->energy) > RIC_NODE_NEAR * (1e-3 + fabs(a->energy)) || fabs(a->period - b->period) > RIC_NODE_NEAR * a->period) return false;
-    return ric_cycle_match(m, a->cycle, b->cycle, 10 * SAME, &shift, &reverse, &mirror);
+    return ric_cycle_same(m, a->cycle, b->cycle, 10 * SAME);
 }
 
 unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cycle *cycle)

@@ -361,6 +361,32 @@ static void bridge(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Branches without mirror points start and end where these are gained, at any phase of the orbit: none runs on along its mirror image. The
+ * cubic spring has bridges of orbits with and without z(t+T/2) = -z(t). */
+static void arrivals_without_mirrors(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 3, "energy: [0, 700], frequency: [0.3, 10], multiply: 3, depth: 4", 0);
+    int found[2] = {0};
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
+        if (b.reversible) continue;
+        found[b.symmetric]++;
+        assert_true(b.from && b.to && b.from != b.to);
+        assert_int_equal(junction_of(atlas, b.from).kind, RIC_KIND_BRANCH_POINT);
+        assert_int_equal(junction_of(atlas, b.to).kind, RIC_KIND_BRANCH_POINT);
+        for (int i = 0; i < b.n_point; i += 5) {
+            ric_check check;
+            assert_int_equal(ric_verify_point(atlas, id, i, &check), RIC_OK);
+            assert_true(check.passed);
+        }
+    }
+    assert_int_equal(found[true], 2);
+    assert_int_equal(found[false], 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -372,6 +398,7 @@ int main(void)
         cmocka_unit_test(orbits_return),
         cmocka_unit_test(tends_to_the_stop),
         cmocka_unit_test(bridge),
+        cmocka_unit_test(arrivals_without_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
