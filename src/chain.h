@@ -49,6 +49,7 @@ typedef struct {
     double *hv;            /* Householder vectors, ld per row: start constraint, one per flight, n_end */
     double *beta, *zeta;   /* per Householder vector */
     double *X;             /* live columns */
+    double *flown;         /* law power: [2n + 1] start and time that `w` and `map` belong to */
     int ld;
 } ric_chain;
 

@@ -340,8 +340,6 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
         return status;
     }
     *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-    if (ric_ring_applies(node, choice) && m->smooth)
-        return ric_fail(RIC_E_NUMERIC, "multiplications of orbits without mirror points are not followed under a power law by this version");
     if (ric_ring_applies(node, choice)) return ric_ring_depart(m, node, choice, side, chain, u0, t0);
     ric_status status = depart_side(m, node, choice, chain, u0, t0);
     if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);

@@ -200,7 +200,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
                 tr->why = "the branch does not fit the junction at its end";
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else if (!g->model->smooth && ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        } else if (ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
         else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
     if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);

@@ -58,10 +58,52 @@ static double average(ric_chain *c, const double *u, int order, int sign, double
     return sqrt(distance);
 }
 
+/* The same of an orbit without events, one flight: its images start across the flow at its own start. */
+static double average_smooth(const ric_chain *c, const double *u, int order, int sign, double *mean)
+{
+    int n = 2 * c->n;
+    double w[n], rate[n], distance = 0;
+    memcpy(mean, u, (size_t)c->n_unknown * sizeof *mean);
+    memcpy(w, u, sizeof w);
+    ric_flight_rate(c->model, 0, u, rate);
+    double square = ric_dot(n, rate, rate);
+    for (int k = 1, s = sign; k < order; k++, s *= sign) {
+        double along = 0, off[n];
+        ric_flight_go(c->model, 0, -1, u[n] / order, w, w);
+        for (int i = 0; i < n; i++) off[i] = s * w[i] - u[i];
+        for (int i = 0; i < n; i++) along += rate[i] * off[i] / square;
+        for (int i = 0; i < n; i++) {
+            off[i] -= along * rate[i];
+            mean[i] += off[i] / order;
+        }
+        if (k == 1) distance = sqrt(ric_dot(n, off, off));
+    }
+    return distance;
+}
+
+/* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for every r from 3 on. */
+static void distances(const ric_chain *c, const double *u, int sign, double *out)
+{
+    int n = 2 * c->n;
+    double w[n], rate[n], time = 0;
+    memcpy(w, u, sizeof w);
+    ric_flight_rate(c->model, 0, u, rate);
+    for (int r = RIC_COPIES; r >= 3; r--) {
+        double along = 0, off[n];
+        ric_flight_go(c->model, 0, -1, u[n] / r - time, w, w);
+        time = u[n] / r;
+        for (int i = 0; i < n; i++) off[i] = sign * w[i] - u[i];
+        for (int i = 0; i < n; i++) along += rate[i] * off[i] / ric_dot(n, rate, rate);
+        for (int i = 0; i < n; i++) off[i] -= along * rate[i];
+        out[r] = sqrt(ric_dot(n, off, off));
+    }
+}
+
 /* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and looks for a multiplier of the order. */
 static ric_status solve_short(const ric_chain *c, int order, int sign, double *u, bool *found)
 {
-    int n = 2 * c->n, step = c->n_flight / order, iterations;
+    bool smooth = c->model->smooth; /* one flight for all periods */
+    int n = 2 * c->n, step = smooth ? 1 : c->n_flight / order, iterations;
     ric_chain *one = NULL;
     ric_floquet floquet = {0};
     double v[n + step], du[n + step];
@@ -69,6 +111,7 @@ static ric_status solve_short(const ric_chain *c, int order, int sign, double *u
     *found = false;
     if (status || (status = ric_floquet_create(c->n, &floquet))) goto out;
     memcpy(v, u, sizeof v);
+    if (smooth) v[n] /= order;
     if (!ric_trace_correct(one, v, NULL, NULL, 0, du, &iterations)) goto out;
     if ((status = ric_floquet_compute(one, &floquet))) goto out;
     for (int i = 0; i < floquet.n_pair; i++)
@@ -76,6 +119,7 @@ static ric_status solve_short(const ric_chain *c, int order, int sign, double *u
             *found |= hypot(floquet.own[2 * i] - 2 * cos(TWO_PI * k / order), floquet.own[2 * i + 1]) < MULTIPLIER;
     memcpy(u, v, (size_t)n * sizeof *u);
     for (int k = 0; k < c->n_flight; k++) u[n + k] = v[n + k % step];
+    if (smooth) u[n] *= order;
 out:
     ric_chain_free(one);
     ric_floquet_release(&floquet);
@@ -102,7 +146,9 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
 {
     ric_chain *c = tr->chain;
     double before[c->n_unknown], now[c->n_unknown];
-    double d0 = average(c, tr->past.u, order, sign, before), d1 = average(c, tr->now.u, order, sign, now), scale = c->scale;
+    bool smooth = c->model->smooth;
+    double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before) : average(c, tr->past.u, order, sign, before);
+    double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now) : average(c, tr->now.u, order, sign, now), scale = c->scale;
     *found = false;
     if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
     double left = (tr->now.s - tr->past.s) * d1 / (d0 - d1), x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
@@ -127,15 +173,27 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
     return RIC_OK;
 }
 
+/* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without events, by its `distances`. */
+static bool candidate(const ric_chain *c, const double *u, int r, int sign, const double *distances)
+{
+    if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
+    if (c->model->smooth) return distances[r] <= NEAR * c->scale && distances[r] > REPEATED * c->scale;
+    return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) && word_repeats(c, c->n_flight / r, sign);
+}
+
 ric_status ric_repeat_ahead(ric_trace *tr, double *h, int *order, ric_station *out)
 {
     const ric_chain *c = tr->chain;
+    bool smooth = c->model->smooth;
+    double distance[2][RIC_COPIES + 1];
     *order = 0;
     if (c->start != RIC_MIRROR_NONE || !tr->has_past || tr->ignore || tr->limits->ghost || c->n < 2) return RIC_OK;
-    for (int r = 3; r <= c->n_flight; r++)
-        for (int sign = 1; sign >= -1 && c->n_flight % r == 0; sign -= 2) {
-            bool fits = sign > 0 ? c->sigma > 0 : (c->sigma < 0) == r % 2, found;
-            if (!fits || !may_repeat(c, tr->now.u, c->n_flight / r) || !word_repeats(c, c->n_flight / r, sign)) continue;
+    for (int i = 0; smooth && i < 2; i++) distances(c, tr->now.u, 1 - 2 * i, distance[i]);
+    /* the longest repetition first: one of 6 half periods is one of 3 periods, too */
+    for (int r = smooth ? RIC_COPIES : c->n_flight; r >= 3; r--)
+        for (int sign = 1; sign >= -1; sign -= 2) {
+            bool found;
+            if (!candidate(c, tr->now.u, r, sign, distance[sign < 0])) continue;
             ric_status status = ahead(tr, r, sign, h, &found, out);
             if (status) return status;
             if (!found) continue;

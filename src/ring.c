@@ -19,6 +19,7 @@
 #define CLEAR 1e3       /* the angular equation must stand out of rounding by this factor: its roots then keep three digits */
 #define SAMPLES 12      /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
+#define STALLED 4       /* of the tolerance: what is left where Newton's method stalls, as on branches (trace.c) */
 #define ROOT_STEPS 60
 #define NEIGHBOUR 0.25  /* an orbit farther away than the widest circle is no neighbour of the node */
 
@@ -101,12 +102,27 @@ static ric_status kernels(ring *q, double *right, double *left)
     return three ? RIC_OK : ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication without mirror points has not three dimensions");
 }
 
+/* shift, below, under a power law: one flight for all periods. The image may come out along the flow, too, to which the kernel is perpendicular. */
+static void shift_smooth(ring *q, const double *v, double *out)
+{
+    const ric_model *m = q->chain->model;
+    int n = 2 * m->n;
+    double map[n * n], after[n];
+    ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after);
+    for (int i = 0; i < n; i++) out[i] = q->sign * ric_dot(n, map + i * n, v);
+    out[n] = v[n];
+}
+
 /* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times moved up. */
 static void shift(ring *q, const double *v, double *out)
 {
     ric_chain *c = q->chain;
     int n = 2 * c->n, step = c->n_flight / q->order;
     double u[q->size], after[n], h = DIFFERENCE * c->scale;
+    if (c->model->smooth) {
+        shift_smooth(q, v, out);
+        return;
+    }
     for (int i = 0; i < q->size; i++) u[i] = q->u0[i] + h * v[i];
     ric_chain_fly(c, u);
     memcpy(after, c->w + n * step, sizeof after);
@@ -203,17 +219,17 @@ static ric_status split(ring *q, const double *kernel)
     return RIC_OK;
 }
 
-/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation, w_N + sigma w_0 (section 3). */
+/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation, the secant gradient of the energy (section 3),
+ * which is w_N + sigma w_0 but for springs. */
 static void split_left(ring *q, const double *kernel)
 {
     ric_chain *c = q->chain;
     int n = q->size, first = n - 2 * c->n;
-    double h[3], a[3], b[3], sum = 0;
+    double h[3], a[3], b[3], from[2 * c->n], sum = 0;
     memset(q->energy, 0, (size_t)n * sizeof *q->energy);
     ric_chain_fly(c, q->u0);
-    const double *end = c->w + 2 * c->n * c->n_flight;
-    for (int i = 0; i < 2 * c->n; i++)
-        if (i >= c->n || c->model->stiff[i] != 0) q->energy[first + i] = end[i] + c->sigma * c->w[i];
+    for (int i = 0; i < 2 * c->n; i++) from[i] = c->sigma * c->w[i];
+    ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * c->n * c->n_flight, q->energy + first);
     double norm = sqrt(ric_dot(n, q->energy, q->energy));
     for (int j = 0; j < n; j++) q->energy[j] /= norm;
     for (int i = 0; i < 3; i++) h[i] = ric_dot(n, kernel + i * n, q->energy);
@@ -252,6 +268,22 @@ static ric_status twist(ring *q)
 
 /* -------------------------------------------------------------------- circle */
 
+/* Without an event the phase is free, and the first row keeps corrections across the flow. Orbits on the circle start in the plane across the
+ * flow at the node. */
+static void hold_phase(ring *q, const double *u)
+{
+    int n = 2 * q->chain->n;
+    double rate[n];
+    ric_flight_rate(q->chain->model, 0, q->u0, rate);
+    double norm = sqrt(ric_dot(n, rate, rate));
+    q->b[0] = 0;
+    memset(q->A, 0, ((size_t)q->size + 2) * sizeof *q->A);
+    for (int i = 0; i < n; i++) {
+        q->A[i] = rate[i] / norm;
+        q->b[0] += q->A[i] * (u[i] - q->u0[i]);
+    }
+}
+
 /* The orbit problem with z = h (cos, sin)(angle), an unfolding of the redundant equation and one along M (-sin, cos), whose coefficient *g
  * is minus the angular part of the gradient: n + 2 equations for u [size] and the two coefficients. */
 static bool on_circle(ring *q, double angle, double *u, double *g)
@@ -279,13 +311,16 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
             q->b[j] += energy * q->energy[j] + *g * e[j];
             size = fmax(size, fabs(q->b[j]));
         }
+        if (c->model->smooth) hold_phase(q, u);
         for (int j = 0; j < 2; j++) {
             memcpy(q->A + (n + j) * k, q->dual + j * n, (size_t)n * sizeof *q->dual);
             q->b[n + j] = -z[j];
             for (int l = 0; l < n; l++) q->b[n + j] += q->dual[j * n + l] * (u[l] - q->u0[l]);
         }
         /* at rounding level, and no longer falling */
-        if (size <= ric_trace_tolerance(c) * c->scale && size > 0.1 * last) return true;
+        double tolerance = ric_trace_tolerance(c) * c->scale;
+        if (size <= tolerance && size > 0.1 * last) return true;
+        if (i > 2 && size > 0.5 * last) return size <= STALLED * tolerance;
         last = size;
         if (ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1))) return false;
         for (int j = 0; j < n; j++) u[j] -= q->b[j];
@@ -312,38 +347,40 @@ static bool root(ring *q, double a, double ga, double b, double gb, double *angl
         gb = g;
     }
     ric_chain_fly(q->chain, u);
-    return q->chain->residual <= ric_trace_tolerance(q->chain);
+    return q->chain->residual <= STALLED * ric_trace_tolerance(q->chain);
 }
 
+typedef enum { CIRCLE_GOOD, CIRCLE_NARROW, CIRCLE_WIDE } circle; /* narrow: the angular equation is lost in rounding */
+
 /* The coefficient g at SAMPLES + 1 angles of a sector; *most, where it is largest. */
-static bool scan(ring *q, double origin, double *g, double *most)
+static circle scan(ring *q, double origin, double *g, double *most)
 {
     double u[q->size], largest = 0;
     for (int i = 0; i <= SAMPLES; i++) {
         double angle = origin + TWO_PI / q->order * i / SAMPLES;
-        if (!on_circle(q, angle, u, &g[i])) return false;
+        if (!on_circle(q, angle, u, &g[i])) return CIRCLE_WIDE;
         if (fabs(g[i]) <= largest) continue;
         largest = fabs(g[i]);
         *most = angle;
     }
-    return largest > CLEAR * ric_trace_tolerance(q->chain) * q->chain->scale;
+    return largest > CLEAR * ric_trace_tolerance(q->chain) * q->chain->scale ? CIRCLE_GOOD : CIRCLE_NARROW;
 }
 
-/* The two roots of a sector at the present radius; slope [2] of the angular part there. False: the angular equation is lost in rounding, or it
- * is not that of a small circle. */
-static bool search(ring *q, double slope[2])
+/* The two roots of a sector at the present radius; slope [2] of the angular part there. */
+static circle search(ring *q, double slope[2])
 {
     double g[SAMPLES + 1], origin = 0, unused, step = TWO_PI / q->order / SAMPLES;
     int found = 0;
-    if (!scan(q, 0, g, &origin) || !scan(q, origin, g, &unused)) return false; /* from an extremum to the next: no root at the border */
-    for (int i = 0; i < SAMPLES; i++) {
+    circle result = scan(q, 0, g, &origin);
+    if (!result) result = scan(q, origin, g, &unused); /* from an extremum to the next: no root at the border */
+    for (int i = 0; i < SAMPLES && !result; i++) {
         if ((g[i] < 0) == (g[i + 1] < 0)) continue;
-        if (found == 2) return false;
+        if (found == 2) return CIRCLE_WIDE;
         double a = origin + i * step;
-        if (!root(q, a, g[i], a + step, g[i + 1], &q->angle[found], q->start + found * q->size)) return false;
+        if (!root(q, a, g[i], a + step, g[i + 1], &q->angle[found], q->start + found * q->size)) return CIRCLE_WIDE;
         slope[found++] = g[i] - g[i + 1]; /* the angular part is -g */
     }
-    return found == 2;
+    return result ? result : found == 2 ? CIRCLE_GOOD : CIRCLE_WIDE;
 }
 
 /* Puts the elliptic root first, of two alike the one of smaller energy. With delta = (E - E_0) / (dE/ds), the place on the repeated branch
@@ -393,11 +430,12 @@ static ric_status choose_radius(ring *q, double slope[2])
     ric_chain_fly(q->chain, q->u0);
     q->radius = RADIUS * q->chain->scale;
     for (int i = 0; i < RADII; i++) {
-        if (!search(q, slope)) {
+        circle found = search(q, slope);
+        if (found == CIRCLE_NARROW) {
             if (narrower) break;
             wider = true;
             q->radius *= 2;
-        } else if (bend(q) > BEND) {
+        } else if (found == CIRCLE_WIDE || bend(q) > BEND) {
             if (wider) break;
             narrower = true;
             q->radius /= 2;
@@ -469,32 +507,47 @@ ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned ch
     return status;
 }
 
-/* Angle of `near` in the plane of the node; false if it is no neighbour. */
-static bool angle_of(const ric_model *m, const ric_node *node, const ring *q, const ric_cycle *near, double *angle)
+/* Angle in the plane of the node of an orbit that starts where the node does. */
+static double angle_of(const ric_model *m, const ring *q, const ric_cycle *home)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL, z[2] = {NAN, NAN};
+    if (!ric_cycle_to_chain(m, home, &chain, &u) && chain->n_unknown == q->size) {
+        memset(z, 0, sizeof z);
+        for (int i = 0; i < q->size; i++)
+            for (int j = 0; j < 2; j++) z[j] += q->dual[j * q->size + i] * (u[i] - q->u0[i]);
+    }
+    ric_chain_free(chain);
+    free(u);
+    return atan2(z[1], z[0]);
+}
+
+/* Smallest differences of the angles of `near`, shifted by any number of periods, from the two roots; false if it is no neighbour. The
+ * shift turns the plane by whole sectors only in the limit of small circles: one of the images is the orbit that was found, exactly. */
+static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_cycle *near, double off[2])
 {
     ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple), *home = repeated ? ric_cycle_nearest(m, repeated, near, NEIGHBOUR) : NULL;
-    ric_chain *chain = NULL;
-    double *u = NULL, z[2] = {0};
-    bool good = home && !ric_cycle_to_chain(m, home, &chain, &u) && chain->n_unknown == q->size;
-    for (int i = 0; good && i < q->size; i++)
-        for (int j = 0; j < 2; j++) z[j] += q->dual[j * q->size + i] * (u[i] - q->u0[i]);
-    *angle = atan2(z[1], z[0]);
-    ric_chain_free(chain);
+    bool turned = q->order > node->multiple; /* each shift is half a period, joined with x -> -x */
+    off[0] = off[1] = HUGE_VAL;
+    for (int k = 0; home && k < q->order; k++) {
+        ric_cycle *image = ric_cycle_transform(m, home, k * home->N / q->order, false, turned && k % 2);
+        if (image && m->smooth) ric_cycle_shift(m, repeated, 0, image);
+        double angle = image ? angle_of(m, q, image) : NAN;
+        for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], TWO_PI)));
+        ric_cycle_free(image);
+    }
     ric_cycle_free(repeated);
     ric_cycle_free(home);
-    free(u);
-    return good;
+    return off[0] < HUGE_VAL;
 }
 
 ric_status ric_ring_class(const ric_model *m, const ric_node *node, const ric_cycle *near, unsigned *choice, int *side)
 {
     ring q;
-    double angle, off[2];
+    double off[2];
     ric_status status = solve(m, node, &q);
     if (status) return status;
-    if (angle_of(m, node, &q, near, &angle)) {
-        /* up to the shift */
-        for (int i = 0; i < 2; i++) off[i] = fabs(remainder(angle - q.angle[i], TWO_PI / q.order));
+    if (compare(m, node, &q, near, off)) {
         bool second = off[1] < off[0], passes = ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]);
         *choice = second && !passes ? RIC_OTHER_SIDE : RIC_SIDE;
         *side = second && passes ? -1 : 1;
