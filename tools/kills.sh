@@ -47,7 +47,7 @@ while [ "$done" -lt "$kills" ]; do
     else
         ended=$((ended + 1))
     fi
-    wait $pid 2>/dev/null
+    { wait $pid; } 2>/dev/null
     [ ! -e "$folder/broken.ricochet" ] || "$program" report "$folder/broken.ricochet" >"$folder/said" 2>&1 || { unread=$((unread + 1)); cat "$folder/said"; }
     if [ $((done % 20)) = 0 ]; then # once in a while from nothing, for it has come to its end by then
         "$program" run "$folder/study.yaml" -j 2 -o "$folder/broken.ricochet" 2>/dev/null
