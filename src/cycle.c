@@ -370,7 +370,7 @@ ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift
 bool ric_cycle_mirrors(const ric_model *m, const ric_cycle *c)
 {
     for (int i = 0; i < c->N; i++)
-        if (m->face[c->face[i]].mirror < 0) return false;
+        if (c->face[i] >= 0 && m->face[c->face[i]].mirror < 0) return false;
     return true;
 }
 
@@ -580,7 +580,7 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
 void ric_cycle_word(const ric_model *m, const ric_cycle *c, int *word)
 {
     uint64_t closed = c->closed;
-    for (int i = 0; i < c->N; i++) {
+    for (int i = 0; i < ric_cycle_letters(c); i++) {
         if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
         word[i] = m->face[c->face[i]].spring > 0 && !(closed >> c->face[i] & 1) ? m->n_face + c->face[i] : c->face[i];
     }
@@ -599,12 +599,17 @@ void ric_cycle_spell(const ric_model *m, ric_cycle *c, const int *word)
     }
 }
 
+static uint64_t bit_of(int face)
+{
+    return face < 0 ? 0 : (uint64_t)1 << (face % RIC_FACES_MAX);
+}
+
 int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b)
 {
     uint64_t x = a->closed, y = b->closed;
     double size = size_of(a);
     for (int i = 0; i < a->N; i++) {
-        uint64_t f = (uint64_t)1 << (a->face[i] % RIC_FACES_MAX) & springs, g = (uint64_t)1 << (b->face[i] % RIC_FACES_MAX) & springs;
+        uint64_t f = bit_of(a->face[i]) & springs, g = bit_of(b->face[i]) & springs;
         if (i > 0) x ^= f;
         if (i > 0) y ^= g;
         bool opens = f && !(x & f), other = g && !(y & g);

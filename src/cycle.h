@@ -34,7 +34,8 @@ ric_status ric_cycle_to_chain(const ric_model *model, const ric_cycle *cycle, ri
 uint64_t ric_cycle_springs(const ric_model *model);
 /* Impacts of a cycle, a contact of a spring from closing to opening counted as one. */
 int ric_cycle_impacts(uint64_t springs, const ric_cycle *cycle);
-/* Its letters [N] as they leave the library: n_face + face where a spring opens. And back: faces, and the springs that are closed. */
+/* Its letters as they leave the library, [N], or none without impacts: n_face + face where a spring opens. And back: faces, and the springs
+ * that are closed. */
 void ric_cycle_word(const ric_model *model, const ric_cycle *cycle, int *word);
 void ric_cycle_spell(const ric_model *model, ric_cycle *cycle, const int *word);
 /* The springs that are closed in flight i. */

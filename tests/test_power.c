@@ -134,6 +134,19 @@ static void symmetric_path(void **state)
     }
 }
 
+/* x -> -x takes motions of these structures to motions; the marks in their cycles are no faces (found by the address sanitizer). */
+static void marks_are_no_faces(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
+    ric_cycle *cycle = ric_cycle_create(2, 2);
+    assert_non_null(cycle);
+    cycle->face[0] = cycle->face[1] = -1;
+    assert_true(ric_cycle_mirrors(ric_atlas_model(atlas), cycle));
+    ric_cycle_free(cycle);
+    ric_atlas_free(atlas);
+}
+
 /* The period of an orbit without impacts is one flight, whose time fraction is fixed: its extrema have a = 3 whether it is S or A, and those
  * whose ranks are lost in rounding say the same. */
 static void extrema_have_three(void **state)
@@ -392,6 +405,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(published_frequencies),
         cmocka_unit_test(symmetric_path),
+        cmocka_unit_test(marks_are_no_faces),
         cmocka_unit_test(extrema_have_three),
         cmocka_unit_test(eight_duplicate),
         cmocka_unit_test(tongue),
