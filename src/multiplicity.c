@@ -78,11 +78,30 @@ static void article_jacobian(int n, int N, const double *tau, const double *G, d
 }
 
 /* The place of a junction is known to what is left of the singular values that vanish there, `b` of them at least. */
-static double located(int size, const double *J, double scale, int b, double *work, double *s)
+static double located(int size, const double *J, double scale, int b, double rounding, double *work, double *s)
 {
     memcpy(work, J, (size_t)size * size * sizeof *J);
     if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, work, size, s, NULL, 1, NULL, 1, s + size))) return HUGE_VAL;
-    return fmax(ERROR, s[size - b] / scale);
+    return fmax(rounding, s[size - b] / scale);
+}
+
+/* Entries that are rounding are zeros: balanced with others of a block they would be made as large. */
+static void clear(int size, double rounding, double *J)
+{
+    double scale = 0;
+    for (int i = 0; i < size * size; i++) scale = fmax(scale, fabs(J[i]));
+    for (int i = 0; i < size * size; i++)
+        if (fabs(J[i]) <= rounding * scale) J[i] = 0;
+}
+
+/* ERROR; under a power law a flight adds up that of its steps, in proportion to the angle turned (chain.c). */
+static double rounding_of(const ric_model *m, const ric_cycle *whole)
+{
+    int n = 2 * m->n;
+    double rate[n];
+    if (!m->smooth) return ERROR;
+    ric_flight_rate(m, 0, whole->w, rate);
+    return ERROR * (1 + ric_cycle_period(whole) * sqrt(ric_dot(n, rate, rate) / (1 + ric_dot(n, whole->w, whole->w))));
 }
 
 /* Both multiplicities from the ranks; *decided = false where one of them is lost in rounding: two different points lie so close together that
@@ -118,18 +137,19 @@ static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multip
     chain->plain = true; /* the article's equations, of which the multiplicities are */
     ric_chain_jacobian(chain, u, G);
     article_jacobian(n, N, u + 2 * n, G, J);
-    double scale = 0;
-    lapack_int low, high; /* stiff springs make entries of all sizes; a similarity by a diagonal matrix evens them out */
+    double scale = 0, rounding = rounding_of(m, whole);
+    lapack_int low, high; /* springs make entries of all sizes; a similarity by a diagonal matrix evens them out */
+    if (m->springs) clear(size, rounding, J);
     if (m->springs && ric_lapack(LAPACKE_dgebal(LAPACK_ROW_MAJOR, 'S', size, J, size, &low, &high, s))) {
         status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
         goto out;
     }
     for (int i = 0; i < size * size; i++) scale = fmax(scale, fabs(J[i]));
-    double zero_at = located(size, J, scale, least, work, s), error = zero_at;
+    double zero_at = located(size, J, scale, least, rounding, work, s), error = zero_at;
     if (zero_at > PLACED) goto out;
     for (int zero = 1; size > 0 && zero > 0; size -= zero) {
         zero = deflate(size, J, scale, zero_at, &error, work, V, s);
-        zero_at = ERROR; /* what the place of the junction leaves open is in the error, and no zero */
+        zero_at = rounding; /* what the place of the junction leaves open is in the error, and no zero */
         if (zero == NO_NUMBER) status = ric_fail(RIC_E_NUMERIC, "the label of a junction could not be computed");
         if (zero < 0) goto out;
         if (!*b) *b = zero;

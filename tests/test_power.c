@@ -374,6 +374,23 @@ static void bridge(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Multiplicities are measured, and not those of the kind: but for the turning and the tripling, 1e-5 apart in energy. */
+static void labels_are_measured(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 3, "energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
+    int points = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        bool point = j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_MULTIPLICATION, extremum = j.kind == RIC_KIND_EXTREMUM;
+        points += point;
+        if ((point || (extremum && !near(j.energy, 109.858, 1e-4))) && !j.decided) fail_msg("%s at energy %.9g", j.label, j.energy);
+        if ((point && (j.a != 3 || j.b < 2)) || (extremum && (j.a != 3 || j.b != 1))) fail_msg("%s at energy %.9g", j.label, j.energy);
+    }
+    assert_true(points > 10);
+    ric_atlas_free(atlas);
+}
+
 /* Branches without mirror points start and end where these are gained, at any phase of the orbit: none runs on along its mirror image. The
  * cubic spring has bridges of orbits with and without z(t+T/2) = -z(t). */
 static void arrivals_without_mirrors(void **state)
@@ -412,6 +429,7 @@ int main(void)
         cmocka_unit_test(orbits_return),
         cmocka_unit_test(tends_to_the_stop),
         cmocka_unit_test(bridge),
+        cmocka_unit_test(labels_are_measured),
         cmocka_unit_test(arrivals_without_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
