@@ -173,7 +173,7 @@ typedef struct {
 /* Whether a branch that meets a multiplication is a family that leaves it; those of odd order pass through it. */
 static bool leaves(const ric_branch *b, const ric_junction *j)
 {
-    return j->kind == RIC_KIND_MULTIPLICATION && b->impacts == j->impacts * j->multiple;
+    return j->kind == RIC_KIND_MULTIPLICATION && ric_junction_level(j, b) == 1;
 }
 
 static bool is_family(const finder *f, const ric_branch *b)

@@ -40,6 +40,12 @@ static void title(picture *p)
     plot_page_title(p->page, p->common, p->atlas, extra);
 }
 
+/* Whether there are no impacts at all: law power. */
+static bool smooth(const picture *p)
+{
+    return ric_model_n_face(ric_atlas_model(p->atlas)) == 0;
+}
+
 /* Periods of the branch in one of the orbit of a step. */
 static double periods(const picture *p, int step)
 {
@@ -149,7 +155,7 @@ static int draw_diagram(picture *p)
                                   {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
         for (int i = 1; i < n; i++)
             draw_strip(p, &panel, i, &strips[i]);
-        snprintf(name, sizeof name, "at impacts: x_{%d}", p->dof + 1);
+        snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
         mark_strips(p, &panel, n, strips);
         title(p);
@@ -206,7 +212,11 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         plot_panel_frame(p->page, &left, last ? "time, in periods of the last orbit" : NULL, name);
         snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &right, last ? name : NULL, text);
-        if (s.multiple > 1)
+        if (smooth(p) && s.multiple > 1)
+            snprintf(text, sizeof text, "p/q = %d/%d,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy, s.frequency);
+        else if (smooth(p))
+            snprintf(text, sizeof text, "end,  E = %.8g,  ω = %.8g", s.energy, s.frequency);
+        else if (s.multiple > 1)
             snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.impacts, s.energy, s.frequency);
         else
             snprintf(text, sizeof text, "end,  %d impacts, %d touches,  E = %.8g,  ω = %.8g", s.impacts, s.grazings, s.energy, s.frequency);

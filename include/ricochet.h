@@ -470,7 +470,7 @@ typedef struct {
     double return_error;   /* relative distance of the simulated state from the start after one period; NaN if the faces differ or it touches */
     double ratio;          /* of the last two differences of energies, where three doublings not at a symmetry break follow each other; else NaN */
     const double *state;   /* [2 n_dof] x then v right after impact 0 */
-    const double *flights; /* [letters] */
+    const double *flights; /* [letters], or [1] = the period under a power law */
     int n_point;           /* points of the family that was followed to it; 0 for the first */
 } ric_cascade_step;
 
@@ -481,9 +481,10 @@ void ric_cascade_free(ric_cascade *cascade);
 int ric_cascade_length(const ric_cascade *cascade); /* steps, the end included */
 ric_status ric_cascade_step_at(const ric_cascade *cascade, int step, ric_cascade_step *out);
 /* Point i of the family followed to a step: its numbers, and the displacements at its impacts, x [impacts * n_dof], where the impacts are those
- * of `step`, touches included. Any pointer may be NULL. */
+ * of `step`, touches included. Under a power law: at as many instants, a period of the first branch apart, from a mirror point on if there is one.
+ * Any pointer may be NULL. */
 ric_status ric_cascade_point(const ric_cascade *cascade, int step, int i, ric_point *point, double *x);
-/* The number of impacts along the family followed to a step. */
+/* The number of impacts along the family followed to a step; under a power law of periods of the first branch. */
 int ric_cascade_impacts(const ric_cascade *cascade, int step);
 /* The orbit of a step at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_cascade_at_time(const ric_cascade *cascade, int step, double t, double *x, double *v);

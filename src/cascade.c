@@ -8,6 +8,7 @@
 #include "atlas.h"
 #include "depart.h"
 #include "motion.h"
+#include "ring.h"
 #include "status.h"
 #include "stored.h"
 #include "trace.h"
@@ -79,6 +80,25 @@ static double state_distance(int size, const double *a, const double *b)
     return sqrt(sum) / (1 + sqrt(norm));
 }
 
+/* Under a power law there are no impacts on the way. */
+static ric_status integrate(const ric_model *m, const ric_cycle *orbit, const double *state, double *error)
+{
+    ric_simulator *sim = NULL;
+    ric_impact impact;
+    bool hit;
+    int n = m->n_dof;
+    double back[2 * n];
+    ric_status status = ric_simulator_create(m, &sim);
+    if (!status) status = ric_simulator_start(sim, state, state + n);
+    if (!status) status = ric_simulator_advance(sim, ric_cycle_period(orbit) / m->omega_ref, &hit, &impact);
+    if (!status) {
+        ric_simulator_state(sim, NULL, back, back + n);
+        *error = state_distance(2 * n, back, state);
+    }
+    ric_simulator_free(sim);
+    return status;
+}
+
 /* One period on the simulator, which knows nothing of the word: how far the state is from the start; NaN where the faces differ. */
 static ric_status simulate(const ric_model *m, const ric_cycle *orbit, const double *state, double *error)
 {
@@ -117,16 +137,17 @@ static ric_status measure(const ric_model *m, stage *s)
     s->flights = calloc((size_t)N + 1, sizeof *s->flights);
     s->word = calloc((size_t)N + 1, sizeof *s->word);
     if (!s->state || !s->flights || !s->word) return no_memory();
-    ric_cycle_word(m, s->orbit, s->word);
+    if (!m->smooth) ric_cycle_word(m, s->orbit, s->word);
     ric_model_to_state(m, s->orbit->w, s->state, s->state + m->n_dof);
     for (int k = 0; k < N; k++) s->flights[k] = s->orbit->tau[k] / m->omega_ref;
+    if (m->smooth) s->flights[0] = ric_cycle_period(s->orbit) / m->omega_ref;
     s->energy = ric_cycle_energy(m, s->orbit) * m->energy_unit;
     s->frequency = TWO_PI / ric_cycle_period(s->orbit) * m->omega_ref;
     ric_status status = ric_cycle_to_chain(m, s->orbit, &chain, &u);
     if (!status) {
         ric_chain_fly(chain, u);
         s->residual = chain->residual;
-        status = simulate(m, s->orbit, s->state, &s->return_error);
+        status = m->smooth ? integrate(m, s->orbit, s->state, &s->return_error) : simulate(m, s->orbit, s->state, &s->return_error);
     }
     ric_chain_free(chain);
     free(u);
@@ -253,6 +274,13 @@ static ric_status search_along(ric_cascade *c, ric_trace *tr, bool keep, bool *f
     return status == RIC_E_NUMERIC ? RIC_OK : status;
 }
 
+/* The first step, along t0, is no longer than any other. */
+static void shorten(const ric_chain *chain, double max_step, double *t0)
+{
+    double norm = sqrt(ric_dot(chain->n_unknown, t0, t0)), most = max_step * chain->scale;
+    for (int i = 0; norm > most && i < chain->n_unknown; i++) t0[i] *= most / norm;
+}
+
 /* One family of the last multiplication, in one direction. */
 static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool *found)
 {
@@ -262,6 +290,7 @@ static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool 
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore;
     ric_status status = ric_node_depart(c->model, node, choice, side, &chain, &u0, &t0, &ignore);
+    if (!status && chain && !ric_ring_applies(node, choice)) shorten(chain, c->limits.max_step, t0);
     if (!status && chain) status = ric_trace_create(chain, u0, t0, ignore, &c->limits, &tr);
     if (status && c->n >= c->deepest) {
         c->deepest = c->n;
@@ -337,10 +366,11 @@ static void set_ratios(ric_cascade *c)
     }
 }
 
-static ric_status check_request(const ric_branch *b, const ric_cascade_options *o)
+static ric_status check_request(const ric_model *m, const ric_branch *b, const ric_cascade_options *o)
 {
-    if (b->impacts == 0)
-        return ric_fail(RIC_E_RANGE, "branch %d is a linear mode, which nothing multiplies; choose a branch with impacts", b->id);
+    if (ric_branch_linear(m, b))
+        return ric_fail(RIC_E_RANGE, "branch %d is a linear mode, which nothing multiplies; choose %s", b->id,
+                        m->smooth ? "another one" : "a branch with impacts");
     if (o->n < 1) return ric_fail(RIC_E_INPUT, "a cascade needs one multiplication at least");
     for (int i = 0; i < o->n; i++)
         if (o->multiple[i] < 2 || o->multiple[i] > 64)
@@ -356,7 +386,7 @@ ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_
     int largest = 2;
     *out = NULL;
     ric_status status = ric_atlas_branch(a, branch, &b);
-    if (status || (status = check_request(&b, o))) return status;
+    if (status || (status = check_request(ric_atlas_model(a), &b, o))) return status;
     ric_cascade *c = calloc(1, sizeof *c);
     if (!c || !(c->stages = calloc((size_t)o->n + 1, sizeof *c->stages))) {
         ric_cascade_free(c);
@@ -401,16 +431,25 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     if (status) return status;
     const stage *s = &c->stages[step];
     *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0}, .impacts = ric_cycle_impacts(ric_cycle_springs(c->model), s->orbit),
-                              .letters = s->orbit->N, .word = s->word,
+                              .letters = ric_cycle_letters(s->orbit), .word = s->word,
                               .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop, .energy = s->energy,
                               .frequency = s->frequency, .residual = s->residual, .return_error = s->return_error, .ratio = s->ratio,
                               .state = s->state, .flights = s->flights, .n_point = s->n_point};
     return RIC_OK;
 }
 
+/* Periods of the branch in one of the family followed to a step. */
+static int periods_to(const ric_cascade *c, int step)
+{
+    int product = 1;
+    for (int i = 0; i < step; i++) product *= c->stages[i].multiple;
+    return product;
+}
+
 int ric_cascade_impacts(const ric_cascade *c, int step)
 {
     if (step < 0 || step >= c->n || !c->stages[step].trace) return 0;
+    if (c->model->smooth) return periods_to(c, step);
     ric_trace *tr = c->stages[step].trace;
     ric_cycle *cycle = ric_trace_cycle(tr, (const double *)((const ric_point *)tr->points + 1));
     int N = cycle ? cycle->N : 0;
@@ -429,6 +468,10 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (!x) return RIC_OK;
     int n = c->model->n_dof;
     ric_cycle *cycle = ric_trace_cycle(s->trace, (const double *)(p + 1));
+    if (cycle && c->model->smooth && !ric_cycle_mark(cycle, periods_to(c, step))) {
+        ric_cycle_free(cycle);
+        cycle = NULL;
+    }
     double *W = cycle ? calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
     if (W) {
         ric_cycle_states(c->model, cycle, W);

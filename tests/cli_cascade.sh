@@ -55,6 +55,16 @@ ok 'a linear mode' exits 1 'linear mode' "$ricochet" cascade "$elementary" --bra
 ok 'no such branch' exits 1 . "$ricochet" cascade "$elementary" --branch 999 --doublings 2
 ok '--doublings without a branch' exits 2 'needs --branch' "$ricochet" cascade "$elementary" --doublings 2
 ok '--doublings and --multiply' exits 2 'choose one' "$ricochet" cascade "$elementary" --branch 3 --doublings 2 --multiply 2
+cubic=$folder/cubic.ricochet
+cat >"$folder/cubic.yaml" <<'END'
+title: t
+model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}]}
+explore: {energy: [0, 880], frequency: [0.15, 10], multiply: 2, depth: 2}
+END
+ok 'a cubic spring runs' "$ricochet" run "$folder/cubic.yaml" -o "$cubic"
+ok 'its cascades are followed' exits 0 '719\.90979' "$ricochet" cascade "$cubic" --branch "$(id "$cubic" S-)" --multiply 2/3,2,4
+ok 'and listed' exits 0 '1/2' "$ricochet" cascade "$cubic" --multiply 2
+
 for list in 1 2,x 4/3 '' 2,,0; do
     ok "--multiply '$list'" exits 2 . "$ricochet" cascade "$elementary" --branch 3 --multiply "$list"
 done
@@ -72,6 +82,10 @@ if command -v gnuplot >/dev/null; then
     ok 'no list' exits 2 'missing' "$ricochet" plot cascade "$atlas" --branch "$s6" -o "$folder/no.svg"
     ok 'no such displacement' exits 2 'displacements 1 to 2' "$ricochet" plot cascade "$atlas" --branch "$base" --multiply 3,2 --dof 3 -o "$folder/no.svg"
     ok 'nothing on the circle' exits 1 'unit circle' "$ricochet" plot cascade "$elementary" --branch "$(id "$elementary" 'A3[001]')" --circle -o "$folder/no.svg"
+    for picture in "cascade --multiply 2,2" "cascade --multiply 2,2 --shapes" "cascade --circle"; do
+        # shellcheck disable=SC2086
+        ok "plot $picture" sh -c '"$1" plot $2 "$3" --branch "$4" -o "$5" && grep -q "</svg>" "$5"' sh "$ricochet" "$picture" "$cubic" "$(id "$cubic" S+)" "$folder/cubic.svg"
+    done
 fi
 
 finish

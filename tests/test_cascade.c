@@ -1,5 +1,5 @@
 /* Cascades of period multiplications: the constant of area-preserving doublings, the article's path in F_1^8, long orbits and their accuracy,
- * and the kernel of long chains against the dense one. */
+ * the kernel of long chains against the dense one, and all of it with a cubic spring. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,6 +20,11 @@ static const char *const article =
     "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
     "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
+
+/* The cubic spring of section 3.3: both backbones and nothing else, and the same with what leaves them by doubling. */
+static const char *const cubic =
+    "title: t\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: power, exponent: 3, length: 1, "
+    "reference: 1}]}\nexplore: {energy: [0, 880], frequency: [0.2, 10], multiply: %d, depth: %d}\n";
 
 /* Only S2- and what leaves it by 3. */
 static const char *const article_with_s6 =
@@ -129,6 +134,128 @@ static void path_of_the_article(void **state)
     ric_atlas_free(atlas);
 }
 
+/* ---------------------------------------------------------------- law power */
+
+static ric_atlas *explore_cubic(int multiply, int depth)
+{
+    char text[512];
+    snprintf(text, sizeof text, cubic, multiply, depth);
+    return explore_text(text);
+}
+
+/* Sum of the multipliers of the orbit of a step, from motions of the simulator beside it: 2 for the flow and the energy, 2 cos(2 pi p / q). */
+static void check_multipliers(const ric_model *m, const ric_cascade_step *s)
+{
+    enum { SIZE = 4 };
+    const double h = 1e-6, period = 2 * acos(-1) / s->frequency;
+    double trace = 0;
+    for (int i = 0; i < SIZE; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            ric_simulator *sim = NULL;
+            ric_impact impact;
+            bool hit;
+            double x[SIZE];
+            memcpy(x, s->state, sizeof x);
+            x[i] += side * h;
+            assert_int_equal(ric_simulator_create(m, &sim), RIC_OK);
+            assert_int_equal(ric_simulator_start(sim, x, x + 2), RIC_OK);
+            assert_int_equal(ric_simulator_advance(sim, period, &hit, &impact), RIC_OK);
+            ric_simulator_state(sim, NULL, x, x + 2);
+            trace += side * x[i] / (2 * h);
+            ric_simulator_free(sim);
+        }
+    double expected = 2 + 2 * cos(2 * acos(-1) * s->rotation[0] / s->multiple);
+    if (!(fabs(trace - expected) < 1e-5)) fail_msg("%d/%d at energy %.9g: multipliers add up to %.9g", s->rotation[0], s->multiple, s->energy, trace);
+}
+
+static void doublings_of_a_cubic_spring(void **state)
+{
+    (void)state;
+    const int twos[] = {2, 2, 2, 2, 2, 2, 2};
+    ric_atlas *atlas = explore_cubic(1, 1);
+    ric_cascade *cascade = follow(atlas, "S+", 7, twos, NULL, false);
+    assert_int_equal(ric_cascade_length(cascade), 7);
+    for (int i = 0; i < 7; i++) {
+        ric_cascade_step s = step_of(cascade, i);
+        if (s.impacts != 0 || s.letters != 0 || s.symmetric != (i == 0)) fail_msg("doubling %d: %d impacts", i, s.impacts);
+        if (!(s.residual < 1e-12 && s.return_error < 1e-9)) fail_msg("doubling %d: residual %g, returns to %g", i, s.residual, s.return_error);
+        if (i >= 3 && fabs(s.ratio - DELTA) > 2 * pow(0.2, i - 3)) fail_msg("doubling %d: ratio %.7f", i, s.ratio);
+        assert_true(fabs(s.flights[0] * s.frequency / (2 * acos(-1)) - 1) < 1e-13);
+        if (i < 4) check_multipliers(ric_atlas_model(atlas), &s);
+    }
+    ric_cascade_free(cascade);
+    ric_atlas_free(atlas);
+}
+
+/* Fig. 29: from the out-of-phase mode by 3, 2 and 4. Displacements are taken once in a period of that mode, and those of x2 start at 0. */
+static void path_at_n_3(void **state)
+{
+    (void)state;
+    const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
+    const double energy[] = {109.859528466023, 737.247544040769, 719.909796156005};    /* those of docs/gallery.md */
+    const double frequency[] = {1.61672208528233, 0.799503810679707, 0.199896817752509}; /* over the multiplicity */
+    ric_atlas *atlas = explore_cubic(1, 1);
+    ric_cascade *cascade = follow(atlas, "S-", 3, q, p, true);
+    assert_int_equal(ric_cascade_length(cascade), 4);
+    for (int i = 0; i < 3; i++) {
+        ric_cascade_step s = step_of(cascade, i);
+        if (fabs(s.energy / energy[i] - 1) > 1e-10 || fabs(s.frequency / q[i] / frequency[i] - 1) > 1e-10)
+            fail_msg("step %d: energy %.14g, frequency %.14g", i, s.energy, s.frequency / q[i]);
+        assert_true(s.residual < 1e-13 && s.return_error < 1e-11);
+        assert_true(s.symmetric == (i < 2));
+        check_multipliers(ric_atlas_model(atlas), &s);
+    }
+    double x[24 * 2];
+    ric_point point;
+    assert_int_equal(ric_cascade_impacts(cascade, 1), 3);
+    assert_int_equal(ric_cascade_impacts(cascade, 3), 24);
+    assert_int_equal(ric_cascade_point(cascade, 1, 0, &point, x), RIC_OK);
+    for (int k = 0; k < 3; k++) assert_true(fabs(x[2 * k + 1]) < 1e-9); /* three times round S- from its centre */
+    assert_int_equal(ric_cascade_point(cascade, 3, 0, &point, x), RIC_OK);
+    for (int k = 0; k < 24; k++)
+        for (int i = 0; i < 2; i++) assert_true(fabs(x[2 * k + i] - x[2 * ((k + 6) % 24) + i]) < 1e-6 * (1 + fabs(x[2 * k + i])));
+    ric_cascade_free(cascade);
+    ric_atlas_free(atlas);
+}
+
+/* The elementary structure is inherited (Fig. 24, 25): F_1^1 is the in-phase path with its bridge, F_2^1 the other backbone, and F_2^2 the closed
+ * loop that leaves its doublings. */
+static void bases_of_a_cubic_spring(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_cubic(2, 2);
+    ric_bases *bases = NULL;
+    int found = 0;
+    assert_int_equal(ric_bases_find(atlas, 0, &bases), RIC_OK);
+    for (int i = 0; i < ric_bases_n(bases); i++) {
+        ric_base base;
+        assert_int_equal(ric_bases_get(bases, i, &base), RIC_OK);
+        if (base.j > base.mode) continue;
+        found++;
+        if (base.j == base.mode && base.mode == 1) {
+            assert_int_equal(base.n_branch, 2);
+            assert_int_equal(branch_of(atlas, base.branches[0]).mode, 1);
+            ric_branch bridge = branch_of(atlas, base.branches[1]);
+            assert_true(fabs(bridge.energy_min / 2.764187897 - 1) < 1e-9 && fabs(bridge.energy_max / 490.609515779 - 1) < 1e-9);
+        }
+        if (base.j == 1 && base.mode == 2) {
+            assert_int_equal(base.n_branch, 1);
+            assert_int_equal(branch_of(atlas, base.branches[0]).mode, 2);
+        }
+        if (base.j == 2 && base.mode == 2) {
+            assert_int_equal(base.n_branch, 2);
+            ric_branch a = branch_of(atlas, base.branches[0]), b = branch_of(atlas, base.branches[1]);
+            assert_true(a.from && a.to && a.from != a.to && a.from == b.from && a.to == b.to);
+            assert_int_equal(junction_of(atlas, a.from).multiple, 2);
+            assert_int_equal(junction_of(atlas, a.to).multiple, 2);
+        }
+        for (int k = 0; k < base.n_branch; k++) assert_true(ric_bases_elementary(bases, base.branches[k]));
+    }
+    assert_int_equal(found, 3);
+    ric_bases_free(bases);
+    ric_atlas_free(atlas);
+}
+
 static void requests_are_checked(void **state)
 {
     (void)state;
@@ -221,6 +348,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doublings_converge),  cmocka_unit_test(long_orbits_keep_their_digits), cmocka_unit_test(path_of_the_article),
+        cmocka_unit_test(doublings_of_a_cubic_spring), cmocka_unit_test(path_at_n_3), cmocka_unit_test(bases_of_a_cubic_spring),
         cmocka_unit_test(requests_are_checked), cmocka_unit_test(guided_run), cmocka_unit_test(kernels_agree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
