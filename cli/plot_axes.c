@@ -257,7 +257,8 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
     if (!title || !*title)
         return;
     const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) / plot_text_width(title, type + 1)); /* never beyond the page */
-    plot_page_text(page, (plot_point){box->left - widest - 23, (box->bottom + box->top) / 2}, PLOT_CENTRE, size, "#222222", true, title);
+    const double x = fmax(box->left - widest - 23, 0.8 * size); /* long numbers do not push it off the page */
+    plot_page_text(page, (plot_point){x, (box->bottom + box->top) / 2}, PLOT_CENTRE, size, "#222222", true, title);
 }
 
 void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title)

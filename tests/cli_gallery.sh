@@ -20,6 +20,12 @@ for figure in $(seq 3 30); do
     ok "figure $figure is on the page" grep -q "^## Fig. $figure:" docs/gallery.md
 done
 
+# Labels as a browser sets them, which has letters of its own.
+browser=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || command -v google-chrome)}
+if [ -n "$browser" ] && command -v node >/dev/null && [ -e web/node_modules/playwright-core/package.json ]; then
+    ok 'no label is cut or lies on another' node tests/gallery_texts.mjs "$browser" "$folder"/*.svg
+fi
+
 # Numbers of the article, its points by their names: STUDY NAME ENERGY FREQUENCY
 place() {
     "$ricochet" junctions "$folder/$1.ricochet" --json | python3 -c '
