@@ -154,21 +154,17 @@ static void print_regions(const ric_study *study)
 }
 
 /* An atlas that was extended, by `ricochet view` or by a larger study, is made smaller by this one: that is said. */
-static void tell_smaller(const char *path, const ric_study *study)
+static void tell_smaller(const char *path, const ric_study *old, const ric_study *now)
 {
-    ric_atlas *atlas = NULL;
     char what[100];
-    if (access(path, F_OK) || ric_atlas_read(path, &atlas))
-        return;
-    list_smaller(ric_study_options(ric_atlas_study(atlas)), ric_study_options(study), sizeof what, what);
+    list_smaller(ric_study_options(old), ric_study_options(now), sizeof what, what);
     if (*what)
         fprintf(stderr, "ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not listed any more, the work is kept\n",
                 path, what);
     if (strstr(what, "regions")) {
         fputs("ricochet: with these lines in the study it comes back:\n", stderr);
-        print_regions(ric_atlas_study(atlas));
+        print_regions(old);
     }
-    ric_atlas_free(atlas);
 }
 
 /* Where one orbit takes longer than the time given, nobody asks in between. The file is left as by a kill, which it survives. */
@@ -185,15 +181,20 @@ static int explore(const ric_study *study, const char *path, long workers, doubl
     display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
+    ric_atlas *before = NULL;
+    if (!access(path, F_OK) && ric_atlas_read(path, &before))
+        before = NULL; /* the run itself says what is wrong with it */
     cli_catch_signals();
     if (seconds < LONGEST) {
         signal(SIGALRM, give_up);
         alarm((unsigned)(seconds + GRACE));
     }
-    tell_smaller(path, study);
     ric_status status = ric_explore_with(study, path, &options, cli_run_crew);
     alarm(0);
     clear_progress(&d);
+    if (before && (!status || status == RIC_E_INTERRUPTED))
+        tell_smaller(path, ric_atlas_study(before), study);
+    ric_atlas_free(before);
     if (status == RIC_E_INTERRUPTED) {
         if (d.over)
             fprintf(stderr, "ricochet: the %g s given are over\n", seconds);

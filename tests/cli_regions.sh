@@ -58,6 +58,8 @@ ok 'without them it is what it was, and the run says what it leaves out' smaller
 back() { grep -A1 '^regions:' "$folder/err" >>"$folder/file.yaml" && again && same double file && ! grep -q 'was made with' "$folder/err"; }
 ok 'the lines that it prints bring them back' back
 
+other_model() { sed 's/2, 0/3, 0/' "$folder/none.yaml" >"$folder/heavy.yaml"; "$ricochet" run "$folder/heavy.yaml" -o "$folder/double.ricochet" 2>"$folder/err"; [ $? = 1 ] && grep -q 'another model' "$folder/err" && ! grep -q 'was made with' "$folder/err"; }
+ok 'another model is refused without a word on budgets' other_model
 refused() { study "$1" >"$folder/bad.yaml"; "$ricochet" run "$folder/bad.yaml" -o "$folder/bad.ricochet" 2>"$folder/err"; [ $? = 2 ] && grep -q "$2" "$folder/err" && [ ! -e "$folder/bad.ricochet" ]; }
 ok 'a region without a window' refused 'energy: [1, 2]' 'regions\[1\].frequency: missing'
 ok 'a window turned round' refused 'energy: [2, 1], frequency: [1, 2]' 'write the lower bound first'

@@ -176,6 +176,15 @@ async function growing(page, shot, atlas) {
   await shot("grown");
   const found = rows("junctions", atlas).find((j) => j.kind === "multiplication" && near(j.energy, C6_33.energy, 1e-8) && near(j.frequency, C6_33.frequency, 1e-8));
   ok("the living atlas finds the multiplication C33^6 and saves it", Boolean(found), `${rows("branches", atlas).length} branches`);
+  const narrow = await page.evaluate(() => (location.hash = "#e=120,400&w=1.5,1.8"));
+  await page.waitForFunction(() => Math.abs(window.ricochet().window().x1 - Math.log10(400)) < 1e-9);
+  const known = rows("branches", atlas).length;
+  await page.click("[data-offer=windows]");
+  await page.waitForFunction(() => document.querySelector(".progress.busy"), null, { timeout: 5000 }).catch(() => null);
+  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: 60000 });
+  const reach = Math.max(...rows("branches", atlas).map((b) => b.energy_max));
+  ok("beyond the windows branches are followed into the view", near(reach, 400, 1e-6) && rows("branches", atlas).length >= known, `${narrow} ${reach}`);
+  await page.click("#home");
   await click(page, C6_33);
   await page.waitForTimeout(300);
   ok("it is shown", near(Number(await value(page, "energy")), C6_33.energy, 1e-8) && (await value(page, "multiple")).startsWith("times 2"));
