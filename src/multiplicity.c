@@ -173,7 +173,8 @@ ric_status ric_multiplicity(const ric_model *m, const ric_node *node, int *a, in
     int kind_a, kind_b;
     expected(node, &kind_a, &kind_b);
     ric_status status = measure(m, node->cycle, node->multiple, kind_b, a, b, decided);
-    if (status || *decided) return status;
+    if (status || (*decided && *a >= kind_a && *b >= kind_b)) return status;
+    *decided = false; /* a kind has no less than that: what was kept was rounding */
     *a = kind_a;
     *b = kind_b;
     return RIC_OK;
