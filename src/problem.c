@@ -1,6 +1,7 @@
 #include "problem.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "trace.h"
 
@@ -59,4 +60,22 @@ ric_cycle *ric_problem_cycle(const ric_cycle *c, const ric_problem *problem)
     out->pure = problem->pure;
     out->flip = problem->flip;
     return out;
+}
+
+int ric_problem_singular(const ric_model *m, const ric_cycle *cycle, const ric_problem problems[2])
+{
+    double smallest[2] = {HUGE_VAL, HUGE_VAL};
+    for (int i = 0; i < 2; i++) {
+        ric_chain *chain = NULL;
+        double *u = NULL;
+        ric_cycle *repeated = ric_problem_cycle(cycle, &problems[i]);
+        if (repeated && !ric_cycle_to_chain(m, repeated, &chain, &u)) {
+            ric_chain_evaluate(chain, u);
+            smallest[i] = chain->smallest;
+        }
+        ric_chain_free(chain);
+        ric_cycle_free(repeated);
+        free(u);
+    }
+    return smallest[1] < smallest[0];
 }

@@ -29,4 +29,7 @@ double ric_problem_rho(bool half, int p, int q);
 /* The orbit in a problem: repeated, with the symmetries kept. NULL: no memory. */
 ric_cycle *ric_problem_cycle(const ric_cycle *cycle, const ric_problem *problem);
 
+/* Of the two problems of a doubling only one has a kernel: which. */
+int ric_problem_singular(const ric_model *model, const ric_cycle *cycle, const ric_problem problems[2]);
+
 #endif

@@ -153,7 +153,7 @@ static void extrema_have_three(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore(article, 3, "energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
-    int measured = 0, lost = 0;
+    int measured = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
         for (int i = 0; i < b.n_junction && !b.symmetric; i++) {
@@ -161,10 +161,9 @@ static void extrema_have_three(void **state)
             if (j.kind != RIC_KIND_EXTREMUM) continue;
             assert_true(j.a == 3 && j.b == 1);
             measured += j.decided;
-            lost += !j.decided;
         }
     }
-    assert_true(measured > 0 && lost > 0);
+    assert_true(measured > 0);
     ric_atlas_free(atlas);
 }
 

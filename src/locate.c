@@ -1,0 +1,273 @@
+#include "locate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "fine.h"
+#include "problem.h"
+#include "status.h"
+#include "trace.h"
+
+#define TWO_PI 6.283185307179586477
+#define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
+#define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a pole */
+#define FINE 1e-12      /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in higher precision */
+#define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a tenth) */
+#define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
+#define UNDECIDED (-1)
+#define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding / distance */
+#define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
+
+/* What vanishes at a junction, as a function of the point on the curve. */
+typedef struct {
+    ric_chain *chain;
+    ric_floquet floquet;
+    int test;
+    int place;     /* in the chain, of the impact or flight in question */
+    bool soft;     /* at a grazing: a flight between two switches of a spring, and no impact */
+    const double *u;
+    int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
+    const ric_asked *asked;
+    bool last;     /* from a canonical orbit: what is found is kept */
+    double noise;  /* rounding in the determinant of the larger problem, beside its zero */
+    double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
+} criterion;
+
+/* The problem with fewer symmetries whose determinant vanishes at the junction. */
+static ric_problem smaller_problem(criterion *q, const ric_cycle *cycle)
+{
+    ric_problem problems[2];
+    if (q->test != RIC_TEST_ROTATION) return ric_problem_breaking(cycle, q->test);
+    int count = ric_problem_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
+    /* which is which depends on where the cycle starts: decided once, on the first one seen */
+    if (q->choice == UNDECIDED) q->choice = count == 2 && ric_problem_singular(q->chain->model, cycle, problems);
+    return problems[q->choice];
+}
+
+/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where the factors of
+ * section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and keeps its digits however unstable
+ * the orbit is. */
+static double larger_determinant(criterion *q, const double *u)
+{
+    ric_chain *large = NULL;
+    double *v = NULL, value = NAN;
+    ric_cycle *here = ric_cycle_from_chain(q->chain, u), *cycle = NULL;
+    if (here) {
+        ric_problem problem = smaller_problem(q, here);
+        cycle = ric_problem_cycle(here, &problem);
+    }
+    if (cycle && !ric_cycle_to_chain(q->chain->model, cycle, &large, &v)) {
+        double t[large->n_unknown];
+        ric_chain_evaluate(large, v);
+        double sign = ric_trace_tangent(large, q->along, t);
+        value = sign * large->end_det;
+        q->noise = ric_trace_tolerance(large) * fabs(large->end_det / large->smallest);
+        if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
+    }
+    ric_chain_free(large);
+    ric_cycle_free(here);
+    ric_cycle_free(cycle);
+    free(v);
+    return value;
+}
+
+/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the period is its square, that
+ * of the period only touches -2. */
+static double off_rotation(criterion *q)
+{
+    const ric_chain *c = q->chain;
+    if (ric_floquet_compute(c, &q->floquet)) return NAN;
+    double nearest = HUGE_VAL, target = ric_problem_rho(ric_chain_halves(c), q->rotation[0], q->rotation[1]);
+    for (int i = 0; i < q->floquet.n_pair; i++) {
+        double off = q->floquet.own[2 * i] - target;
+        if (fabs(off) < fabs(nearest)) nearest = off;
+    }
+    return nearest;
+}
+
+static double off_asked(const criterion *q, const double *u)
+{
+    const ric_model *m = q->chain->model;
+    return ric_asked_off(q->asked, ric_chain_energy(q->chain) * m->energy_unit, TWO_PI / ric_chain_time(q->chain, u) * m->omega_ref);
+}
+
+static double evaluate(criterion *q, const double *u, const double *t, double orientation)
+{
+    const ric_chain *c = q->chain;
+    switch (q->test) {
+    case RIC_TEST_APPROACH: return q->soft ? q->u[c->n_start + q->place] : c->approach[q->place];
+    case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, t) / c->scale;
+    case RIC_TEST_DET: return orientation * c->end_det;
+    case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
+    case RIC_TEST_PERIOD: {
+        double sum = 0;
+        for (int k = c->n_start; k < c->n_unknown; k++) sum += t[k];
+        return sum;
+    }
+    case RIC_TEST_ASKED: return off_asked(q, u);
+    case RIC_TEST_ROTATION: return c->start == RIC_MIRROR_NONE ? off_rotation(q) : larger_determinant(q, u);
+    default: return larger_determinant(q, u);
+    }
+}
+
+static bool breaks_symmetry(int test)
+{
+    return test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
+/* The same zero where rounding hides it: sought in quadruple precision from u on, an orbit beside it. */
+static bool solve_finely(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    double t[c->n_unknown];
+    ric_trace_tangent(c, NULL, t);
+    if (!ric_fine_branch_point(c, q->test, t, u)) return false;
+    ric_chain_evaluate(c, u);
+    return c->residual <= 4 * ric_trace_tolerance(c);
+}
+
+/* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
+static bool solve_criterion(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double du[size], origin[size], normal[size], t[size], best[size];
+    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = 1e-6;
+    q->u = u;
+    if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
+    memcpy(origin, u, sizeof origin);
+    ric_trace_tangent(c, NULL, normal);
+    f1 = evaluate(q, u, normal, 1);
+    for (int i = 0; i < 30; i++) {
+        if (fabs(x1 - x0) > 1e-3 * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
+        if (fabs(f1) < least) {
+            least = fabs(f1);
+            memcpy(best, u, sizeof best);
+        } else if (i > 4) break;
+        if (f1 == 0) break;
+        double x2 = i == 0 ? first * c->scale : x1 - f1 * (x1 - x0) / (f1 - f0);
+        if (!isfinite(x2) || fabs(x2) > 1e-2 * c->scale) break;
+        x0 = x1;
+        f0 = f1;
+        x1 = x2;
+        for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
+        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) {
+            if (i > 0 || first < 1e-8) return false;
+            first /= 10; /* deep in a cascade a branch is no longer than that */
+            x1 = 0;
+            i = -1;
+            continue;
+        }
+        double sign = ric_trace_tangent(c, normal, t);
+        f1 = evaluate(q, u, t, sign);
+        if (x1 == x0) break;
+    }
+    memcpy(u, best, sizeof best);
+    ric_chain_evaluate(c, u);
+    if (q->test == RIC_TEST_ASKED) return least <= MET;
+    bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET || (q->test == RIC_TEST_ROTATION && c->start != RIC_MIRROR_NONE);
+    if (!by_determinant) return true;
+    bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
+    if (blurred) return !q->last || solve_finely(q, u);
+    return least <= AT_ZERO * c->scale * slope;
+}
+
+/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is shortest. */
+static int slowest(const ric_chain *c, const double *u, bool *soft)
+{
+    int best = -1;
+    double least = HUGE_VAL;
+    *soft = false;
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0 && c->model->face[c->face[k]].spring == 0 && fabs(c->approach[k]) < least) {
+            least = fabs(c->approach[k]);
+            best = k;
+        }
+    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+        if (ric_chain_touches(c, k) && fabs(u[c->n_start + k]) < least) {
+            least = fabs(u[c->n_start + k]);
+            best = k;
+            *soft = true;
+        }
+    return best;
+}
+
+/* Flight of the chain between different contacts that is shortest. */
+static int shortest(const ric_chain *c, const double *u)
+{
+    const ric_model *m = c->model;
+    int best = -1;
+    for (int k = 0; k < c->n_flight; k++) {
+        int f = c->face[k], g = c->face[k + 1];
+        if (f < 0 || g < 0 || m->face[f].contact == m->face[g].contact) continue;
+        if (best < 0 || u[c->n_start + k] < u[c->n_start + best]) best = k;
+    }
+    return best;
+}
+
+ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion what, bool *moved)
+{
+    ric_cycle *canonical = NULL, *out = NULL;
+    for (int pass = 0; pass < 2; pass++) {
+        criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked, .last = pass > 0,
+                       .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
+        double *u = NULL;
+        ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
+        bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
+        if (good) {
+            if (pass)
+                for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
+            ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded unknowns */
+            if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
+            if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
+            good = good && solve_criterion(&q, u);
+            out = good ? ric_cycle_from_chain(q.chain, u) : NULL;
+        }
+        ric_cycle_free(source);
+        ric_chain_free(q.chain);
+        ric_floquet_release(&q.floquet);
+        free(q.along);
+        free(u);
+        canonical = NULL;
+        if (!out) return NULL;
+        if (pass == 0) {
+            canonical = ric_cycle_canonical(m, out);
+            ric_cycle_free(out);
+            out = NULL;
+            if (!canonical) return NULL;
+        }
+    }
+    /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
+    /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
+    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
+    bool near = ric_cycle_same(m, cycle, out, far);
+    canonical = near ? ric_cycle_canonical(m, out) : NULL;
+    if (moved) *moved = !near;
+    ric_cycle_free(out);
+    return canonical;
+}
+
+bool ric_locate_sharp(const ric_model *m, const ric_cycle *cycle, int test)
+{
+    criterion q = {.test = test};
+    double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
+    if (!ric_cycle_to_chain(m, cycle, &q.chain, &u)) {
+        ric_chain *c = q.chain;
+        int size = c->n_unknown, iterations;
+        double v[size], du[size], normal[size], t[size];
+        ric_chain_evaluate(c, u);
+        ric_trace_tangent(c, NULL, normal);
+        blur = ric_trace_blur(c, test);
+        h = BESIDE * c->scale;
+        for (int side = -1; side <= 1; side += 2) {
+            for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
+            if (!ric_trace_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
+            double sign = ric_trace_tangent(c, normal, t);
+            change += side * evaluate(&q, v, t, sign);
+        }
+        h /= c->scale;
+    }
+    ric_chain_free(q.chain);
+    free(u);
+    return PLACED * fabs(change) > 2 * h * blur;
+}
