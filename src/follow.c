@@ -132,14 +132,22 @@ static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric
     return RIC_OK;
 }
 
-/* Under a power law the end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images, as
- * orbits of the branch's own problem, the one that lies there. */
+/* Whether two chains are the same problem. */
+static bool same_problem(const ric_chain *a, const ric_chain *b)
+{
+    size_t faces = (size_t)a->n_flight + 1;
+    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight && a->closed[0] == b->closed[0] &&
+           !memcmp(a->face, b->face, faces * sizeof *a->face);
+}
+
+/* Under a power law, and with springs, the end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its
+ * images, as orbits of the branch's own problem, the one that lies there. What bends the curves there grows with the stiffness. */
 static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node *node, unsigned choice)
 {
     ric_chain *c = tr->chain;
     int size = c->n_unknown;
     double nearest = END_NEAR * c->scale, best[size];
-    if (!g->model->smooth || !ric_node_leaves(node, choice)) return RIC_OK;
+    if (!g->model->springs || !ric_node_leaves(node, choice)) return RIC_OK;
     ric_problem problem = ric_node_problem(node, choice);
     ric_cycle *whole = ric_problem_cycle(node->cycle, &problem);
     if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
@@ -147,7 +155,7 @@ static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node 
         ric_chain *chain = NULL;
         double *u = NULL, off = 0;
         ric_cycle *image = ric_cycle_transform(g->model, whole, k / 4, k & 1, k & 2);
-        bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && chain->start == c->start && chain->end == c->end;
+        bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && same_problem(chain, c);
         for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
         if (fits && off < nearest) {
             nearest = off;

@@ -41,11 +41,16 @@ ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const do
 
 /* ---------------------------------------------------------------- corrector */
 
-/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. A closed spring makes a velocity
- * of the rounding of the displacement at which it was met. */
+/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
+static double of_flights(const ric_chain *c)
+{
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+}
+
+/* A closed spring makes a velocity of the rounding of the displacement at which it was met. */
 static double rounding(const ric_chain *c)
 {
-    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n) * (1 + c->stiff);
+    return of_flights(c) * (1 + c->stiff);
 }
 
 double ric_trace_tolerance(const ric_chain *c)
@@ -64,7 +69,7 @@ double ric_trace_blur(const ric_chain *c, int test)
 bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)
 {
     int size = c->n_unknown;
-    double floor = FLOOR * rounding(c), last = HUGE_VAL, kernel[size];
+    double floor = FLOOR * of_flights(c), last = HUGE_VAL, kernel[size]; /* with springs most displacements are met better than they may be */
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
         ric_chain_evaluate(c, u);
