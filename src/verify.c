@@ -767,6 +767,91 @@ static double largest_residual(const replay *r)
     return largest;
 }
 
+/* Through a row of stiff springs even the rounding of extended precision grows beyond what is compared. There every flight starts from a state
+ * of its own, chain[k], and what it ends with, ends[k], is joined to the next by Newton's method: the breaks between them are carried to the
+ * residuals (condensing: Bock and Plitt 1984), so that its equations remain those of one chain. */
+static void fly_apart(replay *r, real *ends)
+{
+    size_t step = 2 * (size_t)r->n;
+    for (int k = 0; k < r->n_flight; k++) {
+        fly(r, k, r->tau[k], r->chain + (size_t)k * step, ends + (size_t)k * step);
+        r->speed[k + 1] = reflect(r, end_face(r, k), ends + (size_t)k * step);
+    }
+    memcpy(r->chain + (size_t)r->n_flight * step, ends + (size_t)(r->n_flight - 1) * step, step * sizeof *ends);
+}
+
+/* column += what lies between the end of a flight and the state behind it, `next`. */
+static void add_break(const replay *r, const real *end, const real *next, real *column)
+{
+    for (int i = 0; i < r->n; i++) {
+        column[i] += r->kappa[i] * (end[i] - next[i]);
+        column[r->n + i] += end[r->n + i] - next[r->n + i];
+    }
+}
+
+/* The residuals of flights that are apart, in the place of those of one chain. */
+static void residuals_apart(const replay *r, const real *ends, real *column, double *F)
+{
+    int n = r->n, N = r->n_flight;
+    memset(column, 0, 2 * (size_t)n * sizeof *column);
+    for (int k = 0; k < N; k++) {
+        const real *end = ends + (size_t)k * 2 * (size_t)n;
+        F[k] = (double)(gap(r, end_face(r, k), end) + fly_column(r, k, false, column));
+        add_break(r, end, k + 1 < N ? r->chain + (size_t)(k + 1) * 2 * (size_t)n : r->chain, column);
+    }
+    for (int i = 0; i < 2 * n; i++) F[N + i] = (double)column[i];
+}
+
+/* The correction -F of one chain moves all states; the times move afterwards. */
+static void correct_apart(replay *r, const double *F, real *ends, real *column)
+{
+    int n = r->n, N = r->n_flight;
+    real force[n], moved[2 * n];
+    for (int i = 0; i < 2 * n; i++) column[i] = -F[N + i];
+    for (int k = 0; k < N; k++) {
+        real *w = r->chain + (size_t)k * 2 * (size_t)n;
+        const real *end = ends + (size_t)k * 2 * (size_t)n;
+        memcpy(moved, column, sizeof moved);
+        fly_column(r, k, false, column);
+        accelerations(r, k, end, force);
+        for (int i = 0; i < n; i++) {
+            column[i] -= F[k] * r->kappa[i] * end[n + i];
+            column[n + i] -= F[k] * force[i];
+        }
+        add_break(r, end, w + 2 * n, column);
+        for (int i = 0; i < n; i++) {
+            w[i] += moved[i] / r->kappa[i];
+            w[n + i] += moved[n + i];
+        }
+    }
+    for (int k = 0; k < N; k++) r->tau[k] -= F[k];
+    fly_apart(r, ends);
+}
+
+/* Where springs alone are met: between a stop and the next event the time of a flight would have to go through the impact. */
+static bool goes_apart(const replay *r)
+{
+    bool springs = r->closed;
+    for (int k = 0; k < r->n_flight; k++) springs = springs && end_face(r, k)->spring > 0;
+    return springs;
+}
+
+/* How far polishing has moved the flight times, relative to a mean flight. What a slow contact of a spring leaves uncertain is its time. */
+static real times_moved(const replay *r, const real *kept, bool weighed)
+{
+    real moved = 0;
+    int N = r->n_flight;
+    for (int k = 0; k < N; k++) {
+        real late = fabs(r->tau[k] - kept[k]), least = 1;
+        for (int end = 0; weighed && end < 2; end++) {
+            int last = (k + N - end) % N; /* end = 1: the flight whose end is the start of this one */
+            least = fmin(least, fabs(r->speed[last + 1]) / (SLOW * fastest(r, end_face(r, last))));
+        }
+        moved = fmax(moved, least * late / (r->period / N));
+    }
+    return moved;
+}
+
 /* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another orbit. */
 static ric_status polish(replay *r)
 {
@@ -775,7 +860,9 @@ static ric_status polish(replay *r)
     int n = r->n, N = r->n_flight, m = N + 2 * n, rank;
     size_t size = (size_t)m * (size_t)m;
     double *J = calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL, *columns = J ? values + m : NULL;
-    real *column = calloc(4 * (size_t)n + (size_t)m, sizeof *column), *kept = column ? column + 4 * n : NULL, moved = 0;
+    real *column = calloc(4 * (size_t)n + (size_t)m + 2 * (size_t)n * (size_t)N, sizeof *column), *kept = column ? column + 4 * n : NULL, moved = 0;
+    real *ends = column ? kept + m : NULL;
+    bool apart = goes_apart(r);
     if (!J || !column) {
         status = ric_fail(RIC_E_NOMEM, "no memory to polish an orbit of %d flights", N);
         goto out;
@@ -783,16 +870,22 @@ static ric_status polish(replay *r)
     double left_open = largest_residual(r);
     memcpy(kept, r->tau, (size_t)N * sizeof *kept);
     memcpy(kept + N, r->chain, 2 * (size_t)n * sizeof *kept);
+    if (apart) fly_apart(r, ends);
     for (int step = 0; step < STEPS; step++) {
         memset(J, 0, size * sizeof *J);
         jacobian(r, column, J);
-        residuals(r, F);
+        if (apart) residuals_apart(r, ends, column, F);
+        else residuals(r, F);
         equilibrate(m, N, J, F, columns);
         if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, m, 1, J, m, F, 1, values, REGULAR, &rank))) {
             status = ric_fail(RIC_E_NUMERIC, "branch %d, point %d could not be polished", r->check->branch, r->check->point);
             goto out;
         }
         for (int j = 0; j < m; j++) F[j] *= columns[j];
+        if (apart) {
+            correct_apart(r, F, ends, column);
+            continue;
+        }
         for (int k = 0; k < N; k++) r->tau[k] -= F[k];
         for (int i = 0; i < n; i++) {
             r->chain[i] -= F[N + i] / r->kappa[i];
@@ -800,11 +893,11 @@ static ric_status polish(replay *r)
         }
         make_chain(r);
     }
-    for (int k = 0; k < N; k++) moved = fmax(moved, fabs(r->tau[k] - kept[k]) / (r->period / N));
-    moved = fmax(moved, distance(r, r->chain, kept + N) / r->norm);
+    real aside = distance(r, r->chain, kept + N) / r->norm;
+    moved = fmax(times_moved(r, kept, false), aside);
     /* through stiff springs the residual may be the rounding of the stored displacements times their stiffness, and beside a branch point the
      * correction is rounding over the distance from it: the orbit is right if either is small */
-    worsen(&r->check->flight_error, r->closed ? fmin(left_open, (double)moved) : left_open);
+    worsen(&r->check->flight_error, r->closed ? fmin(left_open, (double)fmax(times_moved(r, kept, true), aside)) : left_open);
     if (moved <= SAME) goto out;
     memcpy(r->tau, kept, (size_t)N * sizeof *kept);
     memcpy(r->chain, kept + N, 2 * (size_t)n * sizeof *kept);

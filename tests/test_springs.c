@@ -182,6 +182,21 @@ static void grazings(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Many short contacts in a row, slow ones among them, and ends at branch points: every stored orbit is one, to rounding. No multiplicity is larger
+ * than the kind of a point allows, however near the grazing of a spring. */
+static void every_point(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = two_masses(1e4, "energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 3, depth: 3");
+    assert_true(ric_atlas_n_branch(atlas) > 50);
+    replayed(atlas, "wide");
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        if (j.kind != RIC_KIND_GRAZING && (j.a > 3 || j.b > 3)) fail_msg("%s at energy %.9g", j.label, j.energy);
+    }
+    ric_atlas_free(atlas);
+}
+
 /* dE/ds vanishes at a grazing: near it the energy is quadratic in the time of contact, on S2+ as E - E_g ~ tau^2. */
 static void quadratic(void **state)
 {
@@ -265,7 +280,7 @@ static void random_atlases(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(jacobians), cmocka_unit_test(kernels), cmocka_unit_test(stiff_limit), cmocka_unit_test(grazings),
+        cmocka_unit_test(jacobians), cmocka_unit_test(kernels), cmocka_unit_test(stiff_limit), cmocka_unit_test(grazings), cmocka_unit_test(every_point),
         cmocka_unit_test(quadratic), cmocka_unit_test(words), cmocka_unit_test(random_atlases),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
