@@ -362,24 +362,41 @@ static void window_text(ric_trace *tr, int test)
     tr->why = text[test] ? text[test] : "";
 }
 
-/* Back at the start, going the same way. */
-static bool closes(ric_trace *tr, double h)
+/* Back at the orbit `home`, going the same way as `heading` from there. */
+static bool reaches(ric_trace *tr, double h, const double *home, const double *heading)
 {
     int size = tr->chain->n_unknown;
     double along = 0, across = 0;
-    if (tr->n_point < 8) return false;
-    for (int i = 0; i < size; i++) along += (tr->start_u[i] - tr->now.u[i]) * tr->now.t[i];
+    for (int i = 0; i < size; i++) along += (home[i] - tr->now.u[i]) * tr->now.t[i];
     if (!(along > 0 && along <= h)) return false;
     for (int i = 0; i < size; i++) {
-        double d = tr->start_u[i] - tr->now.u[i] - along * tr->now.t[i];
+        double d = home[i] - tr->now.u[i] - along * tr->now.t[i];
         across += d * d;
     }
     if (sqrt(across) > 0.3 * h) return false;
     bool good = false;
     if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
     double distance = 0;
-    for (int i = 0; i < size; i++) distance = fmax(distance, fabs(tr->mid.u[i] - tr->start_u[i]));
-    return distance < 1e-8 * tr->chain->scale && ric_dot(size, tr->mid.t, tr->start_t) > 0.5;
+    for (int i = 0; i < size; i++) distance = fmax(distance, fabs(tr->mid.u[i] - home[i]));
+    return distance < 1e-8 * tr->chain->scale && ric_dot(size, tr->mid.t, heading) > 0.5;
+}
+
+/* Back at the start. From a centre to a rest under a power law an orbit shows its image x -> -x half a period on, which is the same orbit: there
+ * the way round a closed branch may end with the other sign. */
+static bool closes(ric_trace *tr, double h)
+{
+    const ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    if (tr->n_point < 8) return false;
+    if (reaches(tr, h, tr->start_u, tr->start_t)) return true;
+    if (!c->model->smooth || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
+    double home[size], heading[size];
+    for (int i = 0; i < size; i++) {
+        double sign = i < c->n_start ? -1 : 1;
+        home[i] = sign * tr->start_u[i];
+        heading[i] = sign * tr->start_t[i];
+    }
+    return reaches(tr, h, home, heading);
 }
 
 typedef struct { int test; double x; } root;

@@ -413,10 +413,14 @@ static void arrivals_without_mirrors(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore(article, 3, "energy: [0, 700], frequency: [0.3, 10], multiply: 3, depth: 4", 0);
-    int found[2] = {0};
+    int found[2] = {0}, closed = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
         if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
+        bool loop = b.stop == RIC_STOP_CLOSED && b.symmetric;
+        closed += loop;
+        for (int i = 0; loop && i < b.n_junction; i++) /* once round */
+            for (int k = 0; k < i; k++) assert_int_not_equal(b.junctions[i], b.junctions[k]);
         if (b.reversible) continue;
         found[b.symmetric]++;
         assert_true(b.from && b.to && b.from != b.to);
@@ -430,6 +434,7 @@ static void arrivals_without_mirrors(void **state)
     }
     assert_int_equal(found[true], 2);
     assert_int_equal(found[false], 1);
+    assert_int_equal(closed, 1);
     ric_atlas_free(atlas);
 }
 
