@@ -24,178 +24,20 @@
 #include <string.h>
 #include <tgmath.h>
 
-#include <lapacke.h>
-
-#include "simulate.h"
-#include "verify_smooth.h"
 #include "status.h"
+#include "verify_parts.h"
+#include "verify_smooth.h"
 
 #define FLIGHT 1e-11   /* largest relative error of a flight, and of the energy */
 #define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define MISS 8         /* safety of the speed below which an impact may be missed */
 #define AMPLIFIED 1e-7
 #define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
-/* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
-#define TOUCH 1e-6     /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
-#define SLOW 1e-3      /* below, the time of the impact is weighed */
-#define BLUNT 1e-9     /* no impact amplifies more than one of this speed */
 #define REACH 1e-10    /* a touch shows as reach 1 -+ this */
 #define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-#define SAME 1e-8      /* polishing stays within this of the stored orbit, relative */
 #define LAST_DIGITS 1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of their phases */
-#define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
-
-typedef ric_real real;
-
-typedef struct {
-    int contact, side;
-    real limit, cc, spring;
-    const real *c;
-} face_t;
-
-typedef struct {
-    const ric_model *model;
-    ric_simulator *sim;
-    ric_branch branch;
-    ric_point point;
-    int n, n_flight, n_face;     /* n_flight: letters, or 1 */
-    int n_event, *event;         /* faces of the events of the word, in order */
-    bool *closed;                /* [n_flight * n_face] springs in each flight */
-    bool lost;                   /* a frame could not be made */
-    face_t *face;
-    double *state, *flights;     /* [2n] x, v and [n_flight] as stored */
-    const real *omega;           /* [n] the simulator's */
-    real *kappa;                 /* [n] omega, or 2 pi / period for a free mode */
-    real *tau;                   /* [n_flight] flight times, polished if need be */
-    real *chain;                 /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */
-    real *speed;                 /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
-    real *trig;                  /* [n_flight * 2n] cos and sin of omega tau */
-    real *w;                     /* [2n] q, p of the replay */
-    double *x;                   /* [2n] scratch: x, v */
-    real period, norm, offset;   /* offset: time at which the simulator was started anew behind a touch */
-    double energy, reach;        /* energy: of the state that is replayed */
-    real amplification;          /* logarithm: what the end of the period makes of rounding on the way */
-    bool corner, touched;
-    ric_check *check;
-    real *store;
-    double *stored;
-} replay;
-
-/* ------------------------------------------------------------------- motion */
-
-static real dot(int n, const real *x, const real *y)
-{
-    real sum = 0;
-    for (int i = 0; i < n; i++) sum += x[i] * y[i];
-    return sum;
-}
-
-/* |a - b| in the energy norm; b NULL stands for zero. */
-static real distance(const replay *r, const real *a, const real *b)
-{
-    real sum = 0;
-    for (int i = 0; i < r->n; i++) {
-        real q = r->kappa[i] * (a[i] - (b ? b[i] : 0)), p = a[r->n + i] - (b ? b[r->n + i] : 0);
-        sum += q * q + p * p;
-    }
-    return sqrt(sum);
-}
-
-/* dp/dt [n] in the flight k. */
-static void accelerations(const replay *r, int k, const real *w, real *out)
-{
-    for (int i = 0; i < r->n; i++) out[i] = -r->omega[i] * r->omega[i] * w[i];
-    for (int f = 0; r->closed && f < r->n_face; f++) {
-        const face_t *face = &r->face[f];
-        if (!r->closed[(size_t)(k % r->n_flight) * (size_t)r->n_face + (size_t)f]) continue;
-        real force = face->spring * (dot(r->n, face->c, w) - face->side * face->limit);
-        for (int i = 0; i < r->n; i++) out[i] -= force * face->c[i];
-    }
-}
-
-/* |dw/dt| in the same norm, in the flight k. */
-static real rate(const replay *r, int k, const real *w)
-{
-    real sum = 0, force[r->n];
-    accelerations(r, k, w, force);
-    for (int i = 0; i < r->n; i++) {
-        real q = r->kappa[i] * w[r->n + i], p = force[i];
-        sum += q * q + p * p;
-    }
-    return sqrt(sum);
-}
-
-/* In the flight k, with its springs. */
-static void fly(const replay *r, int k, real t, const real *w, real *after)
-{
-    int n = r->n;
-    if (r->closed) {
-        if (ric_simulator_fly(r->sim, r->closed + (size_t)(k % r->n_flight) * (size_t)r->n_face, false, t, w, after))
-            for (int i = 0; i < 2 * n; i++) after[i] = NAN;
-        return;
-    }
-    for (int i = 0; i < n; i++) {
-        real omega = r->omega[i], q = w[i], p = w[n + i], sine, cosine;
-        sincosl(omega * t, &sine, &cosine);
-        after[i] = omega > 0 ? q * cosine + p / omega * sine : q + p * t;
-        after[n + i] = p * cosine - omega * q * sine;
-    }
-}
-
-/* p <- R p; returns the speed into the face before. */
-static real reflect(const replay *r, const face_t *face, real *w)
-{
-    real speed = dot(r->n, face->c, w + r->n);
-    if (face->spring > 0) return fabs(speed); /* it closes or opens */
-    for (int i = 0; i < r->n; i++) w[r->n + i] -= 2 * speed / face->cc * face->c[i];
-    return face->side * speed;
-}
-
-static real gap(const replay *r, const face_t *face, const real *w)
-{
-    return face->side * dot(r->n, face->c, w) - face->limit;
-}
-
-/* Largest speed of the gap coordinate that the energy allows. */
-static real fastest(const replay *r, const face_t *face)
-{
-    return sqrt(2 * r->energy * face->cc);
-}
-
-/* The face where flight k ends is that of event k + 1; none without impacts. */
-static const face_t *end_face(const replay *r, int k)
-{
-    return r->n_event ? &r->face[r->event[(k + 1) % r->n_event]] : NULL;
-}
-
-/* Whether the event at the end of flight k is the opening of a spring. */
-static bool opens(const replay *r, int k)
-{
-    const face_t *face = end_face(r, k);
-    return face && r->closed && r->closed[(size_t)k * (size_t)r->n_face + (size_t)(face - r->face)];
-}
-
-static bool is_touch(const replay *r, int k)
-{
-    return fabs(r->speed[k + 1]) <= TOUCH * fastest(r, end_face(r, k));
-}
-
-/* Expected states behind every impact, from chain[0] and tau. */
-static void make_chain(replay *r)
-{
-    size_t step = 2 * (size_t)r->n;
-    for (int k = 0; k < r->n_flight; k++) {
-        real *w = r->chain + (size_t)k * step;
-        for (int i = 0; i < r->n; i++) {
-            real *cosine = r->trig + (size_t)k * step + i;
-            sincosl(r->omega[i] * r->tau[k], cosine + r->n, cosine);
-        }
-        fly(r, k, r->tau[k], w, w + step);
-        if (end_face(r, k)) r->speed[k + 1] = reflect(r, end_face(r, k), w + step);
-    }
-}
 
 /* -------------------------------------------------------------------- setup */
 
@@ -210,7 +52,7 @@ static ric_status load_faces(replay *r)
         if (!status) status = ric_model_contact(r->model, face->contact, &contact);
         if (status) return status;
         face->c = c + face->contact * r->n;
-        face->cc = dot(r->n, face->c, face->c);
+        face->cc = ric_replay_dot(r->n, face->c, face->c);
         face->limit = contact.clearance / ric_model_length(r->model);
         face->spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0;
     }
@@ -292,8 +134,8 @@ static void start_later(replay *r)
     size_t F = (size_t)r->n_face;
     bool closed[F];
     real tau = r->tau[0];
-    fly(r, 0, tau, r->chain, r->chain);
-    reflect(r, end_face(r, 0), r->chain);
+    ric_replay_fly(r, 0, tau, r->chain, r->chain);
+    ric_replay_reflect(r, ric_replay_end_face(r, 0), r->chain);
     memcpy(closed, r->closed, sizeof closed);
     memmove(r->closed, r->closed + F, (size_t)(N - 1) * sizeof closed);
     memcpy(r->closed + (size_t)(N - 1) * F, closed, sizeof closed);
@@ -350,23 +192,13 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     for (int i = 0; i < r->n; i++) r->kappa[i] = r->omega[i] > 0 ? r->omega[i] : 2 * acos((real)-1) / r->period;
     r->energy = ric_model_energy(r->model, r->state, r->state + r->n);
     ric_simulator_modal(r->sim, r->state, r->state + r->n, r->chain);
-    r->norm = distance(r, r->chain, NULL);
+    r->norm = ric_replay_distance(r, r->chain, NULL);
     if (r->closed) drop_touches(r);
-    make_chain(r);
+    ric_replay_make_chain(r);
     return RIC_OK;
 }
 
 /* ------------------------------------------------------------------- replay */
-
-static double part(real error, real of)
-{
-    return error == 0 ? 0 : of > 0 ? (double)(error / of) : INFINITY;
-}
-
-static void worsen(double *worst, double error)
-{
-    if (!(error <= *worst)) *worst = error;
-}
 
 static ric_status start_at(replay *r, int k, const real *w, real time)
 {
@@ -392,10 +224,10 @@ static bool only_touched(const replay *r, bool far, real *wait)
     *wait = 0;
     for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
-        real speed = face->side * dot(r->n, face->c, r->w + r->n), fall = 0;
-        if (gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * fastest(r, face)) continue;
+        real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n), fall = 0;
+        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * ric_replay_fastest(r, face)) continue;
         for (int i = 0; i < r->n; i++) fall += face->side * face->c[i] * r->omega[i] * r->omega[i] * r->w[i];
-        if (speed > TOUCH * fastest(r, face) || fall <= 0) return false;
+        if (speed > TOUCH * ric_replay_fastest(r, face) || fall <= 0) return false;
         *wait = fmax(*wait, fmax(3 * fabs(speed) / fall, far ? sqrt(2 * CLOSED * face->limit / fall) : 0));
     }
     return *wait > 0;
@@ -406,7 +238,7 @@ static bool only_touched(const replay *r, bool far, real *wait)
 static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, event *e)
 {
     real wait;
-    if (struck) reflect(r, struck, r->w);
+    if (struck) ric_replay_reflect(r, struck, r->w);
     if (!only_touched(r, !struck, &wait)) {
         e->refused = true;
         return RIC_OK;
@@ -415,7 +247,7 @@ static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, e
     e->refused = e->hit = false;
     e->touches++;
     wait = fmin(wait, end - e->time);
-    fly(r, k, wait, r->w, r->w);
+    ric_replay_fly(r, k, wait, r->w, r->w);
     e->time += wait;
     return e->time < end ? start_at(r, k, r->w, e->time) : RIC_OK;
 }
@@ -424,8 +256,8 @@ static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, e
 static bool is_impact(const replay *r, const ric_impact *impact, real time, int k, real due)
 {
     const face_t *face = &r->face[impact->face];
-    if (fabs(impact->approach) > TOUCH * fastest(r, face)) return true;
-    return face == end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
+    if (fabs(impact->approach) > TOUCH * ric_replay_fastest(r, face)) return true;
+    return face == ric_replay_end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
            fabs(fabs(impact->approach) - r->speed[k + 1]) <= r->speed[k + 1] / 2;
 }
 
@@ -468,14 +300,14 @@ static double simulated_energy(replay *r)
 
 static void check_energy(replay *r)
 {
-    worsen(&r->check->energy_error, part(fabs(simulated_energy(r) - r->energy), r->energy));
+    ric_replay_worsen(&r->check->energy_error, ric_replay_part(fabs(simulated_energy(r) - r->energy), r->energy));
 }
 
 /* ------------------------------------------------------------------ flights */
 
 static bool orthogonal(const replay *r, const face_t *f, const face_t *g)
 {
-    return fabs(dot(r->n, f->c, g->c)) <= 1e-12 * sqrt(f->cc * g->cc);
+    return fabs(ric_replay_dot(r->n, f->c, g->c)) <= 1e-12 * sqrt(f->cc * g->cc);
 }
 
 /* Whether another face closes at state w together with `face` and their impacts do not commute: the simulator is right to refuse. */
@@ -483,7 +315,7 @@ static bool at_corner(const replay *r, const face_t *face, const real *w)
 {
     for (int f = 0; f < r->n_face; f++) {
         const face_t *other = &r->face[f];
-        if (other->contact == face->contact || fabs(gap(r, other, w)) > CLOSED * other->limit) continue;
+        if (other->contact == face->contact || fabs(ric_replay_gap(r, other, w)) > CLOSED * other->limit) continue;
         if (other->spring > 0 || face->spring > 0) continue;
         if (!orthogonal(r, face, other)) return true;
     }
@@ -494,14 +326,14 @@ static bool at_corner(const replay *r, const face_t *face, const real *w)
  * struck the other face first, r->w becomes the state behind the expected one. */
 static void accept_order(const replay *r, int k, event *e)
 {
-    const face_t *expected = end_face(r, k), *struck = e->hit ? &r->face[e->face] : NULL;
+    const face_t *expected = ric_replay_end_face(r, k), *struck = e->hit ? &r->face[e->face] : NULL;
     if (!struck || !expected || struck == expected) return;
     if (!(struck->spring > 0 && expected->spring > 0) && !orthogonal(r, struck, expected)) return;
-    bool closing = (opens(r, k) ? -1 : 1) * expected->side * dot(r->n, expected->c, r->w + r->n) > 0;
-    if (!closing || fabs(gap(r, expected, r->w)) > CLOSED * expected->limit) return;
-    reflect(r, struck, r->w);
-    reflect(r, expected, r->w);
-    e->opens = opens(r, k);
+    bool closing = (ric_replay_opens(r, k) ? -1 : 1) * expected->side * ric_replay_dot(r->n, expected->c, r->w + r->n) > 0;
+    if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > CLOSED * expected->limit) return;
+    ric_replay_reflect(r, struck, r->w);
+    ric_replay_reflect(r, expected, r->w);
+    e->opens = ric_replay_opens(r, k);
     e->face = (int)(expected - r->face);
 }
 
@@ -511,19 +343,19 @@ static void accept_order(const replay *r, int k, event *e)
 static void compare_end(replay *r, int k, real time)
 {
     const real *expected = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
-    const face_t *face = end_face(r, k);
+    const face_t *face = ric_replay_end_face(r, k);
     real late = fabs(time - r->tau[k]), error;
-    real speed = fabs(r->speed[k + 1]), slow = face ? SLOW * fastest(r, face) : 0;
-    fly(r, k + 1, r->tau[k] - time, r->w, r->w);
-    error = distance(r, r->w, expected);
-    if (face && !(face->spring > 0) && is_touch(r, k)) {
+    real speed = fabs(r->speed[k + 1]), slow = face ? SLOW * ric_replay_fastest(r, face) : 0;
+    ric_replay_fly(r, k + 1, r->tau[k] - time, r->w, r->w);
+    error = ric_replay_distance(r, r->w, expected);
+    if (face && !(face->spring > 0) && ric_replay_is_touch(r, k)) {
         error = fmax(0, error - 2 * speed / sqrt(face->cc));
         late *= speed / slow;
     } else if (speed < slow) {
-        error = fmax(0, error - 3 * late * rate(r, k + 1, expected));
+        error = fmax(0, error - 3 * late * ric_replay_rate(r, k + 1, expected));
         late *= speed / slow;
     }
-    worsen(&r->check->flight_error, fmax(part(late, fmax(r->tau[k], r->period / r->n_flight)), part(error, r->norm)));
+    ric_replay_worsen(&r->check->flight_error, fmax(ric_replay_part(late, fmax(r->tau[k], r->period / r->n_flight)), ric_replay_part(error, r->norm)));
 }
 
 /* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. */
@@ -532,12 +364,12 @@ static ric_status check_touch(replay *r, int k)
     event e;
     ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k], &e);
     if (status) return status;
-    bool corner = e.refused && at_corner(r, end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
+    bool corner = e.refused && at_corner(r, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
     if (corner) { /* two gaps touch at one instant: there is nothing to compare */
         r->corner = true;
         return RIC_OK;
     }
-    if (e.refused || (e.hit && &r->face[e.face] != end_face(r, k))) r->check->faces_agree = false;
+    if (e.refused || (e.hit && &r->face[e.face] != ric_replay_end_face(r, k))) r->check->faces_agree = false;
     if (!e.hit && !e.touches && fabs(r->reach - 1) > REACH) r->check->faces_agree = false;
     compare_end(r, k, e.hit ? e.time : r->tau[k]);
     return RIC_OK;
@@ -546,14 +378,14 @@ static ric_status check_touch(replay *r, int k)
 static ric_status check_impact(replay *r, int k)
 {
     event e;
-    const face_t *face = end_face(r, k);
+    const face_t *face = ric_replay_end_face(r, k);
     ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k] + LATE * r->period / r->n_flight, &e);
     if (status) return status;
     accept_order(r, k, &e);
     if (e.refused && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) {
         r->corner = true;
-        reflect(r, face, r->w);
-    } else if (!e.hit || &r->face[e.face] != face || e.opens != opens(r, k)) {
+        ric_replay_reflect(r, face, r->w);
+    } else if (!e.hit || &r->face[e.face] != face || e.opens != ric_replay_opens(r, k)) {
         r->check->faces_agree = false;
     }
     compare_end(r, k, e.time);
@@ -593,318 +425,10 @@ static ric_status check_flights(replay *r)
         r->reach = 0;
         status = start_at(r, k, r->chain + (size_t)k * 2 * (size_t)r->n, 0);
         if (status || !r->check->faces_agree) break;
-        bool spring = end_face(r, k) && end_face(r, k)->spring > 0;
-        status = !end_face(r, k) ? check_linear(r) : !spring && is_touch(r, k) ? check_touch(r, k) : check_impact(r, k);
+        bool spring = ric_replay_end_face(r, k) && ric_replay_end_face(r, k)->spring > 0;
+        status = !ric_replay_end_face(r, k) ? check_linear(r) : !spring && ric_replay_is_touch(r, k) ? check_touch(r, k) : check_impact(r, k);
         check_energy(r);
     }
-    return status;
-}
-
-/* --------------------------------------------------------------- multipliers */
-
-/* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow the gap. Returns the
- * gap's derivative before the reflection. */
-static real fly_column(const replay *r, int k, bool stretch, real *column)
-{
-    int n = r->n;
-    const face_t *face = end_face(r, k);
-    const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
-    const real *trig = r->trig + (size_t)k * 2 * (size_t)n;
-    real t = r->tau[k], cq = 0, cp = 0, pull = 0;
-    if (r->closed) {
-        for (int i = 0; i < n; i++) column[i] /= r->kappa[i];
-        ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column, column);
-        for (int i = 0; i < n; i++) column[i] *= r->kappa[i];
-        t = 0;
-    }
-    real force[n];
-    accelerations(r, k, w, force);
-    for (int i = 0; i < n; i++) {
-        real omega = r->omega[i], a = column[i], p = column[n + i], cosine = r->closed ? 1 : trig[i], sine = r->closed ? 0 : trig[n + i];
-        column[i] = omega > 0 ? a * cosine + p * sine : a + r->kappa[i] * t * p;
-        column[n + i] = omega > 0 ? p * cosine - a * sine : p;
-        cq += face->c[i] * column[i] / r->kappa[i];
-        cp += face->c[i] * column[n + i];
-        pull -= face->c[i] * force[i];
-    }
-    if (face->spring > 0) return face->side * cq;
-    real dt = -cq / (face->side * fmax(r->speed[k + 1], BLUNT * fastest(r, face)));
-    for (int i = 0; i < n; i++) {
-        if (stretch) column[i] -= r->kappa[i] * 2 * cq / face->cc * face->c[i];
-        column[n + i] += 2 * ((stretch ? dt * pull : 0) - cp) / face->cc * face->c[i];
-    }
-    return face->side * cq;
-}
-
-/* Divides by the largest entry and returns its logarithm, so that long products do not overflow. */
-static real rescale(size_t size, real *A)
-{
-    real largest = 0;
-    for (size_t i = 0; i < size; i++) largest = fmax(largest, fabs(A[i]));
-    if (!(largest > 0)) return 0;
-    for (size_t i = 0; i < size; i++) A[i] /= largest;
-    return log(largest);
-}
-
-/* Rows of A [2n * 2n] become the columns of the derivative from impact `first` to the end, over e^x; returns x. */
-static real multiply(const replay *r, int first, real *A)
-{
-    int m = 2 * r->n;
-    real scale = 0;
-    memset(A, 0, (size_t)m * (size_t)m * sizeof *A);
-    for (int i = 0; i < m; i++) A[i * m + i] = 1;
-    for (int k = first; k < r->n_event; k++) {
-        for (int i = 0; i < m; i++) fly_column(r, k, true, A + i * m);
-        scale += rescale((size_t)m * (size_t)m, A);
-    }
-    return scale;
-}
-
-/* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy, which has the same eigenvalues. */
-static ric_status find_condition(replay *r)
-{
-    ric_status status = RIC_OK;
-    int m = 2 * r->n;
-    size_t size = (size_t)m * (size_t)m;
-    real *A = calloc(size, sizeof *A), scale = 0, largest = 0;
-    double *B = calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL, *im = B ? re + m : NULL;
-    if (!A || !B) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the multipliers of %d degrees of freedom", r->n);
-        goto out;
-    }
-    for (int first = r->n_event - 1; first >= 0; first--) {
-        scale = multiply(r, first, A);
-        r->amplification = fmax(r->amplification, scale + log((real)m));
-    }
-    for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
-    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1))) {
-        status = ric_fail(RIC_E_NUMERIC, "the multipliers of branch %d, point %d could not be computed", r->check->branch, r->check->point);
-        goto out;
-    }
-    for (int i = 0; i < m; i++) largest = fmax(largest, hypot(re[i], im[i]));
-    r->check->condition = (double)fmax(1, exp(fmin(700, scale + log(largest))));
-out:
-    free(A);
-    free(B);
-    return status;
-}
-
-/* -------------------------------------------------------------------- polish */
-
-/* Residuals [n_flight + 2n]: gaps at the ends of the flights, then w_N - w_0 in the energy norm. */
-static void residuals(const replay *r, double *F)
-{
-    int n = r->n, N = r->n_flight;
-    for (int k = 0; k < N; k++) F[k] = (double)gap(r, end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)n);
-    for (int i = 0; i < n; i++) {
-        const real *first = r->chain, *last = r->chain + (size_t)N * 2 * (size_t)n;
-        F[N + i] = (double)(r->kappa[i] * (last[i] - first[i]));
-        F[N + n + i] = (double)(last[n + i] - first[n + i]);
-    }
-}
-
-/* Column of the derivatives of the residuals along a column that starts behind flight k - 1 (k = 0: the initial state). */
-static void carry_column(const replay *r, int k, int j, int m, real *column, double *J)
-{
-    int N = r->n_flight;
-    for (; k < N; k++) J[k * m + j] = (double)fly_column(r, k, false, column);
-    for (int i = 0; i < 2 * r->n; i++) J[(N + i) * m + j] = (double)column[i];
-}
-
-/* J [m * m], m = n_flight + 2n; unknowns in the order flight times, initial state. */
-static void jacobian(const replay *r, real *column, double *J)
-{
-    int n = r->n, N = r->n_flight, m = N + 2 * n;
-    for (int k = 0; k < N; k++) { /* later by dt: dw = R f(w) dt, f taken before the impact */
-        const face_t *face = end_face(r, k);
-        real *w = column + 2 * n, cf = 0;
-        memcpy(w, r->chain + (size_t)(k + 1) * 2 * (size_t)n, 2 * (size_t)n * sizeof *w);
-        reflect(r, face, w);
-        J[k * m + k] = (double)(face->side * dot(n, face->c, w + n));
-        accelerations(r, k, w, column + n);
-        for (int i = 0; i < n; i++) {
-            column[i] = r->kappa[i] * w[n + i];
-            cf += face->c[i] * column[n + i];
-        }
-        for (int i = 0; i < n && !(face->spring > 0); i++) column[n + i] -= 2 * cf / face->cc * face->c[i];
-        carry_column(r, k + 1, k, m, column, J);
-    }
-    for (int j = 0; j < 2 * n; j++) {
-        memset(column, 0, 2 * (size_t)n * sizeof *column);
-        column[j] = 1;
-        carry_column(r, 0, N + j, m, column, J);
-        J[(N + j) * m + N + j] -= 1;
-    }
-}
-
-/* Divides the rows of J [m * m] and F by the norms of the rows, and the columns of the N flight times by theirs: a time then counts as
- * much as the way that it is flown, singular values compare like with like, and the shortest correction is one of the state. */
-static void equilibrate(int m, int N, double *J, double *F, double *columns)
-{
-    for (int i = 0; i < m; i++) {
-        double sum = 0;
-        for (int j = 0; j < m; j++) sum += J[i * m + j] * J[i * m + j];
-        double scale = sum > 0 ? 1 / sqrt(sum) : 1;
-        for (int j = 0; j < m; j++) J[i * m + j] *= scale;
-        F[i] *= scale;
-    }
-    for (int j = 0; j < m; j++) {
-        double sum = 0;
-        for (int i = 0; i < m; i++) sum += J[i * m + j] * J[i * m + j];
-        columns[j] = sum > 0 && j < N ? 1 / sqrt(sum) : 1;
-        for (int i = 0; i < m; i++) J[i * m + j] *= columns[j];
-    }
-}
-
-/* Largest relative residual of the stored orbit: gaps over clearances, closure over the state. */
-static double largest_residual(const replay *r)
-{
-    double largest = part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm);
-    for (int k = 0; k < r->n_flight; k++) {
-        const face_t *face = end_face(r, k);
-        worsen(&largest, (double)(fabs(gap(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) / face->limit));
-    }
-    return largest;
-}
-
-/* Through a row of stiff springs even the rounding of extended precision grows beyond what is compared. There every flight starts from a state
- * of its own, chain[k], and what it ends with, ends[k], is joined to the next by Newton's method: the breaks between them are carried to the
- * residuals (condensing: Bock and Plitt 1984), so that its equations remain those of one chain. */
-static void fly_apart(replay *r, real *ends)
-{
-    size_t step = 2 * (size_t)r->n;
-    for (int k = 0; k < r->n_flight; k++) {
-        fly(r, k, r->tau[k], r->chain + (size_t)k * step, ends + (size_t)k * step);
-        r->speed[k + 1] = reflect(r, end_face(r, k), ends + (size_t)k * step);
-    }
-    memcpy(r->chain + (size_t)r->n_flight * step, ends + (size_t)(r->n_flight - 1) * step, step * sizeof *ends);
-}
-
-/* column += what lies between the end of a flight and the state behind it, `next`. */
-static void add_break(const replay *r, const real *end, const real *next, real *column)
-{
-    for (int i = 0; i < r->n; i++) {
-        column[i] += r->kappa[i] * (end[i] - next[i]);
-        column[r->n + i] += end[r->n + i] - next[r->n + i];
-    }
-}
-
-/* The residuals of flights that are apart, in the place of those of one chain. */
-static void residuals_apart(const replay *r, const real *ends, real *column, double *F)
-{
-    int n = r->n, N = r->n_flight;
-    memset(column, 0, 2 * (size_t)n * sizeof *column);
-    for (int k = 0; k < N; k++) {
-        const real *end = ends + (size_t)k * 2 * (size_t)n;
-        F[k] = (double)(gap(r, end_face(r, k), end) + fly_column(r, k, false, column));
-        add_break(r, end, k + 1 < N ? r->chain + (size_t)(k + 1) * 2 * (size_t)n : r->chain, column);
-    }
-    for (int i = 0; i < 2 * n; i++) F[N + i] = (double)column[i];
-}
-
-/* The correction -F of one chain moves all states; the times move afterwards. */
-static void correct_apart(replay *r, const double *F, real *ends, real *column)
-{
-    int n = r->n, N = r->n_flight;
-    real force[n], moved[2 * n];
-    for (int i = 0; i < 2 * n; i++) column[i] = -F[N + i];
-    for (int k = 0; k < N; k++) {
-        real *w = r->chain + (size_t)k * 2 * (size_t)n;
-        const real *end = ends + (size_t)k * 2 * (size_t)n;
-        memcpy(moved, column, sizeof moved);
-        fly_column(r, k, false, column);
-        accelerations(r, k, end, force);
-        for (int i = 0; i < n; i++) {
-            column[i] -= F[k] * r->kappa[i] * end[n + i];
-            column[n + i] -= F[k] * force[i];
-        }
-        add_break(r, end, w + 2 * n, column);
-        for (int i = 0; i < n; i++) {
-            w[i] += moved[i] / r->kappa[i];
-            w[n + i] += moved[n + i];
-        }
-    }
-    for (int k = 0; k < N; k++) r->tau[k] -= F[k];
-    fly_apart(r, ends);
-}
-
-/* Where springs alone are met: between a stop and the next event the time of a flight would have to go through the impact. */
-static bool goes_apart(const replay *r)
-{
-    bool springs = r->closed;
-    for (int k = 0; k < r->n_flight; k++) springs = springs && end_face(r, k)->spring > 0;
-    return springs;
-}
-
-/* How far polishing has moved the flight times, relative to a mean flight. What a slow contact of a spring leaves uncertain is its time. */
-static real times_moved(const replay *r, const real *kept, bool weighed)
-{
-    real moved = 0;
-    int N = r->n_flight;
-    for (int k = 0; k < N; k++) {
-        real late = fabs(r->tau[k] - kept[k]), least = 1;
-        for (int end = 0; weighed && end < 2; end++) {
-            int last = (k + N - end) % N; /* end = 1: the flight whose end is the start of this one */
-            least = fmin(least, fabs(r->speed[last + 1]) / (SLOW * fastest(r, end_face(r, last))));
-        }
-        moved = fmax(moved, least * late / (r->period / N));
-    }
-    return moved;
-}
-
-/* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another orbit. */
-static ric_status polish(replay *r)
-{
-    enum { STEPS = 3 };
-    ric_status status = RIC_OK;
-    int n = r->n, N = r->n_flight, m = N + 2 * n, rank;
-    size_t size = (size_t)m * (size_t)m;
-    double *J = calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL, *columns = J ? values + m : NULL;
-    real *column = calloc(4 * (size_t)n + (size_t)m + 2 * (size_t)n * (size_t)N, sizeof *column), *kept = column ? column + 4 * n : NULL, moved = 0;
-    real *ends = column ? kept + m : NULL;
-    bool apart = goes_apart(r);
-    if (!J || !column) {
-        status = ric_fail(RIC_E_NOMEM, "no memory to polish an orbit of %d flights", N);
-        goto out;
-    }
-    double left_open = largest_residual(r);
-    memcpy(kept, r->tau, (size_t)N * sizeof *kept);
-    memcpy(kept + N, r->chain, 2 * (size_t)n * sizeof *kept);
-    if (apart) fly_apart(r, ends);
-    for (int step = 0; step < STEPS; step++) {
-        memset(J, 0, size * sizeof *J);
-        jacobian(r, column, J);
-        if (apart) residuals_apart(r, ends, column, F);
-        else residuals(r, F);
-        equilibrate(m, N, J, F, columns);
-        if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, m, 1, J, m, F, 1, values, REGULAR, &rank))) {
-            status = ric_fail(RIC_E_NUMERIC, "branch %d, point %d could not be polished", r->check->branch, r->check->point);
-            goto out;
-        }
-        for (int j = 0; j < m; j++) F[j] *= columns[j];
-        if (apart) {
-            correct_apart(r, F, ends, column);
-            continue;
-        }
-        for (int k = 0; k < N; k++) r->tau[k] -= F[k];
-        for (int i = 0; i < n; i++) {
-            r->chain[i] -= F[N + i] / r->kappa[i];
-            r->chain[n + i] -= F[N + n + i];
-        }
-        make_chain(r);
-    }
-    real aside = distance(r, r->chain, kept + N) / r->norm;
-    moved = fmax(times_moved(r, kept, false), aside);
-    /* through stiff springs the residual may be the rounding of the stored displacements times their stiffness, and beside a branch point the
-     * correction is rounding over the distance from it: the orbit is right if either is small */
-    worsen(&r->check->flight_error, r->closed ? fmin(left_open, (double)fmax(times_moved(r, kept, true), aside)) : left_open);
-    if (moved <= SAME) goto out;
-    memcpy(r->tau, kept, (size_t)N * sizeof *kept);
-    memcpy(r->chain, kept + N, 2 * (size_t)n * sizeof *kept);
-    make_chain(r);
-out:
-    free(J);
-    free(column);
     return status;
 }
 
@@ -916,10 +440,10 @@ static bool may_miss(const replay *r, real error)
 {
     int n = r->n;
     for (int k = 0; k < r->n_flight; k++) {
-        const face_t *face = end_face(r, k);
+        const face_t *face = ric_replay_end_face(r, k);
         const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
         real pull = 0, speed = r->speed[k + 1];
-        if (!face || face->spring > 0 || speed <= BLUNT * fastest(r, face)) continue; /* a touch may be struck or not */
+        if (!face || face->spring > 0 || speed <= BLUNT * ric_replay_fastest(r, face)) continue; /* a touch may be struck or not */
         for (int i = 0; i < n; i++) pull += face->c[i] * r->omega[i] * r->omega[i] * w[i];
         if (speed * speed < MISS * 2 * fabs(pull) * error * r->norm) return true;
     }
@@ -933,8 +457,8 @@ static bool may_miss(const replay *r, real error)
 static real rounding_returned(const replay *r)
 {
     real way = 1;
-    for (int k = 0; k < r->n_flight; k++) way = fmax(way, rate(r, k, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
-    real open = distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
+    for (int k = 0; k < r->n_flight; k++) way = fmax(way, ric_replay_rate(r, k, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
+    real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
     if (open > LAST_DIGITS) open = 0;
     real error = 32 * LDBL_EPSILON * way + open;
     return may_miss(r, error) ? HUGE_VAL : error * exp(fmin(700, r->amplification));
@@ -968,7 +492,7 @@ static ric_status check_return(replay *r)
     real due = 0, mean = r->period / r->n_flight;
     ric_status status = start_at(r, 0, r->chain, 0);
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
-        bool linear = r->n_event == 0, touch = linear || (is_touch(r, k) && !(end_face(r, k)->spring > 0));
+        bool linear = r->n_event == 0, touch = linear || (ric_replay_is_touch(r, k) && !(ric_replay_end_face(r, k)->spring > 0));
         real late = linear ? 0 : touch ? fmin(LATE * mean, r->tau[(k + 1) % r->n_flight] / 2) : LATE * mean;
         due += r->tau[k];
         status = run_to_impact(r, k, due, due + late, &e);
@@ -976,8 +500,8 @@ static ric_status check_return(replay *r)
     }
     if (status || !r->check->faces_agree) return status;
     accept_order(r, r->n_flight - 1, &e);
-    if (!e.hit) fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
-    r->check->return_error = e.refused && r->corner ? NAN : part(distance(r, r->w, r->chain), r->norm);
+    if (!e.hit) ric_replay_fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
+    r->check->return_error = e.refused && r->corner ? NAN : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);
     allow_rounding(r);
     check_energy(r);
     return RIC_OK;
@@ -993,21 +517,21 @@ static bool passes(const ric_check *check)
 static bool only_touches(const replay *r)
 {
     for (int k = 0; k < r->n_flight; k++)
-        if (!is_touch(r, k)) return false;
+        if (!ric_replay_is_touch(r, k)) return false;
     return true;
 }
 
 static ric_status check_point(replay *r)
 {
     ric_status status = RIC_OK;
-    if (r->n_event && (status = find_condition(r))) return status;
+    if (r->n_event && (status = ric_replay_condition(r))) return status;
     /* a slow impact may amplify on the way far more than the multipliers say: polished whatever they are */
-    if (r->n_event && !only_touches(r) && (status = polish(r))) return status;
+    if (r->n_event && !only_touches(r) && (status = ric_replay_polish(r))) return status;
     if ((status = start_at(r, 0, r->chain, 0))) return status;
     if (r->check->faces_agree) r->energy = simulated_energy(r);
     if ((status = check_flights(r)) || !r->check->faces_agree) return status;
     /* the chain closes: nothing is lost between the last flight and the first */
-    worsen(&r->check->flight_error, part(distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
+    ric_replay_worsen(&r->check->flight_error, ric_replay_part(ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
     if (r->touched) r->check->condition = fmax(r->check->condition, 1 / BLUNT);
     return check_return(r);
 }
@@ -1019,9 +543,9 @@ ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check
     *out = (ric_check){.branch = branch, .point = i, .condition = 1, .faces_agree = true};
     ric_status status = set_up(&r, atlas, branch, i);
     if (status) goto out;
-    out->energy_error = part(fabs(r.point.energy - r.energy), r.energy);
+    out->energy_error = ric_replay_part(fabs(r.point.energy - r.energy), r.energy);
     if ((status = check_point(&r))) goto out;
-    if (!out->faces_agree) worsen(&out->return_error, 1);
+    if (!out->faces_agree) ric_replay_worsen(&out->return_error, 1);
     out->passed = passes(out);
 out:
     free_replay(&r);
