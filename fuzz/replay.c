@@ -30,8 +30,9 @@ static int replay(const char *folder)
 static void remove_folder(void)
 {
     char here[PATH_MAX];
+    if (!getcwd(here, sizeof here) || !strstr(here, "ricochet-fuzz-")) return;
     DIR *dir = opendir(".");
-    if (!dir || !getcwd(here, sizeof here) || !strstr(here, "ricochet-fuzz-")) return;
+    if (!dir) return;
     for (struct dirent *entry; (entry = readdir(dir));) unlink(entry->d_name);
     closedir(dir);
     rmdir(here);

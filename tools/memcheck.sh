@@ -18,13 +18,13 @@ if [ $# = 0 ]; then for path in "$build"/tests/test_*; do [ -f "$path" ] && [ -x
 for name in "${names[@]}"; do
     begin=$SECONDS
     # freed by the tests of failing allocation and by the system at the end: what is still reachable is no leak
-    timeout "$seconds" valgrind --quiet --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite --show-leak-kinds=definite \
+    timeout -s KILL "$seconds" valgrind --quiet --child-silent-after-fork=yes --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite --show-leak-kinds=definite \
         --log-file="$folder/log" "$build/tests/test_$name" >/dev/null 2>&1
     code=$?
     found=$(grep -c '== .* at 0x' "$folder/log")
     case $code in
     99) said="finding" bad=1 ;;
-    124) said="not finished" ;;
+    137) said="not finished" found=0 ;;
     *) said="clean" ;;
     esac
     [ "$found" = 0 ] || { said="finding" bad=1; head -40 "$folder/log"; }
