@@ -25,7 +25,10 @@ static void expected(const ric_node *node, int *a, int *b)
     bool half = node->cycle->half, extremum = node->kind == RIC_KIND_EXTREMUM;
     *b = extremum ? 1 : 2;
     *a = half || (extremum && ric_cycle_letters(node->cycle) < 2) ? 3 : 2; /* with one flight its time fraction is fixed */
-    if (node->kind == RIC_KIND_MULTIPLICATION) *a = *b = node->multiple == 2 && !half ? 2 : 3;
+    if (node->kind != RIC_KIND_MULTIPLICATION) return;
+    bool doubling = node->multiple == 2 && !half;
+    *b = doubling ? 2 : 3;
+    *a = doubling && ric_cycle_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight, too */
 }
 
 /* One step of the staircase form: with V2 the kernel of A [size * size] and V1 its complement, A is similar to [[V1'A V1, 0], [*, 0]],
