@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "../src/crew.h"
+#include "../src/region.h"
 #include "../src/study.h"
 #include "cli.h"
 
@@ -126,7 +127,7 @@ static void list_smaller(const ric_explore_options *old, const ric_explore_optio
     for (int i = 0; i < old->n_region && kept; i++) {
         kept = false;
         for (int k = 0; k < now->n_region && !kept; k++)
-            kept = !memcmp(&old->region[i], &now->region[k], sizeof *old->region);
+            kept = ric_region_covers(&now->region[k], &old->region[i]);
     }
     const struct { const char *name; bool smaller; } all[] = {
         {"energy", now->energy[0] > old->energy[0] || now->energy[1] < old->energy[1]},

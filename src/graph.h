@@ -44,7 +44,7 @@ typedef struct {
     ric_progress progress;
     struct timespec start;
     atomic_bool stopping;    /* somebody asked to stop */
-    int n_worker;            /* the owner among them */
+    int n_worker;            /* departures that are followed at a time */
     ric_workers *workers;    /* NULL: none beside the owner */
     ric_starts starts;       /* orbits given to start from, owned */
     bool only_given;         /* from these alone, not from the modes */

@@ -305,7 +305,7 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     g->n_worker = run && run->workers > 1 ? run->workers : 1;
     if (g->n_worker > 1 || g->crew) {
         if ((status = ric_memo_create(&g->recall.memo))) goto out;
-        if ((status = ric_workers_create(g->n_worker, ric_graph_prepare, g, &g->workers))) goto out;
+        if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g, &g->workers))) goto out;
     }
     if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo))) goto out;
     status = explore(g, run);

@@ -23,12 +23,14 @@ struct ric_workers {
     int n_thread;
     pthread_t *threads;
     int n_job, capacity, first, waiting; /* no job before `first` waits */
+    int urgent;                          /* number of the job that the owner needs next; 0: any */
     job *jobs;
 };
 
 /* The next job that waits, -1: none. */
 static int next_job(ric_workers *w)
 {
+    if (w->urgent && w->jobs[w->urgent - 1].state == WAITING) return w->urgent - 1;
     while (w->first < w->n_job && w->jobs[w->first].state != WAITING) w->first++;
     return w->first < w->n_job ? w->first : -1;
 }
@@ -72,7 +74,7 @@ ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_worke
 {
     ric_workers *w = calloc(1, sizeof *w);
     *out = NULL;
-    if (w) w->threads = calloc((size_t)n, sizeof *w->threads);
+    if (w) w->threads = calloc((size_t)n + 1, sizeof *w->threads);
     if (!w || !w->threads) {
         free(w);
         return ric_fail(RIC_E_NOMEM, "no memory for %d workers", n);
@@ -82,9 +84,9 @@ ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_worke
     pthread_mutex_init(&w->lock, NULL);
     pthread_cond_init(&w->offered, NULL);
     pthread_cond_init(&w->finished, NULL);
-    for (; w->n_thread < n - 1; w->n_thread++)
+    for (; w->n_thread < n; w->n_thread++)
         if (pthread_create(&w->threads[w->n_thread], NULL, serve, w)) {
-            ric_status status = ric_fail(RIC_E_NOMEM, "the system gives no more than %d threads; run with fewer workers", w->n_thread + 1);
+            ric_status status = ric_fail(RIC_E_NOMEM, "the system gives no more than %d threads; run with fewer workers", w->n_thread);
             ric_workers_free(w);
             return status;
         }
@@ -162,17 +164,27 @@ static void doze(ric_workers *w)
     pthread_cond_timedwait(&w->finished, &w->lock, &until);
 }
 
+/* Without threads the owner works itself: on what is asked for, or on others while that is in hand elsewhere. With the lock held. */
+static void help(ric_workers *w, int number)
+{
+    withdraw(w, &w->jobs[number - 1]);
+    if (w->jobs[number - 1].state == DONE) return;
+    int i = next_job(w);
+    if (i >= 0) work(w, i);
+    else doze(w);
+}
+
 bool ric_workers_await(ric_workers *w, int number, bool (*stop)(void *user), void *user)
 {
     bool stopped = false;
     pthread_mutex_lock(&w->lock);
-    withdraw(w, &w->jobs[number - 1]);
+    w->urgent = number;
     while (w->jobs[number - 1].state != DONE && !stopped) {
-        int i = next_job(w);
-        if (i >= 0) work(w, i);
+        if (w->n_thread == 0) help(w, number);
         else doze(w);
         stopped = stop && stop(user);
     }
+    w->urgent = 0;
     pthread_mutex_unlock(&w->lock);
     return !stopped;
 }

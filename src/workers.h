@@ -10,7 +10,8 @@ typedef struct ric_workers ric_workers;
 /* What is done with a departure; `node` is the callee's. Any thread. */
 typedef void ric_prepare(void *user, ric_node *node, unsigned choice);
 
-/* The owner and n - 1 threads beside it. */
+/* n threads; 0: the owner works itself. Beside threads it does not: what it found would keep it from handing out the next departures, and the threads
+ * would wait. */
 ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_workers **out);
 /* Waits for what is in hand and drops the rest. */
 void ric_workers_free(ric_workers *workers);
@@ -19,8 +20,8 @@ void ric_workers_free(ric_workers *workers);
 int ric_workers_offer(ric_workers *workers, const ric_node *node, unsigned choice);
 /* The owner has no use for it any more, or does it on its own. */
 void ric_workers_withdraw(ric_workers *workers, int job);
-/* Returns true when the departure is prepared or still untouched, in which case it is withdrawn; works on others while it is in hand.
- * False when `stop` (may be NULL), asked now and then, says so. */
+/* Returns true when the departure is prepared; threads take it before all others. Without threads one that is untouched is withdrawn, and others are
+ * worked on while it is in hand elsewhere. False when `stop` (may be NULL), asked now and then, says so. */
 bool ric_workers_await(ric_workers *workers, int job, bool (*stop)(void *user), void *user);
 /* For hands that are no threads of these workers: the number of a departure that waits, which is now in hand, and its node, which is the
  * caller's; 0 if none waits. Finished, it is done. */

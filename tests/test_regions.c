@@ -29,6 +29,13 @@ static ric_study *study_with(const char *explore)
 
 static const char three[] = "explore: {energy: [0, 200], frequency: [0.5, 5], depth: 3, impacts: 12, multiply: 2}\n";
 
+/* Each bit but those of padding. */
+static bool same_region(const ric_region *a, const ric_region *b)
+{
+    return !memcmp(a->energy, b->energy, sizeof a->energy) && !memcmp(a->frequency, b->frequency, sizeof a->frequency) && a->depth == b->depth &&
+           a->impacts == b->impacts && a->multiply == b->multiply;
+}
+
 static void regions_are_read_back_bit_for_bit(void **state)
 {
     (void)state;
@@ -40,7 +47,7 @@ static void regions_are_read_back_bit_for_bit(void **state)
     const ric_explore_options *a = ric_study_options(study), *b = ric_study_options(again);
     assert_int_equal(b->n_region, 2);
     for (int i = 0; i < 2; i++)
-        assert_memory_equal(&a->region[i], &b->region[i], sizeof *a->region);
+        assert_true(same_region(&a->region[i], &b->region[i]));
     assert_int_equal(b->region[0].depth, 0);
     assert_int_equal(b->region[0].impacts, RIC_REGION_SAME);
     assert_int_equal(b->region[1].depth, RIC_REGION_SAME);
@@ -66,7 +73,7 @@ static void a_region_takes_the_place_of_those_that_ask_for_no_more(void **state)
     assert_int_equal(o->n_region, 2);
     assert_int_equal(ric_study_add_region(study, &without_limit), RIC_OK);
     assert_int_equal(o->n_region, 1);
-    assert_memory_equal(&o->region[0], &without_limit, sizeof without_limit);
+    assert_true(same_region(&o->region[0], &without_limit));
     assert_non_null(strstr(ric_study_text(study), "regions:\n  - {energy: [0.5, 3], frequency: [1, 2.5], depth: 0, impacts: 20, multiply: 3}\n"));
     ric_study_free(study);
 }
