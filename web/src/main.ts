@@ -20,7 +20,7 @@ type Tab = "here" | "paths" | "grow" | "help";
 
 const settings = { full: false, physical: false, size: Number(localStorage.getItem("size")) || 14 };
 
-const LINES = Object.assign(document.createElement("span"), { className: "sub", textContent: "thick stable, thin unstable, dotted undecided, dashed duplicate" });
+const LINES = Object.assign(document.createElement("span"), { className: "sub", textContent: "thick stable, dotted undecided, dashed duplicate", title: "thin lines are unstable" });
 
 class Page {
   private atlas: Atlas;
