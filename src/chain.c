@@ -7,8 +7,7 @@
 
 #include "status.h"
 
-#define SHORT_FLIGHT 2 /* rad: longer flights lose more, in proportion; of 350 flights of up to 180 rad one loses half of what this allows */
-#define SMOOTH_ROUNDING 4 /* of a flight of law power, relative to its growth, in units of epsilon: measured, with a margin */
+#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within it */
 
 static bool general(const ric_chain *c)
 {
@@ -155,7 +154,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
     c->tau[k] = tau;
     if (m->smooth && again(c, tau)) return 0;
-    if (ric_flight_dense(m, c->closed[k])) ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w);
+    if (m->smooth) ric_flight_smooth(m, tau, c->w, map, &c->lost, w);
+    else if (ric_flight_dense(m, c->closed[k])) ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w);
     else {
         ric_flight_trig(m, n, tau, map);
         ric_flight(n, map, c->w + 2 * n * k, w);
@@ -187,14 +187,6 @@ static double end_residual(const ric_chain *c, int i)
     }
 }
 
-/* Largest entry of the matrix of a smooth flight; a long one adds up the rounding of its steps, whose number goes with the angle `turned`, rad. */
-static double growth(const ric_chain *c, double turned)
-{
-    double most = 0;
-    for (int i = 0; i < 4 * c->n * c->n; i++) most = fmax(most, fabs(c->map[i]));
-    return SMOOTH_ROUNDING * most * fmax(1, turned / SHORT_FLIGHT);
-}
-
 static void set_residual(ric_chain *c, const double *u, double largest)
 {
     int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
@@ -210,7 +202,7 @@ static void set_residual(ric_chain *c, const double *u, double largest)
     for (int i = 0; i < n; i++) reach += end[i] * end[i];
     c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
     c->grain = longest * fastest / c->scale;
-    if (c->model->smooth) c->grain += growth(c, c->grain); /* rounding on the way grows with the neighbours */
+    if (c->model->smooth) c->grain += SMOOTH_ROUNDING * c->lost / c->scale;
     c->residual = largest / c->scale;
     if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
 }

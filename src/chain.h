@@ -49,7 +49,8 @@ typedef struct {
     double *hv;            /* Householder vectors, ld per row: start constraint, one per flight, n_end */
     double *beta, *zeta;   /* per Householder vector */
     double *X;             /* live columns */
-    double *flown;         /* law power: [2n + 1] start and time that `w` and `map` belong to */
+    double *flown;         /* law power: [2n + 1] start and time that `w`, `map` and `lost` belong to */
+    double lost;           /* law power: rounding along the flight, over epsilon (smooth.h) */
     int ld;
 } ric_chain;
 

@@ -17,16 +17,18 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 /* --------------------------------------------------------------------- maps */
 
 /* Law power: the workspace is kept on the stack unless the structure is large. Where the flow cannot be followed the state is infinite, and
- * no orbit is found there. */
-static void go_smooth(const ric_model *m, double tau, double *w, int columns, double *X)
+ * no orbit is found there. `matrix` and `lost` may be NULL. */
+void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after)
 {
     enum { SMALL = 1 << 15 };
-    size_t size = ric_smooth_work(m, columns), small = size <= SMALL ? size : 1;
+    size_t states = 2 * (size_t)m->n, size = ric_smooth_work(m, matrix ? 2 * m->n : 0), small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
-    double *work = size <= SMALL ? stack : malloc(size * sizeof *work);
-    if (!work || !ric_smooth_fly(m, tau, w, columns, X, work)) {
-        for (int i = 0; i < 2 * m->n; i++) w[i] = HUGE_VAL;
-        for (int i = 0; i < 2 * m->n * columns; i++) X[i] = 0;
+    double *work = size <= SMALL ? stack : malloc(size * sizeof *work), unwanted;
+    if (after != w) memcpy(after, w, states * sizeof *w);
+    if (!work || !(matrix ? ric_smooth_map(m, tau, after, matrix, lost ? lost : &unwanted, work) : ric_smooth_fly(m, tau, after, 0, NULL, work))) {
+        for (size_t i = 0; i < states; i++) after[i] = HUGE_VAL;
+        for (size_t i = 0; matrix && i < states * states; i++) matrix[i] = 0;
+        if (lost) *lost = 0;
     }
     if (work != stack) free(work);
 }
@@ -51,8 +53,7 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
     int n = m->n;
     double trig[3 * n];
     if (m->smooth) {
-        if (after != w) memcpy(after, w, 2 * (size_t)n * sizeof *w);
-        go_smooth(m, tau, after, 0, NULL);
+        ric_flight_smooth(m, tau, w, NULL, NULL, after);
         return;
     }
     if (closed) {
@@ -69,10 +70,7 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
     int n = m->n;
     double trig[3 * n];
     if (m->smooth) {
-        memcpy(after, w, 2 * (size_t)n * sizeof *w);
-        memset(matrix, 0, 4 * (size_t)n * n * sizeof *matrix);
-        for (int i = 0; i < 2 * n; i++) matrix[i * 2 * n + i] = 1;
-        go_smooth(m, tau, after, 2 * n, matrix);
+        ric_flight_smooth(m, tau, w, matrix, NULL, after);
         return;
     }
     if (closed) {

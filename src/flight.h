@@ -44,6 +44,8 @@ static inline void ric_flight_strike(int n, const ric_face *face, double *restri
 void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after);
 /* A dense flight with its matrix [2n * 2n]; not in place. The matrix is that of deviations in time, whatever the event at the start. */
 void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after);
+/* The same under a power law; *lost is the rounding on the way (smooth.h). `matrix` and `lost` may be NULL; without a matrix in place. */
+void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after);
 /* V [2n * ld] <- matrix * V, the first `columns` of each row. */
 static inline __attribute__((always_inline)) void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V)
 {

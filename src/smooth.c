@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "motion.h"
+
 /* Highest order of the series. With a radius of convergence r and the step h = r TRUNCATION^(1/ORDER) the cost of a time is
  * ORDER^2 / h, least at ORDER = -ln(TRUNCATION) / 2 = 18 (Jorba and Zou 2005) if only the products counted; what each step costs besides
  * moves it up. */
@@ -264,12 +266,31 @@ static inline __attribute__((always_inline)) void column_order(const ric_model *
     }
 }
 
+/* Adds x^2 N N' to S [2n * 2n], where x is the size of the state w and N the inverse of M [2n * 2n]: that is symplectic in (q, p), a = kappa q, so
+ * that the blocks of N are those of M transposed. */
+static void gather(const ric_model *m, const double *w, const double *M, double *S)
+{
+    int n = m->n, size = 2 * n;
+    double N[size * size], x = top_of(size, w);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double over = 1 / m->kappa[j];
+            N[i * size + j] = m->kappa[i] * M[(n + j) * size + n + i] * over;
+            N[i * size + n + j] = -m->kappa[i] * M[j * size + n + i];
+            N[(n + i) * size + j] = -M[(n + j) * size + i] * over;
+            N[(n + i) * size + n + j] = M[j * size + i];
+        }
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) S[i * size + j] += x * x * ric_dot(size, N + i * size, N + j * size);
+}
+
+/* S [2n * 2n] may be NULL: it gathers the rounding of the steps, taken back to the start, which is that of X = 1. */
 static inline __attribute__((always_inline)) bool fly(const ric_model *m, int n, int contacts, int columns, double tau, double *w, double *X,
-                                                      double *work)
+                                                      double *S, double *work)
 {
     powers *p = (powers *)work;
     double *W = work + contacts * powers_size(), *A = W + (size_t)(ORDER + 1) * 2 * n;
-    double *S = A + (size_t)(ORDER + 1) * 2 * n * columns, left = fabs(tau), sign = tau < 0 ? -1 : 1;
+    double *series = A + (size_t)(ORDER + 1) * 2 * n * columns, left = fabs(tau), sign = tau < 0 ? -1 : 1;
     if (!isfinite(tau)) return false;
     for (int f = 0; f < contacts; f++) plan(m->contact[f].exponent, &p[f]);
     for (int step = 0; left > 0; step++) {
@@ -278,13 +299,14 @@ static inline __attribute__((always_inline)) bool fly(const ric_model *m, int n,
         if (columns) memcpy(A, X, 2 * (size_t)n * columns * sizeof *X);
         for (int j = 0; j < ORDER; j++) {
             state_order(m, n, contacts, j, p, W);
-            if (columns) column_order(m, n, contacts, columns, j, p, (pair *)A, (pair *)S);
+            if (columns) column_order(m, n, contacts, columns, j, p, (pair *)A, (pair *)series);
         }
         double h = fmin(radius(2 * n, W), left);
         if (columns) h = fmin(h, radius(2 * n * columns, A));
         h = advance(m, n, contacts, p, h, sign, W, w);
         if (!(h > 0)) return false;
         if (columns) sum_series(2 * n * columns, sign * h, A, X);
+        if (S) gather(m, w, X, S);
         left -= h;
         for (int i = 0; i < 2 * n; i++)
             if (!isfinite(w[i])) return false;
@@ -292,10 +314,32 @@ static inline __attribute__((always_inline)) bool fly(const ric_model *m, int n,
     return true;
 }
 
+/* The same code with sizes known to the compiler for the structures of the article. */
+static bool go(const ric_model *m, double tau, double *w, int columns, double *X, double *S, double *work)
+{
+    if (m->n == 2 && m->n_contact == 1 && columns == 4) return fly(m, 2, 1, 4, tau, w, X, S, work);
+    if (m->n == 2 && m->n_contact == 1 && columns == 0) return fly(m, 2, 1, 0, tau, w, X, S, work);
+    return fly(m, m->n, m->n_contact, columns, tau, w, X, S, work);
+}
+
 bool ric_smooth_fly(const ric_model *m, double tau, double *w, int columns, double *X, double *work)
 {
-    /* the same code with sizes known to the compiler for the structures of the article */
-    if (m->n == 2 && m->n_contact == 1 && columns == 4) return fly(m, 2, 1, 4, tau, w, X, work);
-    if (m->n == 2 && m->n_contact == 1 && columns == 0) return fly(m, 2, 1, 0, tau, w, X, work);
-    return fly(m, m->n, m->n_contact, columns, tau, w, X, work);
+    return go(m, tau, w, columns, X, NULL, work);
+}
+
+bool ric_smooth_map(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
+{
+    int size = 2 * m->n;
+    double S[size * size], start = top_of(size, w), largest = 0;
+    for (int i = 0; i < size * size; i++) M[i] = i % (size + 1) == 0;
+    for (int i = 0; i < size * size; i++) S[i] = start * start * M[i];
+    if (!go(m, tau, w, size, M, S, work)) return false;
+    for (int i = 0; i < size; i++) {
+        const double *row = M + i * size;
+        double sum = 0, own = start * start * ric_dot(size, row, row); /* where S is lost in rounding, too, the start is left */
+        for (int j = 0; j < size; j++) sum += row[j] * ric_dot(size, S + j * size, row);
+        largest = larger(largest, larger(sum, own));
+    }
+    *lost = sqrt(largest);
+    return true;
 }

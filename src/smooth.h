@@ -21,4 +21,9 @@ size_t ric_smooth_work(const ric_model *model, int columns);
 enum { RIC_SMOOTH_STEPS = 20000 };
 bool ric_smooth_fly(const ric_model *model, double tau, double *w, int columns, double *X, double *work);
 
+/* The same with M [2n * 2n], the matrix of small deviations. Every step leaves a rounding of the size of the state, and what follows multiplies it:
+ * for a step that ends at t by M(T) / M(t), which may be much more than M(T). *lost is the root of the sum of the squares, over epsilon, of the
+ * coordinate that loses most. */
+bool ric_smooth_map(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
+
 #endif

@@ -391,6 +391,33 @@ static void bridge(void **state)
     ric_atlas_free(atlas);
 }
 
+/* The second asymmetric branch of Fig. 26, from one branch point of the first to another. Near energy 26.83 neighbours grow to 1600 times their
+ * distance between the middle and the end of a period, and to 12 times over all of it: by the matrix of the period alone no step converges. */
+static void grows_on_the_way(void **state)
+{
+    (void)state;
+    for (int run = 0; run < 2; run++) {
+        ric_atlas *atlas = explore(article, 21, "start: [1], energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3", run ? 0.05 : 0);
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            ric_branch b = branch_of(atlas, id);
+            if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
+            if (b.symmetric || b.reversible) continue;
+            found++;
+            assert_true(b.from && b.to);
+            double low = junction_of(atlas, b.from).energy, high = junction_of(atlas, b.to).energy;
+            assert_true(near(fmin(low, high), 5.20922215932, 1e-9) && near(fmax(low, high), 30.2390126342, 1e-9));
+            for (int i = 0; i < b.n_point; i += 7) {
+                ric_check check;
+                assert_int_equal(ric_verify_point(atlas, id, i, &check), RIC_OK);
+                assert_true(check.passed);
+            }
+        }
+        assert_int_equal(found, 1);
+        ric_atlas_free(atlas);
+    }
+}
+
 /* Multiplicities are measured, and not those of the kind: but for the turning and the tripling, 1e-5 apart in energy. */
 static void labels_are_measured(void **state)
 {
@@ -452,6 +479,7 @@ int main(void)
         cmocka_unit_test(orbits_return),
         cmocka_unit_test(tends_to_the_stop),
         cmocka_unit_test(bridge),
+        cmocka_unit_test(grows_on_the_way),
         cmocka_unit_test(labels_are_measured),
         cmocka_unit_test(arrivals_without_mirrors),
     };

@@ -232,6 +232,33 @@ static void neighbours_are_symplectic(void **state)
     }
 }
 
+/* A flight and the same in pieces take other steps and round in other ways: they differ by no more than a flight is said to lose. What the matrix
+ * of the whole says alone, from its start, is left behind by more than a factor of two in some. */
+static void tells_what_it_loses(void **state)
+{
+    double beyond = 0;
+    (void)state;
+    for (int i = 0; i < 200; i++) {
+        structure s;
+        random_structure((uint64_t)(300 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
+        int n = s.n, ld = 2 * n, pieces = 2 + i % 7;
+        double w[ld], x[ld], rate[ld], M[ld * ld], lost, tau = uniform(1, i % 5 ? 8 : 40), off = 0;
+        random_state(&s, i % 3 ? 3 : 8, w);
+        memcpy(x, w, sizeof x);
+        double size = largest(ld, w);
+        assert_true(ric_smooth_map(s.model, tau, w, M, &lost, s.work));
+        for (int k = 0; k < pieces; k++) assert_true(ric_smooth_fly(s.model, tau / pieces, x, 0, NULL, s.work));
+        for (int j = 0; j < ld; j++) off = fmax(off, fabs(x[j] - w[j]));
+        ric_flight_rate(s.model, 0, w, rate);
+        double digit = largest(ld, rate) * tau, most = largest(ld * ld, M) * size;
+        if (!(off <= DBL_EPSILON * (4 * lost + digit)))
+            fail_msg("structure %d: %g off after %d pieces, said to lose %g", i, off, pieces, DBL_EPSILON * (4 * lost + digit));
+        beyond = fmax(beyond, off / (DBL_EPSILON * (4 * most * fmax(1, digit / (2 * size)) + digit)));
+        release(&s);
+    }
+    if (!(beyond > 2)) fail_msg("no flight lost more than its matrix tells: %g", beyond);
+}
+
 /* A flight of many steps is refused, not followed for ever; so is one that overflows. */
 static void endless_flights_are_refused(void **state)
 {
@@ -276,6 +303,7 @@ int main(void)
         cmocka_unit_test(becomes_linear),
         cmocka_unit_test(neighbours_are_derivatives),
         cmocka_unit_test(neighbours_are_symplectic),
+        cmocka_unit_test(tells_what_it_loses),
         cmocka_unit_test(endless_flights_are_refused),
         cmocka_unit_test(secants),
     };
