@@ -19,6 +19,7 @@
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
+#define LOST 2.5e-10         /* a fourth of the largest residual of an orbit: where more is rounding, nothing is known of it */
 #define MEASURED 4           /* safety of a measured error */
 #define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8            /* points of a step at which its period is looked at */
@@ -75,7 +76,7 @@ bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const doub
         ric_chain_evaluate(c, u);
         if (c->singular || !(c->residual < 1e3)) return false;
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
-        double tolerance = ric_trace_tolerance(c);
+        double tolerance = fmin(ric_trace_tolerance(c), LOST);
         if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
         if (i > 2 && c->residual > 0.5 * last) return c->residual <= 4 * tolerance;
         last = c->residual;
