@@ -340,7 +340,7 @@ void ric_simulator_modal(const ric_simulator *sim, const double *x, const double
         state[j] = x[j];
         state[n + j] = v[j];
     }
-    ric_frame_to_modal(sim, sim->open, state, w);
+    ric_frame_to_modal(sim, sim->open, false, state, w);
 }
 
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v)
@@ -432,7 +432,7 @@ void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_rea
         return;
     }
     present(sim, state);
-    ric_frame_to_modal(sim, sim->open, state, w);
+    ric_frame_to_modal(sim, sim->open, false, state, w);
 }
 
 ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w, ric_real *after)
@@ -449,9 +449,9 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
             x[n + j] += sim->open->phi[i * n + j] * w[n + i];
         }
     }
-    ric_frame_to_modal(sim, f, x, z);
+    ric_frame_to_modal(sim, f, linear, x, z);
     for (int i = 0; i < n; i++) {
-        real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i] + f->rest[i] - rest, p = z[n + i];
+        real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i], p = z[n + i];
         sincosl(omega * t, &sine, &cosine);
         z[i] = rest + (omega > 0 ? q * cosine + p / omega * sine : q + p * t);
         z[n + i] = p * cosine - omega * q * sine;
@@ -463,7 +463,7 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
             x[n + j] += f->phi[i * n + j] * z[n + i];
         }
     }
-    ric_frame_to_modal(sim, sim->open, x, after);
+    ric_frame_to_modal(sim, sim->open, linear, x, after);
     return RIC_OK;
 }
 

@@ -260,11 +260,11 @@ void ric_frame_to_space(const ric_simulator *sim, const real *q, const real *p, 
     }
 }
 
-void ric_frame_to_modal(const ric_simulator *sim, const frame *f, const real *x, real *w)
+void ric_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w)
 {
     int n = sim->n;
     for (int i = 0; i < n; i++) {
-        w[i] = -f->rest[i];
+        w[i] = linear ? 0 : -f->rest[i];
         w[n + i] = 0;
         for (int j = 0; j < n; j++) {
             w[i] += f->mphi[i * n + j] * x[j];
@@ -277,5 +277,5 @@ void ric_frame_change(ric_simulator *sim, const frame *f)
 {
     ric_frame_to_space(sim, sim->q, sim->p, sim->x);
     ric_frame_enter(sim, f);
-    ric_frame_to_modal(sim, f, sim->x, sim->q); /* p follows q in memory */
+    ric_frame_to_modal(sim, f, false, sim->x, sim->q); /* p follows q in memory */
 }

@@ -83,7 +83,8 @@ void ric_frame_enter(ric_simulator *sim, const frame *f);
 ric_status ric_frame_find(ric_simulator *sim, const bool *closed, const frame **out);
 /* Displacement and velocity [2n] of a modal state of the present frame, and back. */
 void ric_frame_to_space(const ric_simulator *sim, const real *q, const real *p, real *x);
-void ric_frame_to_modal(const ric_simulator *sim, const frame *f, const real *x, real *w);
+/* `linear`: of a deviation, which has no equilibrium taken off. */
+void ric_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w);
 /* From the modal state in q, p of the present frame to that of another one. */
 void ric_frame_change(ric_simulator *sim, const frame *f);
 

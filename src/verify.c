@@ -500,7 +500,9 @@ static ric_status check_return(replay *r)
     }
     if (status || !r->check->faces_agree) return status;
     accept_order(r, r->n_flight - 1, &e);
+    const face_t *last = ric_replay_end_face(r, r->n_flight - 1);
     if (!e.hit) ric_replay_fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
+    else if (last && last->spring > 0) ric_replay_fly(r, r->n_flight, due - e.time, r->w, r->w); /* so too at a spring: met slowly, its time is uncertain */
     r->check->return_error = e.refused && r->corner ? NAN : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);
     allow_rounding(r);
     check_energy(r);

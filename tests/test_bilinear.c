@@ -4,6 +4,7 @@
 
 #include "model.h"
 #include "phase.h"
+#include "simulate.h"
 
 enum { MAX_W = 12, MAX_A = (MAX_W + 1) * (MAX_W + 1) };
 
@@ -115,6 +116,28 @@ static void flights(void **state)
                     assert_true(fabs(D[i * 2 * m->n + j] - (double)A[i * (2 * m->n + 1) + j]) <= 1e-12 * fast);
             }
         }
+        ric_model_free(m);
+    }
+}
+
+/* Deviations go through the springs of the simulator as they are, however small beside the equilibrium there: 1e-40 of one is 1e-40 of its
+ * image to the last digits. */
+static void deviations(void **state)
+{
+    (void)state;
+    for (unsigned seed = 1; seed <= 20; seed++) {
+        int n = 2 + (int)seed % 3;
+        ric_model *m = make_soft(seed, n, 1, 0, 6);
+        ric_simulator *sim = NULL;
+        assert_int_equal(ric_simulator_create(m, &sim), RIC_OK);
+        bool closed[2] = {true, false};
+        ric_real w[MAX_W], small[MAX_W], tau = uniform(0, 1), top = 0, scale = 1e-40L;
+        for (int i = 0; i < 2 * n; i++) small[i] = (w[i] = uniform(-1, 1)) * scale;
+        assert_int_equal(ric_simulator_fly(sim, closed, true, tau, w, w), RIC_OK);
+        assert_int_equal(ric_simulator_fly(sim, closed, true, tau, small, small), RIC_OK);
+        for (int i = 0; i < 2 * n; i++) top = fmaxl(top, fabsl(w[i]));
+        for (int i = 0; i < 2 * n; i++) assert_true(fabsl(small[i] / scale - w[i]) <= 1e-15L * top);
+        ric_simulator_free(sim);
         ric_model_free(m);
     }
 }
@@ -315,7 +338,7 @@ static void starts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(flights), cmocka_unit_test(energies), cmocka_unit_test(chords), cmocka_unit_test(sets),
+        cmocka_unit_test(flights), cmocka_unit_test(deviations), cmocka_unit_test(energies), cmocka_unit_test(chords), cmocka_unit_test(sets),
         cmocka_unit_test(one_mass), cmocka_unit_test(starts), cmocka_unit_test(replay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
