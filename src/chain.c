@@ -52,6 +52,7 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->face = malloc((flights + 1) * sizeof *c->face);
     c->w = calloc((flights + 1) * 2 * nn, sizeof(double));
     c->before = calloc(flights * nn + 1, sizeof(double));
+    c->rate = calloc(flights * 2 * nn + 1, sizeof(double));
     c->stride = ric_flight_stride(model);
     c->closed = calloc(flights + 1, sizeof *c->closed);
     c->map = calloc(flights * c->stride + 1, sizeof(double));
@@ -62,7 +63,7 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->zeta = calloc(vectors, sizeof(double));
     c->X = calloc(6 * nn * ld, sizeof(double));
     c->flown = calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
-    if (!c->face || !c->w || !c->before || !c->closed || !c->map || !c->approach || !c->tau || !c->hv || !c->beta || !c->zeta || !c->X || !c->flown) {
+    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv || !c->beta || !c->zeta || !c->X || !c->flown) {
         ric_chain_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
@@ -95,6 +96,7 @@ void ric_chain_free(ric_chain *c)
     free(c->face);
     free(c->w);
     free(c->before);
+    free(c->rate);
     free(c->closed);
     free(c->map);
     free(c->approach);
@@ -154,8 +156,11 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
     c->tau[k] = tau;
     if (m->smooth && again(c, tau)) return 0;
-    if (m->smooth) ric_flight_smooth(m, tau, c->w, map, &c->lost, w);
-    else if (ric_flight_dense(m, c->closed[k])) ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w);
+    if (m->smooth) {
+        ric_flight_smooth(m, tau, c->w, map, &c->lost, w);
+        ric_flight_rate(m, 0, w, c->rate);
+    } else if (ric_flight_dense(m, c->closed[k]))
+        ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
     else {
         ric_flight_trig(m, n, tau, map);
         ric_flight(n, map, c->w + 2 * n * k, w);
@@ -281,9 +286,7 @@ static inline void arriving(const ric_chain *c, int n, int k, double *w)
 
 static inline __attribute__((always_inline)) void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
 {
-    double w[2 * n], rate[2 * n];
-    arriving(c, n, k, w);
-    ric_flight_rate(c->model, c->closed[k], w, rate);
+    const double *rate = c->rate + 2 * n * k;
     for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = 0; /* was the column of the last time, pinned by now */
     ric_flight_carry(n, c->map + c->stride * (size_t)k, ld, ld, c->X);
     for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = rate[i];
@@ -582,11 +585,15 @@ static void push(const ric_chain *c, const double *du, double *column)
             ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i], c->w + 2 * n * i, by_w, &by_tau);
             chord = ric_dot(2 * n, by_w, dw) + by_tau * du[c->n_start + i];
         }
+        const double *rate = c->rate + 2 * n * i;
         if (ric_flight_dense(m, c->closed[i])) ric_flight_carry(n, map, 1, 1, dw);
-        else ric_flight(n, map, dw, dw);
-        arriving(c, n, i, end);
-        ric_flight_rate(m, c->closed[i], end, f);
-        for (int j = 0; j < 2 * n; j++) dw[j] += f[j] * du[c->n_start + i];
+        else {
+            ric_flight(n, map, dw, dw);
+            arriving(c, n, i, end);
+            ric_flow(m, n, end, f);
+            rate = f;
+        }
+        for (int j = 0; j < 2 * n; j++) dw[j] += rate[j] * du[c->n_start + i];
         if (c->face[i + 1] < 0) continue;
         const ric_face *face = &m->face[c->face[i + 1]];
         if (!(general(c) && i + 1 == c->n_flight)) column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);

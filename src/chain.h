@@ -33,6 +33,7 @@ typedef struct {
                             * but before it at an impact that is the end mirror) */
     double *tau;           /* [n_flight] */
     double *before;        /* [n_flight * n] velocities at the end of each flight, before the impact */
+    double *rate;          /* [n_flight * 2n] dw/dt at the end of each dense flight */
     size_t stride;         /* doubles in the map of a flight */
     double *map;           /* [n_flight * stride]: 3n of cos, kappa sin / omega, omega sin / kappa, or a matrix (flight.h) */
     double *approach;      /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an impact mirror */

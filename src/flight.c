@@ -58,29 +58,33 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
     }
     if (closed) {
         const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
-        if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after);
+        if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after, NULL);
         return;
     }
     ric_flight_trig(m, n, tau, trig);
     ric_flight(n, trig, w, after);
 }
 
-void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after)
+void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after, double *rate)
 {
     int n = m->n;
     double trig[3 * n];
     if (m->smooth) {
         ric_flight_smooth(m, tau, w, matrix, NULL, after);
+        ric_flight_rate(m, 0, after, rate);
         return;
     }
     if (closed) {
         const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
-        if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after);
-        if (phase) ric_phase_matrix(phase, tau, matrix);
+        if (!phase) return;
+        ric_phase_fly(phase, closing(m, closed, event), tau, w, after, rate + n);
+        ric_phase_matrix(phase, tau, matrix);
+        for (int i = 0; i < n; i++) rate[i] = m->kappa[i] * after[n + i];
         return;
     }
     ric_flight_trig(m, n, tau, trig);
     ric_flight(n, trig, w, after);
+    ric_flow(m, n, after, rate);
     memset(matrix, 0, 4 * (size_t)n * n * sizeof *matrix);
     for (int i = 0; i < n; i++) {
         matrix[i * 2 * n + i] = matrix[(n + i) * 2 * n + n + i] = trig[i];

@@ -42,8 +42,9 @@ static inline void ric_flight_strike(int n, const ric_face *face, double *restri
 /* State w [2n] after a time tau; may work in place. `event`: the face at the start of the flight, -1 if none is; where it is a spring that has
  * just closed the state is taken to be on it (phase.h). */
 void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after);
-/* A dense flight with its matrix [2n * 2n]; not in place. The matrix is that of deviations in time, whatever the event at the start. */
-void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after);
+/* A dense flight with its matrix [2n * 2n] and dw/dt at its end; not in place. The matrix is that of deviations in time, whatever the event at
+ * the start. */
+void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after, double *rate);
 /* The same under a power law; *lost is the rounding on the way (smooth.h). `matrix` and `lost` may be NULL; without a matrix in place. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after);
 /* V [2n * ld] <- matrix * V, the first `columns` of each row. */
@@ -59,13 +60,6 @@ static inline __attribute__((always_inline)) void ric_flight_carry(int n, const 
     }
     for (int i = 0; i < size; i++) memcpy(V + i * ld, sum + i * ld, (size_t)columns * sizeof *V);
 }
-
-/* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its derivatives (phase.h). */
-double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau);
-/* What a closing at the start of a flight makes of deviations X [2n * ld] of its state: they are moved onto the face as the state is. */
-void ric_flight_onto(const ric_model *m, uint64_t closed, int event, int ld, double *X);
-/* Largest scaled frequency while springs are closed; 0 if none is. */
-double ric_flight_fastest(const ric_model *m, uint64_t closed);
 
 /* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its derivatives (phase.h). */
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau);

@@ -317,7 +317,7 @@ static void turn(const ric_phase *p, int i, double tau, double *co, double *si)
     *si = s + low * c;
 }
 
-void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, const double *w, double *after)
+void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, const double *w, double *after, double *pull)
 {
     int n = p->n;
     double z[2 * n];
@@ -329,6 +329,10 @@ void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, cons
         z[n + i] = p->omega[i] > 0 ? co * P - si * A : P;
     }
     ric_phase_leave(p, z, after);
+    for (int i = 0; pull && i < n; i++) {
+        pull[i] = 0;
+        for (int j = 0; j < n; j++) pull[i] -= p->U[i * n + j] * p->omega[j] * z[j];
+    }
 }
 
 void ric_phase_matrix(const ric_phase *p, double tau, double *D)

@@ -41,8 +41,9 @@ void ric_phase_leave(const ric_phase *phase, const double *z, double *w);
 /* The face whose closing starts a flight, NULL if none: there s = gap by definition, and the state is first moved onto it, a <- a - (g.a - gap)
  * g / (g.g). On an orbit that changes nothing; off it the flight no longer depends on how far the state is off the face, and rounding of its
  * displacements is not multiplied by the stiffness of the spring. */
-/* The state after the time tau, of either sign; may work in place. O(n^2). */
-void ric_phase_fly(const ric_phase *phase, const ric_face *closing, double tau, const double *w, double *after);
+/* The state after the time tau, of either sign; may work in place. pull [n], unless NULL: the acceleration there, from the distance to equilibrium;
+ * formed of the state, whose displacements are rounded, it would be off by the stiffness times as much. O(n^2). */
+void ric_phase_fly(const ric_phase *phase, const ric_face *closing, double tau, const double *w, double *after, double *pull);
 /* Its derivative by w, D [2n * 2n] by rows, of a flight that does not start with a closing. O(n^3). */
 void ric_phase_matrix(const ric_phase *phase, double tau, double *D);
 

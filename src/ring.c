@@ -107,8 +107,8 @@ static void shift_smooth(ring *q, const double *v, double *out)
 {
     const ric_model *m = q->chain->model;
     int n = 2 * m->n;
-    double map[n * n], after[n];
-    ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after);
+    double map[n * n], after[n], rate[n];
+    ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after, rate);
     for (int i = 0; i < n; i++) out[i] = q->sign * ric_dot(n, map + i * n, v);
     out[n] = v[n];
 }
