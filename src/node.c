@@ -13,6 +13,7 @@
 #define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
+#define ALONE 0.25       /* a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
 #define ARRIVED 1e-3     /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
 
 void ric_node_free(ric_node *node)
@@ -309,28 +310,32 @@ ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node *
     return RIC_OK;
 }
 
-/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. rho alone does not tell p from q - p unless it is that of half a
- * period: then the smaller one. */
+/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch arrives on a sharp turn rho is off, by 0.2 within
+ * 1e-5 of the orbit: the nearest p counts if no other is near, and ric_locate tells whether it is met. rho alone does not tell p from q - p unless
+ * it is that of half a period: then the smaller one. */
 static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
 {
     ric_chain *chain = NULL;
     ric_floquet floquet = {0};
-    double *u = NULL, best = 1e-3;
-    int p = 0;
+    double *u = NULL, best = HUGE_VAL, other = HUGE_VAL;
+    int p = 0, nearest = 0;
     if (!ric_cycle_to_chain(m, cycle, &chain, &u) && !ric_floquet_create(m->n, &floquet)) {
         bool half = ric_chain_halves(chain);
         ric_chain_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
             /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same one, has q - p */
             if (isfinite(floquet.rotation) && !half) p = (int)lrint(q * fmin(floquet.rotation, 1 - floquet.rotation));
-            for (int i = 0; p == 0 && i < floquet.n_pair; i++)
-                for (int k = 1; k <= (half ? q - 1 : q / 2); k++) {
-                    double off = hypot(floquet.own[2 * i] - ric_problem_rho(half, k, q), floquet.own[2 * i + 1]);
-                    if (off < best) {
-                        best = off;
-                        p = k;
-                    }
+            for (int k = 1; p == 0 && k <= (half ? q - 1 : q / 2); k++) {
+                double off = HUGE_VAL;
+                for (int i = 0; i < floquet.n_pair; i++)
+                    off = fmin(off, hypot(floquet.own[2 * i] - ric_problem_rho(half, k, q), floquet.own[2 * i + 1]));
+                other = fmin(other, fmax(off, best));
+                if (off < best) {
+                    best = off;
+                    nearest = k;
                 }
+            }
+            if (p == 0 && best < ALONE * other) p = nearest;
         }
     }
     ric_chain_free(chain);
