@@ -5,6 +5,8 @@
 
 #include "status.h"
 
+#define EXACT 1e-9 /* distance of images that are one orbit, and not of one beside an orbit with more symmetry */
+
 static int modulo(int i, int N)
 {
     i %= N;
@@ -497,16 +499,19 @@ static double image_distance(const ric_model *m, const ric_cycle *a, const ric_c
 
 bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror)
 {
+    double nearest = HUGE_VAL;
     if (a->N != b->N) return false;
     for (int op = 0; op < (m->symmetric ? 4 : 2); op++)
-        for (int s = 0; s < a->N; s++)
-            if (image_distance(m, a, b, s, op & 1, op & 2) <= tolerance) {
-                *shift = s;
-                *reverse = op & 1;
-                *mirror = op & 2;
-                return true;
-            }
-    return false;
+        for (int s = 0; s < a->N; s++) {
+            double distance = image_distance(m, a, b, s, op & 1, op & 2);
+            if (distance > tolerance || distance >= nearest) continue;
+            nearest = distance;
+            *shift = s;
+            *reverse = op & 1;
+            *mirror = op & 2;
+            if (distance <= EXACT) return true; /* the images of an orbit with symmetries differ by rounding: the first one */
+        }
+    return nearest < HUGE_VAL;
 }
 
 bool ric_cycle_same(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance)
