@@ -157,8 +157,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
     c->tau[k] = tau;
     if (m->smooth && again(c, tau)) return 0;
     if (m->smooth) {
-        ric_flight_smooth(m, tau, c->w, map, &c->lost, w);
-        ric_flight_rate(m, 0, w, c->rate);
+        ric_flight_smooth(m, tau, c->w + 2 * n * k, map, &c->lost, w);
+        ric_flight_rate(m, 0, w, c->rate + 2 * n * k);
     } else if (ric_flight_dense(m, c->closed[k]))
         ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
     else {
