@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdlib.h>
 
 #include "chart.h"
@@ -6,6 +7,7 @@
 #include "store.h"
 
 #define TWO_PI 6.283185307179586477
+#define STIFFEST 1e9
 #define PHASE 1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that one orbit takes seconds, and the
                    * phase itself loses its digits */
 
@@ -30,6 +32,43 @@ static ric_status check_phases(const ric_study *study)
     return status;
 }
 
+/* How much stiffer a spring is than the structure at its contact: k c.c / omega^2 of the highest mode that is seen. */
+static double stiffness_ratio(const ric_model *m, const ric_contact *contact, const double *modes, const double *omega, const bool *seen)
+{
+    int n = ric_model_n_dof(m);
+    double cc = 0, highest = 0;
+    for (int i = 0; i < n; i++) {
+        double c = 0;
+        for (int j = 0; j < n; j++) c += contact->normal[j] * modes[j * n + i];
+        cc += c * c;
+        if (seen[i]) highest = fmax(highest, omega[i]);
+    }
+    return contact->stiffness * cc / (highest * highest);
+}
+
+/* Beyond, displacements within a contact are so short that rounding spoils them, and what comes out only looks like an orbit. */
+static ric_status check_springs(const ric_study *study)
+{
+    const ric_model *m = ric_study_model(study);
+    int n = ric_model_n_dof(m);
+    double *omega = calloc((size_t)n, sizeof *omega), *modes = calloc((size_t)n * (size_t)n, sizeof *modes);
+    bool *seen = calloc((size_t)n, sizeof *seen);
+    ric_status status = omega && modes && seen ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
+    if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen))) status = ric_model_modes(m, modes);
+    for (int i = 0; i < ric_model_n_contact(m) && !status; i++) {
+        ric_contact contact;
+        if ((status = ric_model_contact(m, i, &contact)) || contact.law != RIC_LAW_BILINEAR) continue;
+        double ratio = stiffness_ratio(m, &contact, modes, omega, seen);
+        if (ratio > STIFFEST)
+            status = ric_fail(RIC_E_INPUT, "contact %d: its stiffness %g is %.2g times that of the structure there, and in double precision orbits are right up to %g times; "
+                              "take law: rigid, from which they differ by about one over the square root of that", i + 1, contact.stiffness, ratio, STIFFEST);
+    }
+    free(omega);
+    free(modes);
+    free(seen);
+    return status;
+}
+
 /* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or on request to stop. */
 ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew)
 {
@@ -40,7 +79,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     ric_status written = RIC_OK, status = RIC_OK;
     if (ric_model_restitution(ric_study_model(study)) != 1)
         return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic orbits; `ricochet simulate` takes any");
-    if ((status = check_phases(study))) return status;
+    if ((status = check_phases(study)) || (status = check_springs(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = crew;
