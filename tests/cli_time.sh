@@ -29,7 +29,7 @@ if [ "$(nproc)" -lt 2 ]; then
     finish
     exit
 fi
-tools/workers.sh "$ricochet" three-masses >"$folder/speed"
+tools/workers.sh "$ricochet" elementary >"$folder/speed"
 code=$?
 sed 's/^/# /' "$folder/speed"
 number=$((number + 1))
