@@ -288,6 +288,18 @@ ric_status ric_store_starts_get(ric_store *store, char **text)
     return ric_store_get_meta(store->file, "starts", text);
 }
 
+/* The end of a transaction that changed the tables: all of it, with the digest that goes with them, or nothing. */
+static ric_status conclude(ric_database file, ric_status status)
+{
+    if (!status)
+        status = ric_store_put_digest(file);
+    if (!status)
+        status = ric_database_run(file, "COMMIT");
+    if (status)
+        roll_back(file);
+    return status;
+}
+
 ric_status ric_store_starts_add(ric_store *store, const char *lines)
 {
     ric_database file = store->file;
@@ -302,12 +314,7 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
         status = ric_store_put_meta(file, "starts", all);
     if (!status)
         status = ric_store_put_meta(file, "finished", "0");
-    if (!status)
-        status = ric_store_put_digest(file);
-    if (!status)
-        status = ric_database_run(file, "COMMIT");
-    if (status)
-        roll_back(file);
+    status = conclude(file, status);
     free(old);
     free(all);
     return status;
@@ -328,11 +335,5 @@ ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
         status = ric_store_put_junctions(file, atlas);
     if (!status)
         status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced);
-    if (!status)
-        status = ric_store_put_digest(file);
-    if (!status)
-        status = ric_database_run(file, "COMMIT");
-    if (status)
-        roll_back(file);
-    return status;
+    return conclude(file, status);
 }
