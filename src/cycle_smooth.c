@@ -8,8 +8,10 @@
 #include "flight.h"
 #include "status.h"
 
-#define SAMPLES 48       /* per turn of the fastest mode, at least: where the largest |s| is looked for */
+#define SAMPLES 48       /* of an orbit per turn of the fastest mode, at least */
 #define MOST_SAMPLES 4096
+#define PIECES 3         /* and of every step of a flight */
+#define SHORTEST 1e-6    /* a piece shorter than this part of the longest is none: the flow cannot be followed */
 #define NEWTON_STEPS 8
 
 bool ric_cycle_mark(ric_cycle *c, int marks)
@@ -40,15 +42,37 @@ static double gap_of(const ric_model *m, const double *w)
     return ric_dot(m->n, m->g, w);
 }
 
-static int samples(const ric_model *m, double period)
+static double longest_piece(const ric_model *m, double period)
 {
-    return (int)fmin(MOST_SAMPLES, SAMPLES * (1 + period * m->omega[m->n - 1] / 6.283185307179586));
+    return period / (SAMPLES * (1 + period * m->omega[m->n - 1] / 6.283185307179586));
+}
+
+/* A piece of an orbit at w, short enough for a walk to see all: some to every turn of the fastest mode, and to every time in which the motion
+ * changes its course, which within a contact of high power may be a hundredth of that. */
+static double piece(const ric_model *m, double period, const double *w)
+{
+    double longest = longest_piece(m, period), pace = ric_flight_pace(m, w) / PIECES;
+    return pace > SHORTEST * longest ? fmin(longest, pace) : longest;
+}
+
+typedef struct {
+    const ric_model *m;
+    double period, step, time;
+    int taken;
+    double *w; /* [2n] where it has come to */
+} walk;
+
+static void walk_on(walk *q)
+{
+    if (q->taken++ % PIECES == 0) q->step = piece(q->m, q->period, q->w);
+    ric_flight_go(q->m, 0, -1, q->step, q->w, q->w);
+    q->time += q->step;
 }
 
 /* Moves w to where |s| of the first contact is largest within the period: sampled, then Newton on ds/dt = 0. */
 static void to_summit(const ric_model *m, double period, double *w)
 {
-    int n = m->n, count = samples(m, period);
+    int n = m->n, count = (int)fmin(MOST_SAMPLES, period / longest_piece(m, period));
     double best[2 * n], now[2 * n], rate[2 * n], last = 0;
     memcpy(now, w, sizeof now);
     memcpy(best, w, sizeof best);
@@ -104,24 +128,24 @@ static bool onto_plane(const ric_model *m, const double *to, double most, double
 /* Moves w along its orbit to where that is nearest to `to`: sampled, every local minimum refined. Returns the time that takes. */
 static double to_neighbour(const ric_model *m, double period, const double *to, double *w)
 {
-    int size = 2 * m->n, count = samples(m, period);
-    double step = period / count, now[size], best[size], off[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, least = HUGE_VAL, result = 0;
+    int size = 2 * m->n, beyond = 0;
+    double now[size], best[size], off[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, least = HUGE_VAL, result = 0, last = 0;
     memcpy(now, w, sizeof now);
     memcpy(best, w, sizeof best);
-    for (int i = 0; i <= count + 1; i++) {
-        off[0] = off[1];
-        off[1] = off[2];
+    for (walk q = {.m = m, .period = period, .w = now};; walk_on(&q)) {
+        memmove(off, off + 1, 2 * sizeof *off);
         off[2] = distance(size, now, to);
-        if (i > 1 && off[1] <= off[0] && off[1] <= off[2]) {
-            double near[size], time = (i - 1) * step;
-            ric_flight_go(m, 0, -1, -step, now, near);
-            if (onto_plane(m, to, step, near, &time) && distance(size, near, to) < least) {
+        if (q.taken > 1 && off[1] <= off[0] && off[1] <= off[2]) {
+            double near[size], time = q.time - q.step;
+            ric_flight_go(m, 0, -1, -q.step, now, near);
+            if (onto_plane(m, to, fmax(last, q.step), near, &time) && distance(size, near, to) < least) {
                 least = distance(size, near, to);
                 memcpy(best, near, sizeof best);
                 result = time;
             }
         }
-        ric_flight_go(m, 0, -1, step, now, now);
+        if (q.time >= period && ++beyond == 2) break;
+        last = q.step;
     }
     memcpy(w, best, sizeof best);
     return result;
@@ -135,7 +159,7 @@ double ric_cycle_phase(const ric_model *m, const ric_cycle *orbit, ric_cycle *ne
 void ric_cycle_shift(const ric_model *m, const ric_cycle *orbit, double time, ric_cycle *near)
 {
     ric_flight_go(m, 0, -1, time, near->w, near->w);
-    onto_plane(m, orbit->w, ric_cycle_period(near) / samples(m, ric_cycle_period(near)), near->w, &(double){0});
+    onto_plane(m, orbit->w, piece(m, ric_cycle_period(near), orbit->w), near->w, &(double){0});
 }
 
 ric_cycle *ric_cycle_nearest_phase(const ric_model *m, const ric_cycle *orbit, const ric_cycle *near, double limit)

@@ -26,6 +26,8 @@
  * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
  * through four points at good distance, and the junction is solved on its own equations later. */
 #define CROSSING 1e-3
+/* Of the size: the start of a closed branch again. */
+#define SAME_PLACE 1e-8
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
 #define APPROACHES 4
 /* What may keep two branches apart (ric_crossing_gap) that cross: rounding. */
@@ -362,8 +364,8 @@ static void window_text(ric_trace *tr, int test)
     tr->why = text[test] ? text[test] : "";
 }
 
-/* Back at the orbit `home`, going the same way as `heading` from there. */
-static bool reaches(ric_trace *tr, double h, const double *home, const double *heading)
+/* Back at the orbit `home`, at the arclength s, going the same way as `heading` from there. */
+static bool reaches(ric_trace *tr, double h, const double *home, const double *heading, double *s)
 {
     int size = tr->chain->n_unknown;
     double along = 0, across = 0;
@@ -375,28 +377,56 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
     }
     if (sqrt(across) > 0.3 * h) return false;
     bool good = false;
-    if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
-    double distance = 0;
-    for (int i = 0; i < size; i++) distance = fmax(distance, fabs(tr->mid.u[i] - home[i]));
-    return distance < 1e-8 * tr->chain->scale && ric_dot(size, tr->mid.t, heading) > 0.5;
+    double distance = 0, first = along, *u = tr->mid.u;
+    const double *t = tr->next.t;
+    if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) { /* a branch point itself, as which many branches start: the cubic knows it */
+        on_cubic(tr, along, h, u);
+        along = 0;
+        for (int i = 0; i < size; i++) along += (home[i] - u[i]) * t[i];
+        for (int i = 0; i < size; i++) u[i] += along * t[i];
+    } else {
+        if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
+        t = tr->mid.t;
+    }
+    for (int i = 0; i < size; i++) distance = fmax(distance, fabs(u[i] - home[i]));
+    if (!(distance < SAME_PLACE * tr->chain->scale && ric_dot(size, t, heading) > 0.5)) return false;
+    *s = tr->now.s + (tr->next.s - tr->now.s) * (first / h);
+    return true;
 }
 
-/* Back at the start. From a centre to a rest under a power law an orbit shows its image x -> -x half a period on, which is the same orbit: there
- * the way round a closed branch may end with the other sign. */
-static bool closes(ric_trace *tr, double h)
+/* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre to a rest under a power law an orbit shows its
+ * image x -> -x half a period on, which is the same orbit: there the way round a closed branch may end with the other sign. */
+static bool closes(ric_trace *tr, double h, double *home, double *s)
 {
     const ric_chain *c = tr->chain;
     int size = c->n_unknown;
+    double heading[size];
     if (tr->n_point < 8) return false;
-    if (reaches(tr, h, tr->start_u, tr->start_t)) return true;
+    memcpy(home, tr->start_u, (size_t)size * sizeof *home);
+    if (reaches(tr, h, home, tr->start_t, s)) return true;
     if (!c->model->smooth || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
-    double home[size], heading[size];
     for (int i = 0; i < size; i++) {
         double sign = i < c->n_start ? -1 : 1;
         home[i] = sign * tr->start_u[i];
         heading[i] = sign * tr->start_t[i];
     }
-    return reaches(tr, h, home, heading);
+    return reaches(tr, h, home, heading, s);
+}
+
+/* Ends a closed branch with the point that it began with; what lies beyond was met at the start. */
+static ric_status close_up(ric_trace *tr, const double *home, double s)
+{
+    double slack = SAME_PLACE * tr->chain->scale;
+    for (; tr->n_event > 0 && tr->events[tr->n_event - 1].s > s + slack; tr->n_event--) {
+        free(tr->events[tr->n_event - 1].u);
+        free(tr->events[tr->n_event - 1].t);
+    }
+    tr->stop = RIC_STOP_CLOSED;
+    tr->why = "back at its start";
+    memcpy(tr->mid.u, home, (size_t)tr->chain->n_unknown * sizeof *home);
+    tr->mid.row = *(const ric_point *)tr->points;
+    tr->mid.row.arclength = s;
+    return ric_trace_keep(tr, &tr->mid);
 }
 
 typedef struct { int test; double x; } root;
@@ -721,7 +751,8 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     double end, limit[RIC_N_TEST];
     bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
-    bool closed = closes(tr, h);
+    double home[tr->chain->n_unknown], s;
+    bool closed = closes(tr, h, home, &s);
     /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
     unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT) : terminal;
@@ -741,9 +772,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
         if (tr->arrival && (status = ric_arrival_settle(tr->chain, tr->mid.u))) return status;
         complete_row(tr, &tr->mid);
     } else if (test < 0) {
-        tr->stop = RIC_STOP_CLOSED;
-        tr->why = "back at its start";
-        return ric_trace_keep(tr, &tr->now);
+        return close_up(tr, home, s);
     } else {
         if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
         window_text(tr, test);

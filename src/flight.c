@@ -25,12 +25,22 @@ void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : malloc(size * sizeof *work), unwanted;
     if (after != w) memcpy(after, w, states * sizeof *w);
-    if (!work || !(matrix ? ric_smooth_map(m, tau, after, matrix, lost ? lost : &unwanted, work) : ric_smooth_fly(m, tau, after, 0, NULL, work))) {
+    if (!work || !(matrix ? ric_smooth_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work) : ric_smooth_fly(m, tau, after, 0, NULL, work))) {
         for (size_t i = 0; i < states; i++) after[i] = HUGE_VAL;
         for (size_t i = 0; matrix && i < states * states; i++) matrix[i] = 0;
         if (lost) *lost = 0;
     }
     if (work != stack) free(work);
+}
+
+double ric_flight_pace(const ric_model *m, const double *w)
+{
+    enum { SMALL = 1 << 15 };
+    size_t size = ric_smooth_work(m, 0), small = size <= SMALL ? size : 1;
+    _Alignas(16) double stack[small];
+    double *work = size <= SMALL ? stack : malloc(size * sizeof *work), pace = work ? ric_smooth_pace(m, w, work) : 0;
+    if (work != stack) free(work);
+    return pace;
 }
 
 /* The phase of a set of closed springs. Without one, for want of memory or because both faces of a contact would be closed, the states are no

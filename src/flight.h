@@ -47,6 +47,8 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
 void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after, double *rate);
 /* The same under a power law; *lost is the rounding on the way (smooth.h). `matrix` and `lost` may be NULL; without a matrix in place. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after);
+/* Under a power law: time in which the motion from w changes its course (smooth.h); 0 for want of memory. */
+double ric_flight_pace(const ric_model *m, const double *w);
 /* V [2n * ld] <- matrix * V, the first `columns` of each row. */
 static inline __attribute__((always_inline)) void ric_flight_carry(int n, const double *restrict matrix, int columns, int ld, double *restrict V)
 {

@@ -13,6 +13,7 @@
 
 #define TWO_PI 6.283185307179586477
 #define AT_END 1e-9   /* arclength within which an event belongs to the end of its branch */
+#define SAME_EVENT 1e-5 /* arclength, relative, within which two events of one place lie */
 #define NEAR_END 1e-2 /* part of a branch near its end where that end's own junction is not met again */
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
@@ -218,11 +219,26 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
 
 /* ------------------------------------------------------------------- edges */
 
-/* Tests whose zeros are junctions on a chain of this form: on a half chain types a and d double the period, which is another matter. */
-static bool is_junction(const ric_chain *c, int test)
+/* On a half chain tests A and D vanish where the period doubles. */
+static bool doubles(const ric_chain *c, int test)
 {
-    bool half_chain = c->start != RIC_MIRROR_NONE && c->multiple == 2;
-    return !(half_chain && (test == RIC_TEST_A || test == RIC_TEST_D));
+    return c->start != RIC_MIRROR_NONE && c->multiple == 2 && (test == RIC_TEST_A || test == RIC_TEST_D);
+}
+
+/* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that may pass -1 and come back
+ * within one step, where only the tests tell both places. *twin: the event is met by its multiplier, too. */
+static const ric_resonance *resonance_of(const ric_trace *tr, const ric_event *event, bool *twin)
+{
+    const ric_resonance *doubling = NULL;
+    *twin = false;
+    if (!doubles(tr->chain, event->test)) return ric_trace_resonance(tr, event->test);
+    for (int k = 0; k < tr->n_resonance; k++)
+        if (tr->resonances[k].q == 2) doubling = &tr->resonances[k];
+    for (int i = 0; i < tr->n_event; i++) {
+        const ric_resonance *other = ric_trace_resonance(tr, tr->events[i].test);
+        *twin |= other && other == doubling && fabs(tr->events[i].s - event->s) < SAME_EVENT * (1 + event->s);
+    }
+    return doubling;
 }
 
 static bool breaks_or_crosses(int test)
@@ -260,15 +276,16 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     ric_status status;
     ric_node *node = NULL;
     const double *last = e->trace->points + (size_t)(e->trace->n_point - 1) * e->trace->stride;
-    if (!is_junction(e->trace->chain, event->test)) return RIC_OK;
-    /* the ends of a branch are junctions of their own */
+    bool twin, doubling = doubles(e->trace->chain, event->test);
+    const ric_resonance *resonance = resonance_of(e->trace, event, &twin);
+    if (doubling && (twin || !resonance)) return RIC_OK;
+    /* the ends of a branch are junctions of their own, but for the place where a closed one begins and ends */
     double length = ((const ric_point *)last)->arclength;
-    if (event->s < AT_END || event->s > length - AT_END) return RIC_OK;
+    if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED)) return RIC_OK;
     ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    bool aside = breaks_or_crosses(event->test) && (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
+    bool aside = !doubling && breaks_or_crosses(event->test) && (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
     const ric_asked *asked = ric_trace_asked(e->trace, event->test);
-    const ric_resonance *resonance = ric_trace_resonance(e->trace, event->test);
     ric_solve solve = aside       ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
                       : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
                       : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
@@ -284,7 +301,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
-        if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < 1e-5 * (1 + event->s)) return RIC_OK;
+        if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < SAME_EVENT * (1 + event->s)) return RIC_OK;
     unsigned choice;
     if ((status = passing_choice(g, e, event, g->nodes[index], aside, &choice))) return status;
     ric_graph_mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);

@@ -21,9 +21,22 @@ size_t ric_smooth_work(const ric_model *model, int columns);
 enum { RIC_SMOOTH_STEPS = 20000 };
 bool ric_smooth_fly(const ric_model *model, double tau, double *w, int columns, double *X, double *work);
 
+/* Length of the first step of a flight from w [2n]: a part of the radius of convergence, the time in which the motion changes its course. */
+double ric_smooth_pace(const ric_model *model, const double *w, double *work);
+
 /* The same with M [2n * 2n], the matrix of small deviations. Every step leaves a rounding of the size of the state, and what follows multiplies it:
  * for a step that ends at t by M(T) / M(t), which may be much more than M(T). *lost is the root of the sum of the squares, over epsilon, of the
  * coordinate that loses most. */
 bool ric_smooth_map(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
+
+/* The same, and once more in more digits than a double has where the flight loses more than RIC_SMOOTH_LOSES (1 + |w|): then *lost is, beside what
+ * is left of that, what the rounding of w itself becomes. */
+enum { RIC_SMOOTH_LOSES = 10000 };
+bool ric_smooth_map_surely(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
+
+/* The flight from w0 through tau in more digits: w [2n] and M [2n * 2n], rounded, and S [2n * 2n], the rounding of the steps as series.h gathers it.
+ * Returns the epsilon of these digits over that of a double; 1, with w and M as they were: there are none, or no memory. Five times as long as
+ * in double precision (smooth_long.c). */
+double ric_smooth_again(const ric_model *model, double tau, const double *w0, double *w, double *M, double *S);
 
 #endif

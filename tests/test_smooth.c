@@ -14,6 +14,7 @@
 #include "smooth.h"
 
 #include "cvode_flow.h"
+#include "quad_flow.h"
 
 enum { MOST = 6, CONTACTS = 3 };
 
@@ -259,6 +260,45 @@ static void tells_what_it_loses(void **state)
     if (!(beyond > 2)) fail_msg("no flight lost more than its matrix tells: %g", beyond);
 }
 
+/* Against the flow in quadruple precision: a flight in double is off by no more than it says, and where it says much, the one in more digits is
+ * left with the last digit of a double and what those digits lose. */
+static void more_digits_lose_less(void **state)
+{
+    int again = 0;
+    double gained = 0;
+    (void)state;
+    for (int i = 0; i < 40; i++) {
+        structure s;
+        random_structure((uint64_t)(900 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
+        int ld = 2 * s.n;
+        double w[ld], x[ld], y[ld], M[ld * ld], lost[2], tau = uniform(1, i % 5 ? 8 : 40), off[2] = {0};
+        random_state(&s, i % 3 ? 3 : 8, w);
+        memcpy(x, w, sizeof x);
+        memcpy(y, w, sizeof y);
+        double start = largest(ld, w), own = 0;
+        assert_true(ric_smooth_map(s.model, tau, x, M, &lost[0], s.work));
+        assert_true(ric_smooth_map_surely(s.model, tau, y, M, &lost[1], s.work));
+        assert_true(quad_fly(s.model, tau, w));
+        for (int j = 0; j < ld; j++) {
+            double row = 0;
+            for (int k = 0; k < ld; k++) row += M[j * ld + k] * M[j * ld + k];
+            own = fmax(own, start * sqrt(row));
+            off[0] = fmax(off[0], fabs(x[j] - w[j]));
+            off[1] = fmax(off[1], fabs(y[j] - w[j]));
+        }
+        if (!(off[0] <= DBL_EPSILON * 4 * lost[0])) fail_msg("structure %d: %g off in double, said to lose %g", i, off[0], DBL_EPSILON * 4 * lost[0]);
+        if (lost[1] != lost[0]) {
+            double digits = (double)(LDBL_EPSILON / DBL_EPSILON);
+            again++;
+            gained = fmax(gained, off[0] / off[1]);
+            if (!(off[1] <= DBL_EPSILON * (largest(ld, w) + 4 * digits * lost[0])) || !(lost[1] >= 0.99 * own))
+                fail_msg("structure %d: %g off with more digits, %g in double, said to lose %g and %g, own %g", i, off[1], off[0], lost[1], lost[0], own);
+        }
+        release(&s);
+    }
+    assert_true(again >= 10 && gained > 100);
+}
+
 /* A flight of many steps is refused, not followed for ever; so is one that overflows. */
 static void endless_flights_are_refused(void **state)
 {
@@ -304,6 +344,7 @@ int main(void)
         cmocka_unit_test(neighbours_are_derivatives),
         cmocka_unit_test(neighbours_are_symplectic),
         cmocka_unit_test(tells_what_it_loses),
+        cmocka_unit_test(more_digits_lose_less),
         cmocka_unit_test(endless_flights_are_refused),
         cmocka_unit_test(secants),
     };
