@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../src/buffer.h"
 #include "plot.h"
 
 static const double pi = 3.14159265358979323846;
@@ -72,11 +73,7 @@ static const struct {
 
 struct plot_page {
     double width, height;
-    struct {
-        FILE *file;
-        char *text;
-        size_t size;
-    } lines[PLOT_N_STROKE], objects, texts;
+    ric_buffer lines[PLOT_N_STROKE], objects, texts;
     int n_label;
     plot_box *boxes; /* texts and marks */
     int n_box, room;
@@ -106,9 +103,8 @@ plot_page *plot_page_create(double width, double height)
     page->ink = calloc((size_t)page->columns * (size_t)page->rows, 1);
     bool good = page->ink;
     for (int i = 0; i < PLOT_N_STROKE; i++)
-        good &= (page->lines[i].file = open_memstream(&page->lines[i].text, &page->lines[i].size)) != NULL;
-    good &= (page->objects.file = open_memstream(&page->objects.text, &page->objects.size)) != NULL;
-    good &= (page->texts.file = open_memstream(&page->texts.text, &page->texts.size)) != NULL;
+        good &= ric_buffer_open(&page->lines[i]);
+    good &= ric_buffer_open(&page->objects) && ric_buffer_open(&page->texts);
     if (good)
         return page;
     plot_page_free(page);
@@ -119,17 +115,10 @@ void plot_page_free(plot_page *page)
 {
     if (!page)
         return;
-    for (int i = 0; i < PLOT_N_STROKE; i++) {
-        if (page->lines[i].file)
-            fclose(page->lines[i].file);
-        free(page->lines[i].text);
-    }
-    if (page->objects.file)
-        fclose(page->objects.file);
-    if (page->texts.file)
-        fclose(page->texts.file);
-    free(page->objects.text);
-    free(page->texts.text);
+    for (int i = 0; i < PLOT_N_STROKE; i++)
+        ric_buffer_free(&page->lines[i]);
+    ric_buffer_free(&page->objects);
+    ric_buffer_free(&page->texts);
     free(page->boxes);
     free(page->ink);
     free(page->sums);
@@ -357,8 +346,8 @@ bool plot_page_script(plot_page *page, plot_format kind, FILE *script)
 {
     bool good = !page->failed;
     for (int i = 0; i < PLOT_N_STROKE; i++)
-        good &= fflush(page->lines[i].file) == 0;
-    good &= fflush(page->objects.file) == 0 && fflush(page->texts.file) == 0;
+        good &= ric_buffer_sync(&page->lines[i]);
+    good &= ric_buffer_sync(&page->objects) && ric_buffer_sync(&page->texts);
     if (!good)
         return false;
     fputs("set encoding utf8\n", script);

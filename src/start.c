@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "buffer.h"
 #include "status.h"
 #include "trace.h"
 
@@ -97,22 +98,16 @@ ric_status ric_starts_parse(const ric_model *m, const char *text, ric_starts *ou
 
 char *ric_start_line(int n_dof, int N, bool half, int pure, int flip, const int *word, const double *flights, const double *x, const double *v)
 {
-    char *line = NULL;
-    size_t size;
-    FILE *out = open_memstream(&line, &size);
-    if (!out) return NULL;
+    ric_buffer line;
+    if (!ric_buffer_open(&line)) return NULL;
+    FILE *out = line.file;
     fprintf(out, "%d %d %d %d", N, half, pure, flip);
     for (int i = 0; i < N; i++) fprintf(out, " %d", word[i]);
     for (int i = 0; i < N; i++) fprintf(out, " %a", flights[i]);
     for (int i = 0; i < n_dof; i++) fprintf(out, " %a", x[i]);
     for (int i = 0; i < n_dof; i++) fprintf(out, " %a", v[i]);
     fprintf(out, "\n");
-    bool bad = ferror(out);
-    if (fclose(out) || bad) {
-        free(line);
-        return NULL;
-    }
-    return line;
+    return ric_buffer_take(&line);
 }
 
 /* ------------------------------------------------------------------- solve */

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "buffer.h"
 #include "matrix_market.h"
 #include "options.h"
 #include "region.h"
@@ -272,11 +273,10 @@ static void write_names(const ric_study *study, FILE *out)
 /* Text of the study with the explore options as they are now; the rest from `raw`, or from the text there is if raw is NULL. */
 static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 {
-    char *text = NULL;
-    size_t size = 0, begin, end;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
+    ric_buffer written;
+    if (!ric_buffer_open(&written))
         return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
+    FILE *out = written.file;
     if (raw) {
         fputs("title: ", out);
         ric_yaml_write(study->title, out);
@@ -284,20 +284,18 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
         ric_raw_model_write(raw, out);
     } else
         fwrite(study->text, 1, study->explore_at, out);
-    fflush(out);
-    begin = size;
+    ric_buffer_sync(&written);
+    size_t begin = written.size;
     write_options(&study->options, out);
-    fflush(out);
-    end = size;
+    ric_buffer_sync(&written);
+    size_t end = written.size;
     if (raw)
         write_names(study, out);
     else
         fputs(study->text + study->explore_end, out);
-    bool failed = ferror(out);
-    if (fclose(out) || failed) {
-        free(text);
+    char *text = ric_buffer_take(&written);
+    if (!text)
         return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
-    }
     free(study->text);
     study->text = text;
     study->explore_at = begin;

@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "buffer.h"
 #include "matrix_market.h"
 #include "ricochet.h"
 #include "study.h"
@@ -707,9 +708,35 @@ static void scrambled_studies_are_survived(void **state)
     free(text);
 }
 
+/* The text of a study is printed into a buffer. One that found no memory for a part of it says so, and never comes back shortened. */
+static void cut_texts_are_not_kept(void **state)
+{
+    (void)state;
+    ric_buffer b;
+    assert_true(ric_buffer_open(&b));
+    for (int i = 0; i < 10000; i++) fprintf(b.file, "line %d\n", i);
+    assert_true(ric_buffer_sync(&b));
+    assert_int_equal(b.size, strlen(b.text));
+    assert_string_equal(b.text + b.size - 10, "line 9999\n");
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+    ric_buffer_free(&b); /* an allocator of sanitizers stops the program where it has no memory */
+    skip();
+#endif
+    size_t size = b.size, capacity = b.capacity;
+    b.size = b.capacity = SIZE_MAX / 4; /* the next line asks for half of all addresses */
+    fputs("more", b.file);
+    assert_false(ric_buffer_sync(&b));
+    b.size = size;
+    b.capacity = capacity;
+    fputs("there is room again, but something is missing", b.file);
+    assert_false(ric_buffer_sync(&b));
+    assert_null(ric_buffer_take(&b));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cut_texts_are_not_kept),
         cmocka_unit_test(good_study_is_read),
         cmocka_unit_test(lists_of_numbers_are_read),
         cmocka_unit_test(text_comes_back_bit_for_bit),
