@@ -5,13 +5,16 @@
 
 static _Thread_local char detail[1024];
 
+/* What did not converge while memory ran out might have converged with it. */
 ric_status ric_fail(ric_status status, const char *format, ...)
 {
+    bool starved = status == RIC_E_NUMERIC && ric_starved();
+    int n = snprintf(detail, sizeof detail, "%s", starved ? "out of memory: " : "");
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(detail, sizeof detail, format, arguments);
+    vsnprintf(detail + n, sizeof detail - (size_t)n, format, arguments);
     va_end(arguments);
-    return status;
+    return starved ? RIC_E_NOMEM : status;
 }
 
 const char *ric_detail(void)

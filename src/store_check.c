@@ -48,6 +48,7 @@ ric_status ric_store_check_identity(const char *path)
         return ric_store_fail_memory();
     status = ric_database_open(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, 0, &file);
     file.path = path;
+    if (status == RIC_E_NOMEM) goto out;
     if (status) {
         status = ric_fail(status, "%s: cannot be read; check its permissions", path);
         goto out;

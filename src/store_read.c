@@ -98,6 +98,8 @@ static ric_status reader_status(const row_reader *row, ric_database file, const 
         return ric_store_fail_memory();
     if (!row->wrong)
         return RIC_OK;
+    if (sqlite3_errcode(file.db) == SQLITE_NOMEM) /* a value that SQLite could not hand out is no fault of the file */
+        return ric_store_fail_memory();
     snprintf(what, sizeof what, "a row of table %s is inconsistent", table);
     return ric_store_fail_damaged(file.path, what);
 }

@@ -25,7 +25,7 @@ ric_status ric_store_fail_foreign(const char *path)
 
 ric_status ric_database_fail(ric_database file, int code)
 {
-    switch (code & 0xff) {
+    switch (code == SQLITE_IOERR_NOMEM ? SQLITE_NOMEM : code & 0xff) {
     case SQLITE_NOMEM:
         return ric_store_fail_memory();
     case SQLITE_NOTADB:

@@ -381,6 +381,10 @@ int *ric_word_read(const ric_model *model, const char *text, int *n)
     }
     if (raw && word && written < 0)
         *n = -1;
+    if (!raw) {
+        free(word);
+        word = NULL;
+    }
     free(raw);
     return word;
 }
