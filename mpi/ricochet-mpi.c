@@ -3,6 +3,7 @@
 #include <mpi.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,7 +87,7 @@ typedef struct {
     int n_rank, *busy; /* departures in hand, per rank */
     letter *letters;   /* [AHEAD * n_rank] */
     bool joined;
-    volatile bool stop;
+    atomic_bool stop;
     pthread_t thread;
     ric_workers *workers;
     ric_memo *memo;
