@@ -7,6 +7,7 @@
 #include "model.h"
 #include "phase.h"
 #include "simulate.h"
+#include "sample.h"
 
 enum { MAX_W = 12, MAX_A = (MAX_W + 1) * (MAX_W + 1) };
 
@@ -92,7 +93,7 @@ static double norm_of(int size, const double *x)
 static void flights(void **state)
 {
     (void)state;
-    for (unsigned seed = 1; seed <= 40; seed++) {
+    for (unsigned seed = 1; seed <= 40; seed += (unsigned)every()) {
         int n = 1 + (int)seed % 5;
         ric_model *m = make_soft(seed, n, 1 + (int)seed % 3, 0, 3);
         for (uint64_t set = 0, done = 0; !done; done = !(set = next_set(m, set))) {
@@ -127,7 +128,7 @@ static void flights(void **state)
 static void deviations(void **state)
 {
     (void)state;
-    for (unsigned seed = 1; seed <= 20; seed++) {
+    for (unsigned seed = 1; seed <= 20; seed += (unsigned)every()) {
         int n = 2 + (int)seed % 3;
         ric_model *m = make_soft(seed, n, 1, 0, 6);
         ric_simulator *sim = NULL;
@@ -148,7 +149,7 @@ static void deviations(void **state)
 static void energies(void **state)
 {
     (void)state;
-    for (unsigned seed = 1; seed <= 40; seed++) {
+    for (unsigned seed = 1; seed <= 40; seed += (unsigned)every()) {
         ric_model *m = make_soft(100 + seed, 1 + (int)seed % 5, 1 + (int)seed % 3, 0, 6);
         for (uint64_t set = 0, done = 0; !done; done = !(set = next_set(m, set))) {
             const ric_phase *phase;
@@ -180,7 +181,7 @@ static void energies(void **state)
 static void chords(void **state)
 {
     (void)state;
-    for (unsigned seed = 1; seed <= 40; seed++) {
+    for (unsigned seed = 1; seed <= 40; seed += (unsigned)every()) {
         ric_model *m = make_soft(200 + seed, 2 + (int)seed % 4, 1 + (int)seed % 3, 0, 4);
         int size = 2 * m->n;
         for (uint64_t set = 0, done = 0; !done; done = !(set = next_set(m, set))) {
@@ -233,7 +234,7 @@ static void replay(void **state)
 {
     (void)state;
     int most = 0, switches = 0, impacts = 0;
-    for (unsigned seed = 1; seed <= 60; seed++) {
+    for (unsigned seed = 1; seed <= 60; seed += (unsigned)every()) {
         int n = 2 + (int)seed % 4;
         ric_model *m = make_soft(300 + seed, n, 2 + (int)seed % 3, (int)seed % 2, seed % 3 ? 4 : 2);
         assert_int_equal(m->n, n);

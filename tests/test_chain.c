@@ -13,6 +13,7 @@
 
 #include "graph.h"
 #include "random_orbits.h"
+#include "sample.h"
 
 enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 12, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
 
@@ -43,7 +44,7 @@ static void over_random_chains(check_chain *check)
     double u[MAX_SIZE];
     for (int n = 1; n <= MAX_N; n++)
         for (int form = 0; form < N_FORM; form++)
-            for (int trial = 0; trial < 6; trial++) {
+            for (int trial = 0; trial < 6; trial += every()) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 char where[80];
                 ric_model *m = random_structure_of(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3, false);
@@ -374,7 +375,7 @@ static void residual_of_corrected(void **state)
 {
     (void)state;
     int tried = 0;
-    for (uint64_t seed = 1; seed <= 60; seed++) {
+    for (uint64_t seed = 1; seed <= 60; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1, false, false);
         double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE], v[MAX_SIZE], du[MAX_SIZE];

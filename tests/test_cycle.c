@@ -11,6 +11,7 @@
 
 #include "graph.h"
 #include "random_orbits.h"
+#include "sample.h"
 
 enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
 
@@ -25,7 +26,7 @@ static void over_random_orbits(check_orbit *check)
     int found[N_FORM] = {0};
     for (int n = 2; n <= 4; n++)
         for (int form = 0; form < N_FORM; form++)
-            for (int trial = 0; trial < 8; trial++) {
+            for (int trial = 0; trial < 8; trial += every()) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 char where[80];
                 ric_model *m = random_structure_of(seed, n, 1 + trial % 2, trial == 7, false);
@@ -134,7 +135,7 @@ static void check_group(const ric_model *m, ric_chain *chain, const double *u, r
     (void)chain;
     (void)u;
     int N = cycle->N;
-    for (int trial = 0; trial < 24; trial++) {
+    for (int trial = 0; trial < 24; trial += every()) {
         int s1 = below(N), s2 = below(N), r1 = trial & 1, r2 = trial >> 1 & 1, m1 = trial >> 2 & 1, m2 = below(2);
         ric_cycle *first = ric_cycle_transform(m, cycle, s1, r1, m1), *both = ric_cycle_transform(m, first, s2, r2, m2);
         ric_cycle *at_once = ric_cycle_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2, m1 != m2);
@@ -290,7 +291,7 @@ static void touches_are_dropped(void **state)
     (void)state;
     int grazings = 0;
     char where[64];
-    for (uint64_t seed = 1; seed <= 12; seed++) {
+    for (uint64_t seed = 1; seed <= 12; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % 6);
         ric_model *m = random_structure_of(seed, n, 1, false, false);
         for (int mode = 0; mode < n; mode++) {

@@ -13,6 +13,7 @@
 #include "graph.h"
 #include "motion.h"
 #include "random_orbits.h"
+#include "sample.h"
 
 enum { MAX_N = 4, MAX_CONTACT = 2, MAX_FLIGHT = 4, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1 };
 
@@ -136,7 +137,7 @@ static void forms_agree(void **state)
     compared = 0;
     for (int n = 2; n <= MAX_N; n++)
         for (int form = 1; form < N_FORM; form++)
-            for (int trial = 0; trial < 16; trial++) {
+            for (int trial = 0; trial < 16; trial += every()) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 ric_model *m = random_structure_of(seed, n, 1 + trial % 2, trial % 8 == 7, false);
                 ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u); /* at least one impact in every form */
@@ -393,7 +394,7 @@ static void no_overflow(void **state)
     (void)state;
     double u[MAX_SIZE], *v, *w;
     int done = 0;
-    for (uint64_t seed = 1; seed <= 40; seed++) {
+    for (uint64_t seed = 1; seed <= 40; seed += (uint64_t)every()) {
         ric_model *m = random_structure_of(seed, 2, 1, false, false);
         ric_chain *chain = random_orbit(m, 0, 3, u);
         ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;

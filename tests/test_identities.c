@@ -17,6 +17,7 @@
 
 #include "explored.h"
 #include "random_models.h"
+#include "sample.h"
 
 enum { MAX_N = 12 };
 
@@ -347,7 +348,7 @@ static void junctions_of_two_masses(void **state)
 {
     (void)state;
     tally count = {0};
-    for (uint64_t seed = 1; seed <= 20; seed++) {
+    for (uint64_t seed = 1; seed <= 20; seed += (uint64_t)every()) {
         structure s = random_pair(seed);
         ric_atlas *atlas = explore(&s, "both", 300, 0.2 * s.omega[0], 4 * s.omega[1], 6, 2);
         int linear = count.linear;
@@ -417,7 +418,7 @@ static void backbones(void **state)
 static void one_mass(void **state)
 {
     (void)state;
-    for (uint64_t seed = 1; seed <= 10; seed++) {
+    for (uint64_t seed = 1; seed <= 10; seed += (uint64_t)every()) {
         for (int sided = 0; sided < 3; sided++) {
             static const char *const sides[3] = {"both", "upper", "lower"};
             structure s = random_structure(seed, 1);
@@ -459,7 +460,7 @@ static void one_sided(void **state)
 {
     (void)state;
     int points = 0;
-    for (uint64_t seed = 1; seed <= 12; seed++) {
+    for (uint64_t seed = 1; seed <= 12; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % 6);
         structure s = random_structure(seed, n);
         double window = 0;

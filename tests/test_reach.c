@@ -11,6 +11,7 @@
 
 #include "reach.h"
 #include "random_orbits.h"
+#include "sample.h"
 
 enum { MAX_N = 8, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FLIGHT + 1, MAX_TOUCH = 4000 };
 
@@ -167,7 +168,7 @@ static void against_sampling(void **state)
     double u[MAX_SIZE];
     char where[80];
     int kinks = 0;
-    for (uint64_t seed = 1; seed <= 160; seed++) {
+    for (uint64_t seed = 1; seed <= 160; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1 + below(MAX_CONTACT), n > 1 && seed % 5 == 0, true);
         ric_chain *chain = random_chain(m, u);
@@ -188,7 +189,7 @@ static void touches_at_one(void **state)
 {
     (void)state;
     double u[MAX_SIZE];
-    for (uint64_t seed = 1000; seed < 1100; seed++) {
+    for (uint64_t seed = 1000; seed < 1100; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1 + below(MAX_CONTACT), false, true);
         ric_chain *chain = random_chain(m, u);
@@ -214,7 +215,7 @@ static void linear_grazing(void **state)
     (void)state;
     int faces[2] = {-1, -1}, met = 0;
     double u[MAX_SIZE];
-    for (uint64_t seed = 2000; seed < 2040; seed++) {
+    for (uint64_t seed = 2000; seed < 2040; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1, false, true);
         for (int i = 0; i < n; i++) {
@@ -254,7 +255,7 @@ static void long_flight(void **state)
     assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &m), RIC_OK);
     ric_chain *chain = NULL;
     assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
-    for (int trial = 0; trial < 5; trial++) {
+    for (int trial = 0; trial < 5; trial += every()) {
         u[2] = 100 + 80 * trial;
         ric_chain_fly(chain, u);
         check_reach(chain, u, "long flight");

@@ -12,6 +12,7 @@
 #include "explored.h"
 #include "random_models.h"
 #include "word.h"
+#include "sample.h"
 
 enum { MAX = 60 };
 
@@ -46,7 +47,7 @@ static void jacobians(void **state)
         {RIC_MIRROR_NONE, RIC_MIRROR_NONE, 4, {0, 0, 1, 1, 0}, 1},
         {RIC_MIRROR_NONE, RIC_MIRROR_NONE, 6, {0, 2, 0, 2, 1, 1, 0}, 1},
     };
-    for (unsigned seed = 1; seed <= 30; seed++)
+    for (unsigned seed = 1; seed <= 30; seed += (unsigned)every())
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
             ric_model *m = structure(seed, 2 + (int)seed % 2, 2, 2);
             ric_chain *c = NULL;
@@ -82,7 +83,7 @@ static void kernels(void **state)
     (void)state;
     static const int face[] = {-1, 0, 0, 1, 1, -1};
     int found = 0;
-    for (unsigned seed = 1; seed <= 400; seed++) {
+    for (unsigned seed = 1; seed <= 400; seed += (unsigned)every()) {
         ric_model *m = structure(seed, 2, 1, 3);
         ric_chain *c = NULL;
         double u[MAX], du[MAX], t[MAX], J[MAX * MAX];
@@ -268,7 +269,7 @@ static void random_atlases(void **state)
 {
     (void)state;
     int branches = 0, interleaved = 0;
-    for (unsigned seed = 1; seed <= 24; seed++) {
+    for (unsigned seed = 1; seed <= 24; seed += (unsigned)every()) {
         char text[900], what[32];
         seed_now = 77 + seed;
         double m1 = uniform(0.5, 3), m2 = uniform(0.5, 3), m3 = uniform(0.5, 3), k1 = uniform(0.5, 9), k2 = uniform(0.3, 3), k3 = uniform(0.3, 3);
