@@ -1,13 +1,14 @@
 # The front door: make help. Everything is built by Meson in $(BUILD).
 BUILD ?= build
 ASAN ?= build-asan
+TSAN ?= build-tsan
 FUZZ ?= build-fuzz
 FUZZ_CC ?= clang-14
 DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build demo paper test picture bench sanitize fuzz clean
+.PHONY: help setup setup-tests build demo paper test picture bench sanitize race memcheck faults fuzz clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -16,10 +17,13 @@ help:
 	@echo "make bench     build and measure the speed"
 	@echo "make build     build the program and the library in $(BUILD)/"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
+	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
+	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
+	@echo "make faults    let every allocation and every writing call of a run fail once"
 	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
 	@echo "make picture   take the screenshot of ricochet view that the documentation shows"
 	@echo "make setup     install the packages that are missing (all of the above do it, too)"
-	@echo "make clean     remove $(BUILD)/, $(ASAN)/ and $(FUZZ)/"
+	@echo "make clean     remove $(BUILD)/, $(ASAN)/, $(TSAN)/ and $(FUZZ)/"
 
 setup:
 	@tools/setup
@@ -40,6 +44,9 @@ $(BUILD)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
 
 $(ASAN)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
 	$(call configure,$(ASAN),-Dbuildtype=debugoptimized -Db_sanitize=address$(comma)undefined -Db_lundef=false)
+
+$(TSAN)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
+	$(call configure,$(TSAN),-Dbuildtype=debugoptimized -Db_sanitize=thread -Db_lundef=false)
 
 comma := ,
 
@@ -78,6 +85,20 @@ sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
 
+# The programs of tests/test_*.c have one thread; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
+# by race.supp.
+THREADED ?= cli_workers cli_regions cli_hunt cli_view cli_view_page cli_mpi
+race: setup-tests $(TSAN)/build.ninja
+	@ninja -C $(TSAN) --quiet
+	@TSAN_OPTIONS=halt_on_error=1:suppressions=$(CURDIR)/tools/race.supp tools/run-tests $(TSAN) --timeout-multiplier 4 $(THREADED)
+
+memcheck: setup-tests build
+	@command -v valgrind >/dev/null || { echo 'valgrind is missing (Debian: valgrind)'; exit 1; }
+	@tools/memcheck.sh $(BUILD)
+
+faults: setup-tests build
+	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli_faults.sh
+
 SECONDS ?= 60
 $(FUZZ)/build.ninja: export CC = $(FUZZ_CC)
 $(FUZZ)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
@@ -88,4 +109,4 @@ fuzz: $(FUZZ)/build.ninja
 	@tools/fuzz.sh $(FUZZ) $(SECONDS)
 
 clean:
-	rm -rf $(BUILD) $(ASAN) $(FUZZ)
+	rm -rf $(BUILD) $(ASAN) $(TSAN) $(FUZZ)
