@@ -31,6 +31,9 @@ typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 /* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns` (NULL-terminated) orders and selects
  * the columns of CSV and text; JSON shows everything. Numbers read back bit for bit; NaN and infinities become null. Returns CLI_DONE or CLI_FAILED. */
 int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format);
+/* From cli_watch_memory on, whether JSON values of this thread have found no memory since the last question; they are then missing in what they belong to. */
+void cli_watch_memory(void);
+bool cli_lost_memory(void);
 /* A JSON number, or null if not finite. */
 json_t *cli_number(double value);
 /* An id, or null for 0. */

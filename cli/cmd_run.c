@@ -89,7 +89,9 @@ static int print_summary(const char *path, const display *d)
     if (!status) {
         fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
                 seconds_since(&d->start));
-        if (!(status = cli_report_rows(atlas, rows)))
+        if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory())
+            status = RIC_E_NOMEM;
+        if (!status)
             print_report(rows);
     }
     json_decref(rows);

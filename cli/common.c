@@ -47,6 +47,8 @@ int cli_report(ric_status status)
     if (status == RIC_OK)
         return CLI_DONE;
     const char *detail = ric_detail();
+    if (status == RIC_E_NOMEM && !strstr(detail, "memory")) /* the command itself had none; the detail is that of something before */
+        detail = "";
     fprintf(stderr, "ricochet: %s\n", detail[0] ? detail : ric_status_text(status));
     return status == RIC_E_INPUT ? CLI_WRONG : CLI_FAILED;
 }

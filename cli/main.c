@@ -91,6 +91,7 @@ static int dispatch(int argc, char **argv)
 int cli_main(int argc, char **argv)
 {
     /* The locale stays "C": numbers are written with a decimal point everywhere. */
+    cli_watch_memory();
     int code = dispatch(argc, argv);
     errno = 0;
     if ((fflush(stdout) || ferror(stdout)) && code == CLI_DONE) {

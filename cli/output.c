@@ -269,9 +269,31 @@ out:
     return done;
 }
 
+/* jansson leaves out what it finds no memory for. That is remembered, so that no list is shown with something missing. */
+static _Thread_local bool lost;
+
+static void *allocate(size_t size)
+{
+    void *memory = malloc(size);
+    lost |= !memory;
+    return memory;
+}
+
+void cli_watch_memory(void)
+{
+    json_set_alloc_funcs(allocate, free);
+}
+
+bool cli_lost_memory(void)
+{
+    bool was = lost;
+    lost = false;
+    return was;
+}
+
 int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format)
 {
-    bool done = format == CLI_JSON ? print_json(rows) : format == CLI_CSV ? print_csv(rows, columns) : print_table(rows, columns);
+    bool done = cli_lost_memory() ? false : format == CLI_JSON ? print_json(rows) : format == CLI_CSV ? print_csv(rows, columns) : print_table(rows, columns);
     errno = 0;
     if (!done && !ferror(stdout)) {
         fputs("ricochet: out of memory\n", stderr);

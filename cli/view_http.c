@@ -174,6 +174,10 @@ static enum MHD_Result reply_json(struct MHD_Connection *connection, unsigned st
 {
     char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(json);
+    if (cli_lost_memory()) {
+        free(text);
+        text = NULL;
+    }
     return reply_text(connection, status, text, tag);
 }
 
