@@ -17,7 +17,7 @@ rows() # ATLAS: all tables but the cache of traces
 same() { diff -q "$1" "$2"; }
 
 study 8 4 3 >"$folder/two.yaml"
-for case in "$folder/two.yaml" examples/three-masses/study.yaml examples/two-walls/study.yaml examples/cascade/study.yaml; do
+for case in "$folder/two.yaml" examples/three-masses/study.yaml examples/two-walls/study.yaml examples/cascade/study.yaml examples/bilinear/study.yaml examples/two-springs/study.yaml; do
     for workers in 1 2 5; do
         rm -f "$folder/a.ricochet"
         ok "$(basename "$(dirname "$case")")/$(basename "$case") with $workers" "$ricochet" run "$case" -j $workers -o "$folder/a.ricochet"
