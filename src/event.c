@@ -28,6 +28,9 @@
 #define CROSSING 1e-3
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
+/* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through that point has another
+ * heading. */
+#define ON_CUBIC 1e-4
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
 #define APPROACHES 4
 /* What may keep two branches apart (ric_crossing_gap) that cross: rounding. */
@@ -377,19 +380,20 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
     }
     if (sqrt(across) > 0.3 * h) return false;
     bool good = false;
-    double distance = 0, first = along, *u = tr->mid.u;
+    double distance = 0, first = along, most = SAME_PLACE * tr->chain->scale, *u = tr->mid.u;
     const double *t = tr->next.t;
     if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) { /* a branch point itself, as which many branches start: the cubic knows it */
         on_cubic(tr, along, h, u);
         along = 0;
         for (int i = 0; i < size; i++) along += (home[i] - u[i]) * t[i];
         for (int i = 0; i < size; i++) u[i] += along * t[i];
+        most = fmax(most, ON_CUBIC * h);
     } else {
         if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
         t = tr->mid.t;
     }
     for (int i = 0; i < size; i++) distance = fmax(distance, fabs(u[i] - home[i]));
-    if (!(distance < SAME_PLACE * tr->chain->scale && ric_dot(size, t, heading) > 0.5)) return false;
+    if (!(distance < most && ric_dot(size, t, heading) > 0.5)) return false;
     *s = tr->now.s + (tr->next.s - tr->now.s) * (first / h);
     return true;
 }
