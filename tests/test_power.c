@@ -469,6 +469,47 @@ static void arrivals_without_mirrors(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A branch that begins at a multiplication which it passes ends there after one way round, and belongs to that junction. */
+static void closes_where_it_passes(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 21, "energy: [0, 1], frequency: [0.2, 10], multiply: 3, depth: 2", 0);
+    int closed = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        int met[2] = {0};
+        if (b.stop != RIC_STOP_CLOSED) continue;
+        closed++;
+        for (int i = 0; i < b.n_junction; i++) {
+            ric_junction j = junction_of(atlas, b.junctions[i]);
+            met[0] += j.kind == RIC_KIND_MULTIPLICATION && near(j.energy, 0.44126693712, 1e-9);
+            met[1] += j.kind == RIC_KIND_MULTIPLICATION && near(j.energy, 0.637389887786, 1e-9);
+        }
+        assert_true(b.symmetric && met[0] == 1 && met[1] == 1);
+    }
+    assert_int_equal(closed, 1);
+    ric_atlas_free(atlas);
+}
+
+/* Contacts of power 99 take a hundredth of the shortest period, and neighbours grow by 1e7 on the way. The branch without mirror points between two
+ * branch points is there once, no branch fails, and the middle of each returns. */
+static void power_99(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore(article, 99, "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3", 0);
+    int met = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        ric_check check;
+        if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
+        if (ric_verify_point(atlas, id, b.n_point / 2, &check) || !check.passed) fail_msg("branch %d %s does not return", id, b.label);
+        if (b.reversible || b.from == 0 || b.to == 0) continue;
+        met += near(junction_of(atlas, b.from).energy, 4.79941468408, 1e-9) && near(junction_of(atlas, b.to).energy, 5.22578464693, 1e-9);
+    }
+    assert_int_equal(met, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -485,6 +526,8 @@ int main(void)
         cmocka_unit_test(grows_on_the_way),
         cmocka_unit_test(labels_are_measured),
         cmocka_unit_test(arrivals_without_mirrors),
+        cmocka_unit_test(closes_where_it_passes),
+        cmocka_unit_test(power_99),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
