@@ -12,21 +12,7 @@
 #include "status.h"
 #include "trace.h"
 
-/* 113 bits: of the compiler on x86, long double elsewhere. */
-#ifdef __SIZEOF_FLOAT128__
-__extension__ typedef __float128 real;
-#else
-typedef long double real;
-#endif
-typedef real lane;
-enum { ORDER = 44, PAD = 4, LANES = 1 }; /* as in smooth.c */
-#define EPSILON 1e-33
-#define ABS(x) ((x) < 0 ? -(x) : (x))
-static inline real sum_of(lane x)
-{
-    return x;
-}
-#include "series.h"
+#include "series_quad.h"
 
 #define SETTLED 1e-17     /* an orbit is corrected until it moves by less, relative; the next time it would move by a billionth of that */
 #define PLACED 1e-18      /* and the branch point until it does */

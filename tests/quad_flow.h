@@ -6,20 +6,7 @@
 
 #include "smooth.h"
 
-#ifdef __SIZEOF_FLOAT128__
-__extension__ typedef __float128 real;
-#else
-typedef long double real;
-#endif
-typedef real lane;
-enum { ORDER = 44, PAD = 4, LANES = 1 };
-#define EPSILON 1e-33
-#define ABS(x) ((x) < 0 ? -(x) : (x))
-static inline real sum_of(lane x)
-{
-    return x;
-}
-#include "series.h"
+#include "series_quad.h"
 
 /* w [2n] through the time tau, rounded at the end only. */
 static bool quad_fly(const ric_model *m, double tau, double *w)
