@@ -1,9 +1,9 @@
 /* One step after another of the smooth flow by Taylor series (smooth.h), for one kind of numbers. This text is included once for each of them, by
  * a file that has defined
  *
- *     real               the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once
- *     ORDER              of the series, and PAD, what lane may read beyond it
- *     EPSILON, ABS       of the numbers
+ *     real            the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once; sum_of adds up one
+ *     ORDER           of the series, and PAD, what lane may read beyond it
+ *     EPSILON, ABS    of the numbers
  *
  * and gets fly_series. Lengths of steps are double. */
 #include <math.h>
