@@ -1,8 +1,9 @@
 /* A stored orbit under power-law springs is integrated over its period from the raw matrices (springs.h), and has to return.
  *
  * What the return may lose is measured: neighbours at a small distance on both sides give the matrix of a period, whose largest multiplier is
- * the condition. The last digits of the stored doubles come back multiplied by it, so an orbit that is more unstable than STEEP is first
- * polished: Newton's method on the return, the shortest correction; how far that moves it counts as an error of the flight. */
+ * the condition. The last digits of the stored doubles come back multiplied by its norm, which may be much more than its multipliers. Where that
+ * is beyond STEEP an orbit that does not return is polished: Newton's method on the return, the shortest correction; how far that moves it counts
+ * as an error of the flight. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -73,8 +74,8 @@ static double distance(const replay *r, const real *a, const real *b)
     return (double)most;
 }
 
-/* D and *condition, the modulus of the largest multiplier. */
-static ric_status differentiate(replay *r, double *condition)
+/* D, *condition, the modulus of the largest multiplier, and *growth, by which errors may return larger in any direction. */
+static ric_status differentiate(replay *r, double *condition, double *growth)
 {
     int n = r->n;
     real shifted[n], ahead[n];
@@ -93,8 +94,14 @@ static ric_status differentiate(replay *r, double *condition)
     memcpy(ahead, r->end, sizeof ahead);
     ric_status status = ric_springs_go(r->springs, brief, ahead);
     if (status) return status;
+    *growth = 0;
     for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) r->D[i * (n + 1) + j] = M[i * n + j] - (i == j);
+        double row = 0;
+        for (int j = 0; j < n; j++) {
+            row += fabs(M[i * n + j]);
+            r->D[i * (n + 1) + j] = M[i * n + j] - (i == j);
+        }
+        *growth = fmax(*growth, row);
         r->D[i * (n + 1) + n] = (double)((ahead[i] - r->end[i]) / brief * r->period / unit(r, i));
     }
     *condition = 1;
@@ -130,10 +137,11 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     *out = (ric_check){.branch = branch, .point = point, .condition = 1, .faces_agree = true};
     ric_status status = set_up(&r, atlas, branch, point, &at);
     if (status || (status = fly(&r, r.start, r.end))) goto out;
-    double energy = ric_model_energy(ric_atlas_model(atlas), r.stored, r.stored + r.n / 2), *last = r.stored;
+    double energy = ric_model_energy(ric_atlas_model(atlas), r.stored, r.stored + r.n / 2), growth, *last = r.stored;
     out->energy_error = fabs(at.energy - energy) / energy;
-    if ((status = differentiate(&r, &out->condition))) goto out;
-    if (out->condition > STEEP) {
+    if ((status = differentiate(&r, &out->condition, &growth))) goto out;
+    double limit = RETURN * fmax(1, AMPLIFIED * out->condition);
+    if (growth > STEEP && distance(&r, r.end, r.start) > limit) {
         real stored[r.n];
         memcpy(stored, r.start, sizeof stored);
         if ((status = polish(&r))) goto out;
@@ -144,7 +152,7 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     double after = ric_model_energy(ric_atlas_model(atlas), last, last + r.n / 2);
     double drift = fabs(after - energy) / energy / fmax(1, AMPLIFIED * out->condition);
     out->energy_error = fmax(out->energy_error, drift);
-    out->passed = out->flight_error <= FLIGHT && out->energy_error <= FLIGHT && out->return_error <= RETURN * fmax(1, AMPLIFIED * out->condition);
+    out->passed = out->flight_error <= FLIGHT && out->energy_error <= FLIGHT && out->return_error <= limit;
 out:
     ric_springs_free(r.springs);
     free(r.start);
