@@ -379,7 +379,6 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
         across += d * d;
     }
     if (sqrt(across) > 0.3 * h) return false;
-    bool good = false;
     double distance = 0, first = along, most = SAME_PLACE * tr->chain->scale, *u = tr->mid.u;
     const double *t = tr->next.t;
     if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) { /* a branch point itself, as which many branches start: the cubic knows it */
@@ -389,6 +388,7 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
         for (int i = 0; i < size; i++) u[i] += along * t[i];
         most = fmax(most, ON_CUBIC * h);
     } else {
+        bool good = false;
         if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
         t = tr->mid.t;
     }

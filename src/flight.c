@@ -16,11 +16,12 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 
 /* --------------------------------------------------------------------- maps */
 
-/* Law power: the workspace is kept on the stack unless the structure is large. Where the flow cannot be followed the state is infinite, and
- * no orbit is found there. `matrix` and `lost` may be NULL. */
+/* Law power: the workspace is kept on the stack unless the structure is large. */
+enum { SMALL = 1 << 15 };
+
+/* Where the flow cannot be followed the state is infinite, and no orbit is found there. `matrix` and `lost` may be NULL. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after)
 {
-    enum { SMALL = 1 << 15 };
     size_t states = 2 * (size_t)m->n, size = ric_smooth_work(m, matrix ? 2 * m->n : 0), small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : malloc(size * sizeof *work), unwanted;
@@ -35,7 +36,6 @@ void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *
 
 double ric_flight_pace(const ric_model *m, const double *w)
 {
-    enum { SMALL = 1 << 15 };
     size_t size = ric_smooth_work(m, 0), small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : malloc(size * sizeof *work), pace = work ? ric_smooth_pace(m, w, work) : 0;

@@ -35,7 +35,7 @@ enum { RIC_SMOOTH_LOSES = 10000 };
 bool ric_smooth_map_surely(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
 
 /* The flight from w0 through tau in more digits: w [2n] and M [2n * 2n], rounded, and S [2n * 2n], the rounding of the steps as series.h gathers it.
- * Returns the epsilon of these digits over that of a double; 1, with w and M as they were: there are none, or no memory. Five times as long as
+ * Returns the epsilon of these digits over that of a double; 1, with w and M as they were: there are none, or no memory. Eight times as long as
  * in double precision (smooth_long.c). */
 double ric_smooth_again(const ric_model *model, double tau, const double *w0, double *w, double *M, double *S);
 
