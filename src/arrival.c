@@ -5,6 +5,7 @@
 
 #include <lapacke.h>
 
+#include "nodes.h"
 #include "status.h"
 
 /* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
@@ -55,6 +56,7 @@ static void free_unknowns(const ric_chain *c, const ric_cycle *cycle, double *u)
 {
     memcpy(u, cycle->w, 2 * (size_t)c->n * sizeof *u);
     u[2 * c->n] = ric_cycle_period(cycle) / c->multiple;
+    ric_nodes_spread(c, u);
 }
 
 /* An orbit of a chain without events as a cycle that starts where the chain does; NULL: no memory. */
@@ -182,7 +184,7 @@ static double cut(const ric_chain *c, int rows, int columns, const double *J, do
 ric_status ric_arrival_settle(ric_chain *c, double *u)
 {
     ric_status status = RIC_OK;
-    int columns = c->n_unknown, capacity = c->n_flight + 2 * c->n + 2, m = capacity > columns ? capacity : columns, rank;
+    int columns = c->n_unknown, capacity = ric_chain_rows(c), m = capacity > columns ? capacity : columns, rank;
     double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
     double *work = calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
     if (!J || !r || !work) {

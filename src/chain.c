@@ -1,4 +1,4 @@
-#include "chain.h"
+#include "nodes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,11 +8,6 @@
 #include "status.h"
 
 #define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within it */
-
-static bool general(const ric_chain *c)
-{
-    return c->start == RIC_MIRROR_NONE;
-}
 
 static int count_start(const ric_model *m, ric_mirror start)
 {
@@ -45,6 +40,7 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->multiple = count_periods(start, end, sigma);
     c->n_flight = n_flight;
     c->n_start = count_start(model, start);
+    c->parts = 1;
     c->n_unknown = c->n_start + n_flight;
     c->n_end = count_end(n, end);
     c->ld = start == RIC_MIRROR_NONE ? 2 * n + 1 : n + 2;
@@ -86,8 +82,11 @@ ric_chain *ric_chain_copy(const ric_chain *c)
 {
     ric_chain *copy = NULL;
     ric_chain_create(c->model, c->start, c->end, c->sigma, c->n_flight, c->face, &copy);
-    if (copy) ric_chain_close(copy, c->closed[0]);
-    return copy;
+    if (!copy) return NULL;
+    ric_chain_close(copy, c->closed[0]);
+    if (c->parts == 1 || !ric_nodes_divide(copy, c->parts)) return copy;
+    ric_chain_free(copy);
+    return NULL;
 }
 
 void ric_chain_free(ric_chain *c)
@@ -106,6 +105,7 @@ void ric_chain_free(ric_chain *c)
     free(c->zeta);
     free(c->X);
     free(c->flown);
+    free(c->part);
     free(c);
 }
 
@@ -138,27 +138,15 @@ static double start_state(ric_chain *c, const double *u)
     return 0;
 }
 
-/* Whether the one flight under a power law is the last one over again; it costs more than all that is done with it. */
-static bool again(ric_chain *c, double tau)
-{
-    size_t bytes = 2 * (size_t)c->n * sizeof *c->w;
-    double *last = c->flown + 2 * c->n;
-    if (*last == tau && !memcmp(c->flown, c->w, bytes)) return true;
-    memcpy(c->flown, c->w, bytes);
-    *last = tau;
-    return false;
-}
-
-static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n, int k, double tau)
+/* `u` from the time of flight k on. Returns what the flight leaves of the condition at its end. */
+static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n, int k, const double *u)
 {
     const ric_model *m = c->model;
-    double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1);
+    double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1), tau = *u;
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
     c->tau[k] = tau;
-    if (m->smooth && again(c, tau)) return 0;
     if (m->smooth) {
-        ric_flight_smooth(m, tau, c->w + 2 * n * k, map, &c->lost, w);
-        ric_flight_rate(m, 0, w, c->rate + 2 * n * k);
+        if (!ric_nodes_fly(c, k, u)) return 0;
     } else if (ric_flight_dense(m, c->closed[k]))
         ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
     else {
@@ -199,9 +187,10 @@ static void set_residual(ric_chain *c, const double *u, double largest)
     for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
     for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
     c->scale = 1 + sqrt(sum);
+    largest = fmax(largest, ric_nodes_gap(c, u));
     double longest = 0, fastest = 0;
     const double *end = c->w + 2 * n * c->n_flight;
-    for (int k = c->n_start; k < c->n_unknown; k++) longest = fmax(longest, u[k]);
+    for (int k = 0; k < c->n_flight; k++) longest = fmax(longest, u[c->n_start + k]);
     for (int i = 0; i < n; i++) fastest = fmax(fastest, c->model->kappa[i] * fmax(fabs(end[i]), fabs(end[n + i])));
     double reach = 0;
     for (int i = 0; i < n; i++) reach += end[i] * end[i];
@@ -216,43 +205,14 @@ void ric_chain_fly(ric_chain *c, const double *u)
 {
     double largest = fabs(start_state(c, u));
     for (int k = 0; k < c->n_flight; k++) {
-        double gap = fabs(fly_one(c, c->n, k, u[c->n_start + k]));
+        double gap = fabs(fly_one(c, c->n, k, u + c->n_start + k));
         /* in the general form the last gap follows from the closure */
-        if (!(general(c) && k + 1 == c->n_flight)) largest = fmax(largest, gap);
+        if (!(ric_general(c) && k + 1 == c->n_flight)) largest = fmax(largest, gap);
     }
     set_residual(c, u, largest);
 }
 
 /* ---------------------------------------------------------- factorisation */
-
-/* Householder vector that turns the row g [m] into (0, .., 0, rho); the constraint g.z + offset = -residual then pins the last
- * coordinate. Applies it to `rows` rows of X and moves the pinned part into the last column of X (the inhomogeneous one). */
-static inline __attribute__((always_inline)) double pin(ric_chain *c, int vector, int m, const double *g, double rhs, int rows, int ld)
-{
-    double *v = c->hv + (size_t)vector * ld, *X = c->X;
-    double sum = 0;
-    for (int j = 0; j < m; j++) sum += g[j] * g[j];
-    double norm = sqrt(sum), last = g[m - 1], rho = last > 0 ? -norm : norm;
-    if (!(norm > 0)) {
-        c->singular = true;
-        for (int j = 0; j < m; j++) v[j] = 0;
-        c->beta[vector] = c->zeta[vector] = 0;
-        return 0;
-    }
-    for (int j = 0; j < m; j++) v[j] = g[j];
-    v[m - 1] = last - rho;
-    double beta = 1 / (norm * (norm + fabs(last))), zeta = rhs / rho;
-    c->beta[vector] = beta;
-    c->zeta[vector] = zeta;
-    for (int r = 0; r < rows; r++) {
-        double *x = X + r * ld, s = 0;
-        for (int j = 0; j < m; j++) s += x[j] * v[j];
-        s *= beta;
-        for (int j = 0; j < m; j++) x[j] -= s * v[j];
-        x[ld - 1] += x[m - 1] * zeta;
-    }
-    return rho;
-}
 
 /* Columns of d(start state)/d(start block). */
 static inline __attribute__((always_inline)) void start_columns(ric_chain *c, int n, int rows, int ld)
@@ -343,7 +303,7 @@ static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, i
             for (int j = 0; j <= nz; j++) g[j] += face->g[i] * X[i * ld + j];
             offset += face->g[i] * X[i * ld + ld - 1];
         }
-        rho = pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
+        rho = ric_pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
         columns = nz;
     }
     if (face->spring > 0 || (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) return rho;
@@ -413,16 +373,16 @@ static void eliminate_end(ric_chain *c, int columns, double sign)
     for (int r = 0; r < c->n_end; r++) {
         double g[ld];
         memcpy(g, c->X + r * ld, (size_t)ld * sizeof *g);
-        double rho = pin(c, first + r, columns - r, g, -g[ld - 1], c->n_end, ld);
+        double rho = ric_pin(c, first + r, columns - r, g, -g[ld - 1], c->n_end, ld);
         sign *= rho;
         c->smallest = fmin(c->smallest, fabs(rho));
     }
     c->end_det = sign;
 }
 
-static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const double *u, int n, bool whole)
+static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const double *u, int n, bool whole, bool nodes)
 {
-    int rows = whole ? 4 * n : 2 * n, ld = whole ? 2 * n + 1 : n + 2, nz = c->n_start;
+    int rows = whole ? 4 * n : 2 * n, ld = nodes ? c->ld : whole ? 2 * n + 1 : n + 2, nz = c->n_start;
     double gap = start_state(c, u), largest = fabs(gap), sign = 1;
     c->singular = false;
     start_columns(c, n, rows, ld);
@@ -432,14 +392,15 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
         if (c->face[0] < 0) ric_flight_rate(c->model, c->closed[0], c->w, g);
         else
             for (int j = 0; j < nz; j++) g[j] = j < n ? c->model->face[c->face[0]].g[j] : 0;
-        if (pin(c, 0, nz, g, -gap, rows, ld) < 0) sign = -sign;
+        if (ric_pin(c, 0, nz, g, -gap, rows, ld) < 0) sign = -sign;
         nz--;
     }
     int free_columns = whole ? 2 * n - 1 : n;
     for (int k = 0; k < c->n_flight; k++) {
         bool pinned = c->face[k + 1] >= 0 && !(whole && k + 1 == c->n_flight);
-        gap = fly_one(c, n, k, u[c->n_start + k]);
-        if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
+        gap = fly_one(c, n, k, u + c->n_start + k);
+        if (nodes) sign *= ric_nodes_eliminate(c, u, free_columns, rows);
+        else if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
         if (pinned) largest = fmax(largest, fabs(gap));
     }
     nz = c->end == RIC_MIRROR_IMPACT ? n : free_columns + 1;
@@ -451,43 +412,37 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
 
 void ric_chain_evaluate(ric_chain *c, const double *u)
 {
-    bool whole = general(c);
+    bool whole = ric_general(c);
+    if (c->parts > 1) {
+        evaluate(c, u, c->n, whole, true);
+        return;
+    }
     /* the same code with n known to the compiler for the small structures that most atlases are made of */
     switch (c->n) {
-    case 1: whole ? evaluate(c, u, 1, true) : evaluate(c, u, 1, false); break;
-    case 2: whole ? evaluate(c, u, 2, true) : evaluate(c, u, 2, false); break;
-    case 3: whole ? evaluate(c, u, 3, true) : evaluate(c, u, 3, false); break;
-    default: evaluate(c, u, c->n, whole);
+    case 1: whole ? evaluate(c, u, 1, true, false) : evaluate(c, u, 1, false, false); break;
+    case 2: whole ? evaluate(c, u, 2, true, false) : evaluate(c, u, 2, false, false); break;
+    case 3: whole ? evaluate(c, u, 3, true, false) : evaluate(c, u, 3, false, false); break;
+    default: evaluate(c, u, c->n, whole, false);
     }
 }
 
 /* ------------------------------------------------------- back-substitution */
 
-/* Undoes one Householder reflection on z [m], whose last coordinate was pinned at `pinned`. */
-static inline void unpin(const ric_chain *c, int vector, int m, double pinned, double *z)
-{
-    const double *v = c->hv + (size_t)vector * c->ld;
-    double s = 0;
-    z[m - 1] = pinned;
-    for (int j = 0; j < m; j++) s += v[j] * z[j];
-    s *= c->beta[vector];
-    for (int j = 0; j < m; j++) z[j] -= s * v[j];
-}
-
 /* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows pinned, the first row's
  * first. */
 static void unwind(const ric_chain *c, bool newton, double first, const double *end, double *du)
 {
-    int m = 1, free_columns = general(c) ? 2 * c->n - 1 : c->n;
+    int m = 1, free_columns = ric_general(c) ? 2 * c->n - 1 : c->n;
     double z[c->ld];
     z[0] = first;
-    for (int r = c->n_end - 1; r >= 0; r--) unpin(c, 1 + c->n_flight + r, ++m, end[r], z);
+    for (int r = c->n_end - 1; r >= 0; r--) ric_unpin(c, 1 + c->n_flight + r, ++m, end[r], z);
+    ric_nodes_unwind(c, newton, m, z, du);
     for (int k = c->n_flight - 1; k >= 0; k--) {
-        bool pinned = c->face[k + 1] >= 0 && !(general(c) && k + 1 == c->n_flight);
-        if (pinned) unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
+        bool pinned = c->face[k + 1] >= 0 && !(ric_general(c) && k + 1 == c->n_flight);
+        if (pinned) ric_unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
         du[c->n_start + k] = z[--m];
     }
-    if (c->n_start > free_columns) unpin(c, 0, ++m, newton ? c->zeta[0] : 0, z);
+    if (c->n_start > free_columns) ric_unpin(c, 0, ++m, newton ? c->zeta[0] : 0, z);
     memcpy(du, z, (size_t)c->n_start * sizeof *du);
 }
 
@@ -547,13 +502,14 @@ double ric_chain_energy_slope(const ric_chain *c, const double *du)
 
 int ric_chain_residuals(ric_chain *c, const double *u, double *r)
 {
-    int n = c->n, k = 0, rows = general(c) ? 2 * n : c->n_end;
+    int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
     double gap = start_state(c, u);
-    if (c->face[0] >= 0 || general(c)) r[k++] = gap; /* without an event: the phase, which is free */
+    if (c->face[0] >= 0 || ric_general(c)) r[k++] = gap; /* without an event: the phase, which is free */
     for (int i = 0; i < c->n_flight; i++) {
-        gap = fly_one(c, n, i, u[c->n_start + i]);
-        if (c->face[i + 1] >= 0 && !(general(c) && i + 1 == c->n_flight)) r[k++] = gap;
+        gap = fly_one(c, n, i, u + c->n_start + i);
+        if (c->face[i + 1] >= 0 && !(ric_general(c) && i + 1 == c->n_flight)) r[k++] = gap;
     }
+    k += ric_nodes_residuals(c, u, r + k);
     for (int i = 0; i < rows; i++) r[k++] = end_residual(c, i);
     return k;
 }
@@ -561,25 +517,29 @@ int ric_chain_residuals(ric_chain *c, const double *u, double *r)
 /* Pushes du through the chain after a ric_chain_fly; writes column j of J (n_unknown columns). */
 static void push(const ric_chain *c, const double *du, double *column)
 {
-    int n = c->n, k = 0, rows = general(c) ? 2 * n : c->n_end;
+    int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
     const ric_model *m = c->model;
     double dw[2 * n], dw0[2 * n], f[2 * n], end[2 * n];
     memset(dw, 0, sizeof dw);
     if (c->start == RIC_MIRROR_CENTRE) memcpy(dw + n, du, (size_t)n * sizeof *dw);
-    else memcpy(dw, du, (size_t)(general(c) ? 2 * n : n) * sizeof *dw);
+    else memcpy(dw, du, (size_t)(ric_general(c) ? 2 * n : n) * sizeof *dw);
     if (c->start == RIC_MIRROR_IMPACT) {
         const ric_face *face = &m->face[c->face[0]];
         for (int i = 0; i < n; i++) dw[n + i] = -face->side * du[n] / sqrt(face->cc) * face->c[i];
     }
     memcpy(dw0, dw, sizeof dw);
     if (c->face[0] >= 0) column[k++] = ric_gap(n, &m->face[c->face[0]], dw);
-    else if (general(c)) {
+    else if (ric_general(c)) {
         ric_flight_rate(m, c->closed[0], c->w, f);
         column[k++] = ric_dot(2 * n, f, dw) / sqrt(ric_dot(2 * n, f, f));
     }
     for (int i = 0; i < c->n_flight; i++) {
         const double *map = c->map + c->stride * (size_t)i;
         double by_w[2 * n], by_tau = 0, chord = 0;
+        if (c->parts > 1) {
+            k += ric_nodes_push(c, du, dw, column + k);
+            continue;
+        }
         if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_chain_event(c, i), 1, dw);
         if (ric_chain_between(c, i)) {
             ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i], c->w + 2 * n * i, by_w, &by_tau);
@@ -596,7 +556,7 @@ static void push(const ric_chain *c, const double *du, double *column)
         for (int j = 0; j < 2 * n; j++) dw[j] += rate[j] * du[c->n_start + i];
         if (c->face[i + 1] < 0) continue;
         const ric_face *face = &m->face[c->face[i + 1]];
-        if (!(general(c) && i + 1 == c->n_flight)) column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
+        if (!(ric_general(c) && i + 1 == c->n_flight)) column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
         if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
     }
     for (int i = 0; i < rows; i++) {
@@ -611,7 +571,7 @@ static void push(const ric_chain *c, const double *du, double *column)
 
 int ric_chain_jacobian(ric_chain *c, const double *u, double *J)
 {
-    int unknowns = c->n_unknown, equations = (c->face[0] >= 0) + c->n_flight + 2 * c->n + 1;
+    int unknowns = c->n_unknown, equations = ric_chain_rows(c);
     double *du = calloc((size_t)unknowns, sizeof *du), *column = calloc((size_t)equations, sizeof *column);
     if (!du || !column) {
         equations = 0;

@@ -3,7 +3,8 @@
  * general      state after impact 0 -> sigma times itself (sigma = -1: half a period of an orbit with z(t+T/2) = -z(t))
  * reversible   mirror point -> mirror point: half a period, or a quarter when one is a centre and the other is not
  *
- * Unknowns u [n_unknown]: the start block, then every flight time. One more unknown than equations: solutions form curves.
+ * Unknowns u [n_unknown]: the start block, every flight time, and under a power law the states at inner nodes (nodes.h), none unless asked for.
+ * One more unknown than equations: solutions form curves.
  * The Jacobian is never stored. Its columns travel with the flights; each impact condition is removed at once by one Householder
  * reflection from the right, so that at most 2 n columns are alive: an LQ factorisation that costs O(n^2) an impact, is backward
  * stable whatever the multipliers are, and never divides by an impact speed (docs/decisions/0002-structured-lq.md). */
@@ -26,7 +27,8 @@ typedef struct {
     uint64_t *closed;      /* [n_flight + 1] springs that are closed in each flight, and after the end (flight.h) */
     bool plain;            /* no divided differences, and no state moved onto a face: the equations as they are written down */
     int n_start;           /* unknowns of the start block: w (general), a (rest), p (centre), a and speed (impact) */
-    int n_unknown;         /* n_start + n_flight */
+    int parts;             /* law power: of the flight, equally long, between inner nodes; 1: it has none */
+    int n_unknown;         /* n_start + n_flight + 2n (parts - 1) */
 
     /* set by ric_chain_evaluate */
     double *w;             /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if there is one,
@@ -50,10 +52,17 @@ typedef struct {
     double *hv;            /* Householder vectors, ld per row: start constraint, one per flight, n_end */
     double *beta, *zeta;   /* per Householder vector */
     double *X;             /* live columns */
-    double *flown;         /* law power: [2n + 1] start and time that `w`, `map` and `lost` belong to */
-    double lost;           /* law power: rounding along the flight, over epsilon (smooth.h) */
+    double *flown;         /* law power: [2n + 1 + 2n (parts - 1)] start, time and nodes that `w`, `map` and `lost` belong to */
+    double lost;           /* law power: rounding along the flight, of the part that loses most, over epsilon (smooth.h) */
+    double *part;          /* with inner nodes [parts * (4n^2 + 4n)]: of each part its map, its end, and dw/dt there */
     int ld;
 } ric_chain;
+
+/* Rows that a dense Jacobian takes at most. */
+static inline int ric_chain_rows(const ric_chain *c)
+{
+    return c->n_flight + 2 * c->n * c->parts + 2;
+}
 
 /* Whether the chain's own map is that of half a period, joined with x -> -x. */
 static inline bool ric_chain_halves(const ric_chain *chain)

@@ -178,7 +178,7 @@ ric_status ric_crossing_choice(const ric_model *m, const ric_node *node, const r
  * that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the square of the distance from it. */
 double ric_crossing_gap(ric_chain *c, const double *u)
 {
-    size_t n = (size_t)c->n_unknown, rows = (size_t)c->n_flight + 2 * (size_t)c->n + 2;
+    size_t n = (size_t)c->n_unknown, rows = (size_t)ric_chain_rows(c);
     int rank = c->n_unknown - 2, unknowns = c->n_unknown, equations = 0;
     if (unknowns > LARGE) return 0;
     double *memory = calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN, moved = 0;

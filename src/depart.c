@@ -115,7 +115,7 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
  * hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
 static bool dense_plane(ric_chain *c, const double *u, double *kernel)
 {
-    int size = c->n_unknown, rows = c->n_flight + 2 * c->n + 2, k = rows < size ? rows : size;
+    int size = c->n_unknown, rows = ric_chain_rows(c), k = rows < size ? rows : size;
     double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s), *super = calloc((size_t)k, sizeof *super);
     double *V = calloc((size_t)size * size, sizeof *V);
     bool found = false;

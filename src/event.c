@@ -410,7 +410,7 @@ static bool closes(ric_trace *tr, double h, double *home, double *s)
     if (reaches(tr, h, home, tr->start_t, s)) return true;
     if (!c->model->smooth || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
     for (int i = 0; i < size; i++) {
-        double sign = i < c->n_start ? -1 : 1;
+        double sign = i == c->n_start ? 1 : -1; /* the time, and states before and after it */
         home[i] = sign * tr->start_u[i];
         heading[i] = sign * tr->start_t[i];
     }

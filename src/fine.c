@@ -8,6 +8,7 @@
 
 #include <lapacke.h>
 
+#include "nodes.h"
 #include "smooth.h"
 #include "status.h"
 #include "trace.h"
@@ -27,8 +28,9 @@ typedef struct {
     int kind, n, rows;
     double scale;
     real *w, *X;         /* [2n] and [2n * columns] state and neighbours */
-    real *u, *residual;  /* a point of the branch [n_unknown] and what it leaves of the conditions at its end [rows] */
-    double *inverse;     /* [n_unknown * rows] of their derivatives */
+    int columns;         /* unknowns of the orbit in one flight: inner nodes count for nothing here */
+    real *u, *residual;  /* a point of the branch [columns] and what it leaves of the conditions at its end [rows] */
+    double *inverse;     /* [columns * rows] of their derivatives */
     real *B;             /* [(2n)^2], and at least [(n + 1)^2] */
     real *work;
 } fine;
@@ -79,7 +81,7 @@ static void rate(const fine *q, const real *w, real *out)
 /* The pseudo-inverse, in double, of the derivatives of the end conditions at u. */
 static bool invert(fine *q)
 {
-    int columns = q->chain->n_unknown, n_start = q->chain->n_start, rows = q->rows, rank;
+    int columns = q->columns, n_start = q->chain->n_start, rows = q->rows, rank;
     int most = rows > columns ? rows : columns;
     double J[rows * columns], B[most * rows], values[most];
     real velocity[2 * q->n];
@@ -100,7 +102,7 @@ static bool invert(fine *q)
 /* The orbit nearest to u, in u. */
 static bool correct(fine *q)
 {
-    int columns = q->chain->n_unknown, n_start = q->chain->n_start;
+    int columns = q->columns, n_start = q->chain->n_start;
     real start[2 * q->n];
     for (int i = 0; i < CORRECTIONS; i++) {
         double moved = 0;
@@ -178,7 +180,7 @@ static bool test(fine *q, real *value)
 /* The orbit at the distance x from u0 along t. */
 static bool place(fine *q, const double *u0, const double *t, real x)
 {
-    for (int i = 0; i < q->chain->n_unknown; i++) q->u[i] = u0[i] + x * t[i];
+    for (int i = 0; i < q->columns; i++) q->u[i] = u0[i] + x * t[i];
     return correct(q);
 }
 
@@ -190,15 +192,15 @@ static bool look(fine *q, const double *u0, const double *t, real x, real *value
 static bool create(fine *q, const ric_chain *c, int kind)
 {
     size_t n2 = 2 * (size_t)c->n;
-    *q = (fine){.chain = c, .m = c->model, .kind = kind, .n = c->n, .scale = c->scale};
+    *q = (fine){.chain = c, .m = c->model, .kind = kind, .n = c->n, .columns = c->n_start + 1, .scale = c->scale};
     q->rows = c->end == RIC_MIRROR_NONE ? 2 * c->n : c->n;
     q->work = malloc(series_work(c->model, 2 * c->n) * sizeof *q->work);
-    q->X = malloc((n2 * n2 + n2 + (size_t)c->n_unknown + n2 + (n2 + 1) * (n2 + 1)) * sizeof *q->X);
-    q->inverse = malloc(((size_t)c->n_unknown + 1) * (n2 + 1) * sizeof *q->inverse);
+    q->X = malloc((n2 * n2 + n2 + (size_t)q->columns + n2 + (n2 + 1) * (n2 + 1)) * sizeof *q->X);
+    q->inverse = malloc(((size_t)q->columns + 1) * (n2 + 1) * sizeof *q->inverse);
     if (!q->work || !q->X || !q->inverse) return false;
     q->w = q->X + n2 * n2;
     q->u = q->w + n2;
-    q->residual = q->u + c->n_unknown;
+    q->residual = q->u + q->columns;
     q->B = q->residual + n2;
     return true;
 }
@@ -210,12 +212,27 @@ static void release(fine *q)
     free(q->inverse);
 }
 
+/* The orbit in doubles, with the nodes that it has in more digits. */
+static bool write_back(fine *q, double *u)
+{
+    const ric_chain *c = q->chain;
+    double node[2 * q->n];
+    for (int i = 0; i < q->columns; i++) u[i] = (double)q->u[i];
+    lift(q, q->u, false);
+    for (int j = 1; j < c->parts; j++) {
+        if (!fly(q, q->u[c->n_start] / c->parts, 0)) return false;
+        for (int i = 0; i < 2 * q->n; i++) node[i] = (double)q->w[i];
+        ric_nodes_put(c, j, node, u);
+    }
+    return true;
+}
+
 bool ric_fine_branch_point(const ric_chain *c, int kind, const double *t, double *u)
 {
     fine q;
     real x0 = 0, x1 = FIRST * c->scale, f0, f1;
     bool good = create(&q, c, kind), found = false;
-    for (int i = 0; good && i < c->n_unknown; i++) q.u[i] = u[i];
+    for (int i = 0; good && i < q.columns; i++) q.u[i] = u[i];
     good = good && invert(&q) && look(&q, u, t, x0, &f0) && look(&q, u, t, x1, &f1);
     for (int i = 0; good && !found && i < SECANTS && f1 != f0; i++) {
         real x2 = x1 - f1 * (x1 - x0) / (f1 - f0);
@@ -226,7 +243,7 @@ bool ric_fine_branch_point(const ric_chain *c, int kind, const double *t, double
         x1 = x2;
         good = found ? place(&q, u, t, x1) : look(&q, u, t, x1, &f1);
     }
-    for (int i = 0; good && found && i < c->n_unknown; i++) u[i] = (double)q.u[i];
+    good = good && found && write_back(&q, u);
     release(&q);
-    return good && found;
+    return good;
 }

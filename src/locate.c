@@ -101,7 +101,7 @@ static double evaluate(criterion *q, const double *u, const double *t, double or
     case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
     case RIC_TEST_PERIOD: {
         double sum = 0;
-        for (int k = c->n_start; k < c->n_unknown; k++) sum += t[k];
+        for (int k = c->n_start; k < c->n_start + c->n_flight; k++) sum += t[k];
         return sum;
     }
     case RIC_TEST_ASKED: return off_asked(q, u);

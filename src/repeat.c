@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "motion.h"
+#include "nodes.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
@@ -119,7 +120,10 @@ static ric_status solve_short(const ric_chain *c, int order, int sign, double *u
             *found |= hypot(floquet.own[2 * i] - 2 * cos(TWO_PI * k / order), floquet.own[2 * i + 1]) < MULTIPLIER;
     memcpy(u, v, (size_t)n * sizeof *u);
     for (int k = 0; k < c->n_flight; k++) u[n + k] = v[n + k % step];
-    if (smooth) u[n] *= order;
+    if (smooth) {
+        u[n] *= order;
+        ric_nodes_spread(c, u);
+    }
 out:
     ric_chain_free(one);
     ric_floquet_release(&floquet);

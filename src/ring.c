@@ -6,6 +6,7 @@
 #include <lapacke.h>
 
 #include "motion.h"
+#include "nodes.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
@@ -111,6 +112,8 @@ static void shift_smooth(ring *q, const double *v, double *out)
     ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after, rate);
     for (int i = 0; i < n; i++) out[i] = q->sign * ric_dot(n, map + i * n, v);
     out[n] = v[n];
+    ric_chain_fly(q->chain, q->u0);
+    ric_nodes_along(q->chain, out);
 }
 
 /* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times moved up. */

@@ -20,6 +20,7 @@
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
 #define LOST 2.5e-10         /* a fourth of the largest residual of an orbit: where more is rounding, nothing is known of it */
+#define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
 #define MEASURED 4           /* safety of a measured error */
 #define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8            /* points of a step at which its period is looked at */
@@ -231,11 +232,12 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     const ric_limits *lim = tr->limits;
+    tr->steep |= m->smooth && ric_trace_tolerance(c) > STEEP;
     ric_status status = ric_floquet_compute(c, &tr->floquet);
     if (status) return status;
     double reach = ric_reach(c, p->u, NULL), approach = smallest_approach(c, false), time = ric_chain_time(c, p->u);
     double energy = ric_chain_energy(c), slope = 0, closing = smallest_approach(c, true);
-    for (int k = c->n_start; k < c->n_unknown; k++) slope += p->t[k];
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) slope += p->t[k];
     double *F = p->test;
     sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
     F[RIC_TEST_REACH] = 1 - reach;
@@ -436,7 +438,7 @@ static bool crowded(const ric_trace *tr, double h)
     const ric_station *a = &tr->now, *b = &tr->next;
     double T[2] = {ric_chain_time(c, a->u), ric_chain_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0, H = b->s - a->s;
     if (tr->limits->ghost || h < ALIKE * c->scale) return false;
-    for (int k = c->n_start; k < c->n_unknown; k++) {
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
         slope[0] += c->multiple * a->t[k];
         slope[1] += c->multiple * b->t[k];
     }

@@ -90,6 +90,7 @@ typedef struct {
     ric_event *events;   /* interior ones, in order */
     ric_event end;       /* what stopped the branch (end.test = -1: no event) */
     ric_stop stop;
+    bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
     bool arrival;        /* the end is a point where the branch meets its own mirror image */
     const char *why;
     long evaluations;
