@@ -34,6 +34,7 @@ void ric_cycle_free(ric_cycle *c)
     free(c->face);
     free(c->tau);
     free(c->w);
+    free(c->opposite);
     free(c);
 }
 
@@ -48,7 +49,10 @@ ric_cycle *ric_cycle_copy(const ric_cycle *c)
     copy->half = c->half;
     copy->pure = c->pure;
     copy->flip = c->flip;
-    return copy;
+    copy->parts = c->parts;
+    if (!c->opposite || ric_cycle_oppose(copy, c->opposite)) return copy;
+    ric_cycle_free(copy);
+    return NULL;
 }
 
 /* ------------------------------------------------------------- from chain */
@@ -320,12 +324,14 @@ ric_status ric_cycle_to_chain(const ric_model *m, const ric_cycle *c, ric_chain 
 
 /* ------------------------------------------------------------- operations */
 
-static void rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle *out)
+static bool rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle *out)
 {
     int n = c->n, N = c->N;
-    memcpy(out->w, c->w, 2 * (size_t)n * sizeof *c->w);
+    bool over = c->opposite && 2 * shift == N, known = c->opposite && (over || shift == 0);
+    memcpy(out->w, over ? c->opposite : c->w, 2 * (size_t)n * sizeof *c->w);
+    if (known && !ric_cycle_oppose(out, over ? c->w : c->opposite)) return false;
     out->closed = c->closed;
-    for (int i = 0; i < shift; i++) advance(m, c, i, &out->closed, out->w, out->w);
+    for (int i = 0; i < shift && !over; i++) advance(m, c, i, &out->closed, out->w, out->w);
     for (int i = 0; i < N; i++) {
         out->face[i] = c->face[(i + shift) % N];
         out->tau[i] = c->tau[(i + shift) % N];
@@ -333,6 +339,8 @@ static void rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle 
     out->pure = c->pure < 0 ? -1 : modulo(c->pure - 2 * shift, N);
     out->flip = c->flip < 0 ? -1 : modulo(c->flip - 2 * shift, N);
     out->half = c->half;
+    out->parts = c->parts;
+    return true;
 }
 
 static void reverse_time(const ric_model *m, ric_cycle *c)
@@ -341,6 +349,7 @@ static void reverse_time(const ric_model *m, ric_cycle *c)
     if (c->face[0] >= 0) ric_flight_strike(n, &m->face[c->face[0]], c->w + n);
     c->closed = ric_flight_toggle(m, c->closed, c->face[0]);
     for (int i = 0; i < n; i++) c->w[n + i] = -c->w[n + i];
+    for (int i = 0; i < n && c->opposite; i++) c->opposite[n + i] = -c->opposite[n + i];
     for (int i = 1, j = N - 1; i < j; i++, j--) {
         int face = c->face[i];
         c->face[i] = c->face[j];
@@ -358,12 +367,15 @@ static void reverse_time(const ric_model *m, ric_cycle *c)
 ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift, bool reverse, bool mirror)
 {
     ric_cycle *out = ric_cycle_create(c->n, c->N);
-    if (!out) return NULL;
-    rotate(m, c, modulo(shift, c->N), out);
+    if (!out || !rotate(m, c, modulo(shift, c->N), out)) {
+        ric_cycle_free(out);
+        return NULL;
+    }
     if (reverse) reverse_time(m, out);
     if (mirror) {
         for (int i = 0; i < c->N; i++) out->face[i] = mirrored(m, out->face[i], true);
         for (int i = 0; i < 2 * c->n; i++) out->w[i] = -out->w[i];
+        for (int i = 0; i < 2 * c->n && out->opposite; i++) out->opposite[i] = -out->opposite[i];
         out->closed = ric_flight_mirror(m, out->closed);
     }
     return out;
@@ -434,6 +446,8 @@ ric_cycle *ric_cycle_shorten(const ric_cycle *c, int q)
     if (out->pure >= 0) out->pure = modulo(out->pure, N);
     if (out->flip >= 0) out->flip = modulo(out->flip, N);
     out->half = false;
+    ric_cycle_oppose(out, NULL);
+    out->parts = (c->parts + q - 1) / q;
     return out;
 }
 
@@ -448,6 +462,7 @@ ric_cycle *ric_cycle_repeat(const ric_cycle *c, int q)
     if (!out) return NULL;
     memcpy(out->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
     out->closed = c->closed;
+    out->parts = c->parts * q;
     for (int i = 0; i < out->N; i++) {
         out->face[i] = c->face[i % c->N];
         out->tau[i] = c->tau[i % c->N];

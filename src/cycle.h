@@ -13,10 +13,12 @@ typedef struct {
     int *face;     /* [N] */
     double *tau;   /* [N] */
     double *w;     /* [2n] state right after impact 0 */
+    double *opposite; /* law power: [2n] half a period on, where the solved orbit tells: to fly there may lose digits; else NULL */
     uint64_t closed; /* springs that are closed after it (flight.h) */
     bool half;     /* z(t+T/2) = -z(t) */
     int pure;      /* reversal i -> pure - i keeps the orbit; -1: none */
     int flip;      /* the same joined with x -> -x; -1: none */
+    int parts;     /* law power: of the period, between nodes at which chains let it start anew (nodes.h), at least; 0: chains have none */
 } ric_cycle;
 
 ric_cycle *ric_cycle_create(int n, int N);
@@ -80,6 +82,8 @@ ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
 
 /* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no memory. */
 bool ric_cycle_mark(ric_cycle *cycle, int marks);
+/* Sets the state half a period on, w [2n], or forgets it, NULL; false: no memory. */
+bool ric_cycle_oppose(ric_cycle *cycle, const double *w);
 ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u);
 ric_status ric_cycle_to_smooth(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
 /* Orbits without mirror points may start at any time. Moves the start of `near` to where it is nearest to that of `orbit`, across the flow there;

@@ -6,6 +6,7 @@
 
 #include "cycle.h"
 #include "flight.h"
+#include "nodes.h"
 #include "status.h"
 
 #define SAMPLES 48       /* of an orbit per turn of the fastest mode, at least */
@@ -30,9 +31,29 @@ bool ric_cycle_mark(ric_cycle *c, int marks)
     return true;
 }
 
+bool ric_cycle_oppose(ric_cycle *c, const double *w)
+{
+    size_t bytes = 2 * (size_t)c->n * sizeof *w;
+    if (!w) {
+        free(c->opposite);
+        c->opposite = NULL;
+        return true;
+    }
+    if (!c->opposite && !(c->opposite = malloc(bytes))) return false;
+    memcpy(c->opposite, w, bytes);
+    return true;
+}
+
+/* Moves the start by a time along the orbit. */
+static void move(const ric_model *m, ric_cycle *c, double time)
+{
+    ric_flight_go(m, 0, -1, time, c->w, c->w);
+    ric_cycle_oppose(c, NULL);
+}
+
 void ric_cycle_half_mark(const ric_model *m, ric_cycle *c)
 {
-    ric_flight_go(m, 0, -1, ric_cycle_period(c) / (2 * c->N), c->w, c->w);
+    move(m, c, ric_cycle_period(c) / (2 * c->N));
     if (c->pure >= 0) c->pure = (c->pure + c->N - 1) % c->N;
     if (c->flip >= 0) c->flip = (c->flip + c->N - 1) % c->N;
 }
@@ -153,12 +174,13 @@ static double to_neighbour(const ric_model *m, double period, const double *to, 
 
 double ric_cycle_phase(const ric_model *m, const ric_cycle *orbit, ric_cycle *near)
 {
+    ric_cycle_oppose(near, NULL);
     return ric_cycle_mark(near, orbit->N) ? to_neighbour(m, ric_cycle_period(near), orbit->w, near->w) : 0;
 }
 
 void ric_cycle_shift(const ric_model *m, const ric_cycle *orbit, double time, ric_cycle *near)
 {
-    ric_flight_go(m, 0, -1, time, near->w, near->w);
+    move(m, near, time);
     onto_plane(m, orbit->w, piece(m, ric_cycle_period(near), orbit->w), near->w, &(double){0});
 }
 
@@ -195,7 +217,7 @@ bool ric_cycle_find_mirrors(const ric_model *m, ric_cycle *c, int copies, double
         ric_cycle_free(image);
         ric_cycle_free(once);
         if (!found) continue;
-        ric_flight_go(m, 0, -1, -time / 2, c->w, c->w);
+        move(m, c, -time / 2);
         *(flip ? &c->flip : &c->pure) = 0;
         return true;
     }
@@ -209,6 +231,7 @@ ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u)
     double period = ric_chain_time(chain, u);
     c->face[0] = c->face[1] = -1;
     c->tau[0] = c->tau[1] = period / 2;
+    c->parts = chain->parts > 1 ? chain->parts * chain->multiple : 0;
     memcpy(c->w, chain->w, 2 * (size_t)chain->n * sizeof *c->w);
     if (chain->start == RIC_MIRROR_NONE) {
         c->half = chain->sigma < 0;
@@ -221,7 +244,14 @@ ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u)
     else c->pure = 0;
     if (c->half && chain->end == RIC_MIRROR_CENTRE) c->flip = 1;
     else if (c->half) c->pure = 1;
-    return c;
+    /* at the other mirror point, with the zeros that it has there, or the image of the start */
+    double far[2 * chain->n];
+    const double *end = chain->w + 2 * chain->n;
+    bool rest = chain->end == RIC_MIRROR_REST;
+    for (int i = 0; i < 2 * chain->n; i++) far[i] = c->half ? -c->w[i] : (i < chain->n) == rest ? end[i] : 0;
+    if (ric_cycle_oppose(c, far)) return c;
+    ric_cycle_free(c);
+    return NULL;
 }
 
 ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
@@ -241,6 +271,13 @@ ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain
     ric_status status = ric_chain_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face, chain);
     *u = NULL;
     if (status) return status;
+    int parts = (c->parts + (*chain)->multiple - 1) / (*chain)->multiple;
+    if (parts > RIC_PARTS_MOST) parts = RIC_PARTS_MOST;
+    if (parts > 1 && (status = ric_nodes_divide(*chain, parts))) {
+        ric_chain_free(*chain);
+        *chain = NULL;
+        return status;
+    }
     if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
         ric_chain_free(*chain);
         *chain = NULL;
@@ -250,6 +287,7 @@ ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain
     if (from) ric_flight_go(m, 0, -1, from * period / (2 * N), w, w);
     memcpy(*u, start == RIC_MIRROR_CENTRE ? w + n : w, (size_t)(*chain)->n_start * sizeof **u);
     (*u)[(*chain)->n_start] = period / (*chain)->multiple;
+    ric_nodes_spread(*chain, *u);
     return RIC_OK;
 }
 

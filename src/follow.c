@@ -15,6 +15,9 @@
 #define AT_END 1e-9   /* arclength within which an event belongs to the end of its branch */
 #define SAME_EVENT 1e-5 /* arclength, relative, within which two events of one place lie */
 #define NEAR_END 1e-2 /* part of a branch near its end where that end's own junction is not met again */
+#define PARTS 16      /* of a period, between inner nodes, the first time that they are needed */
+#define MORE_PARTS 4  /* and each time that they do not suffice */
+#define MOST_PARTS 64
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
 /* ------------------------------------------------------------------- tracing */
@@ -40,15 +43,48 @@ static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, si
     return g->store ? ric_store_trace_put(g->store, key, blob ? blob : "", size) : RIC_OK;
 }
 
+/* *out stays NULL where nothing admissible departs. */
+static ric_status trace_once(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
+{
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    *out = NULL;
+    ric_status status = ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore);
+    if (!status && chain && !(status = ric_trace_create(chain, u0, t0, ignore, limits, out))) status = ric_trace_run(*out);
+    if (status) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    free(u0);
+    free(t0);
+    return status;
+}
+
+/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is sought once more with inner nodes,
+ * and with more of them (nodes.h). What the last attempt finds counts. */
+static ric_status trace_in_parts(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
+{
+    ric_status status = trace_once(m, limits, node, choice, side, out);
+    for (int parts = PARTS; m->smooth && parts <= MOST_PARTS; parts *= MORE_PARTS) {
+        bool lost = *out && ((*out)->stop == RIC_STOP_FAILED || (*out)->steep);
+        if ((!lost && status != RIC_E_NUMERIC) || node->cycle->parts >= parts) continue;
+        ric_node *divided = ric_node_copy(node);
+        if (!divided) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        divided->cycle->parts = parts;
+        ric_trace_free(*out);
+        status = trace_once(m, limits, divided, choice, side, out);
+        ric_node_free(divided);
+    }
+    return status;
+}
+
 /* As trace_departure, within limits that outlive the trace. */
 static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
 {
     char key[1024];
     void *blob = NULL;
     size_t size;
-    ric_chain *chain = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore = 0;
     ric_status status = RIC_OK;
     *out = NULL;
     trace_key(limits, node, choice, side, key, sizeof key);
@@ -61,22 +97,15 @@ static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric
         free(blob);
         return status;
     }
-    if ((status = ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore))) return status;
-    if (chain) {
-        if ((status = ric_trace_create(chain, u0, t0, ignore, limits, out))) goto out;
-        if ((status = ric_trace_run(*out))) goto out;
-    }
+    if ((status = trace_in_parts(g->model, limits, node, choice, side, out))) return status;
     if (g->store || g->recall.worker) {
         if (!(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK))) status = keep_trace(g, key, blob, size);
     }
-out:
     if (status) {
         ric_trace_free(*out);
         *out = NULL;
     }
     free(blob);
-    free(u0);
-    free(t0);
     return status;
 }
 
@@ -137,7 +166,8 @@ static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric
 static bool same_problem(const ric_chain *a, const ric_chain *b)
 {
     size_t faces = (size_t)a->n_flight + 1;
-    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight && a->closed[0] == b->closed[0] &&
+    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight && a->parts == b->parts &&
+           a->closed[0] == b->closed[0] &&
            !memcmp(a->face, b->face, faces * sizeof *a->face);
 }
 

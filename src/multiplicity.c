@@ -136,6 +136,7 @@ static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multip
     }
     memcpy(whole->w, cycle->w, 2 * (size_t)n * sizeof *whole->w);
     whole->closed = cycle->closed;
+    whole->parts = 0;
     if ((status = ric_cycle_to_chain(m, whole, &chain, &u))) goto out;
     chain->plain = true; /* the article's equations, of which the multiplicities are */
     ric_chain_jacobian(chain, u, G);

@@ -2,14 +2,15 @@
 #include <string.h>
 
 #include "graph.h"
+#include "nodes.h"
 #include "status.h"
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and a mismatch is recomputed. */
-#define PACK_FORMAT 1
+#define PACK_FORMAT 2
 #define SANE 10000000
 
 typedef struct {
-    int32_t format, start, end, sigma, n_flight, n_point, n_event, stop, arrival, end_test;
+    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, arrival, end_test;
 } header;
 
 static size_t packed_size(const ric_trace *tr)
@@ -40,7 +41,7 @@ ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
     const ric_chain *c = tr->chain;
     char *start = malloc(packed_size(tr)), *to = start, why[96] = "";
     if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
-    header h = {PACK_FORMAT, c->start, c->end, c->sigma, c->n_flight, tr->n_point, tr->n_event, tr->stop, tr->arrival, tr->end.test};
+    header h = {PACK_FORMAT, c->start, c->end, c->sigma, c->n_flight, c->parts, tr->n_point, tr->n_event, tr->stop, tr->arrival, tr->end.test};
     write(&to, &h, sizeof h);
     for (int i = 0; i <= c->n_flight; i++) {
         int32_t face = c->face[i];
@@ -104,7 +105,8 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     if (!tr) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     tr->end.test = -1;
     tr->limits = limits;
-    if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE || h.n_point < 0 ||
+    if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE || h.parts < 1 || h.parts > RIC_PARTS_MOST ||
+        (h.parts > 1 && !m->smooth) || h.n_point < 0 ||
         h.n_point > SANE || h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
         h.end > RIC_MIRROR_CENTRE || (size_t)h.n_flight * sizeof(int32_t) > size)
         goto damaged;
@@ -118,6 +120,7 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     uint64_t closed = 0;
     if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
     ric_chain_close(tr->chain, closed);
+    if (h.parts > 1 && (status = ric_nodes_divide(tr->chain, h.parts))) goto out;
     if (!ric_trace_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
     size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);

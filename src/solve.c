@@ -7,9 +7,12 @@
 
 /* -------------------------------------------------------------------- bytes */
 
+enum { HEAD = 7 };
+
 static size_t cycle_size(const ric_cycle *c)
 {
-    return 6 * sizeof(int32_t) + sizeof c->closed + (size_t)c->N * (sizeof(int32_t) + sizeof(double)) + 2 * (size_t)c->n * sizeof(double);
+    size_t states = c->opposite ? 2 : 1;
+    return HEAD * sizeof(int32_t) + sizeof c->closed + (size_t)c->N * (sizeof(int32_t) + sizeof(double)) + states * 2 * (size_t)c->n * sizeof(double);
 }
 
 static void put(char **to, const void *from, size_t size)
@@ -20,7 +23,7 @@ static void put(char **to, const void *from, size_t size)
 
 static void put_cycle(char **to, const ric_cycle *c)
 {
-    int32_t head[6] = {c->n, c->N, c->half, c->pure, c->flip, 0};
+    int32_t head[HEAD] = {c->n, c->N, c->half, c->pure, c->flip, c->parts, c->opposite != NULL};
     put(to, head, sizeof head);
     put(to, &c->closed, sizeof c->closed);
     for (int i = 0; i < c->N; i++) {
@@ -29,6 +32,7 @@ static void put_cycle(char **to, const ric_cycle *c)
     }
     put(to, c->tau, (size_t)c->N * sizeof *c->tau);
     put(to, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    if (c->opposite) put(to, c->opposite, 2 * (size_t)c->n * sizeof *c->w);
 }
 
 typedef struct {
@@ -48,14 +52,15 @@ static void get(source *s, void *to, size_t size)
 
 static ric_cycle *get_cycle(const ric_model *m, source *s)
 {
-    int32_t head[6] = {0};
+    int32_t head[HEAD] = {0};
     get(s, head, sizeof head);
-    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left) return NULL;
+    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0) return NULL;
     ric_cycle *c = ric_cycle_create(head[0], head[1]);
     if (!c) return NULL;
     c->half = head[2];
     c->pure = head[3];
     c->flip = head[4];
+    c->parts = head[5];
     get(s, &c->closed, sizeof c->closed);
     for (int i = 0; i < c->N; i++) {
         int32_t face = -1;
@@ -65,6 +70,13 @@ static ric_cycle *get_cycle(const ric_model *m, source *s)
     }
     get(s, c->tau, (size_t)c->N * sizeof *c->tau);
     get(s, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    if (head[6]) {
+        double w[2 * c->n];
+        get(s, w, sizeof w);
+        if (s->short_of || ric_cycle_oppose(c, w)) return c;
+        ric_cycle_free(c);
+        return NULL;
+    }
     return c;
 }
 

@@ -510,6 +510,30 @@ static void power_99(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Exponent 99 at energy 83: neighbours of the doubled orbits part so fast that Newton's method on the start alone converges only within some 1e-6
+ * of them. Without inner nodes the third branch has residuals of 3e-10 and the fourth is not found. */
+static void inner_nodes(void **state)
+{
+    (void)state;
+    static const double from[] = {0, 83.7172337166, 83.7172337166, 82.8669787131};
+    ric_atlas *atlas = explore(article, 99, "energy: [82, 85], frequency: [0.8, 1.7], multiply: 2, depth: 2", 0);
+    assert_int_equal(ric_atlas_n_branch(atlas), 4);
+    for (int id = 1; id <= 4; id++) {
+        ric_branch b = branch_of(atlas, id);
+        if (b.stop != RIC_STOP_WINDOW) fail_msg("branch %d %s: %s", id, b.label, b.why);
+        if (id > 1) assert_true(near(junction_of(atlas, b.from).energy, from[id - 1], 1e-9));
+        for (int i = 0; i < b.n_point; i++) {
+            ric_point point;
+            ric_check check;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &point, NULL, NULL), RIC_OK);
+            assert_true(point.residual < 2e-11);
+            if (i % 5 == 3 && (ric_verify_point(atlas, id, i, &check) || !check.passed))
+                fail_msg("branch %d, point %d: off by %g, returns with %g", id, i, check.flight_error, check.return_error);
+        }
+    }
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -528,6 +552,7 @@ int main(void)
         cmocka_unit_test(arrivals_without_mirrors),
         cmocka_unit_test(closes_where_it_passes),
         cmocka_unit_test(power_99),
+        cmocka_unit_test(inner_nodes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
