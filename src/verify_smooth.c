@@ -2,8 +2,9 @@
  *
  * What the return may lose is measured: neighbours at a small distance on both sides give the matrix of a period, whose largest multiplier is
  * the condition. The last digits of the stored doubles come back multiplied by its norm, which may be much more than its multipliers. Where that
- * is beyond STEEP an orbit that does not return is polished: Newton's method on the return, the shortest correction; how far that moves it counts
- * as an error of the flight. */
+ * is beyond STEEP an orbit that does not return is polished: the period is cut into parts, each with a start of its own, and Newton's method
+ * closes them all, by the shortest correction. How far that moves the stored start counts as an error of the flight, and what is left between
+ * the parts as one of the return. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,21 +21,37 @@
 #define AMPLIFIED 1e-7
 #define STEEP 1e4       /* beyond it the last digits of the stored doubles matter more than what is checked */
 #define NEAR 1e-7L      /* distance of neighbours, relative: central differences leave its square */
+#define LIGHT 1e3      /* how much less than the stored start the starts of other parts count in a correction */
 #define REGULAR 1e-9    /* singular values below this part of the largest belong to the family and to the energy */
 
 typedef ric_real real;
 
 typedef struct {
     ric_springs *springs;
-    int n;               /* of 2 n_dof coordinates */
+    int n, parts;        /* of 2 n_dof coordinates; of the period */
     real period, size[2]; /* largest displacement and velocity of the start */
-    real *start, *end, *work; /* [n] */
-    double *stored, *D;  /* [n + 1] and [n * (n + 1)]: derivative of the return in units of size, last column by the period */
+    real *start, *end;   /* [parts * n] of every part */
+    double *M, *rate;    /* [parts * n * n] and [parts * n]: derivatives of the ends by the starts and by the period, in units of size */
+    double *stored;      /* [n + 1] */
 } replay;
 
 static real unit(const replay *r, int i)
 {
     return r->size[i >= r->n / 2];
+}
+
+static ric_status divide(replay *r, int parts)
+{
+    size_t n = (size_t)r->n, k = (size_t)parts;
+    real *states = realloc(r->start, 2 * k * n * sizeof *states);
+    if (states) r->start = states;
+    double *M = realloc(r->M, k * n * (n + 1) * sizeof *M);
+    if (M) r->M = M;
+    if (!states || !M) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
+    r->parts = parts;
+    r->end = r->start + k * n;
+    r->rate = r->M + k * n * n;
+    return RIC_OK;
 }
 
 static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int point, ric_point *at)
@@ -44,12 +61,8 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     int n = r->n = 2 * ric_model_n_dof(model);
-    r->start = calloc(3 * (size_t)n, sizeof *r->start);
-    r->stored = calloc((size_t)n + 1 + (size_t)n * ((size_t)n + 1), sizeof *r->stored);
-    if (!r->start || !r->stored) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
-    r->end = r->start + n;
-    r->work = r->end + n;
-    r->D = r->stored + n + 1;
+    if (!(r->stored = calloc((size_t)n + 1, sizeof *r->stored))) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
+    if ((status = divide(r, 1))) return status;
     if ((status = ric_atlas_point(atlas, branch, point, at, r->stored, r->stored + n))) return status;
     r->period = r->stored[n];
     for (int i = 0; i < n; i++) r->start[i] = r->stored[i];
@@ -61,10 +74,11 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     return ric_springs_create(model, &r->springs);
 }
 
+/* Through one part of the period. */
 static ric_status fly(replay *r, const real *from, real *to)
 {
     if (to != from) memcpy(to, from, (size_t)r->n * sizeof *to);
-    return ric_springs_go(r->springs, r->period, to);
+    return ric_springs_go(r->springs, r->period / r->parts, to);
 }
 
 static double distance(const replay *r, const real *a, const real *b)
@@ -74,88 +88,160 @@ static double distance(const replay *r, const real *a, const real *b)
     return (double)most;
 }
 
-/* D, *condition, the modulus of the largest multiplier, and *growth, by which errors may return larger in any direction. */
-static ric_status differentiate(replay *r, double *condition, double *growth)
+/* The start of the part after part j. */
+static real *next(const replay *r, int j)
+{
+    return r->start + r->n * ((j + 1) % r->parts);
+}
+
+/* What is left between the parts. */
+static double gap(const replay *r)
+{
+    double most = 0;
+    for (int j = 0; j < r->parts; j++) most = fmax(most, distance(r, r->end + r->n * j, next(r, j)));
+    return most;
+}
+
+static ric_status fly_all(replay *r)
+{
+    ric_status status = RIC_OK;
+    for (int j = 0; j < r->parts && !status; j++) status = fly(r, r->start + r->n * j, r->end + r->n * j);
+    return status;
+}
+
+/* M and rate of part j. */
+static ric_status differentiate(replay *r, int j)
 {
     int n = r->n;
-    real shifted[n], ahead[n];
-    double M[n * n], re[n], im[n];
-    for (int j = 0; j < n; j++) {
+    double *M = r->M + n * n * j, *rate = r->rate + n * j;
+    real shifted[n], ahead[n], behind[n];
+    for (int k = 0; k < n; k++) {
         for (int side = 1; side >= -1; side -= 2) {
-            memcpy(shifted, r->start, sizeof shifted);
-            shifted[j] += side * NEAR * unit(r, j);
-            ric_status status = fly(r, shifted, side > 0 ? ahead : r->work);
+            memcpy(shifted, r->start + n * j, sizeof shifted);
+            shifted[k] += side * NEAR * unit(r, k);
+            ric_status status = fly(r, shifted, side > 0 ? ahead : behind);
             if (status) return status;
         }
-        for (int i = 0; i < n; i++) M[i * n + j] = (double)((ahead[i] - r->work[i]) / (2 * NEAR * unit(r, i)));
+        for (int i = 0; i < n; i++) M[i * n + k] = (double)((ahead[i] - behind[i]) / (2 * NEAR * unit(r, i)));
     }
     /* the flow, from a short time on */
     real brief = 1e-6L * r->period;
-    memcpy(ahead, r->end, sizeof ahead);
+    memcpy(ahead, r->end + n * j, sizeof ahead);
     ric_status status = ric_springs_go(r->springs, brief, ahead);
-    if (status) return status;
+    for (int i = 0; i < n; i++) rate[i] = (double)((ahead[i] - r->end[n * j + i]) / brief * r->period / r->parts / unit(r, i));
+    return status;
+}
+
+/* All parts; *condition, the modulus of the largest multiplier, and *growth, by which errors may return larger in any direction. */
+static ric_status differentiate_all(replay *r, double *condition, double *growth)
+{
+    int n = r->n;
+    double whole[n * n], product[n * n], re[n], im[n];
+    for (int j = 0; j < r->parts; j++) {
+        ric_status status = differentiate(r, j);
+        if (status) return status;
+        memcpy(product, r->M + n * n * j, sizeof product);
+        for (int i = 0; i < n && j > 0; i++)
+            for (int k = 0; k < n; k++) {
+                product[i * n + k] = 0;
+                for (int l = 0; l < n; l++) product[i * n + k] += r->M[n * n * j + i * n + l] * whole[l * n + k];
+            }
+        memcpy(whole, product, sizeof whole);
+    }
     *growth = 0;
     for (int i = 0; i < n; i++) {
         double row = 0;
-        for (int j = 0; j < n; j++) {
-            row += fabs(M[i * n + j]);
-            r->D[i * (n + 1) + j] = M[i * n + j] - (i == j);
-        }
+        for (int k = 0; k < n; k++) row += fabs(whole[i * n + k]);
         *growth = fmax(*growth, row);
-        r->D[i * (n + 1) + n] = (double)((ahead[i] - r->end[i]) / brief * r->period / unit(r, i));
     }
     *condition = 1;
-    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', n, M, n, re, im, NULL, 1, NULL, 1)))
+    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', n, whole, n, re, im, NULL, 1, NULL, 1)))
         return ric_fail(RIC_E_NUMERIC, "the multipliers of a replayed orbit could not be computed");
     for (int i = 0; i < n; i++) *condition = fmax(*condition, hypot(re[i], im[i]));
     return RIC_OK;
 }
 
-static ric_status polish(replay *r)
+/* One step, [.. M_j .. -1 .. rate_j] (starts, period) = - gaps, the starts of the parts following one another round the orbit: of all that close
+ * them that which is nearest to what is stored, the first start and the period, where a shift of the others costs next to nothing: else it would
+ * go some way along the branch to meet them. A, F: workspace. */
+static ric_status correct(replay *r, double *A, double *F, double *values)
 {
-    enum { STEPS = 3 };
-    int n = r->n, rank;
-    double A[n * (n + 1)], F[n + 1], values[n + 1];
-    for (int step = 0; step < STEPS; step++) {
-        for (int i = 0; i < n; i++) F[i] = (double)((r->end[i] - r->start[i]) / unit(r, i));
-        F[n] = 0;
-        memcpy(A, r->D, sizeof A);
-        if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, n, n + 1, 1, A, n + 1, F, 1, values, REGULAR, &rank)))
-            return ric_fail(RIC_E_NUMERIC, "a stored orbit could not be polished");
-        for (int i = 0; i < n; i++) r->start[i] -= F[i] * unit(r, i);
-        r->period -= F[n] * r->period;
-        ric_status status = fly(r, r->start, r->end);
-        if (status) return status;
+    int n = r->n, rows = n * r->parts, columns = rows + 1, rank;
+    double off[n + 1];
+    for (int i = 0; i < n; i++) off[i] = (double)((r->start[i] - r->stored[i]) / unit(r, i));
+    off[n] = (double)((r->period - r->stored[n]) / r->stored[n]);
+    memset(A, 0, (size_t)rows * (size_t)columns * sizeof *A);
+    for (int j = 0; j < r->parts; j++)
+        for (int i = 0; i < n; i++) {
+            int row = n * j + i, to = n * ((j + 1) % r->parts);
+            memcpy(A + row * columns + n * j, r->M + n * row, (size_t)n * sizeof *A);
+            A[row * columns + to + i] -= 1;
+            A[row * columns + rows] = r->rate[row];
+            F[row] = (double)((next(r, j)[i] - r->end[row]) / unit(r, i)) + A[row * columns + rows] * off[n];
+            for (int k = 0; k < n; k++) F[row] += A[row * columns + k] * off[k];
+            for (int k = n; k < rows; k++) A[row * columns + k] *= LIGHT;
+        }
+    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, A, columns, F, 1, values, REGULAR, &rank)))
+        return ric_fail(RIC_E_NUMERIC, "a stored orbit could not be polished");
+    for (int i = 0; i < n; i++) r->start[i] = r->stored[i] + F[i] * unit(r, i);
+    for (int i = n; i < rows; i++) r->start[i] += LIGHT * F[i] * unit(r, i % n);
+    r->period = r->stored[n] * (1 + F[rows]);
+    return fly_all(r);
+}
+
+/* Newton's method on all parts of the period, from the stored start on. */
+static ric_status polish(replay *r, double *condition)
+{
+    enum { PARTS = 16, STEPS = 4 };
+    double growth;
+    ric_status status = divide(r, PARTS);
+    size_t rows = (size_t)r->n * PARTS;
+    double *A = calloc(rows * (rows + 1) + 2 * (rows + 1), sizeof *A), *F = A ? A + rows * (rows + 1) : NULL;
+    if (!A) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
+    for (int j = 0; j < PARTS && !status; j++) {
+        status = fly(r, r->start + r->n * j, r->end + r->n * j);
+        if (j + 1 < PARTS) memcpy(next(r, j), r->end + r->n * j, (size_t)r->n * sizeof *r->start);
     }
-    return RIC_OK;
+    for (int step = 0; step < STEPS && !status; step++)
+        if (!(status = differentiate_all(r, condition, &growth))) status = correct(r, A, F, F + rows + 1);
+    free(A);
+    return status;
+}
+
+/* Largest relative difference from `energy` of that at the ends of all parts. */
+static double drift(const replay *r, const ric_model *m, double energy)
+{
+    double most = 0, state[r->n];
+    for (int j = 0; j < r->parts; j++) {
+        for (int i = 0; i < r->n; i++) state[i] = (double)r->end[r->n * j + i];
+        most = fmax(most, fabs(ric_model_energy(m, state, state + r->n / 2) - energy) / energy);
+    }
+    return most;
 }
 
 ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out)
 {
     replay r = {0};
     ric_point at;
+    const ric_model *m = ric_atlas_model(atlas);
     *out = (ric_check){.branch = branch, .point = point, .condition = 1, .faces_agree = true};
     ric_status status = set_up(&r, atlas, branch, point, &at);
-    if (status || (status = fly(&r, r.start, r.end))) goto out;
-    double energy = ric_model_energy(ric_atlas_model(atlas), r.stored, r.stored + r.n / 2), growth, *last = r.stored;
+    if (status || (status = fly_all(&r))) goto out;
+    double energy = ric_model_energy(m, r.stored, r.stored + r.n / 2), growth;
     out->energy_error = fabs(at.energy - energy) / energy;
-    if ((status = differentiate(&r, &out->condition, &growth))) goto out;
-    double limit = RETURN * fmax(1, AMPLIFIED * out->condition);
-    if (growth > STEEP && distance(&r, r.end, r.start) > limit) {
-        real stored[r.n];
-        memcpy(stored, r.start, sizeof stored);
-        if ((status = polish(&r))) goto out;
-        out->flight_error = distance(&r, r.start, stored);
+    if ((status = differentiate_all(&r, &out->condition, &growth))) goto out;
+    if (growth > STEEP && gap(&r) > RETURN * fmax(1, AMPLIFIED * out->condition)) {
+        if ((status = polish(&r, &out->condition))) goto out;
+        for (int i = 0; i < r.n; i++) out->flight_error = fmax(out->flight_error, (double)(fabsl(r.start[i] - r.stored[i]) / unit(&r, i)));
     }
-    out->return_error = distance(&r, r.end, r.start);
-    for (int i = 0; i < r.n; i++) last[i] = (double)r.end[i];
-    double after = ric_model_energy(ric_atlas_model(atlas), last, last + r.n / 2);
-    double drift = fabs(after - energy) / energy / fmax(1, AMPLIFIED * out->condition);
-    out->energy_error = fmax(out->energy_error, drift);
-    out->passed = out->flight_error <= FLIGHT && out->energy_error <= FLIGHT && out->return_error <= limit;
+    double amplified = fmax(1, AMPLIFIED * out->condition);
+    out->return_error = gap(&r);
+    out->energy_error = fmax(out->energy_error, drift(&r, m, energy) / amplified);
+    out->passed = out->flight_error <= FLIGHT && out->energy_error <= FLIGHT && out->return_error <= RETURN * amplified;
 out:
     ric_springs_free(r.springs);
     free(r.start);
+    free(r.M);
     free(r.stored);
     return status;
 }
