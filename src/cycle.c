@@ -512,6 +512,14 @@ static double image_distance(const ric_model *m, const ric_cycle *a, const ric_c
     return distance;
 }
 
+bool ric_cycle_alike(const ric_model *m, const ric_cycle *a, const ric_cycle *b)
+{
+    bool found = false;
+    for (int op = 0; a->N == b->N && op < (m->symmetric ? 4 : 2); op++)
+        for (int s = 0; s < a->N && !found; s++) found = same_word(m, a, b, s, op & 1, op & 2);
+    return found;
+}
+
 bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror)
 {
     double nearest = HUGE_VAL;

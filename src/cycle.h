@@ -64,6 +64,8 @@ ric_cycle *ric_cycle_repeat(const ric_cycle *cycle, int q);
 
 /* Relative distance of two cycles as they stand (same faces needed, else infinity). */
 double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
+/* Whether some image of b has the same word as a: without that no operation takes the one to the other. */
+bool ric_cycle_alike(const ric_model *model, const ric_cycle *a, const ric_cycle *b);
 /* The operation that takes b nearest to a, within `tolerance`: found or not. */
 bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
 /* Whether there is one, however it reads. */

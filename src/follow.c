@@ -364,7 +364,8 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     return RIC_OK;
 }
 
-static void note_energies(ric_edge *e)
+/* What tells quickly that an orbit is none of the edge's. */
+static ric_status note_orbits(ric_edge *e)
 {
     e->energy[0] = HUGE_VAL;
     e->energy[1] = -HUGE_VAL;
@@ -373,11 +374,12 @@ static void note_energies(ric_edge *e)
         e->energy[0] = fmin(e->energy[0], p->energy);
         e->energy[1] = fmax(e->energy[1], p->energy);
     }
+    e->first = ric_trace_cycle(e->trace, e->trace->points + sizeof(ric_point) / sizeof(double));
+    return e->first ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a branch");
 }
 
 static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth, int mode)
 {
-    ric_status status = RIC_OK;
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {
         ric_trace_free(tr);
@@ -390,7 +392,7 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     e->arrive = arrive;
     e->depth = depth;
     e->mode = mode;
-    note_energies(e);
+    ric_status status = note_orbits(e);
     for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
     return status;
 }

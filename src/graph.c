@@ -38,6 +38,7 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
 void ric_edge_release(ric_edge *e)
 {
     ric_trace_free(e->trace);
+    ric_cycle_free(e->first);
     free(e->inner);
 }
 

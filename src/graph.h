@@ -27,6 +27,7 @@ typedef struct {
     ric_passage *inner;      /* in order */
     int n_unplaced;          /* events whose junction does not converge */
     double energy[2];        /* least and largest of its points */
+    ric_cycle *first;        /* its first orbit, owned: the word is that of all */
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 

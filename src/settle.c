@@ -27,9 +27,9 @@ bool ric_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *no
     ric_chain *c = tr->chain;
     int size = c->n_unknown, iterations, shift;
     bool reverse, mirror, found = false;
-    if (c->multiple * c->n_flight + 2 < node->cycle->N || e->trace->n_point < 2) return false;
+    if (tr->n_point < 2) return false;
     double target = node->energy * m->energy_unit, du[size], u[size], t[size];
-    if (target < e->energy[0] || target > e->energy[1]) return false;
+    if (target < e->energy[0] || target > e->energy[1] || !ric_cycle_alike(m, node->cycle, e->first)) return false;
     for (int i = 0; i + 1 < tr->n_point && !found; i++) {
         const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
         const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);

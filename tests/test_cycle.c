@@ -236,6 +236,13 @@ static void check_canonical(const ric_model *m, ric_chain *chain, const double *
             if (canonical->half != again->half || canonical->pure != again->pure || canonical->flip != again->flip)
                 fail_msg("%s: canonical forms with other symmetries", where);
             if (!ric_cycle_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror)) fail_msg("%s: an image is not recognised", where);
+            if (!ric_cycle_alike(m, cycle, image)) fail_msg("%s: an image has another word", where);
+            /* with one letter exchanged: words are alike if their canonical forms are one */
+            int other[4 * MAX_FLIGHT + 2];
+            image->face[s] = (image->face[s] + 1) % m->n_face;
+            assert_int_equal(ric_word_canonical(m, image->N, image->face, true, other), RIC_OK);
+            bool equal = !memcmp(word, other, (size_t)cycle->N * sizeof *word);
+            if (ric_cycle_alike(m, cycle, image) != equal) fail_msg("%s: words that are %s", where, equal ? "images of each other are told apart" : "none are taken for images");
             ric_cycle_free(image);
             ric_cycle_free(again);
         }
