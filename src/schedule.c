@@ -231,17 +231,34 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
     ric_graph_free(alone);
 }
 
-/* What the owner comes to next. Of a branch that passes, the owner may know an edge that it is part of. */
+/* Of a branch that passes, the owner may know an edge that it is part of. */
+static void offer_one(ric_graph *g, ric_node *node, ric_departure *d)
+{
+    bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
+    if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice, &d->budget) &&
+        !ric_graph_followed_before(g, node, d->choice))
+        d->job = ric_workers_offer(g->workers, node, d->choice);
+}
+
+/* Of the ways out of one node those with most impacts first: they take longest, and one that is begun last keeps everybody waiting. Across nodes in the
+ * order of the owner, who otherwise finds out too late that two of them are the ends of one branch. */
+static int offer_order(const void *a, const void *b)
+{
+    const open_departure *p = a, *q = b;
+    int less = p->index != q->index ? 0 : ric_node_impacts(q->node, q->node->departures[q->place].choice) -
+                                          ric_node_impacts(p->node, p->node->departures[p->place].choice);
+    return less ? less : departure_order(a, b);
+}
+
+/* What the owner comes to next. */
 static void offer(ric_graph *g, int n, const open_departure *list)
 {
-    for (int i = 0; g->workers && i < n; i++) {
-        ric_node *node = g->nodes[list[i].index];
-        ric_departure *d = &node->departures[list[i].place];
-        bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
-        if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice, &d->budget) &&
-            !ric_graph_followed_before(g, node, d->choice))
-            d->job = ric_workers_offer(g->workers, node, d->choice);
-    }
+    open_departure *order = g->workers && n ? malloc((size_t)n * sizeof *order) : NULL; /* without memory nothing is prepared */
+    if (!order) return;
+    memcpy(order, list, (size_t)n * sizeof *order);
+    qsort(order, (size_t)n, sizeof *order, offer_order);
+    for (int i = 0; i < n; i++) offer_one(g, g->nodes[order[i].index], &g->nodes[order[i].index]->departures[order[i].place]);
+    free(order);
 }
 
 /* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth are followed. Each node is looked
