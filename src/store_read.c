@@ -104,64 +104,61 @@ static ric_status reader_status(const row_reader *row, ric_database file, const 
     return ric_store_fail_damaged(file.path, what);
 }
 
-/* A table, or what one branch or junction owns of it; the queries then take its id. */
+/* A table. `count`: all rows, or those of each owner, a branch or a junction, in its order. */
 typedef struct {
     const char *table, *count, *rows;
 } listing;
 
 static const listing branches = {"branch", "SELECT count(*) FROM branch", "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id"};
 static const listing junctions = {"junction", "SELECT count(*) FROM junction", "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id"};
-static const listing points_of_branch = {
-    "point", "SELECT count(*) FROM point WHERE branch = ?", "SELECT " POINT_COLUMNS " FROM point WHERE branch = ? ORDER BY point"};
-static const listing junctions_of_branch = {
-    "branch_junction", "SELECT count(*) FROM branch_junction WHERE branch = ?",
-    "SELECT " BRANCH_JUNCTION_COLUMNS " FROM branch_junction WHERE branch = ? ORDER BY position"};
-static const listing branches_of_junction = {
-    "junction_branch", "SELECT count(*) FROM junction_branch WHERE junction = ?",
-    "SELECT " JUNCTION_BRANCH_COLUMNS " FROM junction_branch WHERE junction = ? ORDER BY branch"};
+static const listing points_of_branches = {"point", "SELECT branch, count(*) FROM point GROUP BY branch",
+                                           "SELECT " POINT_COLUMNS " FROM point ORDER BY branch, point"};
+static const listing junctions_of_branches = {"branch_junction", "SELECT branch, count(*) FROM branch_junction GROUP BY branch",
+                                              "SELECT " BRANCH_JUNCTION_COLUMNS " FROM branch_junction ORDER BY branch, position"};
+static const listing branches_of_junctions = {"junction_branch", "SELECT junction, count(*) FROM junction_branch GROUP BY junction",
+                                              "SELECT " JUNCTION_BRANCH_COLUMNS " FROM junction_branch ORDER BY junction, branch"};
 
-/* Owner 0 stands for the whole table. */
-static ric_status prepare_listing(ric_database file, const char *sql, int owner, sqlite3_stmt **query)
+static ric_status count_rows(ric_database file, const listing *list, int *n)
 {
-    ric_status status = ric_database_prepare(file, sql, query);
-    if (!status && owner)
-        sqlite3_bind_int(*query, 1, owner);
-    return status;
-}
-
-static ric_status count_rows(ric_database file, const listing *list, int owner, int *n)
-{
-    sqlite3_stmt *query = NULL;
-    bool row = false;
-    ric_status status = prepare_listing(file, list->count, owner, &query);
-    if (!status)
-        status = ric_database_step(file, query, &row);
-    sqlite3_int64 count = !status && row ? sqlite3_column_int64(query, 0) : 0;
-    sqlite3_finalize(query);
+    sqlite3_int64 count = 0;
+    int code = ric_database_ask(file.db, list->count, &count);
     *n = (int)(count <= INT_MAX ? count : 0);
-    return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows") : status;
+    if (code) return ric_database_fail(file, code);
+    return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows") : RIC_OK;
 }
 
-/* Where the rows go to. */
-typedef struct {
-    ric_atlas *atlas;
-    ric_branch_record *branch;
-    ric_junction_record *junction;
-} target;
-
-/* Takes n rows, as many as were counted; a row is the i-th of its list. */
-static ric_status take_rows(ric_database file, const listing *list, int owner, int n, void (*take)(row_reader *, int i, target *), target *to)
+/* How many rows each of n_owner owners has, counts[0..n_owner-1]; there are no rows without one. */
+static ric_status count_owned(ric_database file, const listing *list, int n_owner, int *counts)
 {
     row_reader row = {0};
     bool more = true;
-    ric_status status = prepare_listing(file, list->rows, owner, &row.query);
-    for (int i = 0; !status && more; i++) {
-        status = ric_database_step(file, row.query, &more);
+    ric_status status = ric_database_prepare(file, list->count, &row.query);
+    memset(counts, 0, (size_t)n_owner * sizeof *counts);
+    while (!status && !(status = ric_database_step(file, row.query, &more)) && more) {
         row.column = 0;
-        if (!status && more && i < n) {
-            take(&row, i, to);
-            status = reader_status(&row, file, list->table);
-        }
+        int owner = take_integer(&row, 1, n_owner), count = take_integer(&row, 1, INT_MAX);
+        if (row.wrong) status = ric_store_fail_damaged(file.path, "rows belong to no branch or junction");
+        else counts[owner - 1] = count;
+    }
+    sqlite3_finalize(row.query);
+    return status;
+}
+
+/* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or of its owner, whose number is its first value. */
+static ric_status take_rows(ric_database file, const listing *list, int n, const int *counts, void (*take)(row_reader *, int i, ric_atlas *), ric_atlas *atlas)
+{
+    row_reader row = {0};
+    bool more = true;
+    ric_status status = ric_database_prepare(file, list->rows, &row.query);
+    for (int i = 0, last = 0; !status; i++) {
+        if ((status = ric_database_step(file, row.query, &more)) || !more) break;
+        row.column = 0;
+        int owner = counts ? take_integer(&row, 1, n) : 0;
+        if (owner != last) i = 0;
+        last = owner;
+        row.column = 0;
+        if (!row.wrong && i < (counts ? counts[owner - 1] : n)) take(&row, i, atlas);
+        status = reader_status(&row, file, list->table);
     }
     sqlite3_finalize(row.query);
     return status;
@@ -177,10 +174,10 @@ static const char *kind_text(int kind)
     return ric_kind_text((ric_kind)kind);
 }
 
-static void take_branch(row_reader *row, int i, target *to)
+static void take_branch(row_reader *row, int i, ric_atlas *atlas)
 {
-    const ric_model *model = ric_atlas_model(to->atlas);
-    ric_branch_record *record = &to->atlas->branches[i];
+    const ric_model *model = ric_atlas_model(atlas);
+    ric_branch_record *record = &atlas->branches[i];
     ric_branch *branch = &record->row;
     branch->id = take_integer(row, i + 1, i + 1);
     branch->label = record->label = take_text(row);
@@ -195,8 +192,8 @@ static void take_branch(row_reader *row, int i, target *to)
     branch->energy_max = take_real(row);
     branch->frequency_min = take_real(row);
     branch->frequency_max = take_real(row);
-    branch->from = take_id(row, to->atlas->n_junction);
-    branch->to = take_id(row, to->atlas->n_junction);
+    branch->from = take_id(row, atlas->n_junction);
+    branch->to = take_id(row, atlas->n_junction);
     branch->stop = (ric_stop)take_choice(row, RIC_STOP_FAILED + 1, stop_text);
     branch->why = record->why = take_text(row);
     branch->depth = take_integer(row, 0, INT_MAX);
@@ -204,13 +201,13 @@ static void take_branch(row_reader *row, int i, target *to)
     record->stride = ric_point_stride(ric_model_n_dof(model), branch->letters);
 }
 
-static void take_point(row_reader *row, int i, target *to)
+static void take_point(row_reader *row, int i, ric_atlas *atlas)
 {
-    const ric_branch *branch = &to->branch->row;
-    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(to->atlas));
-    double *at = to->branch->points + (size_t)i * to->branch->stride;
+    const ric_branch_record *record = &atlas->branches[take_integer(row, 1, atlas->n_branch) - 1];
+    const ric_branch *branch = &record->row;
+    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
+    double *at = record->points + (size_t)i * record->stride;
     ric_point point;
-    take_integer(row, branch->id, branch->id);
     take_integer(row, i, i);
     point.arclength = take_real(row);
     point.energy = take_real(row);
@@ -227,59 +224,54 @@ static void take_point(row_reader *row, int i, target *to)
     take_float64s(row, branch->letters > 0 ? (size_t)branch->letters : 1, at + n_state);
 }
 
-static void take_branch_junction(row_reader *row, int i, target *to)
+static void take_branch_junction(row_reader *row, int i, ric_atlas *atlas)
 {
-    take_integer(row, to->branch->row.id, to->branch->row.id);
+    ric_branch_record *record = &atlas->branches[take_integer(row, 1, atlas->n_branch) - 1];
     take_integer(row, i, i);
-    to->branch->junctions[i] = take_integer(row, 1, to->atlas->n_junction);
-    to->branch->junction_at[i] = take_real(row);
+    record->junctions[i] = take_integer(row, 1, atlas->n_junction);
+    record->junction_at[i] = take_real(row);
 }
 
-static ric_status read_points(ric_database file, target *to)
+static ric_status read_points(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_branch_record *record = to->branch;
-    int n = 0;
-    ric_status status = count_rows(file, &points_of_branch, record->row.id, &n);
-    if (status)
-        return status;
-    if (n != record->row.n_point)
-        return ric_store_fail_damaged(file.path, "points of a branch are missing");
-    record->points = calloc((size_t)n + 1, record->stride * sizeof *record->points);
-    return record->points ? take_rows(file, &points_of_branch, record->row.id, n, take_point, to) : ric_store_fail_memory();
-}
-
-static ric_status read_branch_junctions(ric_database file, target *to)
-{
-    ric_branch_record *record = to->branch;
-    int n = 0;
-    ric_status status = count_rows(file, &junctions_of_branch, record->row.id, &n);
-    if (status)
-        return status;
-    record->row.n_junction = n;
-    record->row.junctions = record->junctions = calloc((size_t)n + 1, sizeof *record->junctions);
-    record->row.junction_at = record->junction_at = calloc((size_t)n + 1, sizeof *record->junction_at);
-    if (!record->junctions || !record->junction_at)
-        return ric_store_fail_memory();
-    return take_rows(file, &junctions_of_branch, record->row.id, n, take_branch_junction, to);
-}
-
-static ric_status read_branches(ric_database file, ric_atlas *atlas)
-{
-    target to = {.atlas = atlas};
-    ric_status status = take_rows(file, &branches, 0, atlas->n_branch, take_branch, &to);
-    for (int i = 0; !status && i < atlas->n_branch; i++) {
-        to.branch = &atlas->branches[i];
-        status = read_points(file, &to);
-        if (!status)
-            status = read_branch_junctions(file, &to);
+    ric_status status = count_owned(file, &points_of_branches, atlas->n_branch, counts);
+    for (int k = 0; !status && k < atlas->n_branch; k++) {
+        ric_branch_record *record = &atlas->branches[k];
+        if (counts[k] != record->row.n_point)
+            return ric_store_fail_damaged(file.path, "points of a branch are missing");
+        record->points = calloc((size_t)counts[k] + 1, record->stride * sizeof *record->points);
+        if (!record->points)
+            return ric_store_fail_memory();
     }
-    return status;
+    return status ? status : take_rows(file, &points_of_branches, atlas->n_branch, counts, take_point, atlas);
 }
 
-static void take_junction(row_reader *row, int i, target *to)
+static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int *counts)
 {
-    const ric_model *model = ric_atlas_model(to->atlas);
-    ric_junction_record *record = &to->atlas->junctions[i];
+    ric_status status = count_owned(file, &junctions_of_branches, atlas->n_branch, counts);
+    for (int k = 0; !status && k < atlas->n_branch; k++) {
+        ric_branch_record *record = &atlas->branches[k];
+        record->row.n_junction = counts[k];
+        record->row.junctions = record->junctions = calloc((size_t)counts[k] + 1, sizeof *record->junctions);
+        record->row.junction_at = record->junction_at = calloc((size_t)counts[k] + 1, sizeof *record->junction_at);
+        if (!record->junctions || !record->junction_at)
+            return ric_store_fail_memory();
+    }
+    return status ? status : take_rows(file, &junctions_of_branches, atlas->n_branch, counts, take_branch_junction, atlas);
+}
+
+static ric_status read_branches(ric_database file, ric_atlas *atlas, int *counts)
+{
+    ric_status status = take_rows(file, &branches, atlas->n_branch, NULL, take_branch, atlas);
+    if (!status)
+        status = read_points(file, atlas, counts);
+    return status ? status : read_branch_junctions(file, atlas, counts);
+}
+
+static void take_junction(row_reader *row, int i, ric_atlas *atlas)
+{
+    const ric_model *model = ric_atlas_model(atlas);
+    ric_junction_record *record = &atlas->junctions[i];
     ric_junction *junction = &record->row;
     ric_departures *count = &junction->departures;
     size_t n_state = 2 * (size_t)ric_model_n_dof(model), n_flight;
@@ -313,46 +305,25 @@ static void take_junction(row_reader *row, int i, target *to)
     for (int b = 0; b < RIC_N_BUDGET; b++) count->over[b] = take_integer(row, 0, INT_MAX);
 }
 
-static void take_junction_branch(row_reader *row, int i, target *to)
+static void take_junction_branch(row_reader *row, int i, ric_atlas *atlas)
 {
-    take_integer(row, to->junction->row.id, to->junction->row.id);
-    to->junction->branches[i] = take_integer(row, 1, to->atlas->n_branch);
+    ric_junction_record *record = &atlas->junctions[take_integer(row, 1, atlas->n_junction) - 1];
+    record->branches[i] = take_integer(row, 1, atlas->n_branch);
 }
 
-static ric_status read_junction_branches(ric_database file, target *to)
+static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_junction_record *record = to->junction;
-    int n = 0;
-    ric_status status = count_rows(file, &branches_of_junction, record->row.id, &n);
-    if (status)
-        return status;
-    record->row.n_branch = n;
-    record->row.branches = record->branches = calloc((size_t)n + 1, sizeof *record->branches);
-    return record->branches ? take_rows(file, &branches_of_junction, record->row.id, n, take_junction_branch, to) : ric_store_fail_memory();
-}
-
-static ric_status read_junctions(ric_database file, ric_atlas *atlas)
-{
-    target to = {.atlas = atlas};
-    ric_status status = take_rows(file, &junctions, 0, atlas->n_junction, take_junction, &to);
-    for (int i = 0; !status && i < atlas->n_junction; i++) {
-        to.junction = &atlas->junctions[i];
-        status = read_junction_branches(file, &to);
+    ric_status status = take_rows(file, &junctions, atlas->n_junction, NULL, take_junction, atlas);
+    if (!status)
+        status = count_owned(file, &branches_of_junctions, atlas->n_junction, counts);
+    for (int k = 0; !status && k < atlas->n_junction; k++) {
+        ric_junction_record *record = &atlas->junctions[k];
+        record->row.n_branch = counts[k];
+        record->row.branches = record->branches = calloc((size_t)counts[k] + 1, sizeof *record->branches);
+        if (!record->branches)
+            return ric_store_fail_memory();
     }
-    return status;
-}
-
-/* Rows that no branch or junction owns. */
-static ric_status check_orphans(ric_database file)
-{
-    sqlite3_int64 n = 0;
-    int code = ric_database_ask(file.db,
-        "SELECT (SELECT count(*) FROM point WHERE branch NOT IN (SELECT id FROM branch))"
-        " + (SELECT count(*) FROM branch_junction WHERE branch NOT IN (SELECT id FROM branch))"
-        " + (SELECT count(*) FROM junction_branch WHERE junction NOT IN (SELECT id FROM junction))", &n);
-    if (code)
-        return ric_database_fail(file, code);
-    return n ? ric_store_fail_damaged(file.path, "rows belong to no branch or junction") : RIC_OK;
+    return status ? status : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
 }
 
 static ric_status read_study(ric_database file, ric_atlas *atlas)
@@ -384,22 +355,25 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
     int n_branch = 0, n_junction = 0;
     ric_status status = read_study(file, atlas);
     if (!status)
-        status = count_rows(file, &branches, 0, &n_branch);
+        status = count_rows(file, &branches, &n_branch);
     if (!status)
-        status = count_rows(file, &junctions, 0, &n_junction);
+        status = count_rows(file, &junctions, &n_junction);
     if (status)
         return status;
     atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
     atlas->junctions = calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
-    if (!atlas->branches || !atlas->junctions)
-        return ric_store_fail_memory();
+    int *counts = calloc((size_t)(n_branch > n_junction ? n_branch : n_junction) + 1, sizeof *counts);
+    if (!atlas->branches || !atlas->junctions || !counts) {
+        status = ric_store_fail_memory();
+        goto out;
+    }
     atlas->n_branch = n_branch;
     atlas->n_junction = n_junction;
-    status = check_orphans(file);
+    status = read_branches(file, atlas, counts);
     if (!status)
-        status = read_branches(file, atlas);
-    if (!status)
-        status = read_junctions(file, atlas);
+        status = read_junctions(file, atlas, counts);
+out:
+    free(counts);
     return status;
 }
 
