@@ -10,7 +10,6 @@
 #include "status.h"
 
 #define SAMPLES 48       /* of an orbit per turn of the fastest mode, at least */
-#define MOST_SAMPLES 4096
 #define PIECES 3         /* and of every step of a flight */
 #define SHORTEST 1e-6    /* a piece shorter than this part of the longest is none: the flow cannot be followed */
 #define NEWTON_STEPS 8
@@ -93,18 +92,18 @@ static void walk_on(walk *q)
 /* Moves w to where |s| of the first contact is largest within the period: sampled, then Newton on ds/dt = 0. */
 static void to_summit(const ric_model *m, double period, double *w)
 {
-    int n = m->n, count = (int)fmin(MOST_SAMPLES, period / longest_piece(m, period));
-    double best[2 * n], now[2 * n], rate[2 * n], last = 0;
+    int n = m->n;
+    double best[2 * n], now[2 * n], rate[2 * n], last = 0, around = 0;
     memcpy(now, w, sizeof now);
     memcpy(best, w, sizeof best);
-    for (int i = 0; i < count; i++) {
+    for (walk q = {.m = m, .period = period, .w = now}; q.time < period; walk_on(&q)) {
         double s = fabs(gap_of(m, now));
-        if (s > last) {
-            last = s;
-            memcpy(best, now, sizeof best);
-        }
-        ric_flight_go(m, 0, -1, period / count, now, now);
+        if (s <= last) continue;
+        last = s;
+        around = q.step;
+        memcpy(best, now, sizeof best);
     }
+    around = fmax(around, piece(m, period, best));
     for (int i = 0; i < NEWTON_STEPS; i++) {
         double slope = 0, bend = 0;
         ric_flight_rate(m, 0, best, rate);
@@ -113,7 +112,7 @@ static void to_summit(const ric_model *m, double period, double *w)
             bend += m->g[k] * m->kappa[k] * rate[n + k];
         }
         double t = -slope / bend;
-        if (!isfinite(t) || fabs(t) > period / count) break;
+        if (!isfinite(t) || fabs(t) > around) break;
         ric_flight_go(m, 0, -1, t, best, best);
         if (fabs(t) < 1e-15 * period) break;
     }

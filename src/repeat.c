@@ -12,7 +12,8 @@
 #define CLOSE 5e-3  /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
 #define CLOSEST 2e-4 /* where it is given up: along some branches the rotation number changes by all it can within 1e-3 */
 #define CLOSEST_3 1e-6 /* the same of order 3: the branch passes, and is known to rounding / distance all the way */
-#define FASTEST 2    /* how fast the distance from the first image can fall with arclength: 2 sin(pi p / r) */
+#define FASTEST 2    /* how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts are nearly isometric;
+                      * under a power law it was seen to fall twice as fast */
 #define STEPS 8      /* so many steps ahead an orbit of fewer periods is taken into account */
 #define CROSSING 1e-3 /* length of a step over a branch point (event.c): it could reach beyond a node */
 #define REPEATED 1e-7 /* distance below which it is that orbit */
@@ -155,13 +156,14 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
     double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now) : average(c, tr->now.u, order, sign, now), scale = c->scale;
     *found = false;
     if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
-    double left = (tr->now.s - tr->past.s) * d1 / (d0 - d1), x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
+    double slope = (d0 - d1) / (tr->now.s - tr->past.s), left = d1 / slope, nearest = d1 / fmax(FASTEST, 2 * slope);
+    double x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
     ric_chain_evaluate(c, tr->now.u);
     bool flat = order > 3 && c->smallest < FLAT;
     /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls faster; and the determinant vanishes there, too */
     bool far = left > 2 * *h && !flat;
-    if (left < STEPS * *h) *h = fmin(*h, fmax(d1 / FASTEST, left / 4));
-    if (d1 < FASTEST * CROSSING * scale && left < STEPS * CROSSING * scale) tr->longest = fmin(tr->longest, *h);
+    if (left < STEPS * *h) *h = fmin(*h, fmax(nearest, left / 4));
+    if (nearest < CROSSING * scale && left < STEPS * CROSSING * scale) tr->longest = fmin(tr->longest, *h);
     if (far) return RIC_OK;
     for (int i = 0; i < c->n_unknown; i++) out->u[i] = now[i] + x * (now[i] - before[i]);
     ric_status status = solve_short(c, order, sign, out->u, found);
