@@ -14,7 +14,8 @@
 #include "status.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 1000000 };
-#define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred roundings */
+#define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred roundings of 80 bits */
+#define ROUNDINGS 90     /* or as many of what the machine, or what pretends to be one, has instead */
 
 typedef ric_real real;
 
@@ -26,9 +27,21 @@ struct ric_springs {
     real *b;             /* [n_contact * n] */
     real *factor;        /* [n_contact] force on scaled x: factor s^m */
     int *exponent;
+    real tolerance;      /* TOLERANCE or ROUNDINGS */
     real step;           /* of the last accepted step */
     real *table;         /* [(LEVELS + 6) * 2n] */
 };
+
+/* Of a real as it is computed: valgrind gives it the 53 bits of a double. */
+static real epsilon(void)
+{
+    volatile real e = 1, sum = 2;
+    while (sum > 1) {
+        e /= 2;
+        sum = 1 + e / 2;
+    }
+    return e;
+}
 
 static bool cholesky(int n, real *A)
 {
@@ -44,8 +57,11 @@ static bool cholesky(int n, real *A)
 
 static real power(real s, int exponent)
 {
-    real result = s;
-    for (int i = 1; i < exponent; i++) result *= s;
+    real result = 1;
+    for (; exponent > 0; exponent /= 2) {
+        if (exponent % 2) result *= s;
+        s *= s;
+    }
     return result;
 }
 
@@ -63,6 +79,7 @@ ric_status ric_springs_create(const ric_model *model, ric_springs **out)
     s->n = n;
     s->n_contact = n_contact;
     s->length = ric_model_length(model);
+    s->tolerance = fmax(TOLERANCE, ROUNDINGS * epsilon());
     s->K = s->L + nn;
     s->b = s->K + nn;
     s->factor = s->b + (size_t)n_contact * (size_t)n;
@@ -171,7 +188,7 @@ static real step(ric_springs *s, real H, real *y)
                 real *up = s->table + (size_t)j * 2 * n, *down = up + 2 * n;
                 for (int i = 0; i < 2 * n; i++) up[i] = down[i] + (down[i] - up[i]) * factor;
             }
-            if (k < 3 || difference(n, s->table, corner, y) > TOLERANCE) continue;
+            if (k < 3 || difference(n, s->table, corner, y) > s->tolerance) continue;
             memcpy(y, s->table, 2 * (size_t)n * sizeof *y);
             s->step = H * (k < AIM ? 1.5L : k > AIM ? 0.7L : 1);
             return H;

@@ -38,8 +38,7 @@ small() # EXAMPLE IMPACTS DEPTH ENERGY
     sed "s/^  impacts:.*/  impacts: $2/; s/^  depth:.*/  depth: $3/; s/^  energy:.*/  energy: [0, $4]/; /^  at_energy/d; /^names/,\$d" "examples/$1/study.yaml"
 }
 
-# One line each, F for the folder; a quoted word is one argument. Orbits through power laws are neither replayed nor drawn: the integrator that does it asks for
-# the digits of a long double of 80 bits, and finds none with 64.
+# One line each, F for the folder; a quoted word is one argument.
 calls()
 {
     cat <<'CALLS'
@@ -68,6 +67,8 @@ orbit F/power.ricochet --branch 1 --point 2
 points F/power.ricochet --branch 2
 verify F/rigid.ricochet --branch 3 --all
 verify F/springs.ricochet
+verify F/power.ricochet --branch 1
+simulate F/power.yaml --state 0.1 -0.2 0 1.5 --time 5 --steps 10
 simulate F/rigid.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts
 simulate F/springs.yaml --state 0.1 -0.2 0 2.5 --time 2 --steps 10 --json
 hunt F/rigid.yaml --energy 5 --impacts 3 --lines 60 --rows 2 --row 10 --random 50
@@ -81,6 +82,7 @@ plot fep F/rigid.ricochet --ghosts --energy 0.5:20 -o F/ghosts.svg
 plot fep F/rigid.ricochet F/springs.ricochet -o F/both.pdf
 plot orbit F/rigid.ricochet --branch 3 --energy 1.5 --coordinates 1,2 -o F/orbit.pdf
 plot orbit F/springs.ricochet --branch 2 --point 1 -o F/closed.svg
+plot orbit F/power.ricochet --branch 1 --point 2 -o F/smooth.svg
 plot orbits F/rigid.ricochet --orbit C1_32 --orbit 'S2-[01]@E=5*2' -o F/orbits.svg
 plot curves F/rigid.ricochet --x energy --y tau1 --branch 3 --log x -o F/curves.png
 plot floquet F/rigid.ricochet --branch 3 --x energy -o F/floquet.svg
