@@ -6,7 +6,8 @@
  *
  *     u = start block | time of the flight | z_1 | ... | z_(parts - 1)        z_j sqrt(parts): state [2n] at the time j / parts of the flight
  *
- * The factor makes all nodes together count about as much as the start does in lengths along a branch. Where neighbours grow by G along the whole flight they grow by G^(1/parts) along a part of it, if they do so evenly.
+ * The factor makes all nodes together count about as much as the start does in lengths along a branch. Where neighbours grow by G along the whole
+ * flight they grow by G^(1/parts) along a part of it, if they do so evenly.
  * What only chain.c and nodes.c share is declared here, too. */
 #ifndef RIC_NODES_H
 #define RIC_NODES_H
