@@ -103,7 +103,8 @@ static ric_status kernels(ring *q, double *right, double *left)
     return three ? RIC_OK : ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication without mirror points has not three dimensions");
 }
 
-/* shift, below, under a power law: one flight for all periods. The image may come out along the flow, too, to which the kernel is perpendicular. */
+/* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel is
+ * perpendicular at the start, is taken away: inner nodes would show it. */
 static void shift_smooth(ring *q, const double *v, double *out)
 {
     const ric_model *m = q->chain->model;
@@ -111,6 +112,8 @@ static void shift_smooth(ring *q, const double *v, double *out)
     double map[n * n], after[n], rate[n];
     ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after, rate);
     for (int i = 0; i < n; i++) out[i] = q->sign * ric_dot(n, map + i * n, v);
+    double along = q->sign * ric_dot(n, rate, out) / ric_dot(n, rate, rate);
+    for (int i = 0; i < n; i++) out[i] -= q->sign * along * rate[i];
     out[n] = v[n];
     ric_chain_fly(q->chain, q->u0);
     ric_nodes_along(q->chain, out);
