@@ -42,22 +42,11 @@ ric_status ric_nodes_divide(ric_chain *c, int parts)
 {
     size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1), live = ric_general(c) ? 2 * n : n + 1;
     size_t ld = live + 2 * n + 1, vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
-    double *hv = calloc(vectors * ld, sizeof *hv), *beta = calloc(vectors, sizeof *beta), *zeta = calloc(vectors, sizeof *zeta);
-    double *X = calloc((6 * n + 1) * ld, sizeof *X), *flown = calloc(2 * n + 1 + inner, sizeof *flown);
-    double *part = calloc((size_t)parts * (4 * n * n + 4 * n), sizeof *part);
-    if (!hv || !beta || !zeta || !X || !flown || !part) {
-        free(hv);
-        free(beta);
-        free(zeta);
-        free(X);
-        free(flown);
-        free(part);
-        return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
-    }
-    double **const held[] = {&c->hv, &c->beta, &c->zeta, &c->X, &c->flown, &c->part}, *const made[] = {hv, beta, zeta, X, flown, part};
+    double **const arrays[] = {&c->hv, &c->beta, &c->zeta, &c->X, &c->flown, &c->part};
+    const size_t sizes[] = {vectors * ld, vectors, vectors, (6 * n + 1) * ld, 2 * n + 1 + inner, (size_t)parts * (4 * n * n + 4 * n)};
     for (int i = 0; i < 6; i++) {
-        free(*held[i]);
-        *held[i] = made[i];
+        free(*arrays[i]);
+        if (!(*arrays[i] = calloc(sizes[i], sizeof(double)))) return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
     }
     c->parts = parts;
     c->ld = (int)ld;
@@ -88,8 +77,7 @@ bool ric_nodes_fly(ric_chain *c, int k, const double *u)
     }
     c->lost = 0;
     for (int j = 0; j < c->parts; j++) {
-        double lost;
-        double from[n2];
+        double lost, from[n2];
         for (int i = 0; i < n2; i++) from[i] = j ? unit(c) * u[1 + n2 * (j - 1) + i] : start[i];
         ric_flight_smooth(m, *u / c->parts, from, map_of(c, j), &lost, end_of(c, j));
         ric_flight_rate(m, 0, end_of(c, j), rate_of(c, j));
@@ -116,12 +104,17 @@ double ric_nodes_gap(const ric_chain *c, const double *u)
     return most;
 }
 
+/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a rest, at a centre, or anywhere. */
+static void start_of(const ric_chain *c, const double *u, double *w)
+{
+    memset(w, 0, 2 * (size_t)c->n * sizeof *w);
+    memcpy(c->start == RIC_MIRROR_CENTRE ? w + c->n : w, u, (size_t)c->n_start * sizeof *w);
+}
+
 void ric_nodes_spread(const ric_chain *c, double *u)
 {
-    int n = c->n;
-    double w[2 * n];
-    memset(w, 0, sizeof w);
-    memcpy(c->start == RIC_MIRROR_CENTRE ? w + n : w, u, (size_t)c->n_start * sizeof *w);
+    double w[2 * c->n];
+    start_of(c, u, w);
     for (int j = 1; j < c->parts; j++) {
         ric_flight_go(c->model, 0, -1, u[c->n_start] / c->parts, w, w);
         ric_nodes_put(c, j, w, u);
@@ -137,10 +130,8 @@ static void carry_along(const ric_chain *c, int part, double dtau, double *dw)
 
 void ric_nodes_along(const ric_chain *c, double *du)
 {
-    int n = c->n;
-    double dw[2 * n];
-    memset(dw, 0, sizeof dw);
-    memcpy(c->start == RIC_MIRROR_CENTRE ? dw + n : dw, du, (size_t)c->n_start * sizeof *dw);
+    double dw[2 * c->n];
+    start_of(c, du, dw);
     for (int j = 1; j < c->parts; j++) {
         carry_along(c, j - 1, du[c->n_start], dw);
         ric_nodes_put(c, j, dw, du);
@@ -149,13 +140,19 @@ void ric_nodes_along(const ric_chain *c, double *du)
 
 /* ----------------------------------------------------------- factorisation */
 
+/* The first Householder vector of node j. */
+static int vector_at(const ric_chain *c, int j)
+{
+    return 1 + c->n_flight + c->n_end + 2 * c->n * (j - 1);
+}
+
 /* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is pinned like an impact. X: rows of the state, what
  * `rows` counts beyond them, one of the time of the flight, and 2n of z_j, which become those of the state. */
 static double eliminate_node(ric_chain *c, const double *u, int j, int live, int rows)
 {
-    int n2 = 2 * c->n, ld = c->ld, first = 1 + c->n_flight + c->n_end + n2 * (j - 1);
+    int n2 = 2 * c->n, ld = c->ld, first = vector_at(c, j);
     double *X = c->X, *Z = X + (rows + 1) * ld, sign = 1, g[ld];
-    for (int r = 0; r <= rows + n2; r++) memset(X + r * ld + live, 0, (size_t)n2 * sizeof *X);
+    for (int r = 0; r <= rows; r++) memset(X + r * ld + live, 0, (size_t)n2 * sizeof *X);
     memset(Z, 0, (size_t)(n2 * ld) * sizeof *Z);
     for (int i = 0; i < n2; i++) {
         X[i * ld + live + i] = -unit(c);
@@ -189,7 +186,7 @@ void ric_nodes_unwind(const ric_chain *c, bool newton, int m, double *z, double 
 {
     int n2 = 2 * c->n;
     for (int j = c->parts - 1; j > 0; j--) {
-        int first = 1 + c->n_flight + c->n_end + n2 * (j - 1);
+        int first = vector_at(c, j);
         for (int i = n2 - 1; i >= 0; i--) ric_unpin(c, first + i, m + n2 - i, newton ? c->zeta[first + i] : 0, z);
         memcpy(du + node_at(c, j), z + m, (size_t)n2 * sizeof *du);
     }

@@ -15,7 +15,8 @@
 #include "chain.h"
 
 enum { RIC_PARTS_MOST = 256 };
-/* Divides the one flight of a chain into `parts`, at most RIC_PARTS_MOST; the chain has not been flown yet. */
+/* Divides the one flight of a chain into `parts`, at most RIC_PARTS_MOST; the chain has not been flown yet. Without memory it can only
+ * be freed. */
 ric_status ric_nodes_divide(ric_chain *chain, int parts);
 /* Node j of u, from 1: the state w [2n]. */
 void ric_nodes_put(const ric_chain *chain, int j, const double *w, double *u);
