@@ -325,7 +325,8 @@ static double end_rows_general(ric_chain *c, int columns)
     int n = c->n, ld = c->ld;
     const double *wN = c->w + 2 * n * c->n_flight;
     double *X = c->X, h[2 * n], from[2 * n], sum = 0;
-    for (int r = 0; r < 2 * n; r++) from[r] = c->sigma * c->w[r];
+    memcpy(from, c->w, sizeof from);
+    for (int r = 0; r < 2 * n; r++) from[r] *= c->sigma;
     ric_flight_secant(c->model, c->closed[c->n_flight], from, wN, h);
     for (int r = 0; r < 2 * n; r++) {
         double *x = X + r * ld, *x0 = X + (2 * n + r) * ld;
