@@ -32,6 +32,17 @@ static bool near(double a, double b, double tolerance)
     return fabs(a - b) <= tolerance * fabs(b);
 }
 
+/* Every `step`-th point of a branch from `first` on returns, as the atlas is verified. */
+static void points_return(const ric_atlas *atlas, int id, int first, int step)
+{
+    ric_branch b = branch_of(atlas, id);
+    for (int i = first; i < b.n_point; i += step) {
+        ric_check check;
+        if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
+        if (!check.passed) fail_msg("branch %d %s, point %d: off by %g, returns with %g", id, b.label, i, check.flight_error, check.return_error);
+    }
+}
+
 /* ------------------------------------------------------------ published numbers */
 
 static double frequency_at(const ric_atlas *atlas, int branch, double energy)
@@ -384,11 +395,7 @@ static void bridge(void **state)
         assert_true(b.from && b.to);
         double low = junction_of(atlas, b.from).energy, high = junction_of(atlas, b.to).energy;
         assert_true(near(fmin(low, high), 27.8224604684721, 1e-9) && near(fmax(low, high), 70.1256339201796, 1e-9));
-        for (int i = 0; i < b.n_point; i += 7) {
-            ric_check check;
-            assert_int_equal(ric_verify_point(atlas, id, i, &check), RIC_OK);
-            assert_true(check.passed);
-        }
+        points_return(atlas, id, 0, 7);
     }
     assert_int_equal(bridges, 1);
     ric_atlas_free(atlas);
@@ -410,11 +417,7 @@ static void grows_on_the_way(void **state)
             assert_true(b.from && b.to);
             double low = junction_of(atlas, b.from).energy, high = junction_of(atlas, b.to).energy;
             assert_true(near(fmin(low, high), 5.20922215932, 1e-9) && near(fmax(low, high), 30.2390126342, 1e-9));
-            for (int i = 0; i < b.n_point; i += 7) {
-                ric_check check;
-                assert_int_equal(ric_verify_point(atlas, id, i, &check), RIC_OK);
-                assert_true(check.passed);
-            }
+            points_return(atlas, id, 0, 7);
         }
         assert_int_equal(found, 1);
         ric_atlas_free(atlas);
@@ -457,11 +460,7 @@ static void arrivals_without_mirrors(void **state)
         assert_true(b.from && b.to && b.from != b.to);
         assert_int_equal(junction_of(atlas, b.from).kind, RIC_KIND_BRANCH_POINT);
         assert_int_equal(junction_of(atlas, b.to).kind, RIC_KIND_BRANCH_POINT);
-        for (int i = 0; i < b.n_point; i += 5) {
-            ric_check check;
-            assert_int_equal(ric_verify_point(atlas, id, i, &check), RIC_OK);
-            assert_true(check.passed);
-        }
+        points_return(atlas, id, 0, 5);
     }
     assert_int_equal(found[true], 2);
     assert_int_equal(found[false], 1);
@@ -500,9 +499,8 @@ static void power_99(void **state)
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
-        ric_check check;
         if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
-        if (ric_verify_point(atlas, id, b.n_point / 2, &check) || !check.passed) fail_msg("branch %d %s does not return", id, b.label);
+        points_return(atlas, id, b.n_point / 2, b.n_point);
         if (b.reversible || b.from == 0 || b.to == 0) continue;
         met += near(junction_of(atlas, b.from).energy, 4.79941468408, 1e-9) && near(junction_of(atlas, b.to).energy, 5.22578464693, 1e-9);
     }
@@ -524,12 +522,10 @@ static void inner_nodes(void **state)
         if (id > 1) assert_true(near(junction_of(atlas, b.from).energy, from[id - 1], 1e-9));
         for (int i = 0; i < b.n_point; i++) {
             ric_point point;
-            ric_check check;
             assert_int_equal(ric_atlas_point(atlas, id, i, &point, NULL, NULL), RIC_OK);
             assert_true(point.residual < 2e-11);
-            if (i % 5 == 3 && (ric_verify_point(atlas, id, i, &check) || !check.passed))
-                fail_msg("branch %d, point %d: off by %g, returns with %g", id, i, check.flight_error, check.return_error);
         }
+        points_return(atlas, id, 3, 5);
     }
     ric_atlas_free(atlas);
 }
