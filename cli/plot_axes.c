@@ -58,6 +58,7 @@ typedef struct {
 typedef struct {
     const plot_axis *axis;
     double low, high; /* data range that the tics are for */
+    int power;        /* of ten, that the labels of a linear axis leave to its title */
     int n;
     tick ticks[MAX_TICKS];
 } tick_list;
@@ -91,19 +92,22 @@ static double telling_step(double low, double high, double count)
     return step;
 }
 
-static void linear_ticks(tick_list *list, double pixels, double spacing)
+/* Very small and very large numbers may share a power of ten that a title names. */
+static void linear_ticks(tick_list *list, double pixels, double spacing, bool share_power)
 {
     const double step = telling_step(list->low, list->high, pixels / spacing), slack = 1e-9 * (list->high - list->low);
     const double lead = step / pow(10, floor(log10(step) + 1e-9)), size = fmax(fabs(list->low), fabs(list->high));
     const int fine = lead > 1.5 && lead < 3 ? 4 : 5, minor = pixels * step / (list->high - list->low) / fine < 7 ? fine == 4 ? 2 : 1 : fine;
-    const bool plain = size < 1e5 && step > 1e-7 * (size < 1 ? 1 : size);
-    const int digits = plain ? (int)fmax(0, -floor(log10(step) + 1e-9)) : 6;
+    list->power = share_power && size > 0 && (size < 0.02 || size >= 1e5) ? (int)floor(log10(size) + 1e-9) : 0;
+    const double unit = pow(10, list->power), shown = size / unit;
+    const bool plain = shown < 1e5 && step / unit > 1e-7 * (shown < 1 ? 1 : shown);
+    const int digits = plain ? (int)fmax(0, -floor(log10(step / unit) + 1e-9)) : 6;
     list->low -= slack;
     list->high += slack;
     for (double k = ceil(list->low / step * minor); k * step / minor <= list->high && list->n < MAX_TICKS; k++) {
         const double value = k == 0 ? 0 : k * step / minor;
         char text[64];
-        snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", digits, value);
+        snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", digits, value / unit);
         add_tick(list, value, fabs(fmod(k, minor)) < 0.5 ? text : NULL);
     }
 }
@@ -138,7 +142,7 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
 {
     const double decade = pixels / log10(list->high / list->low);
     if (pixels / decade < 0.45) {
-        linear_ticks(list, pixels, spacing);
+        linear_ticks(list, pixels, spacing, false);
         return;
     }
     const char *tenths = labelled(decade / spacing);
@@ -169,17 +173,17 @@ static void asinh_ticks(tick_list *list, double pixels)
     }
 }
 
-static void axis_ticks(tick_list *list, const plot_axis *axis, double spacing)
+static void axis_ticks(tick_list *list, const plot_axis *axis, double spacing, const char *title)
 {
     const double pixels = axis->to - axis->from;
     *list = (tick_list){.axis = axis, .low = axis->lo, .high = axis->hi};
     switch (axis->scale) {
-    case PLOT_SCALE_LINEAR: linear_ticks(list, pixels, spacing); break;
+    case PLOT_SCALE_LINEAR: linear_ticks(list, pixels, spacing, title && *title); break;
     case PLOT_SCALE_LOG: log_ticks(list, pixels, spacing); break;
     case PLOT_SCALE_ASINH: asinh_ticks(list, pixels); break;
     case PLOT_SCALE_BROKEN:
         list->high = axis->knee;
-        linear_ticks(list, knee_part * pixels, spacing);
+        linear_ticks(list, knee_part * pixels, spacing, false);
         list->low = axis->knee * 1.02;
         list->high = axis->hi;
         log_ticks(list, (1 - knee_part) * pixels, spacing);
@@ -223,10 +227,21 @@ static bool show_label(tick_list *list, int i, double half, double gap)
     return t->shown;
 }
 
+/* "time (s)" of which the labels are 1, 2 and 3 for 1e-4, 2e-4 and 3e-4: "time (s) / 10^{-4}". */
+static const char *full_title(const tick_list *list, const char *title, size_t size, char *out)
+{
+    if (list->power == 0)
+        return title;
+    snprintf(out, size, "%s / 10^{%d}", title, list->power);
+    return out;
+}
+
 static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
 {
     tick_list list;
-    axis_ticks(&list, axis, 62);
+    char full[200];
+    axis_ticks(&list, axis, 62, title);
+    title = full_title(&list, title, sizeof full, full);
     for (int i = 0; i < list.n; i++) {
         const tick *t = &list.ticks[i];
         const double length = t->major ? 6 : 3;
@@ -243,7 +258,9 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
 {
     tick_list list;
     double widest = 0;
-    axis_ticks(&list, axis, 42);
+    char full[200];
+    axis_ticks(&list, axis, 42, title);
+    title = full_title(&list, title, sizeof full, full);
     for (int i = 0; i < list.n; i++) {
         const tick *t = &list.ticks[i];
         const double length = t->major ? 6 : 3;

@@ -387,7 +387,7 @@ static void draw_portraits(orbit *o, plot_box area)
     const double width = (area.right - area.left) / columns, height = (area.top - area.bottom) / lines;
     for (int i = 0; i < o->n_shown; i++) {
         const double left = area.left + width * (i % columns), top = area.top - height * (i / columns);
-        draw_portrait(o, o->shown[i], (plot_box){left + 62, top - height + 46, left + width - 8, top - 6});
+        draw_portrait(o, o->shown[i], (plot_box){left + 70, top - height + 46, left + width - 8, top - 6});
     }
 }
 

@@ -100,6 +100,8 @@ exits 0 plot fep "$ATLAS" --ghosts --energy 1.8:4 --frequency 2.5:4 -o away.svg
 note "ghosts outside of the window" "$(! grep -q 'ghost: no motion' away.svg; echo $?)"
 draws orbit plot orbit "$ATLAS" --branch 1 --point 0
 draws junction plot orbit "$ATLAS" --junction 1 --coordinates 1
+draws tiny plot orbit "$ATLAS" --branch 1 --energy 1e-6
+note "an axis of tiny numbers names their power of ten" "$(grep -q '0\.000[1-9]' tiny.svg; [ $? = 1 ] && grep -q 'displacement / 10<' tiny.svg; echo $?)"
 draws fep-duplicates plot fep "$ATLAS" --duplicates 3
 draws fep-two plot fep "$ATLAS" --key one "$ATLAS" --key two --branch 1
 draws fep-zoom plot fep "$ATLAS" --zoom 1.8:4,2.5:4 --zoom 0.6:1,0.9:1 --log-frequency --symmetric --mark 'P1: 1@0.5'
