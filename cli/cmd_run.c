@@ -81,11 +81,11 @@ static void print_report(const json_t *rows)
     fputc('\n', stderr);
 }
 
-static int print_summary(const char *path, const display *d)
+/* What `ricochet report` says of the file, from what was written there. */
+static int print_summary(const char *path, const ric_atlas *atlas, const display *d)
 {
-    ric_atlas *atlas = NULL;
     json_t *rows = json_array();
-    ric_status status = rows ? ric_atlas_read(path, &atlas) : RIC_E_NOMEM;
+    ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
     if (!status) {
         fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
                 seconds_since(&d->start));
@@ -95,7 +95,6 @@ static int print_summary(const char *path, const display *d)
             print_report(rows);
     }
     json_decref(rows);
-    ric_atlas_free(atlas);
     return status ? cli_report(status) : CLI_DONE;
 }
 
@@ -184,7 +183,7 @@ static int explore(const ric_study *study, const char *path, long workers, doubl
     display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
-    ric_atlas *before = NULL;
+    ric_atlas *before = NULL, *atlas = NULL;
     if (!access(path, F_OK) && ric_atlas_read(path, &before))
         before = NULL; /* the run itself says what is wrong with it */
     cli_catch_signals();
@@ -192,7 +191,7 @@ static int explore(const ric_study *study, const char *path, long workers, doubl
         signal(SIGALRM, give_up);
         alarm((unsigned)(seconds + GRACE));
     }
-    ric_status status = ric_explore_with(study, path, &options, cli_run_crew);
+    ric_status status = ric_explore_with(study, path, &options, cli_run_crew, &atlas);
     alarm(0);
     clear_progress(&d);
     if (before && (!status || status == RIC_E_INTERRUPTED))
@@ -204,7 +203,9 @@ static int explore(const ric_study *study, const char *path, long workers, doubl
         fprintf(stderr, "ricochet: stopped; what was done is kept in %s, and the same command continues there\n", path);
         return CLI_FAILED;
     }
-    return status ? cli_report(status) : print_summary(path, &d);
+    const int code = status ? cli_report(status) : print_summary(path, atlas, &d);
+    ric_atlas_free(atlas);
+    return code;
 }
 
 /* The work for one orbit grows with the cube of the modes that take part. Where a single branch may take minutes, nobody shall wait unawares. */

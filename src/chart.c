@@ -339,8 +339,6 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
                             .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]},
                             .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
     r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;
-    if (node->kind == RIC_KIND_EXTREMUM || node->kind == RIC_KIND_BRANCH_POINT || node->kind == RIC_KIND_MULTIPLICATION)
-        status = ric_multiplicity(m, node, &r->row.a, &r->row.b, &r->row.decided);
     count_departures(node, r);
 out:
     ric_cycle_free(cycle);
@@ -573,6 +571,9 @@ typedef struct {
     const ric_graph *graph;
     sheet *sheets;
     mark *marks;
+    ric_atlas *atlas;
+    ric_status (*beside)(void *user, const ric_atlas *atlas);
+    void *user;
 } workshop;
 
 static ric_status sheet_in_shop(void *user, int i)
@@ -588,7 +589,47 @@ static ric_status mark_in_shop(void *user, int i)
     return make_mark(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
 }
 
-ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
+/* What goes on beside comes first, because it takes longest; then C_ab of one junction after the other. */
+static ric_status measure_in_shop(void *user, int i)
+{
+    const workshop *s = user;
+    if (i == 0) return s->beside ? s->beside(s->user, s->atlas) : RIC_OK;
+    const ric_node *node = s->marks[i - 1].node;
+    ric_junction *row = &s->marks[i - 1].record.row;
+    if (!node || (node->kind != RIC_KIND_EXTREMUM && node->kind != RIC_KIND_BRANCH_POINT && node->kind != RIC_KIND_MULTIPLICATION)) return RIC_OK;
+    return ric_multiplicity(s->graph->model, node, &row->a, &row->b, &row->decided);
+}
+
+/* Junctions are numbered, and branches in the order of what they meet. */
+static ric_status put_in_order(int n_mark, mark *marks, int n_sheet, sheet *sheets, int *id)
+{
+    qsort(marks, (size_t)n_mark, sizeof *marks, mark_order);
+    for (int i = 0; i < n_mark; i++) {
+        marks[i].record.row.id = i + 1;
+        id[marks[i].index] = i + 1;
+    }
+    for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
+    qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
+    link_sheets(n_sheet, sheets, id);
+    return list_branches(marks, n_sheet, sheets, id);
+}
+
+/* An atlas with room for junctions, and with the records of branches, which stay the sheets' own until all is done. */
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const sheet *sheets, int n_mark, ric_atlas *atlas)
+{
+    ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
+    if (status) return status;
+    atlas->branches = calloc((size_t)n + 1, sizeof *atlas->branches);
+    atlas->junctions = calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
+    if (!atlas->branches || !atlas->junctions) return no_memory();
+    for (int i = 0; i < n; i++) atlas->branches[i] = sheets[i].record;
+    for (int i = 0; i < g->n_edge; i++) atlas->n_unplaced += g->edges[i].n_unplaced;
+    atlas->n_branch = n;
+    return RIC_OK;
+}
+
+ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool finished, ric_status (*beside)(void *user, const ric_atlas *atlas), void *user,
+                            ric_atlas **out)
 {
     ric_status status = RIC_OK;
     const ric_model *m = g->model;
@@ -605,42 +646,28 @@ ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, 
         goto out;
     }
     if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
-    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark};
+    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark, .atlas = atlas, .beside = beside, .user = user};
     n_sheet += g->n_edge;
     mark_used(g, used);
     for (int i = 0; i < g->n_node; i++)
         if (used[i]) marks[n_mark++].index = i;
     if ((status = ric_parallel(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
     if ((status = ric_parallel(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
-    qsort(marks, (size_t)n_mark, sizeof *marks, mark_order);
-    for (int i = 0; i < n_mark; i++) {
-        marks[i].record.row.id = i + 1;
-        id[marks[i].index] = i + 1;
-    }
-    for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
-    qsort(sheets, (size_t)n_sheet, sizeof *sheets, sheet_order);
-    link_sheets(n_sheet, sheets, id);
-    status = list_branches(marks, n_sheet, sheets, id);
+    if ((status = put_in_order(n_mark, marks, n_sheet, sheets, id))) goto out;
+    atlas->finished = finished;
+    if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
+    shop.marks = marks;
+    status = ric_parallel(g->n_worker, n_mark + 1, measure_in_shop, &shop);
     if (!status) status = label_marks(n_mark, marks);
     if (!status) status = name_marks(study, n_mark, marks);
     if (status) goto out;
-    if ((status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study))) goto out;
-    atlas->finished = finished;
-    atlas->branches = calloc((size_t)n_sheet + 1, sizeof *atlas->branches);
-    atlas->junctions = calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
-    if (!atlas->branches || !atlas->junctions) {
-        status = no_memory();
-        goto out;
-    }
-    for (int i = 0; i < n_sheet; i++) atlas->branches[i] = sheets[i].record;
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
-    for (int i = 0; i < g->n_edge; i++) atlas->n_unplaced += g->edges[i].n_unplaced;
-    atlas->n_branch = n_sheet;
     atlas->n_junction = n_mark;
     *out = atlas;
     atlas = NULL;
     n_sheet = n_mark = 0;
 out:
+    if (atlas) atlas->n_branch = 0; /* they belong to the sheets */
     for (int i = 0; sheets && i < n_sheet; i++) ric_branch_record_free(&sheets[i].record);
     for (int i = 0; marks && i < n_mark; i++) ric_junction_record_free(&marks[i].record);
     free(sheets);
@@ -649,4 +676,9 @@ out:
     free(used);
     ric_atlas_free(atlas);
     return status;
+}
+
+ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
+{
+    return ric_chart_beside(g, study, finished, NULL, NULL, out);
 }

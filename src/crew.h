@@ -14,8 +14,8 @@ typedef struct ric_crew {
     void *user;
 } ric_crew;
 
-/* ric_explore with a crew, which may be NULL. */
-ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew);
+/* ric_explore with a crew, which may be NULL, and with the atlas that was written, if `out` is not NULL: free *out, which is NULL after a failure. */
+ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew, ric_atlas **out);
 
 /* At the other end: what is needed to prepare departures of a study. */
 typedef struct ric_hand ric_hand;

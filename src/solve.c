@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "nodes.h"
 #include "status.h"
 
 /* -------------------------------------------------------------------- bytes */
@@ -54,7 +55,7 @@ static ric_cycle *get_cycle(const ric_model *m, source *s)
 {
     int32_t head[HEAD] = {0};
     get(s, head, sizeof head);
-    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0) return NULL;
+    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0 || head[5] > RIC_PARTS_MOST) return NULL;
     ric_cycle *c = ric_cycle_create(head[0], head[1]);
     if (!c) return NULL;
     c->half = head[2];

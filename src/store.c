@@ -43,6 +43,7 @@ struct ric_store {
     char *path, *lock_path;
     int lock; /* descriptor that holds the lock, -1 = none */
     sqlite3_stmt *get, *put;
+    bool tables_begun; /* the tables are being replaced */
 };
 
 /* -------------------------------------------------------------------- lock */
@@ -320,20 +321,34 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     return status;
 }
 
-ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
+ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
 {
     ric_database file = store->file;
     ric_status status = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
     if (!status)
         status = begin(file);
+    store->tables_begun = !status;
     if (!status)
         status = ric_database_run(file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
                               "DELETE FROM branch; DELETE FROM junction");
-    if (!status)
-        status = ric_store_put_branches(file, atlas);
+    return status ? status : ric_store_put_branches(file, atlas);
+}
+
+ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas)
+{
+    ric_database file = store->file;
+    ric_status status = before;
+    if (!store->tables_begun) /* traces that wait for a commit are no part of it */
+        return status;
+    store->tables_begun = false;
     if (!status)
         status = ric_store_put_junctions(file, atlas);
     if (!status)
         status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced);
     return conclude(file, status);
+}
+
+ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
+{
+    return ric_store_write_junctions(store, ric_store_write_branches(store, atlas), atlas);
 }

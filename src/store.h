@@ -24,6 +24,10 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines);
 
 /* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
+/* The same in two steps, so that the junctions need not be known yet when the branches are written. The second one ends what the first began, also where
+ * that, or anything in between, has failed: then nothing is changed, and it returns that failure, `before`. */
+ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas);
+ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas);
 
 /* Reads the tables back into a new atlas (study parsed from the file). */
 ric_status ric_store_read(const char *path, ric_atlas **out);

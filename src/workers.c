@@ -1,6 +1,7 @@
 #include "workers.h"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -224,7 +225,8 @@ typedef struct {
     int next, count;
     ric_status (*each)(void *, int);
     void *user;
-    ric_status status;
+    ric_status status; /* the first failure, with its reason */
+    char why[1024];
 } loop;
 
 static void *turn(void *argument)
@@ -238,7 +240,10 @@ static void *turn(void *argument)
         ric_status status = l->each(l->user, i);
         if (!status && ric_starved()) status = RIC_E_NOMEM;
         pthread_mutex_lock(&l->lock);
-        if (status) l->status = status;
+        if (status && !l->status) {
+            l->status = status;
+            snprintf(l->why, sizeof l->why, "%s", status == RIC_E_NOMEM ? ric_status_text(status) : ric_detail());
+        }
     }
     pthread_mutex_unlock(&l->lock);
     return NULL;
@@ -260,5 +265,5 @@ ric_status ric_parallel(int n, int count, ric_status (*each)(void *user, int i),
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
     pthread_mutex_destroy(&l.lock);
     free(threads);
-    return l.status ? ric_fail(l.status, "%s", ric_status_text(l.status)) : RIC_OK; /* the reason stayed with its thread */
+    return l.status ? ric_fail(l.status, "%s", l.why) : RIC_OK;
 }
