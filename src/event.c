@@ -5,27 +5,19 @@
 
 #include "arrival.h"
 #include "crossing.h"
+#include "event_parts.h"
 #include "motion.h"
 #include "status.h"
 
-#define LOCATE_STEPS 60
 #define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
-/* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
-#define TRUE_ZERO 1e-5
 /* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has jumped. */
 #define JUMP 1e-7
-/* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
-#define TRUE_RESONANCE 1e-2
 /* How far the sign of a factor that was never seen may come out of rounding in one step, over the least that is seen. */
 #define EMERGED 100
 /* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
 #define ASIDE_STEPS 3
 /* Part of the largest step within which two pairs that pass a resonance count as one event. */
 #define TOGETHER 1e-6
-/* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
- * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
- * through four points at good distance, and the junction is solved on its own equations later. */
-#define CROSSING 1e-3
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
 /* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through that point has another
@@ -43,8 +35,6 @@
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
                                  1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
-/* Factors of the map, which grows without bound where an impact loses its speed. */
-static const unsigned singular = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
 /* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them passes through zero
  * the singular functions change sign without a zero. */
 static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
@@ -99,7 +89,7 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
     if (!tr->has_past || h < 1e-5 * tr->step_max || crossing_ahead(tr, h) < HUGE_VAL) return false;
     if (emerges_late(tr)) return true;
     double x0 = p->s - a->s, x2 = b->s - a->s;
-    for (int i = 0; i < tr->floquet.n_pair && !(tr->ignore & singular); i++)
+    for (int i = 0; i < tr->floquet.n_pair && !(tr->ignore & EVENT_SINGULAR); i++)
         if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;
     for (int i = 0; i < RIC_N_TEST; i++) {
         double f0 = p->test[i], f1 = a->test[i], f2 = b->test[i];
@@ -109,211 +99,9 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
         if (!(vertex > 0 && vertex < x2)) continue;
         double bottom = f1 + B * vertex / 2, end = fmin(fabs(f1), fabs(f2));
         /* towards zero, and the cubic term could make up for what is left; what falls by orders beside a grazing dips far below, and means nothing */
-        if (bottom * f1 < 0.4 * end * fabs(f1) && (fabs(bottom) < fabs(f1) || !(singular & 1u << i))) return true;
+        if (bottom * f1 < 0.4 * end * fabs(f1) && (fabs(bottom) < fabs(f1) || !(EVENT_SINGULAR & 1u << i))) return true;
     }
     return false;
-}
-
-/* ------------------------------------------------------------------ location */
-
-/* The unknowns at distance x from `now` on the cubic through now and next. */
-static void on_cubic(const ric_trace *tr, double x, double h, double *u)
-{
-    const ric_station *a = &tr->now, *b = &tr->next;
-    double y = x / h, H = b->s - a->s;
-    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p, s = (y * y * y - y * y) * H;
-    for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
-}
-
-/* Solves at distance x from `now`, between now and next, from the cubic through both. */
-static ric_status station_at(ric_trace *tr, double x, double h, ric_station *out, bool *good)
-{
-    ric_chain *c = tr->chain;
-    const ric_station *a = &tr->now;
-    int iterations;
-    on_cubic(tr, x, h, out->u);
-    *good = ric_trace_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
-    tr->evaluations += iterations + 1;
-    if (!*good) return RIC_OK;
-    double sign = ric_trace_tangent(c, a->t, out->t);
-    out->s = a->s + (tr->next.s - a->s) * (x / h);
-    return ric_trace_examine(tr, out, sign);
-}
-
-/* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
-static double value_of(const ric_trace *tr, int test, const ric_station *p)
-{
-    if (test < RIC_N_TEST) return p->test[test];
-    const ric_asked *asked = ric_trace_asked(tr, test);
-    if (asked) return ric_asked_off(asked, p->row.energy, p->row.frequency);
-    return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
-}
-
-/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots that change their places, what is smooth. */
-static double height(int test, const ric_station *p, double value)
-{
-    return test < RIC_N_TEST && singular & 1u << test ? fabs(p->factor[test == RIC_TEST_A ? 0 : test == RIC_TEST_B ? 1 : 2]) : fabs(value);
-}
-
-/* Brent's method on the distance from `now`; the result is left in tr->mid. *zero: a true zero was found. */
-static ric_status locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h, double *where, bool *zero)
-{
-    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a, e = d;
-    ric_status status;
-    bool good = false;
-    *zero = false;
-    for (int i = 0; i < LOCATE_STEPS; i++) {
-        if (fb * fc > 0) {
-            c = a;
-            fc = fa;
-            d = e = b - a;
-        }
-        if (fabs(fc) < fabs(fb)) {
-            a = b; b = c; c = a;
-            fa = fb; fb = fc; fc = fa;
-        }
-        double tolerance = 2e-16 * h + 1e-17, m = (c - b) / 2;
-        if (fabs(m) <= tolerance || fb == 0) break;
-        if (fabs(e) < tolerance || fabs(fa) <= fabs(fb)) d = e = m;
-        else {
-            double s = fb / fa, p, q;
-            if (a == c) {
-                p = 2 * m * s;
-                q = 1 - s;
-            } else {
-                double t = fa / fc, r = fb / fc;
-                p = s * (2 * m * t * (t - r) - (b - a) * (r - 1));
-                q = (t - 1) * (r - 1) * (s - 1);
-            }
-            if (p > 0) q = -q;
-            else p = -p;
-            if (2 * p < fmin(3 * m * q - fabs(tolerance * q), fabs(e * q))) {
-                e = d;
-                d = p / q;
-            } else d = e = m;
-        }
-        a = b;
-        fa = fb;
-        b += fabs(d) > tolerance ? d : copysign(tolerance, m);
-        if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
-        if (!good) return RIC_OK;
-        fb = value_of(tr, test, &tr->mid);
-        top = fmax(top, height(test, &tr->mid, fb));
-    }
-    if ((status = station_at(tr, b, h, &tr->mid, &good))) return status;
-    *where = b;
-    double least = value_of(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
-    *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
-    return RIC_OK;
-}
-
-/* ------------------------------------------------------------------ crossings */
-
-/* Four points of a step that crosses a branch point, and the cubics through them. */
-typedef struct {
-    double x[4], test[4][RIC_N_TEST];
-    double *u;   /* [4 * n_unknown] */
-    double *own; /* [4 * 2 * n_pair], behind u */
-} crossing;
-
-static void lagrange(const double *x, double at, double *value, double *slope)
-{
-    for (int i = 0; i < 4; i++) {
-        double product = 1, sum = 0;
-        for (int j = 0; j < 4; j++) {
-            if (j == i) continue;
-            double rest = 1 / (x[i] - x[j]);
-            product *= (at - x[j]) / (x[i] - x[j]);
-            for (int k = 0; k < 4; k++)
-                if (k != i && k != j) rest *= (at - x[k]) / (x[i] - x[k]);
-            sum += rest;
-        }
-        value[i] = product;
-        slope[i] = sum;
-    }
-}
-
-static double crossing_test(const ric_trace *tr, const crossing *q, int test, double at)
-{
-    double value[4], slope[4], sum = 0;
-    int n_pair = tr->floquet.n_pair;
-    lagrange(q->x, at, value, slope);
-    for (int i = 0; i < 4; i++)
-        sum += value[i] * (test < RIC_N_TEST ? q->test[i][test]
-                                             : ric_resonance_test(q->own + i * 2 * n_pair, n_pair, tr->resonances[test - RIC_N_TEST].rho));
-    return sum;
-}
-
-/* Solves at the four distances q->x; false if one of them does not converge. */
-static ric_status crossing_solve(ric_trace *tr, double h, crossing *q, bool *good)
-{
-    size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
-    *good = true;
-    for (int i = 0; i < 4 && *good; i++) {
-        ric_status status = station_at(tr, q->x[i], h, &tr->mid, good);
-        if (status) return status;
-        memcpy(q->test[i], tr->mid.test, sizeof tr->mid.test);
-        memcpy(q->u + i * size, tr->mid.u, size * sizeof *q->u);
-        memcpy(q->own + i * pairs, tr->mid.own, pairs * sizeof *q->own);
-    }
-    return RIC_OK;
-}
-
-/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be noise. Where the branch
- * bends too much for that, they lie within the step. */
-static ric_status crossing_create(ric_trace *tr, double h, crossing *q)
-{
-    static const double place[4] = {-1, -0.5, 0.5, 1};
-    size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
-    double within[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
-    bool good = false;
-    if (!(q->u = malloc(4 * (size + pairs) * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
-    q->own = q->u + 4 * size;
-    for (int i = 0; i < 4; i++) q->x[i] = root * h + place[i] * CROSSING / 2 * tr->chain->scale;
-    ric_status status = crossing_solve(tr, h, q, &good);
-    if (!status && !good) {
-        memcpy(q->x, within, sizeof within);
-        status = crossing_solve(tr, h, q, &good);
-    }
-    if (!status && !good) status = ric_fail(RIC_E_NUMERIC, "no convergence beside a branch point");
-    if (status) {
-        free(q->u);
-        q->u = NULL;
-    }
-    return status;
-}
-
-/* Bisection on the cubic between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided out. */
-static double crossing_root(const ric_trace *tr, const crossing *q, int test, double a, double b, double sign, double known)
-{
-    for (int i = 0; i < 60; i++) {
-        double m = (a + b) / 2, fm = crossing_test(tr, q, test, m) * (m < known ? -1 : 1);
-        if (sign * fm > 0) a = m;
-        else b = m;
-    }
-    return (a + b) / 2;
-}
-
-/* The point at x read off the cubics; nothing is solved. */
-static void crossing_station(const ric_trace *tr, const crossing *q, double x, double h, ric_station *out)
-{
-    int size = tr->chain->n_unknown;
-    double value[4], slope[4], norm = 0;
-    lagrange(q->x, x, value, slope);
-    for (int j = 0; j < size; j++) {
-        out->u[j] = out->t[j] = 0;
-        for (int i = 0; i < 4; i++) {
-            out->u[j] += value[i] * q->u[i * size + j];
-            out->t[j] += slope[i] * q->u[i * size + j];
-        }
-        norm += out->t[j] * out->t[j];
-    }
-    for (int j = 0; j < size; j++) out->t[j] /= sqrt(norm);
-    out->s = tr->now.s + (tr->next.s - tr->now.s) * x / h;
-    /* the row is that of the nearest end but for what the cubics give */
-    out->row = tr->next.row;
-    out->row.arclength = out->s;
 }
 
 /* -------------------------------------------------------------------- keeping */
@@ -382,14 +170,14 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
     double distance = 0, first = along, most = SAME_PLACE * tr->chain->scale, *u = tr->mid.u;
     const double *t = tr->next.t;
     if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) { /* a branch point itself, as which many branches start: the cubic knows it */
-        on_cubic(tr, along, h, u);
+        ric_event_cubic(tr, along, h, u);
         along = 0;
         for (int i = 0; i < size; i++) along += (home[i] - u[i]) * t[i];
         for (int i = 0; i < size; i++) u[i] += along * t[i];
         most = fmax(most, ON_CUBIC * h);
     } else {
         bool good = false;
-        if (station_at(tr, along, h, &tr->mid, &good) || !good) return false;
+        if (ric_event_solve(tr, along, h, &tr->mid, &good) || !good) return false;
         t = tr->mid.t;
     }
     for (int i = 0; i < size; i++) distance = fmax(distance, fabs(u[i] - home[i]));
@@ -453,11 +241,11 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
             continue;
         }
         if (!(fa * fb < 0)) continue;
-        ric_status status = locate(tr, i, 0, fa, to, fb, h, &x, &zero);
+        ric_status status = ric_event_locate(tr, i, 0, fa, to, fb, h, &x, &zero);
         if (status) return status;
         if (!zero) {
             /* the factors of the map may jump where rounding hides them; in a step this short nothing else can have happened */
-            if ((singular & 1u << i) && h < JUMP * tr->chain->scale) continue;
+            if ((EVENT_SINGULAR & 1u << i) && h < JUMP * tr->chain->scale) continue;
             *retry = true;
             return RIC_OK;
         }
@@ -481,7 +269,7 @@ static bool approach_crossing(ric_trace *tr, double h)
  * nothing dE/ds and dT/ds, which vanish with it. */
 static unsigned late_at(const ric_trace *tr, int test)
 {
-    return singular | (tr->chain->model->springs && test == RIC_TEST_APPROACH ? extrema : 0);
+    return EVENT_SINGULAR | (tr->chain->model->springs && test == RIC_TEST_APPROACH ? extrema : 0);
 }
 
 /* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and its distance. `limit` holds
@@ -499,9 +287,9 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     *test = roots[0].test;
     *end = roots[0].x;
-    if ((status = station_at(tr, *end, h, &tr->mid, &good))) return status;
+    if ((status = ric_event_solve(tr, *end, h, &tr->mid, &good))) return status;
     memcpy(limit, tr->mid.test, sizeof tr->mid.test);
-    if ((status = station_at(tr, *end * BEFORE, h, &tr->mid, &good))) return status;
+    if ((status = ric_event_solve(tr, *end * BEFORE, h, &tr->mid, &good))) return status;
     for (int i = 0; i < RIC_N_TEST; i++)
         if (late_at(tr, *test) & 1u << i) limit[i] = tr->mid.test[i];
     return RIC_OK;
@@ -515,8 +303,8 @@ static void complete_row(ric_trace *tr, ric_station *p);
 static ric_status look(ric_trace *tr, bool solve, double x, double h, ric_station *out, bool *good)
 {
     *good = true;
-    if (solve) return station_at(tr, x, h, out, good);
-    on_cubic(tr, x, h, out->u);
+    if (solve) return ric_event_solve(tr, x, h, out, good);
+    ric_event_cubic(tr, x, h, out->u);
     memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
     out->s = tr->now.s + (tr->next.s - tr->now.s) * (x / h);
     complete_row(tr, out);
@@ -528,7 +316,7 @@ static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double 
     bool good;
     for (int i = 0; i < LOCATE_STEPS; i++) {
         look(tr, false, (a + b) / 2, h, &tr->mid, &good);
-        if ((value_of(tr, test, &tr->mid) < 0) == (fa < 0)) a = (a + b) / 2;
+        if ((ric_event_value(tr, test, &tr->mid) < 0) == (fa < 0)) a = (a + b) / 2;
         else b = (a + b) / 2;
     }
     return (a + b) / 2;
@@ -548,7 +336,7 @@ static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb
         if ((fa < 0) == (fb < 0) || (horizontal && tr->limits->asked[k].frequency)) continue;
         if (!solve) x = bisect_cubic(tr, test, xa, fa, xb, h);
         else {
-            ric_status status = locate(tr, test, xa, fa, xb, fb, h, &x, &zero);
+            ric_status status = ric_event_locate(tr, test, xa, fa, xb, fb, h, &x, &zero);
             if (status) return status;
         }
         if (!zero && fmax(fabs(fa), fabs(fb)) > ROUNDING) {
@@ -562,7 +350,7 @@ static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb
 
 static void distances(const ric_trace *tr, const ric_station *p, double *out)
 {
-    for (int k = 0; k < tr->limits->n_asked; k++) out[k] = value_of(tr, RIC_N_TEST + tr->n_resonance + k, p);
+    for (int k = 0; k < tr->limits->n_asked; k++) out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
 }
 
 /* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots known: so a
@@ -606,10 +394,10 @@ static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
 /* ------------------------------------------------------- over a branch point */
 
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay together crosses. */
-static bool meets_corner(const ric_trace *tr, const crossing *q, double h, double *at)
+static bool meets_corner(const ric_trace *tr, const ric_bridge *q, double h, double *at)
 {
     if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) || !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0)) return false;
-    double x = crossing_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
+    double x = ric_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
     if (x > *at + 0.05 * h) return false;
     *at = x;
     return true;
@@ -619,17 +407,17 @@ static bool meets_corner(const ric_trace *tr, const crossing *q, double h, doubl
  * DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
 static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, bool *retry)
 {
-    crossing q;
+    ric_bridge q;
     root roots[RIC_N_TEST + tr->n_resonance];
     int n = 0;
     int first = tr->n_event;
-    ric_status status = crossing_create(tr, h, &q);
+    ric_status status = ric_bridge_build(tr, h, &q);
     *end_test = -1;
     if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
     if (status) return status;
-    double at = crossing_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
+    double at = ric_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
-    crossing_station(tr, &q, at, h, &tr->mid);
+    ric_bridge_station(tr, &q, at, h, &tr->mid);
     /* a neighbour on the side where there is more room: close by it is lost in rounding */
     int far = at - q.x[0] > q.x[3] - at ? 0 : 3;
     const double *beside = q.u + far * tr->chain->n_unknown;
@@ -637,7 +425,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
         double aside, x;
         if (ric_arrival_meets(tr, tr->mid.u, beside, &aside)) *end_test = RIC_TEST_DET;
         else if ((x = at + aside * (q.x[far] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
-        else crossing_station(tr, &q, at = x, h, &tr->mid);
+        else ric_bridge_station(tr, &q, at = x, h, &tr->mid);
     }
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
@@ -652,7 +440,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
      * zero belongs to the one junction, and beyond it the other sign is the one to expect. A family of order 3 passes on a slope; its
      * extremum lies aside and is a junction of its own. */
     bool image = !arrived && ric_arrival_passes(tr, tr->mid.u, beside);
-    bool flat = arrived || image || (repeated && fabs(crossing_test(tr, &q, RIC_TEST_SLOPE, at)) <
+    bool flat = arrived || image || (repeated && fabs(ric_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                              ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {
         double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
@@ -660,27 +448,27 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
         bool shared = flat && (extrema & 1u << i);
         if (shared) before = tr->definite[i] = -before;
         /* at a duplicate the kernels of all symmetries open at once, like high powers of the distance */
-        if ((singular & 1u << i) && (arrived || image || repeated)) continue;
+        if ((EVENT_SINGULAR & 1u << i) && (arrived || image || repeated)) continue;
         if (!(before * after < 0)) continue;
-        double x = i == RIC_TEST_DET ? at : crossing_root(tr, &q, i, 0, h, before, shared ? at : NAN);
+        double x = i == RIC_TEST_DET ? at : ric_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
         if (arrived && x >= at) continue;
         roots[n++] = (root){i, x};
     }
     for (int k = 0; k < tr->n_resonance; k++) {
-        double before = value_of(tr, RIC_N_TEST + k, &tr->now), after = value_of(tr, RIC_N_TEST + k, &tr->next);
+        double before = ric_event_value(tr, RIC_N_TEST + k, &tr->now), after = ric_event_value(tr, RIC_N_TEST + k, &tr->next);
         if (!(before * after < 0)) continue;
-        double x = crossing_root(tr, &q, RIC_N_TEST + k, 0, h, before, NAN);
+        double x = ric_bridge_root(tr, &q, RIC_N_TEST + k, 0, h, before, NAN);
         if (!arrived || x < at) roots[n++] = (root){RIC_N_TEST + k, x};
     }
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++) {
-        crossing_station(tr, &q, roots[i].x, h, &tr->mid);
+        ric_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
         status = ric_event_keep(tr, roots[i].test, &tr->mid);
     }
     if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++)
-        if ((image || repeated) && (singular & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
-    if (arrived && !status) crossing_station(tr, &q, at, h, &tr->mid);
+        if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
+    if (arrived && !status) ric_bridge_station(tr, &q, at, h, &tr->mid);
     free(q.u);
     return status;
 }
@@ -690,7 +478,7 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
 {
     const double *start = tr->now.own;
     int n_pair = tr->floquet.n_pair, known = *n;
-    if (tr->ignore & singular) return RIC_OK; /* at a grazing the multipliers have no bound */
+    if (tr->ignore & EVENT_SINGULAR) return RIC_OK; /* at a grazing the multipliers have no bound */
     for (int i = 0; i < n_pair; i++) {
         if (!isfinite(start[2 * i] + end[2 * i])) continue;
         int a = resonances_below(tr, start[2 * i]), b = resonances_below(tr, end[2 * i]);
@@ -705,7 +493,7 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
                 if (*retry) return RIC_OK;
                 continue;
             }
-            ric_status status = locate(tr, RIC_N_TEST + k, 0, fa, to, fb, h, &x, &zero);
+            ric_status status = ric_event_locate(tr, RIC_N_TEST + k, 0, fa, to, fb, h, &x, &zero);
             if (status) return status;
             if (!zero && h >= JUMP * tr->chain->scale) { /* in a shorter step its place is known well enough: the junction is solved anew */
                 *retry = true;
@@ -733,7 +521,7 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     if (status || *retry) return status;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++)
-        if (!(status = station_at(tr, roots[i].x, h, &tr->mid, &good)) && !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
+        if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) && !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
             status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its points */
     return status;
 }
@@ -778,7 +566,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     } else if (test < 0) {
         return close_up(tr, home, s);
     } else {
-        if ((status = station_at(tr, end, h, &tr->mid, &good))) return status;
+        if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
         window_text(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
