@@ -15,6 +15,7 @@
 #include "ring.h"
 
 #include "cvode_flow.h"
+#include "sample.h"
 
 enum { MAX_SIZE = 200, PER_ORDER = 2, MAX_ORDER = 16 };
 
@@ -301,7 +302,7 @@ static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, in
     for (int k = 0; k < (int)(sizeof rotations / sizeof *rotations); k++)
         for (int i = 0; i + 1 < tr->n_point; i++) {
             int p = rotations[k][0], q = rotations[k][1], order = half && p % 2 ? 2 * q : q;
-            if (q > largest || (!half && 2 * p > q) || count[half][order] == PER_ORDER || !locate(tr, i, ric_problem_rho(half, p, q), u)) continue;
+            if (q > largest || (!half && 2 * p > q) || count[half][order] == (every() > 1 ? 1 : PER_ORDER) || !locate(tr, i, ric_problem_rho(half, p, q), u)) continue;
             ric_cycle *cycle = ric_cycle_from_chain(c, u);
             ric_node *node = NULL;
             snprintf(where, sizeof where, "%s, %d impacts, sigma %d, %d/%d at E %.9g", name, cycle->N, c->sigma, p, q, ric_chain_energy(c));
