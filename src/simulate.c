@@ -168,8 +168,8 @@ static ric_status find_next(ric_simulator *sim, real to)
         sim->examined = true;
     }
     for (int f = 0; f < sim->n_face; f++) chunk = fmin(chunk, PANELS * ric_search_panel(&sim->face[f]));
-    while (sim->next == INFINITY && sim->known < to) {
-        real end = chunk < INFINITY ? sim->known + chunk : to;
+    while (sim->next_face < 0 && sim->known < to) {
+        real end = is_finite(chunk) ? sim->known + chunk : to;
         bool open = false;
         for (int f = 0; f < sim->n_face; f++) {
             real t = ric_search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));

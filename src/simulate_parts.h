@@ -4,12 +4,20 @@
 #define RIC_SIMULATE_PARTS_H
 
 #include <float.h>
+#include <math.h>
+#include <stdbool.h>
 
 #include "simulate.h"
 #include "springs.h"
 
 /* Extended where the machine has it, so that the replay of an unstable orbit loses less than its check allows. */
 typedef ric_real real;
+
+/* Asked of a double: compilers ask t <= LDBL_MAX instead, which is infinite for valgrind, whose long double has 64 bits. */
+static inline bool is_finite(real t)
+{
+    return (double)t < INFINITY;
+}
 
 /* Gaps that differ by less than this part of the sum of the moduli of their modes are equal to a caller, who has doubles. */
 #define ROUNDING (32 * DBL_EPSILON)

@@ -170,7 +170,7 @@ static real first_crossing(const ric_simulator *sim, const face_t *face, const s
     if (kind != UNKNOWN) return b->g[0] > face->band ? rise(sim, face, *a, b) : INFINITY;
     sample middle = ric_search_look(sim, face, a->t + (b->t - a->t) / 2);
     real t = first_crossing(sim, face, a, &middle);
-    return t < INFINITY ? t : first_crossing(sim, face, &middle, b);
+    return is_finite(t) ? t : first_crossing(sim, face, &middle, b);
 }
 
 /* Largest stationary value of g in [a, b], if it is above `best` by more than rounding; else `best`. */
@@ -195,7 +195,7 @@ real ric_search_face(const ric_simulator *sim, const face_t *face, double from, 
     real found = INFINITY;
     double h = ric_search_panel(face);
     sample a = ric_search_look(sim, face, from);
-    while (a.t < to && found == INFINITY) {
+    while (a.t < to && !is_finite(found)) {
         sample b = ric_search_look(sim, face, fmin(to, a.t + h));
         if (b.t <= a.t) break;
         found = first_crossing(sim, face, &a, &b);
