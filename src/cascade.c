@@ -430,7 +430,8 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     ric_status status = check_step(c, step);
     if (status) return status;
     const stage *s = &c->stages[step];
-    *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0}, .impacts = ric_cycle_impacts(ric_cycle_springs(c->model), s->orbit),
+    *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0},
+                              .impacts = ric_cycle_impacts(ric_cycle_springs(c->model), s->orbit),
                               .letters = ric_cycle_letters(s->orbit), .word = s->word,
                               .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop, .energy = s->energy,
                               .frequency = s->frequency, .residual = s->residual, .return_error = s->return_error, .ratio = s->ratio,

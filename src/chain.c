@@ -59,7 +59,8 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->zeta = calloc(vectors, sizeof(double));
     c->X = calloc(6 * nn * ld, sizeof(double));
     c->flown = calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
-    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv || !c->beta || !c->zeta || !c->X || !c->flown) {
+    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv || !c->beta || !c->zeta || !c->X ||
+        !c->flown) {
         ric_chain_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }

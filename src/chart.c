@@ -335,7 +335,8 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
         r->flights[i] = cycle->tau[i] / m->omega_ref;
     }
     if (!N) r->flights[0] = node->period / m->omega_ref;
-    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0, .letters = N, .word = r->word, .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
+    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0, .letters = N, .word = r->word,
+                            .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
                             .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]},
                             .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
     r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;

@@ -188,7 +188,8 @@ double ric_crossing_gap(ric_chain *c, const double *u)
     for (int i = 0; i <= GAP_STEPS; i++) {
         equations = ric_chain_jacobian(c, v, J);
         ric_chain_residuals(c, v, r);
-        if (!equations || ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, unknowns, J, unknowns, s, U, equations, V, unknowns, super))) goto out;
+        if (!equations) goto out;
+        if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, unknowns, J, unknowns, s, U, equations, V, unknowns, super))) goto out;
         gap = 0;
         for (int k = 0; k < equations; k++) {
             double part = 0;

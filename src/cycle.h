@@ -1,4 +1,5 @@
-/* One period of an orbit as a closed list of events: impacts, and the closings and openings of springs, and what maps it to itself. Chains (chain.h) are made from it and turned back.
+/* One period of an orbit as a closed list of events: impacts, and the closings and openings of springs, and what maps it to itself. Chains (chain.h)
+ * are made from it and turned back.
  *
  * Impact i is followed by flight i. The group that acts: time shifts (the first impact changes), time reversal, and x -> -x where the
  * structure allows it. On the circle of 2N half positions, 2i is impact i and 2i + 1 the middle of flight i; a reversal that takes

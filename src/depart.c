@@ -25,11 +25,11 @@
 static const char *together(const ric_model *m, const ric_cycle *c)
 {
     for (int i = 0; i < c->N; i++) {
-        int f = m->face[c->face[i]].contact, g = m->face[c->face[(i + 1) % c->N]].contact;
-        if (f == g || c->tau[i] > RIC_COINCIDENT) continue;
-        return ric_corner_commute(m, &m->face[c->face[i]], &m->face[c->face[(i + 1) % c->N]]) ? "two contacts close together for a whole branch; such branches are not followed by this version"
-                                             : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
-                                               "the impact law does not say what happens";
+        const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[(i + 1) % c->N]];
+        if (f->contact == g->contact || c->tau[i] > RIC_COINCIDENT) continue;
+        return ric_corner_commute(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
+                                           : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
+                                             "the impact law does not say what happens";
     }
     return NULL;
 }

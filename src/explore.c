@@ -24,9 +24,9 @@ static ric_status check_phases(const ric_study *study)
         for (int i = 0; i < n; i++)
             if (seen[i]) fastest = i;
     if (!status && fastest >= 0 && omega[fastest] * longest > PHASE)
-        status = ric_fail(RIC_E_INPUT, "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the window, 2 pi / %g s; raise the lower end "
-                          "to %.3g or more, or make a rigid link of the spring that is so stiff", fastest + 1, omega[fastest], omega[fastest] * longest / TWO_PI,
-                          ric_study_options(study)->frequency[0], TWO_PI * omega[fastest] / PHASE);
+        status = ric_fail(RIC_E_INPUT, "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the window, 2 pi / %g s; "
+                          "raise the lower end to %.3g or more, or make a rigid link of the spring that is so stiff", fastest + 1, omega[fastest],
+                          omega[fastest] * longest / TWO_PI, ric_study_options(study)->frequency[0], TWO_PI * omega[fastest] / PHASE);
     free(omega);
     free(seen);
     return status;
@@ -60,8 +60,9 @@ static ric_status check_springs(const ric_study *study)
         if ((status = ric_model_contact(m, i, &contact)) || contact.law != RIC_LAW_BILINEAR) continue;
         double ratio = stiffness_ratio(m, &contact, modes, omega, seen);
         if (ratio > STIFFEST)
-            status = ric_fail(RIC_E_INPUT, "contact %d: its stiffness %g is %.2g times that of the structure there, and in double precision orbits are right up to %g times; "
-                              "take law: rigid, from which they differ by about one over the square root of that", i + 1, contact.stiffness, ratio, STIFFEST);
+            status = ric_fail(RIC_E_INPUT, "contact %d: its stiffness %g is %.2g times that of the structure there, and in double precision orbits are "
+                              "right up to %g times; take law: rigid, from which they differ by about one over the square root of that", i + 1,
+                              contact.stiffness, ratio, STIFFEST);
     }
     free(omega);
     free(modes);

@@ -28,10 +28,9 @@ static void trace_key(const ric_limits *l, const ric_node *node, unsigned choice
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
-    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
-             node->energy, node->period, choice, side,
-             l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply,
-             hash);
+    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0],
+                        node->multiple, node->energy, node->period, choice, side, l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step,
+                        l->multiply, hash);
     if (l->n_asked) snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
 }
 

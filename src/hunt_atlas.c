@@ -287,8 +287,8 @@ static void explain(const ric_atlas *a, const surroundings *f, ric_finding *find
         snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), where %d departures are over budget", j.id, j.label,
                  j.departures.over_budget);
     else if (f->again)
-        snprintf(finding->why, sizeof finding->why, "its family joins the %d-duplicate of junction %d (%s), beyond explore.multiply (%d) or explore.impacts (%d)",
-                 f->times, j.id, j.label, ric_study_options(ric_atlas_study(a))->multiply, ric_study_options(ric_atlas_study(a))->impacts);
+        snprintf(finding->why, sizeof finding->why, "its family joins the %d-duplicate of junction %d (%s), beyond explore.multiply (%d) or "
+                 "explore.impacts (%d)", f->times, j.id, j.label, ric_study_options(ric_atlas_study(a))->multiply, ric_study_options(ric_atlas_study(a))->impacts);
     else if (f->settled)
         snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), where no departure is left", j.id, j.label);
     else

@@ -33,7 +33,8 @@ ric_node *ric_node_copy(const ric_node *node)
     copy->cycle = ric_cycle_copy(node->cycle);
     copy->departures = malloc((size_t)(node->n_departure + 1) * sizeof *copy->departures);
     copy->n_departure = copy->departures ? node->n_departure : 0;
-    for (int i = 0; i < copy->n_departure; i++) copy->departures[i] = (ric_departure){.choice = node->departures[i].choice, .state = node->departures[i].state};
+    for (int i = 0; i < copy->n_departure; i++)
+        copy->departures[i] = (ric_departure){.choice = node->departures[i].choice, .state = node->departures[i].state};
     if (copy->cycle && copy->departures) return copy;
     ric_node_free(copy);
     return NULL;

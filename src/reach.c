@@ -90,8 +90,8 @@ static void offer(search *q, double t, double s, int side, bool kink)
     q->count++;
 }
 
-/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring: then only a maximum that happens to fall
- * on the impact must not be lost between the flights before and after. */
+/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring: then only a maximum that
+ * happens to fall on the impact must not be lost between the flights before and after. */
 static void offer_impact(search *q, const ric_face *other, sample at)
 {
     bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);

@@ -197,7 +197,8 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
     ric_cycle *regular = NULL;
     *singular = false;
     for (int i = 0; i < node->n_touch; i++)
-        if (!ric_node_soft(node, i)) return ric_fail(RIC_E_NUMERIC, "a stop and a spring are touched by one orbit; such grazings are not left by this version");
+        if (!ric_node_soft(node, i))
+            return ric_fail(RIC_E_NUMERIC, "a stop and a spring are touched by one orbit; such grazings are not left by this version");
     if (!find_touches(m, node, W, touches)) return no_memory();
     for (int i = 0; i < N; i++) keep[i] = true;
     for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;

@@ -95,8 +95,8 @@ ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size)
     memset(&h, 0, sizeof h);
     h = (node_head){.kind = (int32_t)node->kind, .n_touch = node->n_touch, .test = node->test, .multiple = node->multiple,
                     .rotation = {node->rotation[0], node->rotation[1]}, .a = node->a, .b = node->b, .refusal = (int32_t)node->refusal,
-                    .mode = node->mode, .mirrors = node->mirrors, .n_departure = node->n_departure, .frequency = node->asked.frequency, .energy = node->energy,
-                    .period = node->period, .asked = node->asked.value};
+                    .mode = node->mode, .mirrors = node->mirrors, .n_departure = node->n_departure, .frequency = node->asked.frequency,
+                    .energy = node->energy, .period = node->period, .asked = node->asked.value};
     for (int i = 0; i < node->n_touch; i++) h.touch[i] = node->touch[i];
     put(&to, &h, sizeof h);
     put_cycle(&to, node->cycle);

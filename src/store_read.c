@@ -145,7 +145,8 @@ static ric_status count_owned(ric_database file, const listing *list, int n_owne
 }
 
 /* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or of its owner, whose number is its first value. */
-static ric_status take_rows(ric_database file, const listing *list, int n, const int *counts, void (*take)(row_reader *, int i, ric_atlas *), ric_atlas *atlas)
+static ric_status take_rows(ric_database file, const listing *list, int n, const int *counts, void (*take)(row_reader *, int i, ric_atlas *),
+                            ric_atlas *atlas)
 {
     row_reader row = {0};
     bool more = true;

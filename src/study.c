@@ -226,7 +226,8 @@ static void write_regions(const ric_explore_options *options, FILE *out)
     for (int i = 0; i < options->n_region; i++) {
         const ric_region *region = &options->region[i];
         const ric_explore_options o = options_of(region);
-        const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME, region->impacts != RIC_REGION_SAME, region->multiply != RIC_REGION_SAME};
+        const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME, region->impacts != RIC_REGION_SAME,
+                                         region->multiply != RIC_REGION_SAME};
         for (int k = 0; k < REGION_KEYS; k++) {
             if (!given[k])
                 continue;
@@ -437,9 +438,9 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
         if (!ric_region_covers(region, &before.region[i]))
             o->region[n++] = before.region[i];
     o->n_region = n;
-    ric_status status = n < RIC_REGIONS_MAX ? RIC_OK
-                                            : ric_fail(RIC_E_RANGE, "the study has %d regions already, and more are not kept; take a larger region that holds some of "
-                                                                    "them", n);
+    ric_status status = RIC_OK;
+    if (n >= RIC_REGIONS_MAX)
+        status = ric_fail(RIC_E_RANGE, "the study has %d regions already, and more are not kept; take a larger region that holds some of them", n);
     if (!status) {
         o->region[o->n_region++] = *region;
         status = write_text(study, NULL);

@@ -533,7 +533,8 @@ static ric_status check_point(replay *r)
     if (r->check->faces_agree) r->energy = simulated_energy(r);
     if ((status = check_flights(r)) || !r->check->faces_agree) return status;
     /* the chain closes: nothing is lost between the last flight and the first */
-    ric_replay_worsen(&r->check->flight_error, ric_replay_part(ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm));
+    const real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain);
+    ric_replay_worsen(&r->check->flight_error, ric_replay_part(open, r->norm));
     if (r->touched) r->check->condition = fmax(r->check->condition, 1 / BLUNT);
     return check_return(r);
 }
