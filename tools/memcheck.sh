@@ -28,12 +28,16 @@ checked()
     local begin=$SECONDS said= name=$1
     shift
     timeout -s KILL "$seconds" "${valgrind[@]}" --log-file="$folder/log" "$@" >"$folder/out" 2>&1
-    case $? in
-    99) said="finding" ;;
-    137) said="not finished" && ! grep -Eq '== (Invalid|Conditional jump|Use of uninit|Mismatched|Source and dest)|uninitialised byte' "$folder/log" || said="finding" ;;
-    *) said="clean" ;;
-    esac
-    [ "$said" != finding ] || { bad=1 && head -40 "$folder/log"; }
+    local code=$?
+    if [ $code = 99 ] || grep -Eq '== (Invalid|Conditional jump|Use of uninit|Mismatched|Source and dest)|uninitialised byte' "$folder/log"; then
+        said="finding" bad=1 && head -40 "$folder/log"
+    elif [ $code = 137 ]; then
+        said="not finished"
+    elif [ $code -gt 128 ]; then
+        said="ended by signal $((code - 128))" bad=1
+    else
+        said="clean"
+    fi
     echo "$name: $said, $((SECONDS - begin)) s"
 }
 
