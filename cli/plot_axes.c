@@ -227,6 +227,12 @@ static bool show_label(tick_list *list, int i, double half, double gap)
     return t->shown;
 }
 
+/* For a title with its power of ten, which must not be cut off. */
+static size_t title_room(const char *title)
+{
+    return (title ? strlen(title) : 0) + sizeof " / 10^{-2147483648}";
+}
+
 /* "time (s)" of which the labels are 1, 2 and 3 for 1e-4, 2e-4 and 3e-4: "time (s) / 10^{-4}". */
 static const char *full_title(const tick_list *list, const char *title, size_t size, char *out)
 {
@@ -239,7 +245,7 @@ static const char *full_title(const tick_list *list, const char *title, size_t s
 static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
 {
     tick_list list;
-    char full[200];
+    char full[title_room(title)];
     axis_ticks(&list, axis, 62, title);
     title = full_title(&list, title, sizeof full, full);
     for (int i = 0; i < list.n; i++) {
@@ -258,7 +264,7 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
 {
     tick_list list;
     double widest = 0;
-    char full[200];
+    char full[title_room(title)];
     axis_ticks(&list, axis, 42, title);
     title = full_title(&list, title, sizeof full, full);
     for (int i = 0; i < list.n; i++) {
