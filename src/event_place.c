@@ -13,7 +13,6 @@
 
 /* ------------------------------------------------------------------ location */
 
-/* The unknowns at distance x from `now` on the cubic through now and next. */
 void ric_event_cubic(const ric_trace *tr, double x, double h, double *u)
 {
     const ric_station *a = &tr->now, *b = &tr->next;
@@ -22,7 +21,6 @@ void ric_event_cubic(const ric_trace *tr, double x, double h, double *u)
     for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
 }
 
-/* Solves at distance x from `now`, between now and next, from the cubic through both. */
 ric_status ric_event_solve(ric_trace *tr, double x, double h, ric_station *out, bool *good)
 {
     ric_chain *c = tr->chain;
@@ -37,7 +35,6 @@ ric_status ric_event_solve(ric_trace *tr, double x, double h, ric_station *out, 
     return ric_trace_examine(tr, out, sign);
 }
 
-/* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
 double ric_event_value(const ric_trace *tr, int test, const ric_station *p)
 {
     if (test < RIC_N_TEST) return p->test[test];
@@ -52,7 +49,7 @@ static double height(int test, const ric_station *p, double value)
     return test < RIC_N_TEST && EVENT_SINGULAR & 1u << test ? fabs(p->factor[test == RIC_TEST_A ? 0 : test == RIC_TEST_B ? 1 : 2]) : fabs(value);
 }
 
-/* Brent's method on the distance from `now`; the result is left in tr->mid. *zero: a true zero was found. */
+/* Brent's method. */
 ric_status ric_event_locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h, double *where, bool *zero)
 {
     double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a, e = d;
@@ -174,7 +171,7 @@ ric_status ric_bridge_build(ric_trace *tr, double h, ric_bridge *q)
     return status;
 }
 
-/* Bisection on the cubic between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided out. */
+/* By bisection on the cubic. */
 double ric_bridge_root(const ric_trace *tr, const ric_bridge *q, int test, double a, double b, double sign, double known)
 {
     for (int i = 0; i < 60; i++) {
@@ -185,7 +182,6 @@ double ric_bridge_root(const ric_trace *tr, const ric_bridge *q, int test, doubl
     return (a + b) / 2;
 }
 
-/* The point at x read off the cubics; nothing is solved. */
 void ric_bridge_station(const ric_trace *tr, const ric_bridge *q, double x, double h, ric_station *out)
 {
     int size = tr->chain->n_unknown;

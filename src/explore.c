@@ -84,6 +84,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     ric_atlas *atlas = NULL;
     char *starts = NULL;
     ric_status written = RIC_OK, status = RIC_OK;
+    if (out) *out = NULL;
     if (ric_model_restitution(ric_study_model(study)) != 1)
         return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic orbits; `ricochet simulate` takes any");
     if ((status = check_phases(study)) || (status = check_springs(study))) return status;
@@ -99,8 +100,8 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if (written) status = written;
     else if (status) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request; the same command goes on from here");
 out:
-    if (out) *out = status ? NULL : atlas;
-    if (!out || status) ric_atlas_free(atlas);
+    if (out && !status) *out = atlas;
+    else ric_atlas_free(atlas);
     ric_graph_free(graph);
     ric_store_close(store);
     free(starts);

@@ -295,6 +295,7 @@ static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, in
 {
     static const int rotations[][2] = {{1, 3}, {2, 3}, {1, 4}, {3, 4}, {1, 5}, {2, 5}, {4, 5}, {1, 7}, {2, 7}, {3, 7}};
     ric_chain *c = tr->chain;
+    const int most = every() > 1 ? 1 : PER_ORDER;
     bool half = c->sigma < 0;
     double u[MAX_SIZE];
     char where[128];
@@ -302,7 +303,7 @@ static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, in
     for (int k = 0; k < (int)(sizeof rotations / sizeof *rotations); k++)
         for (int i = 0; i + 1 < tr->n_point; i++) {
             int p = rotations[k][0], q = rotations[k][1], order = half && p % 2 ? 2 * q : q;
-            if (q > largest || (!half && 2 * p > q) || count[half][order] == (every() > 1 ? 1 : PER_ORDER) || !locate(tr, i, ric_problem_rho(half, p, q), u)) continue;
+            if (q > largest || (!half && 2 * p > q) || count[half][order] == most || !locate(tr, i, ric_problem_rho(half, p, q), u)) continue;
             ric_cycle *cycle = ric_cycle_from_chain(c, u);
             ric_node *node = NULL;
             snprintf(where, sizeof where, "%s, %d impacts, sigma %d, %d/%d at E %.9g", name, cycle->N, c->sigma, p, q, ric_chain_energy(c));
