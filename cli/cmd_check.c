@@ -294,10 +294,11 @@ const cli_command cli_check = {
     .help =
         "usage: ricochet check STUDY [--json | --csv]\n"
         "\n"
-        "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy at which each linear mode\n"
-        "first touches a stop, modal normals, frequencies with a contact locked, and c.c (the inverse of the mass that a stop feels) with\n"
-        "its growth from mode to mode. --json and --csv give one row per mode; contact J's values are normal_J, compliance_J (c.c up\n"
-        "to this mode) and locked_J.\n"
+        "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
+        "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
+        "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. --json and\n"
+        "--csv give one row per mode; contact J's values are normal_J, compliance_J (c.c up to this mode) and\n"
+        "locked_J.\n"
         "\n"
         "example: ricochet check examples/elementary/study.yaml\n",
     .run = run,

@@ -123,7 +123,8 @@ const cli_command cli_new = {
     .help =
         "usage: ricochet new NAME\n"
         "\n"
-        "Writes NAME/study.yaml, a study with comments that runs as it is, and prints its path. An existing file is left alone.\n"
+        "Writes NAME/study.yaml, a study with comments that runs as it is, and prints its path. An existing\n"
+        "file is left alone.\n"
         "\n"
         "example: ricochet new two-masses && ricochet check two-masses/study.yaml\n",
     .run = run,

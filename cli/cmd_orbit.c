@@ -457,15 +457,19 @@ const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
     .help =
-        "usage: ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT] [--physical] [--json | --csv]\n"
+        "usage: ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT]\n"
+        "           [--physical] [--json | --csv]\n"
         "\n"
-        "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line per quantity otherwise.\n"
+        "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line\n"
+        "per quantity otherwise.\n"
         "\n"
         "  --point I       stored point I, from 0, as `ricochet points` lists them\n"
         "  --energy E      all orbits of energy E\n"
         "  --frequency F   all orbits of frequency F, rad/s\n"
-        "  --history DT    one period in steps of DT seconds instead, columns t x1.. v1..; a last column `orbit` if there are several\n"
-        "  --physical      lengths, speeds and energies (also E) in the units of the study, not scaled by the clearance\n"
+        "  --history DT    one period in steps of DT seconds instead, columns t x1.. v1..; a last column\n"
+        "                  `orbit` if there are several\n"
+        "  --physical      lengths, speeds and energies (also E) in the units of the study, not scaled by the\n"
+        "                  clearance\n"
         "\n"
         "  state           x then v right after the first impact of the word\n"
         "  flights         times from impact to impact, or the period if there is no impact\n"

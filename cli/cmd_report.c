@@ -183,10 +183,11 @@ const cli_command cli_report_atlas = {
     .help =
         "usage: ricochet report ATLAS [--json | --csv]\n"
         "\n"
-        "Counts the branches and how they end, and what became of the departures from every junction: taken, known, inadmissible,\n"
-        "refused and why, not tried and for which budget. The largest residual is that of all points; the errors of replay are those of\n"
-        "the middle points of at most 64 branches (fewer beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again.\n"
-        "All of it comes from the file.\n"
+        "Counts the branches and how they end, and what became of the departures from every junction: taken,\n"
+        "known, inadmissible, refused and why, not tried and for which budget. The largest residual is that\n"
+        "of all points; the errors of replay are those of the middle points of at most 64 branches (fewer\n"
+        "beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes\n"
+        "from the file.\n"
         "\n"
         "example: ricochet report study.ricochet\n",
     .run = run,

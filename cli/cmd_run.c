@@ -257,13 +257,15 @@ const cli_command cli_run = {
     .help =
         "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
         "\n"
-        "Explores from the linear modes within the budgets of the study and writes the atlas, one file. Stopped with Ctrl-C, or killed, the\n"
-        "same command continues; with larger budgets in the study it extends the atlas. The result does not depend on WORKERS.\n"
+        "Explores from the linear modes within the budgets of the study and writes the atlas, one file.\n"
+        "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it\n"
+        "extends the atlas. The result does not depend on WORKERS.\n"
         "\n"
         "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
         "  -j WORKERS     how many at a time, 1 unless given\n"
         "  --max-step H   largest arclength step, instead of the study's explore.step\n"
-        "  --seconds S    stop after that time; the same command goes on from there. Needed where more than 200 modes take part\n"
+        "  --seconds S    stop after that time; the same command goes on from there. Needed where more than\n"
+        "                 200 modes take part\n"
         "\n"
         "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,

@@ -159,9 +159,10 @@ const cli_command cli_words = {
     .help =
         "usage: ricochet words N [STUDY] [--limit L] [--json | --csv]\n"
         "\n"
-        "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set that differs by where the\n"
-        "period starts or by x -> -x, in ascending order, and says how many there are without and with time reversal. Faces are those\n"
-        "of the study, or 0 and 1, the two faces of one stop.\n"
+        "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set\n"
+        "that differs by where the period starts or by x -> -x, in ascending order, and says how many there\n"
+        "are without and with time reversal. Faces are those of the study, or 0 and 1, the two faces of one\n"
+        "stop.\n"
         "\n"
         "  repeats     how often a shorter word is repeated: 1 for a word of its own\n"
         "  symmetric   whether a motion with z(t + T/2) = -z(t) can have the word\n"

@@ -15,7 +15,7 @@ static const cli_command *const commands[] = {
 static void print_help(FILE *out)
 {
     fputs("usage: ricochet COMMAND ...\n\n"
-          "Periodic orbits of linear structures with rigid stops: from a study to an atlas of branches and junctions.\n\n", out);
+          "Periodic orbits of linear structures with stops, gaps and springs: from a study to an atlas.\n\n", out);
     for (int i = 0; i < COUNT(commands); i++)
         fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\n  ricochet COMMAND --help   options and an example\n"

@@ -45,6 +45,7 @@ for command in $commands; do
     help=$("$ricochet" "$command" --help)
     ok "docs/commands.md: section $command" grep -qx "## $command" docs/commands.md
     ok "$command --help has an example" grep -q '^example: ricochet ' <<<"$help"
+    ok "$command --help fits in 100 columns" test -z "$(grep -E '^.{101}' <<<"$help")"
     for option in $(grep -oE -e '(^|[[ (])(--[a-z][a-z-]+|-[a-z] [A-Z]+)' <<<"$help" | grep -oE -e '--?[a-z][a-z-]*' | sort -u); do
         ok "docs/commands.md: $command $option" grep -qE -e "(^|[^a-z-])$option([^a-z-]|\$)" docs/commands.md
     done
