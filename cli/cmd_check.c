@@ -216,9 +216,14 @@ static void print_contact(const facts *f, int contact)
         snprintf(faces, sizeof faces, "face %d", f->face[contact]);
     else
         snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
-    if (!is_smooth(f))
-        printf("\ncontact %d%s%s%s: %s, clearance %g, %s\n", contact + 1, about.name ? " '" : "", about.name ? about.name : "",
-               about.name ? "'" : "", sides[about.sides], about.clearance, faces);
+    if (!is_smooth(f)) {
+        printf("\ncontact %d%s%s%s: %s, clearance %g, %s", contact + 1, about.name ? " '" : "",
+               about.name ? about.name : "", about.name ? "'" : "", sides[about.sides], about.clearance, faces);
+        if (about.law == RIC_LAW_BILINEAR)
+            printf(", a spring of stiffness %g beyond\n", about.stiffness);
+        else
+            printf("\n");
+    }
     if (!is_smooth(f))
         printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
     for (int i = 0; i < f->n; i++) {
@@ -228,10 +233,11 @@ static void print_contact(const facts *f, int contact)
         else
             printf("%16s\n", "-");
     }
-    if (!is_smooth(f) && grows(f, contact))
-        printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a truncated continuum,\n"
-               "its impact orbits do not converge with the number of modes; the cures are a mass of its own at the contact point, or a\n"
-               "bilinear contact (not in this version).\n", 100 * late_growth(f, contact));
+    if (about.law == RIC_LAW_RIGID && grows(f, contact))
+        printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a\n"
+               "truncated continuum, its impact orbits do not converge with the number of modes; the cures are a mass\n"
+               "of its own at the contact point, or a spring (law: bilinear) in place of the stop.\n",
+               100 * late_growth(f, contact));
 }
 
 static void print_remarks(const facts *f)

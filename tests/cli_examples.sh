@@ -155,6 +155,13 @@ made() { # the matrices are those that the script makes
 ok 'beam-lumped: tools/beam.py makes its matrices' made
 unseen() { "$ricochet" check examples/beam-midspan/study.yaml | grep '4 of them seen'; }
 ok 'beam-midspan: half of the modes are unseen' unseen
+warned() { "$ricochet" check examples/beam-midspan/study.yaml | grep 'do not converge with the number of modes'; }
+ok 'beam-midspan: check warns of a rigid stop on a truncated continuum' warned
+sprung() { # and not of a spring, which it shows
+    sed 's/law: rigid/law: bilinear\n      stiffness: 300/' examples/beam-midspan/study.yaml >"$folder/sprung.yaml"
+    "$ricochet" check "$folder/sprung.yaml" >"$folder/out" && grep 'a spring of stiffness 300 beyond' "$folder/out" && ! grep warning "$folder/out"
+}
+ok 'beam-midspan: nor of a spring in its place' sprung
 ok 'beam-midspan: five linear modes' exactly 5 '^S0' beam-midspan branches label
 ok 'beam-midspan: branches' branches beam-midspan 10
 ok 'symmetric-chain: three linear modes' exactly 3 '^S0' symmetric-chain branches label
