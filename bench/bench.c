@@ -2,11 +2,12 @@
  *
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
- * Branches are followed by ric_trace_advance, as `ricochet run` does, with every test watched; only the step is held: before each
- * call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 + |w|). A step that the trace
- * itself makes shorter (an event, a refusal) stays short and is counted. A row follows its piece of branch again and again until
- * SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time, so that other load on the machine disturbs least.
- * Starting a trace is not timed. Shown on the terminal and written to FILE (build/bench.txt). */
+ * Branches are followed by ric_trace_advance, as `ricochet run` does, with every test watched; only the step is held:
+ * before each call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 + |w|).
+ * A step that the trace itself makes shorter (an event, a refusal) stays short and is counted. A row follows its piece
+ * of branch again and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time, so
+ * that other load on the machine disturbs least. Starting a trace is not timed. Shown on the terminal and written to
+ * FILE (build/bench.txt). */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,8 +31,8 @@
 typedef enum { OWN, REVERSIBLE, GENERAL } form; /* own: the form that the symmetries allow */
 static const char *const form_text[] = {"own", "reversible", "general"};
 
-/* A piece of a branch: S2-[01] k times over, original frequency `from` to `to` rad/s; or, with `edge`, a trace from its second stored
- * point to its end. */
+/* A piece of a branch: S2-[01] k times over, original frequency `from` to `to` rad/s; or, with `edge`, a trace from its
+ * second stored point to its end. */
 typedef struct {
     const char *name;
     const ric_model *model;
@@ -83,7 +84,11 @@ static void need(bool good, const char *what)
 static ric_model *article(void)
 {
     static const double mass[] = {2, 0, 0, 1}, stiffness[] = {9, -1, -1, 1}, normal[] = {-1, 1};
-    ric_contact contact = {.name = "stop", .normal = normal, .clearance = 1, .sides = RIC_SIDES_BOTH, .law = RIC_LAW_RIGID};
+    ric_contact contact = {.name = "stop",
+                           .normal = normal,
+                           .clearance = 1,
+                           .sides = RIC_SIDES_BOTH,
+                           .law = RIC_LAW_RIGID};
     ric_model *model;
     need(!ric_model_create(2, mass, stiffness, 1, &contact, 1, &model), "the article's model is refused");
     return model;
@@ -216,15 +221,15 @@ static void show(const course *q, const figures *f)
     if (q->edge) snprintf(text, sizeof text, "%s", q->name);
     else snprintf(text, sizeof text, "%s on %g..%g", q->name, q->from, q->to);
     if (aim(f->N) > 0 && !q->model->smooth) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
-    say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N, f->rate, goal, 1e6 / f->rate,
-        (double)f->evaluations / (double)f->points, 100 * (double)f->short_steps / (double)f->points, f->residual,
-        f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");
+    say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N, f->rate, goal,
+        1e6 / f->rate, (double)f->evaluations / (double)f->points, 100 * (double)f->short_steps / (double)f->points,
+        f->residual, f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");
 }
 
 static void show_head(void)
 {
-    say("%-22s %-10s %5s %10s %8s %8s %8s %9s %9s\n", "branch", "form", "N", "points/s", "aim", "us/point", "eval/pt", "shortened",
-        "residual");
+    say("%-22s %-10s %5s %10s %8s %8s %8s %9s %9s\n", "branch", "form", "N", "points/s", "aim", "us/point", "eval/pt",
+        "shortened", "residual");
 }
 
 /* Slope of log time against log N from `first` on. */
@@ -259,7 +264,8 @@ static void repeated(const ric_model *m, double seconds)
         }
         slope[g == GENERAL] = exponent(COUNT, k, rate, 48);
     }
-    say("exponent of the time per point in N, fitted on 48..1024: general %.3f, reversible %.3f (aim at most 1.1)\n", slope[1], slope[0]);
+    say("exponent of the time per point in N, fitted on 48..1024: general %.3f, reversible %.3f (aim at most 1.1)\n",
+        slope[1], slope[0]);
 }
 
 /* -------------------------------------------------------------- nanoseconds */
@@ -268,7 +274,8 @@ static volatile double sink;
 
 enum { ROTATION, EVALUATION, ITERATION };
 
-/* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the corrector does them. */
+/* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the corrector does
+ * them. */
 static double run(int what, int times, ric_chain *c, const double *u, double *du)
 {
     const ric_model *m = c->model;
@@ -299,7 +306,8 @@ static void nanoseconds(const ric_model *m)
 {
     const int k = 24;
     double rotation = 0;
-    say("\nnanoseconds per impact, N = %d\n%-12s %12s %20s %20s\n", 2 * k, "form", "evaluation", "Newton iteration", "of a rotation");
+    say("\nnanoseconds per impact, N = %d\n%-12s %12s %20s %20s\n", 2 * k, "form", "evaluation", "Newton iteration",
+        "of a rotation");
     for (form g = GENERAL; g >= REVERSIBLE; g--) {
         course q = {"", m, k, g, 2.2, 2.7, NULL};
         ric_chain *c;
@@ -307,8 +315,10 @@ static void nanoseconds(const ric_model *m)
         need(du, "no memory");
         ric_chain_evaluate(c, u);
         if (rotation == 0) rotation = fastest(ROTATION, 100000, c, u, du);
-        double evaluation = fastest(EVALUATION, 1000, c, u, du) / c->n_flight, iteration = fastest(ITERATION, 1000, c, u, du) / c->n_flight;
-        say("%-12s %12.1f %20.1f %12.2f, %6.2f\n", form_text[g], 1e9 * evaluation, 1e9 * iteration, evaluation / rotation, iteration / rotation);
+        double evaluation = fastest(EVALUATION, 1000, c, u, du) / c->n_flight,
+               iteration = fastest(ITERATION, 1000, c, u, du) / c->n_flight;
+        say("%-12s %12.1f %20.1f %12.2f, %6.2f\n", form_text[g], 1e9 * evaluation, 1e9 * iteration,
+            evaluation / rotation, iteration / rotation);
         ric_chain_free(c);
         free(u);
         free(du);
@@ -339,7 +349,8 @@ static const ric_trace *find_backbone(const ric_graph *g, int n_flight)
     const ric_trace *best = NULL;
     for (int i = 0; i < g->n_edge; i++) {
         const ric_trace *tr = g->edges[i].trace;
-        if (tr->chain->multiple == 4 && tr->chain->n_flight == n_flight && (!best || tr->n_point > best->n_point)) best = tr;
+        if (tr->chain->multiple == 4 && tr->chain->n_flight == n_flight && (!best || tr->n_point > best->n_point))
+            best = tr;
     }
     return best;
 }
@@ -359,7 +370,8 @@ static void show_demo(const ric_graph *g, const char *path, double seconds)
         points += g->edges[i].trace->n_point;
         evaluations += g->edges[i].trace->evaluations;
     }
-    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path, g->n_edge, g->n_node, points, evaluations, seconds);
+    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path, g->n_edge,
+        g->n_node, points, evaluations, seconds);
 }
 
 /* ---------------------------------------------------------- power-law contacts */
@@ -379,14 +391,17 @@ static void smooth_paths(double seconds)
         ric_graph *graph;
         double spent;
         snprintf(text, sizeof text,
-                 "title: power\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],\n  contacts: [{normal: [-1, 1], law: power, "
-                 "exponent: %d, length: 1, reference: 1}]}\nexplore: {start: [1], energy: [0, %d], multiply: 1, depth: 1}\n",
+                 "title: power\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],\n"
+                 "  contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}\n"
+                 "explore: {start: [1], energy: [0, %d], multiply: 1, depth: 1}\n",
                  rows[i].exponent, ENERGY);
         need(!ric_study_parse(text, "bench", ".", &study), ric_detail());
         explore(study, &graph, &spent);
         const ric_trace *path = graph->edges[0].trace;
         int from = 1;
-        while (from + 2 < path->n_point && ((const ric_point *)(path->points + (size_t)from * path->stride))->energy < 0.1) from++;
+        while (from + 2 < path->n_point &&
+               ((const ric_point *)(path->points + (size_t)from * path->stride))->energy < 0.1)
+            from++;
         snprintf(name, sizeof name, "S+, n = %d (aim %.0f)", rows[i].exponent, rows[i].aim);
         course q = {name, graph->model, 1, OWN, from, 0, path};
         figures f = measure(&q, seconds);
@@ -414,8 +429,8 @@ static void show_machine(void)
 
 static void show_memory(int n, const figures *own, const figures *general)
 {
-    say("\nbytes of a stored point, N = %d: %zu (own form), %zu (general form); aim at most %d\n", own->N, own->bytes, general->bytes,
-        8 * (2 * n + own->N) + 64);
+    say("\nbytes of a stored point, N = %d: %zu (own form), %zu (general form); aim at most %d\n", own->N, own->bytes,
+        general->bytes, 8 * (2 * n + own->N) + 64);
 }
 
 int main(int argc, char **argv)
@@ -440,9 +455,12 @@ int main(int argc, char **argv)
     ric_model *m = article();
     explore(study, &graph, &demo);
     const ric_trace *s6 = find_s6(graph);
-    course rows[] = {{"S2-[01]", m, 1, OWN, 2.2, 2.7, NULL}, {"S2-[01]", m, 1, GENERAL, 2.2, 2.7, NULL},
-                     {"S2-[01]", m, 1, OWN, 4, 6, NULL},     {"S2-[01]", m, 1, GENERAL, 4, 6, NULL},
-                     {"S6-[010101]", graph->model, 1, OWN, 1, 0, s6}, {"S6-[010101]", graph->model, 1, GENERAL, 1, 0, s6}};
+    course rows[] = {{"S2-[01]", m, 1, OWN, 2.2, 2.7, NULL},
+                     {"S2-[01]", m, 1, GENERAL, 2.2, 2.7, NULL},
+                     {"S2-[01]", m, 1, OWN, 4, 6, NULL},
+                     {"S2-[01]", m, 1, GENERAL, 4, 6, NULL},
+                     {"S6-[010101]", graph->model, 1, OWN, 1, 0, s6},
+                     {"S6-[010101]", graph->model, 1, GENERAL, 1, 0, s6}};
     figures f[6];
     show_head();
     for (int i = 0; i < (s6 ? 6 : 4); i++) {
@@ -455,8 +473,10 @@ int main(int argc, char **argv)
     need(!ric_study_read("examples/bilinear/study.yaml", &spring_study), ric_detail());
     explore(spring_study, &springs, &unused);
     const ric_trace *soft = find_backbone(springs, 2), *rigid = find_backbone(graph, 1);
-    course pair[] = {{"S2[01], stop", graph->model, 1, OWN, 1, 0, rigid},      {"S2[01], spring", springs->model, 1, OWN, 1, 0, soft},
-                     {"S2[01], stop", graph->model, 1, GENERAL, 1, 0, rigid},  {"S2[01], spring", springs->model, 1, GENERAL, 1, 0, soft}};
+    course pair[] = {{"S2[01], stop", graph->model, 1, OWN, 1, 0, rigid},
+                     {"S2[01], spring", springs->model, 1, OWN, 1, 0, soft},
+                     {"S2[01], stop", graph->model, 1, GENERAL, 1, 0, rigid},
+                     {"S2[01], spring", springs->model, 1, GENERAL, 1, 0, soft}};
     for (int i = 0; rigid && soft && i < 4; i++) {
         figures g = measure(&pair[i], seconds);
         show(&pair[i], &g);

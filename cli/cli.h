@@ -28,10 +28,12 @@ extern const struct ric_crew *cli_run_crew;
 
 typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 
-/* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns` (NULL-terminated) orders and selects
- * the columns of CSV and text; JSON shows everything. Numbers read back bit for bit; NaN and infinities become null. Returns CLI_DONE or CLI_FAILED. */
+/* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns` (NULL-terminated)
+ * orders and selects the columns of CSV and text; JSON shows everything. Numbers read back bit for bit; NaN and
+ * infinities become null. Returns CLI_DONE or CLI_FAILED. */
 int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format);
-/* From cli_watch_memory on, whether JSON values of this thread have found no memory since the last question; they are then missing in what they belong to. */
+/* From cli_watch_memory on, whether JSON values of this thread have found no memory since the last question; they are
+ * then missing in what they belong to. */
 void cli_watch_memory(void);
 bool cli_lost_memory(void);
 /* A JSON number, or null if not finite. */
@@ -44,8 +46,8 @@ json_t *cli_duplicate_label(const ric_branch *branch, int k);
 /* The letters of a word. */
 json_t *cli_word(const ric_model *model, int n, const int *word);
 
-/* A command that lists what an atlas has n of: `row` fills an empty object for one of them, d the unit of lengths, 1 or the clearance
- * for physical ones. */
+/* A command that lists what an atlas has n of: `row` fills an empty object for one of them, d the unit of lengths, 1 or
+ * the clearance for physical ones. */
 typedef struct {
     const cli_command *command;
     int (*count)(const ric_atlas *atlas);
@@ -61,12 +63,12 @@ int cli_list(const cli_listing *listing, int argc, char **argv);
 
 /* What `ricochet report` lists: rows with item, value and detail. */
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);
-/* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c, cmd_cascade.c and
- * cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
+/* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,
+ * cmd_cascade.c and cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row);
 ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row);
-/* Whether a point of a branch is its junction, an interior one or that at an end: an orbit on the border has no stability of its own, the branch
- * on either side has. */
+/* Whether a point of a branch is its junction, an interior one or that at an end: an orbit on the border has no
+ * stability of its own, the branch on either side has. */
 bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *point);
 json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d);
 /* Appends a row. */
@@ -74,11 +76,13 @@ ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double 
 
 /* Takes --json or --csv out of argv; false (with a message) when both are given. */
 bool cli_take_format(int *argc, char **argv, cli_format *format);
-/* Takes `--name VALUE` (or --name=VALUE) out of argv; *value stays NULL when it is absent. False with a message when VALUE is missing. */
+/* Takes `--name VALUE` (or --name=VALUE) out of argv; *value stays NULL when it is absent. False with a message when
+ * VALUE is missing. */
 bool cli_take_value(int *argc, char **argv, const char *name, const char **value);
 /* Takes `--name` out of argv. */
 bool cli_take_flag(int *argc, char **argv, const char *name);
-/* What is left must be exactly n operands, none starting with '-' (but numbers may); else a message that shows the usage and false. */
+/* What is left must be exactly n operands, none starting with '-' (but numbers may); else a message that shows the
+ * usage and false. */
 bool cli_operands(const cli_command *command, int argc, char **argv, int n);
 /* Whole-string number, with a message naming `what` otherwise. */
 bool cli_parse_number(const char *text, const char *what, double *out);

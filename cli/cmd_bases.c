@@ -70,8 +70,10 @@ static void report_left(const ric_atlas *atlas, const ric_bases *bases)
         left += !found;
     }
     if (left)
-        fprintf(stderr, "ricochet: %d branch%s in no base: no path to a backbone with duplicates up to %d; a larger --duplicates may find one, unless it is "
-                        "the family of a loose mass, which has no linear mode to start from\n",
+        fprintf(stderr,
+                "ricochet: %d branch%s in no base: no path to a backbone with duplicates up to %d; a larger "
+                "--duplicates may find one, unless it is the family of a loose mass, which has no linear mode to start "
+                "from\n",
                 left, left == 1 ? " is" : "es are", ric_bases_largest(bases));
 }
 
@@ -96,8 +98,9 @@ static ric_status add_rows(const ric_atlas *atlas, double d, const void *user, j
 
 static int run(int argc, char **argv)
 {
-    static const char *const all[] = {
-        "base", "mode", "j", "number", "branches", "labels", "duplicates", "energy_min", "energy_max", "frequency_min", "frequency_max", NULL};
+    static const char *const all[] = {"base",          "mode",       "j",          "number",     "branches",
+                                      "labels",        "duplicates", "energy_min", "energy_max", "frequency_min",
+                                      "frequency_max", NULL};
     static const char *const few[] = {
         "base", "mode", "j", "number", "energy_min", "energy_max", "frequency_min", "frequency_max", "branches", NULL};
     const char *largest, *branch;

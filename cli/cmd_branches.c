@@ -72,7 +72,8 @@ static json_t *stability(const ric_segment *segment)
 static json_t *segment_row(const ric_atlas *atlas, const ric_branch *branch, const ric_segment *segment, double d)
 {
     json_t *row = json_object();
-    const char *from = end_text(atlas, segment->from, "start"), *to = end_text(atlas, segment->to, ric_stop_text(branch->stop));
+    const char *from = end_text(atlas, segment->from, "start"),
+               *to = end_text(atlas, segment->to, ric_stop_text(branch->stop));
     json_object_set_new(row, "segment", json_sprintf("%s|%s %s", branch->label, from, to));
     json_object_set_new(row, "branch", json_integer(segment->branch));
     json_object_set_new(row, "from", cli_id(segment->from));
@@ -127,16 +128,20 @@ static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user
 static int run(int argc, char **argv)
 {
     static const char *const all[] = {
-        "id", "label", "word", "impacts", "symmetric", "reversible", "mirror", "stable_fraction", "points", "energy_min", "energy_max",
-        "frequency_min", "frequency_max", "from", "to", "stop", "why", "junctions", "junction_arclengths", "depth", "mode", NULL};
+        "id", "label", "word", "impacts", "symmetric", "reversible", "mirror", "stable_fraction", "points",
+        "energy_min", "energy_max", "frequency_min", "frequency_max", "from", "to", "stop", "why", "junctions",
+        "junction_arclengths", "depth", "mode", NULL};
     static const char *const few[] = {
-        "id", "label", "impacts", "symmetric", "reversible", "stable_fraction", "points", "energy_min", "energy_max", "frequency_min",
-        "frequency_max", "from", "to", "stop", "junctions", "depth", NULL};
-    static const char *const parts[] = {
-        "segment", "branch", "from", "to", "energy_min", "energy_max", "frequency_min", "frequency_max", "stable", "stable_fraction", NULL};
-    const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"), .elementary = cli_take_flag(&argc, argv, "--elementary")};
+        "id", "label", "impacts", "symmetric", "reversible", "stable_fraction", "points", "energy_min", "energy_max",
+        "frequency_min", "frequency_max", "from", "to", "stop", "junctions", "depth", NULL};
+    static const char *const parts[] = {"segment",    "branch",        "from",          "to",     "energy_min",
+                                        "energy_max", "frequency_min", "frequency_max", "stable", "stable_fraction",
+                                        NULL};
+    const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
+                      .elementary = cli_take_flag(&argc, argv, "--elementary")};
     const cli_listing listing = {
-        .command = &cli_branches, .rows = chosen_rows, .user = &c, .all = c.segments ? parts : all, .few = c.segments ? parts : few};
+        .command = &cli_branches, .rows = chosen_rows, .user = &c, .all = c.segments ? parts : all,
+        .few = c.segments ? parts : few};
     return cli_list(&listing, argc, argv);
 }
 

@@ -1,4 +1,5 @@
-/* ricochet cascade ATLAS: paths of successive multiplications, those that the atlas holds or one that is followed from a branch of it. */
+/* ricochet cascade ATLAS: paths of successive multiplications, those that the atlas holds or one that is followed from
+ * a branch of it. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -125,10 +126,11 @@ static void set_multiplication(json_t *row, int p, int q)
 
 static int print_followed(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
 {
-    static const char *const all[] = {"step", "multiple", "p/q", "impacts", "grazings", "symmetric", "energy", "frequency", "ratio", "residual",
-                                      "return_error", "stop", "points", "word", NULL};
-    static const char *const few[] = {"step", "p/q", "impacts", "grazings", "form", "energy", "frequency", "ratio", "residual", "return_error",
-                                      NULL};
+    static const char *const all[] = {"step",         "multiple", "p/q",       "impacts", "grazings",
+                                      "symmetric",    "energy",   "frequency", "ratio",   "residual",
+                                      "return_error", "stop",     "points",    "word",    NULL};
+    static const char *const few[] = {"step",      "p/q",   "impacts",  "grazings",     "form", "energy",
+                                      "frequency", "ratio", "residual", "return_error", NULL};
     ric_cascade *cascade = NULL;
     int code = cli_follow_cascade(atlas, request, &cascade);
     if (code != CLI_DONE)
@@ -194,7 +196,8 @@ static bool asked_for(const finder *f, const ric_junction *j)
         return false;
     if (!r->given)
         return true;
-    return f->n < r->n && r->multiple[f->n] == j->multiple && (!r->rotation[f->n] || r->rotation[f->n] == j->rotation[0]);
+    return f->n < r->n && r->multiple[f->n] == j->multiple &&
+           (!r->rotation[f->n] || r->rotation[f->n] == j->rotation[0]);
 }
 
 /* Frequency at the period of the orbit itself. */
@@ -210,8 +213,8 @@ static double ratio_at(const finder *f, int i)
     for (int k = 0; k < 3; k++) {
         ric_junction j;
         ric_branch b;
-        if (i < 2 || ric_atlas_junction(f->atlas, f->step[i - 2 + k].junction, &j) || ric_atlas_branch(f->atlas, f->step[i - 2 + k].branch, &b)
-            || j.multiple != 2 || b.symmetric)
+        if (i < 2 || ric_atlas_junction(f->atlas, f->step[i - 2 + k].junction, &j) ||
+            ric_atlas_branch(f->atlas, f->step[i - 2 + k].branch, &b) || j.multiple != 2 || b.symmetric)
             return NAN;
         energy[k] = j.energy;
     }
@@ -291,16 +294,18 @@ int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request,
 
 static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
 {
-    static const char *const all[] = {"path", "step", "branch", "junction", "label", "multiple", "p/q", "impacts", "grazings", "symmetric",
-                                      "energy", "frequency", "ratio", "stop", "word", NULL};
-    static const char *const few[] = {"path", "step", "branch", "junction", "label", "p/q", "impacts", "grazings", "form", "energy", "frequency",
-                                      "ratio", NULL};
+    static const char *const all[] = {"path",  "step",    "branch",   "junction",  "label",  "multiple",
+                                      "p/q",   "impacts", "grazings", "symmetric", "energy", "frequency",
+                                      "ratio", "stop",    "word",     NULL};
+    static const char *const few[] = {"path",     "step", "branch", "junction",  "label", "p/q", "impacts",
+                                      "grazings", "form", "energy", "frequency", "ratio", NULL};
     json_t *rows = json_array();
     const int n_path = cli_cascade_rows(atlas, request, d, rows);
     int code = cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
     if (n_path == 0)
-        fputs("ricochet: the atlas holds no such path; explore.multiply, explore.cascade and explore.depth of the study decide what it holds, and "
-              "--branch ID with --multiply or --doublings follows one beyond it\n", stderr);
+        fputs("ricochet: the atlas holds no such path; explore.multiply, explore.cascade and explore.depth of the "
+              "study decide what it holds, and --branch ID with --multiply or --doublings follows one beyond it\n",
+              stderr);
     json_decref(rows);
     return code;
 }
@@ -313,10 +318,13 @@ static int run(int argc, char **argv)
     cli_format format;
     ric_atlas *atlas = NULL;
     const bool physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_cascade(&argc, argv, &request) || !cli_take_format(&argc, argv, &format) || !cli_operands(&cli_cascade, argc, argv, 1))
+    if (!cli_take_cascade(&argc, argv, &request) || !cli_take_format(&argc, argv, &format) ||
+        !cli_operands(&cli_cascade, argc, argv, 1))
         return CLI_WRONG;
     if (!request.to_end && request.given && !request.branch)
-        return cli_wrong("cascade: --doublings needs --branch ID, the branch whose doubling comes first; `ricochet branches %s` lists them", argv[1]);
+        return cli_wrong("cascade: --doublings needs --branch ID, the branch whose doubling comes first; `ricochet "
+                         "branches %s` lists them",
+                         argv[1]);
     ric_status status = ric_atlas_read(argv[1], &atlas);
     const double d = atlas && physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
     int code = status                              ? cli_report(status)

@@ -77,7 +77,8 @@ static ric_status facts_ask(facts *f)
     return status;
 }
 
-/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its impact orbits do not converge. */
+/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its impact orbits do not
+ * converge. */
 static double late_growth(const facts *f, int contact)
 {
     const double *cumulative = f->compliance + (size_t)contact * (size_t)f->n;
@@ -158,28 +159,34 @@ static void print_head(const facts *f, const ric_study *study)
     if (is_smooth(f)) {
         ric_contact first;
         bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
-        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n", f->n, plural(f->n), ric_model_n_mode(model),
-               f->m, plural(f->m));
+        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n", f->n, plural(f->n),
+               ric_model_n_mode(model), f->m, plural(f->m));
         printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n", ric_model_length(model),
-               own ? "the length of contact 1" : "as contact 1 is given by its stiffness", ric_model_length(model) * ric_model_length(model));
+               own ? "the length of contact 1" : "as contact 1 is given by its stiffness",
+               ric_model_length(model) * ric_model_length(model));
         puts("symmetry: x -> -x maps the structure to itself");
         if (parts > 1)
-            printf("parts: %d groups of modes that no contact joins; they move independently, each with its own families\n", parts);
+            printf("parts: %d groups of modes that no contact joins; they move independently, each with its own "
+                   "families\n",
+                   parts);
         return;
     }
-    printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->n, plural(f->n),
-           ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model), plural(ric_model_n_face(model)),
-           ric_model_restitution(model));
+    printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->n,
+           plural(f->n), ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model),
+           plural(ric_model_n_face(model)), ric_model_restitution(model));
     printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n", ric_model_length(model));
-    puts(ric_model_symmetric(model) ? "symmetry: x -> -x maps the structure to itself"
-                                    : "symmetry: none under x -> -x, some contact has one side only; mirror images are separate rows");
+    puts(ric_model_symmetric(model)
+             ? "symmetry: x -> -x maps the structure to itself"
+             : "symmetry: none under x -> -x, some contact has one side only; mirror images are separate rows");
     if (parts > 1)
-        printf("parts: %d groups of modes that no contact joins; they move independently, each with its own families\n", parts);
+        printf("parts: %d groups of modes that no contact joins; they move independently, each with its own families\n",
+               parts);
 }
 
 static void print_modes(const facts *f)
 {
-    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen", is_smooth(f) ? "" : "first touch at scaled energy");
+    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen",
+           is_smooth(f) ? "" : "first touch at scaled energy");
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#14.10g  ", i + 1, f->frequency[i]);
         if (f->frequency[i] > 0)
@@ -203,12 +210,15 @@ static void print_contact(const facts *f, int contact)
     char faces[40];
     int mirror = -1;
     size_t n = (size_t)f->n, k = (size_t)contact;
-    if (ric_model_contact(f->model, contact, &about) || (!is_smooth(f) && ric_model_face(f->model, f->face[contact], NULL, NULL, &mirror)))
+    if (ric_model_contact(f->model, contact, &about) ||
+        (!is_smooth(f) && ric_model_face(f->model, f->face[contact], NULL, NULL, &mirror)))
         return;
     if (is_smooth(f)) {
-        printf("\ncontact %d%s%s%s: ", contact + 1, about.name ? " '" : "", about.name ? about.name : "", about.name ? "'" : "");
+        printf("\ncontact %d%s%s%s: ", contact + 1, about.name ? " '" : "", about.name ? about.name : "",
+               about.name ? "'" : "");
         if (about.length > 0)
-            printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length, about.exponent);
+            printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length,
+                   about.exponent);
         else
             printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
         printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
@@ -251,15 +261,18 @@ static void print_remarks(const facts *f)
     if (unseen || seen_rigid || ric_model_restitution(f->model) < 1)
         putchar('\n');
     if (unseen)
-        printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen, plural(unseen),
-               unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
+        printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen,
+               plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
     if (unseen_rigid)
-        puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are given in the frame that moves along");
+        puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are given in the frame "
+             "that moves along");
     if (seen_rigid)
-        printf("%d rigid motion%s a stop sees: it has no linear touch; its family starts at the lower edge of the energy window\n", seen_rigid,
-               plural(seen_rigid));
+        printf("%d rigid motion%s a stop sees: it has no linear touch; its family starts at the lower edge of the "
+               "energy window\n",
+               seen_rigid, plural(seen_rigid));
     if (ric_model_restitution(f->model) < 1)
-        puts("restitution is below 1: the structure loses energy, so that `ricochet run` refuses it; `ricochet simulate` takes it");
+        puts("restitution is below 1: the structure loses energy, so that `ricochet run` refuses it; `ricochet "
+             "simulate` takes it");
 }
 
 static void print_text(const facts *f, const ric_study *study)

@@ -46,7 +46,8 @@ static bool take_count(int *argc, char **argv, const char *name, int min, int *o
 {
     const char *text;
     long value = *out;
-    if (!cli_take_value(argc, argv, name, &text) || (text && !cli_parse_integer(text, name, min, POINTS_MAX, &value))) return false;
+    if (!cli_take_value(argc, argv, name, &text) || (text && !cli_parse_integer(text, name, min, POINTS_MAX, &value)))
+        return false;
     *out = (int)value;
     return true;
 }
@@ -71,15 +72,18 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
     ric_hunt_options *o = &r->options;
     ric_hunt_options_init(o);
     r->add = cli_take_flag(argc, argv, "--add");
-    if (!cli_take_format(argc, argv, &r->format) || !cli_take_value(argc, argv, "--atlas", &r->atlas_path)
-        || !take_positive(argc, argv, "--energy", &energy, &o->energy) || !take_positive(argc, argv, "--period", bounded, &o->period[1])
-        || !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows)
-        || !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random)
-        || !cli_take_value(argc, argv, "--impacts", &text) || (text && !cli_parse_integer(text, "--impacts", 1, IMPACTS_MAX, &value)))
+    if (!cli_take_format(argc, argv, &r->format) || !cli_take_value(argc, argv, "--atlas", &r->atlas_path) ||
+        !take_positive(argc, argv, "--energy", &energy, &o->energy) ||
+        !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
+        !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
+        !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random) ||
+        !cli_take_value(argc, argv, "--impacts", &text) ||
+        (text && !cli_parse_integer(text, "--impacts", 1, IMPACTS_MAX, &value)))
         return false;
     if (text)
         o->impacts = (int)value;
-    if (!cli_take_value(argc, argv, "--seed", &text) || (text && !cli_parse_integer(text, "--seed", 0, 2147483647, &value)))
+    if (!cli_take_value(argc, argv, "--seed", &text) ||
+        (text && !cli_parse_integer(text, "--seed", 0, 2147483647, &value)))
         return false;
     if (text)
         o->seed = (uint64_t)value;
@@ -151,8 +155,10 @@ static json_t *make_row(const ric_hunt *h, int i, const ric_comparison *c)
 
 static int print(const ric_hunt *h, const ric_comparison *c, cli_format format)
 {
-    static const char *const columns[] = {"orbit", "word", "period", "frequency", "symmetric", "reversible", "trace", "atlas", "branch", "reason", NULL};
-    static const char *const alone[] = {"orbit", "word", "period", "frequency", "symmetric", "reversible", "trace", NULL};
+    static const char *const columns[] = {"orbit", "word",  "period", "frequency", "symmetric", "reversible",
+                                          "trace", "atlas", "branch", "reason",    NULL};
+    static const char *const alone[] = {"orbit",     "word",       "period", "frequency",
+                                        "symmetric", "reversible", "trace",  NULL};
     json_t *rows = json_array();
     for (int i = 0; rows && i < h->n; i++) json_array_append_new(rows, make_row(h, i, c));
     int code = rows ? cli_print_rows(rows, c ? columns : alone, format) : cli_report(RIC_E_NOMEM);
@@ -165,14 +171,21 @@ static int summarise(const ric_hunt *h, const ric_comparison *c, int added)
 {
     int counts[4] = {0};
     for (int i = 0; c && i < h->n; i++) counts[c->findings[i].state]++;
-    fprintf(stderr, "%d orbits of up to %d impacts and period up to %g s at energy %g\n", h->n, h->options.impacts, h->options.period[1], h->options.energy);
+    fprintf(stderr, "%d orbits of up to %d impacts and period up to %g s at energy %g\n", h->n, h->options.impacts,
+            h->options.period[1], h->options.energy);
     if (!c) return CLI_DONE;
-    fprintf(stderr, "of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its budgets, %d isolated, %d unexplained\n", c->n_atlas,
-            c->n_again, h->n - counts[RIC_PREY_KNOWN], counts[RIC_PREY_BUDGET], counts[RIC_PREY_ISOLATED], counts[RIC_PREY_UNEXPLAINED]);
+    fprintf(stderr,
+            "of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its budgets, %d isolated, %d "
+            "unexplained\n",
+            c->n_atlas, c->n_again, h->n - counts[RIC_PREY_KNOWN], counts[RIC_PREY_BUDGET], counts[RIC_PREY_ISOLATED],
+            counts[RIC_PREY_UNEXPLAINED]);
     for (int i = 0; i < c->n_missed; i++)
-        fprintf(stderr, "not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n", c->missed[i].impacts,
-                c->missed[i].branch, c->missed[i].period, c->missed[i].trace, c->missed[i].approach);
-    if (added) fprintf(stderr, "%d start%s added; the next `ricochet run` follows %s\n", added, added == 1 ? "" : "s", added == 1 ? "it" : "them");
+        fprintf(stderr, "not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n",
+                c->missed[i].impacts, c->missed[i].branch, c->missed[i].period, c->missed[i].trace,
+                c->missed[i].approach);
+    if (added)
+        fprintf(stderr, "%d start%s added; the next `ricochet run` follows %s\n", added, added == 1 ? "" : "s",
+                added == 1 ? "it" : "them");
     return counts[RIC_PREY_UNEXPLAINED] ? CLI_FAILED : CLI_DONE;
 }
 
@@ -184,11 +197,15 @@ static bool same_model(const ric_model *a, const ric_model *b)
     int n = ric_model_n_dof(a), contacts = ric_model_n_contact(a);
     size_t bytes = (size_t)n * (size_t)n * sizeof(double);
     if (n != ric_model_n_dof(b) || contacts != ric_model_n_contact(b)) return false;
-    if (memcmp(ric_model_mass(a), ric_model_mass(b), bytes) || memcmp(ric_model_stiffness(a), ric_model_stiffness(b), bytes)) return false;
+    if (memcmp(ric_model_mass(a), ric_model_mass(b), bytes) ||
+        memcmp(ric_model_stiffness(a), ric_model_stiffness(b), bytes))
+        return false;
     for (int i = 0; i < contacts; i++) {
         ric_contact x, y;
         if (ric_model_contact(a, i, &x) || ric_model_contact(b, i, &y)) return false;
-        if (x.clearance != y.clearance || x.sides != y.sides || x.law != y.law || memcmp(x.normal, y.normal, (size_t)n * sizeof(double))) return false;
+        if (x.clearance != y.clearance || x.sides != y.sides || x.law != y.law ||
+            memcmp(x.normal, y.normal, (size_t)n * sizeof(double)))
+            return false;
     }
     return true;
 }

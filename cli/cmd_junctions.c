@@ -82,7 +82,8 @@ static json_t *point_label(const ric_junction *junction, int times)
     return json_sprintf("G_%d,%d", times * junction->impacts, times * junction->grazings);
 }
 
-static ric_status point_row(const ric_atlas *atlas, const ric_branch *branch, const ric_duplicate_point *point, double d, json_t *row)
+static ric_status point_row(const ric_atlas *atlas, const ric_branch *branch, const ric_duplicate_point *point,
+                            double d, json_t *row)
 {
     ric_junction junction;
     const ric_status status = ric_atlas_junction(atlas, point->junction, &junction);
@@ -118,7 +119,8 @@ static ric_status duplicate_rows(const ric_atlas *atlas, const ric_branch *branc
 }
 
 /* A multiplication p/q on the ghost beyond an end of the branch, as the k-duplicates with q | k have it. */
-static void ghost_row(const ric_branch *branch, const ric_ghost_multiplication *m, ric_end end, int k, double d, json_t *rows)
+static void ghost_row(const ric_branch *branch, const ric_ghost_multiplication *m, ric_end end, int k, double d,
+                      json_t *rows)
 {
     const int times = k / m->rotation[1];
     json_t *row = json_object();
@@ -126,7 +128,9 @@ static void ghost_row(const ric_branch *branch, const ric_ghost_multiplication *
     json_object_set_new(row, "branch", json_integer(branch->id));
     json_object_set_new(row, "k", json_integer(k));
     json_object_set_new(row, "kind", json_string(ric_kind_text(RIC_KIND_MULTIPLICATION)));
-    json_object_set_new(row, "origin", json_string(ric_duplicate_origin_text(times == 1 ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED)));
+    json_object_set_new(row, "origin",
+                        json_string(
+                            ric_duplicate_origin_text(times == 1 ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED)));
     json_object_set_new(row, "j", json_integer(times * m->rotation[0]));
     json_object_set_new(row, "rotation", cli_integers(2, m->rotation));
     json_object_set_new(row, "end", json_string(end == RIC_END_FROM ? "from" : "to"));
@@ -181,30 +185,35 @@ static ric_status all_duplicates(const ric_atlas *atlas, double d, const void *u
             status = duplicate_rows(atlas, &branch, k, d, rows);
     }
     if (!status && w->largest > multiply)
-        fprintf(stderr, "ricochet: q-tuplings with q above %d were not looked for; run the study with 'multiply: %ld' for all points of the "
-                        "duplicates up to %ld\n", multiply, w->largest, w->largest);
+        fprintf(stderr,
+                "ricochet: q-tuplings with q above %d were not looked for; run the study with 'multiply: %ld' for all "
+                "points of the duplicates up to %ld\n",
+                multiply, w->largest, w->largest);
     return status;
 }
 
 static int run_duplicates(const wanted *w, int argc, char **argv)
 {
-    static const char *const columns[] = {
-        "duplicate", "branch", "k", "kind", "origin", "j", "rotation", "label", "name", "junction", "energy", "frequency", NULL};
-    static const char *const of_ghosts[] = {"duplicate", "branch", "k",      "kind",      "origin", "j", "rotation", "end", "admissible",
-                                            "energy",    "frequency", NULL};
-    const cli_listing listing = {.command = &cli_junctions, .all = w->ghost ? of_ghosts : columns, .few = w->ghost ? of_ghosts : columns,
-                                 .rows = w->ghost ? all_ghosts : all_duplicates, .user = w};
+    static const char *const columns[] = {"duplicate", "branch", "k",        "kind",   "origin",    "j", "rotation",
+                                          "label",     "name",   "junction", "energy", "frequency", NULL};
+    static const char *const of_ghosts[] = {"duplicate", "branch", "k",          "kind",   "origin",    "j",
+                                            "rotation",  "end",    "admissible", "energy", "frequency", NULL};
+    const cli_listing listing = {.command = &cli_junctions, .all = w->ghost ? of_ghosts : columns,
+                                 .few = w->ghost ? of_ghosts : columns, .rows = w->ghost ? all_ghosts : all_duplicates,
+                                 .user = w};
     return cli_list(&listing, argc, argv);
 }
 
 static int run(int argc, char **argv)
 {
-    static const char *const all[] = {
-        "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "a", "b", "decided", "energy", "frequency", "state",
-        "flights", "branches", "departures", "refusal", "budgets", NULL};
-    static const char *const few[] = {
-        "id", "kind", "label", "name", "word", "impacts", "grazings", "multiple", "rotation", "energy", "frequency", "branches", NULL};
-    static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction, .row = cli_junction_row, .all = all, .few = few};
+    static const char *const all[] = {"id",       "kind",      "label",    "name",    "word",     "impacts",
+                                      "grazings", "multiple",  "rotation", "a",       "b",        "decided",
+                                      "energy",   "frequency", "state",    "flights", "branches", "departures",
+                                      "refusal",  "budgets",   NULL};
+    static const char *const few[] = {"id",       "kind",     "label",  "name",      "word",     "impacts", "grazings",
+                                      "multiple", "rotation", "energy", "frequency", "branches", NULL};
+    static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction,
+                                        .row = cli_junction_row, .all = all, .few = few};
     const char *largest, *branch;
     wanted w = {.ghost = cli_take_flag(&argc, argv, "--ghost")};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))
@@ -212,7 +221,8 @@ static int run(int argc, char **argv)
     if (branch && !largest)
         return cli_wrong("--branch chooses a branch whose duplicates are listed; say up to which with --duplicates K");
     if (w.ghost && !largest)
-        return cli_wrong("--ghost lists the multiplications on the ghosts of duplicates; say up to which with --duplicates K");
+        return cli_wrong(
+            "--ghost lists the multiplications on the ghosts of duplicates; say up to which with --duplicates K");
     if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 1000, &w.largest))
         || (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
         return CLI_WRONG;

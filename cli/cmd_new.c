@@ -13,10 +13,12 @@
 #include "cli.h"
 
 static const char model_part[] =
-    "# Matrices are in any consistent units; results are scaled by the clearance d of the first contact: lengths by d, energies\n"
+    "# Matrices are in any consistent units; results are scaled by the clearance d of the first contact: lengths by d, "
+    "energies\n"
     "# by d^2. Times are in seconds and frequencies in rad/s if the units of M and K say so.\n"
     "model:\n"
-    "  # Two masses in a row, 2 and 1, held by springs 8 and 1. One row and one column per displacement; M positive definite,\n"
+    "  # Two masses in a row, 2 and 1, held by springs 8 and 1. One row and one column per displacement; M positive "
+    "definite,\n"
     "  # K positive semidefinite, both symmetric. Large ones from Matrix Market files: mass: {file: M.mtx}\n"
     "  mass: [[2, 0], [0, 1]]\n"
     "  stiffness: [[9, -1], [-1, 1]]\n"
@@ -39,11 +41,14 @@ static bool is_plain(const char *title)
 
 static void write_study(const char *title, FILE *out)
 {
-    fputs("# A study for ricochet. `ricochet check` shows what the model is, `ricochet run` explores it.\ntitle: \"", out);
+    fputs("# A study for ricochet. `ricochet check` shows what the model is, `ricochet run` explores it.\ntitle: \"",
+          out);
     fputs(is_plain(title) ? title : "Two masses with symmetric stops", out);
     fputs("\"\n\n", out);
     fputs(model_part, out);
-    fputs("\n# Where to look. These are the defaults; raise impacts and depth when the first atlas is understood.\nexplore:\n", out);
+    fputs("\n# Where to look. These are the defaults; raise impacts and depth when the first atlas is understood.\n"
+          "explore:\n",
+          out);
     ric_options_template("explore", out);
     fputc('\n', out);
     ric_options_template("", out);
@@ -66,7 +71,8 @@ static int fail(const char *path)
 {
     const int reason = errno;
     if (reason == ENOENT || reason == ENOTDIR)
-        return cli_wrong("new: %s: %s; make the folder that it is to lie in first, or choose another name", path, strerror(reason));
+        return cli_wrong("new: %s: %s; make the folder that it is to lie in first, or choose another name", path,
+                         strerror(reason));
     fprintf(stderr, "ricochet: new: %s: %s; choose another name\n", path, strerror(reason));
     return CLI_FAILED;
 }

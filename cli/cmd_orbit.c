@@ -10,7 +10,8 @@
 static const double two_pi = 6.283185307179586;
 
 enum {
-    SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of that mode's amplitude */
+    SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of that mode's
+                             * amplitude */
     SAMPLES_AT_LEAST = 16,
     STEPS_MAX = 1000000,    /* of a history; more is a slip in --history */
 };
@@ -68,7 +69,8 @@ static double size_at(subject *s, int i, double t)
 static double polish(subject *s, int i, double a, double b)
 {
     const double ratio = 0.6180339887498949;
-    double left = b - ratio * (b - a), right = a + ratio * (b - a), y_left = size_at(s, i, left), y_right = size_at(s, i, right);
+    double left = b - ratio * (b - a), right = a + ratio * (b - a), y_left = size_at(s, i, left),
+           y_right = size_at(s, i, right);
     for (int k = 0; k < 60 && b - a > 1e-9 * s->period; k++) {
         if (y_left > y_right) {
             b = right;
@@ -88,7 +90,8 @@ static double polish(subject *s, int i, double a, double b)
 }
 
 /* Largest |x_i| of one flight, every i. Maxima of the samples that may still become the largest are polished. */
-static void widen_over_flight(subject *s, double begin, double flight, double highest, double *amplitudes, double *samples)
+static void widen_over_flight(subject *s, double begin, double flight, double highest, double *amplitudes,
+                              double *samples)
 {
     int n = (int)(SAMPLES_AT_LEAST + SAMPLES_PER_CYCLE * flight * highest / two_pi);
     size_t n_dof = (size_t)s->n_dof;
@@ -105,8 +108,10 @@ static void widen_over_flight(subject *s, double begin, double flight, double hi
         for (int k = 0; k <= n; k++) { /* at the ends of the flight too: the maximum may lie just inside */
             int before = k > 0 ? k - 1 : 0, after = k < n ? k + 1 : n;
             double y = samples[(size_t)k * n_dof + i];
-            if (y >= samples[(size_t)before * n_dof + i] && y >= samples[(size_t)after * n_dof + i] && y > 0.98 * largest)
-                amplitudes[i] = fmax(amplitudes[i], polish(s, (int)i, begin + flight * before / n, begin + flight * after / n));
+            if (y >= samples[(size_t)before * n_dof + i] && y >= samples[(size_t)after * n_dof + i] &&
+                y > 0.98 * largest)
+                amplitudes[i] = fmax(amplitudes[i],
+                                     polish(s, (int)i, begin + flight * before / n, begin + flight * after / n));
         }
     }
 }
@@ -125,7 +130,8 @@ static bool find_amplitudes(subject *s, double *amplitudes)
     free(frequencies);
     for (int k = 0; k < n_flight; k++)
         longest = fmax(longest, s->flights[k]);
-    samples = calloc((size_t)(SAMPLES_AT_LEAST + 2 + SAMPLES_PER_CYCLE * longest * highest / two_pi), (size_t)s->n_dof * sizeof *samples);
+    samples = calloc((size_t)(SAMPLES_AT_LEAST + 2 + SAMPLES_PER_CYCLE * longest * highest / two_pi),
+                     (size_t)s->n_dof * sizeof *samples);
     for (int i = 0; i < s->n_dof; i++)
         amplitudes[i] = 0;
     for (int k = 0; samples && k < n_flight; k++) {
@@ -138,7 +144,8 @@ static bool find_amplitudes(subject *s, double *amplitudes)
 
 /* ----------------------------------------------------------------- impacts */
 
-/* Speed of the gap at impact k. No energy is lost: it is the same before and after, so that either side of the impact will do. */
+/* Speed of the gap at impact k. No energy is lost: it is the same before and after, so that either side of the impact
+ * will do. */
 static double speed_at_impact(subject *s, int k, const double *normal)
 {
     double t = 0, speed = 0;
@@ -151,7 +158,8 @@ static double speed_at_impact(subject *s, int k, const double *normal)
     return fabs(speed);
 }
 
-/* What each spring exchanges from its closing, letter k, to its opening, as the simulator tells over a period; NAN where it does not. */
+/* What each spring exchanges from its closing, letter k, to its opening, as the simulator tells over a period; NAN
+ * where it does not. */
 static ric_status collect_spring_impulses(subject *s, double *exchanged)
 {
     ric_simulator *sim = NULL;
@@ -177,10 +185,12 @@ static ric_status collect_spring_impulses(subject *s, double *exchanged)
     return status;
 }
 
-/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over all modes. */
+/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over
+ * all modes. */
 static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
 {
-    double *compliance = calloc((size_t)s->n_dof, sizeof *compliance), *exchanged = calloc((size_t)s->n_letter + 1, sizeof *exchanged);
+    double *compliance = calloc((size_t)s->n_dof, sizeof *compliance),
+           *exchanged = calloc((size_t)s->n_letter + 1, sizeof *exchanged);
     ric_status status = compliance && exchanged ? collect_spring_impulses(s, exchanged) : RIC_E_NOMEM;
     for (int k = 0; !status && k < s->n_letter; k++) {
         if (s->word[k] >= ric_model_n_face(s->model)) /* a spring opens: told where it closes */
@@ -196,7 +206,9 @@ static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
             break;
         double speed = s->d * speed_at_impact(s, k, contact.normal);
         json_array_append_new(speeds, cli_number(speed));
-        json_array_append_new(impulses, cli_number(contact.law == RIC_LAW_BILINEAR ? s->d * exchanged[k] : 2 * speed / compliance[s->n_dof - 1]));
+        json_array_append_new(impulses,
+                              cli_number(contact.law == RIC_LAW_BILINEAR ? s->d * exchanged[k]
+                                                                         : 2 * speed / compliance[s->n_dof - 1]));
     }
     free(exchanged);
     free(compliance);
@@ -240,7 +252,10 @@ static ric_status add_orbit(json_t *rows, subject *s)
     json_object_set_new(row, "frequency", cli_number(s->point.frequency));
     json_object_set_new(row, "energy", cli_number(s->d * s->d * s->point.energy));
     json_object_set_new(row, "multipliers", multiplier_pairs(s));
-    json_object_set_new(row, "stable", json_string(stable == RIC_STABLE_YES ? "yes" : stable == RIC_STABLE_NO ? "no" : "undecided"));
+    json_object_set_new(row, "stable",
+                        json_string(stable == RIC_STABLE_YES  ? "yes"
+                                    : stable == RIC_STABLE_NO ? "no"
+                                                              : "undecided"));
     json_object_set_new(row, "amplitudes", status ? json_null() : numbers(s->n_dof, amplitudes, s->d));
     if (!status)
         status = add_impacts(s, speeds, impulses);
@@ -354,8 +369,8 @@ static int print_history(const json_t *rows, cli_format format)
 /* An orbit is too long for a line: the table has one line per quantity. */
 static int print_orbits(const json_t *orbits, cli_format format)
 {
-    static const char *const across[] = {
-        "word", "state", "flights", "period", "frequency", "energy", "multipliers", "stable", "amplitudes", "impact_speeds", "impulses", NULL};
+    static const char *const across[] = {"word",        "state",  "flights",    "period",        "frequency", "energy",
+                                         "multipliers", "stable", "amplitudes", "impact_speeds", "impulses",  NULL};
     static const char *const down[] = {"orbit", "quantity", "value", NULL};
     const json_t *orbit;
     size_t i;
@@ -446,7 +461,8 @@ static int run(int argc, char **argv)
         return CLI_WRONG;
     if (!branch)
         return cli_wrong("orbit: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
-    if (!cli_parse_integer(branch, "--branch", 1, INT_MAX, &id) || !parse_place(places, &ask) || !parse_step(step, &ask.step))
+    if (!cli_parse_integer(branch, "--branch", 1, INT_MAX, &id) || !parse_place(places, &ask) ||
+        !parse_step(step, &ask.step))
         return CLI_WRONG;
     ask.path = argv[1];
     ask.branch = (int)id;

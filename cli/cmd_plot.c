@@ -42,7 +42,8 @@ bool plot_parse_window(const char *text, const char *what, double window[4])
     return plot_parse_range(first, what, window) && plot_parse_range(comma + 1, what, window + 2);
 }
 
-int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases, int most, int *n, plot_listed *values)
+int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases,
+                     int most, int *n, plot_listed *values)
 {
     const size_t length = strlen(option);
     for (int i = 1; i < argc; i++) {
@@ -76,7 +77,8 @@ static bool take_size(const char *text, plot_options *options)
     }
     memcpy(first, text, (size_t)(cross - text));
     first[cross - text] = '\0';
-    if (!cli_parse_integer(first, "--size", 320, 8000, &width) || !cli_parse_integer(cross + 1, "--size", 240, 8000, &height))
+    if (!cli_parse_integer(first, "--size", 320, 8000, &width) ||
+        !cli_parse_integer(cross + 1, "--size", 240, 8000, &height))
         return false;
     options->width = (double)width;
     options->height = (double)height;
@@ -88,8 +90,9 @@ static const struct {
     int (*run)(int argc, char **argv, const plot_options *options);
     bool by_id; /* takes branches and junctions by id only */
 } kinds[] = {
-    {"fep", plot_fep, false}, {"orbit", plot_orbit, true}, {"orbits", plot_orbits, false}, {"curves", plot_curves, true},
-    {"floquet", plot_floquet, true}, {"cascade", plot_cascade, true}, {"sheet", plot_sheet, false}, {"strobe", plot_strobe, false},
+    {"fep", plot_fep, false},      {"orbit", plot_orbit, true},     {"orbits", plot_orbits, false},
+    {"curves", plot_curves, true}, {"floquet", plot_floquet, true}, {"cascade", plot_cascade, true},
+    {"sheet", plot_sheet, false},  {"strobe", plot_strobe, false},
 };
 
 /* The first word that is neither an option nor the value of one. */
@@ -118,7 +121,8 @@ static int resolve_names(int argc, char **argv, char ids[MAX_NAMED][16])
             continue;
         if (!atlas && ric_atlas_read(operand(argc, argv), &atlas) != RIC_OK)
             return CLI_DONE; /* the picture itself will say what is wrong with it */
-        if (branch ? plot_find_segment(atlas, name, "--branch", &segment) : plot_find_junction(atlas, name, "--junction", &segment.branch)) {
+        if (branch ? plot_find_segment(atlas, name, "--branch", &segment)
+                   : plot_find_junction(atlas, name, "--junction", &segment.branch)) {
             snprintf(ids[n], sizeof ids[n], "%d", segment.branch);
             argv[i + 1] = ids[n++];
         } else {
@@ -135,7 +139,8 @@ static int run(int argc, char **argv)
     char ids[MAX_NAMED][16];
     const char *size = NULL;
     if (argc < 2)
-        return cli_wrong("plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet or strobe; see ricochet plot --help");
+        return cli_wrong("plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet or strobe; see "
+                         "ricochet plot --help");
     if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title)
         || !cli_take_value(&argc, argv, "--size", &size))
         return CLI_WRONG;
@@ -150,7 +155,9 @@ static int run(int argc, char **argv)
                 code = resolve_names(argc, argv, ids);
             return code == CLI_DONE ? kinds[i].run(argc - 1, argv + 1, &options) : code;
         }
-    return cli_wrong("plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet and strobe", argc > 1 ? argv[1] : "");
+    return cli_wrong(
+        "plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet and strobe",
+        argc > 1 ? argv[1] : "");
 }
 
 const cli_command cli_plot = {

@@ -117,8 +117,8 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
         }
         json_array_append_new(l->rows, row);
     }
-    fprintf(stderr, "ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point, ric_stop_text(data.stop), *data.why ? ", " : "",
-            data.why);
+    fprintf(stderr, "ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point,
+            ric_stop_text(data.stop), *data.why ? ", " : "", data.why);
     if (data.again >= 0)
         fprintf(stderr, "ricochet: ghost beyond '%s': admissible again from point %d on\n", end, data.again);
     return status;
@@ -138,14 +138,19 @@ static int no_ghost(const listing *l, const char *path)
 {
     char from[120], to[120];
     if (l->branch.impacts == 0) {
-        fprintf(stderr, "ricochet: branch %d has no ghost: a linear mode has no impacts and stays the same at any amplitude. "
-                "The ghosts of the branches that leave it can be listed; `ricochet branches %s` shows them\n", l->branch.id, path);
+        fprintf(stderr,
+                "ricochet: branch %d has no ghost: a linear mode has no impacts and stays the same at any amplitude. "
+                "The ghosts of the branches that leave it can be listed; `ricochet branches %s` shows them\n",
+                l->branch.id, path);
         return CLI_FAILED;
     }
     name_end(l, l->branch.from, sizeof from, from);
     name_end(l, l->branch.to, sizeof to, to);
-    fprintf(stderr, "ricochet: branch %d has no ghost: a ghost goes on where a grazing or a corner ends a branch, and the ends of this one are: "
-            "%s; %s. `ricochet branches %s` lists `from` and `to`, `ricochet junctions %s` their kinds\n", l->branch.id, from, to, path, path);
+    fprintf(stderr,
+            "ricochet: branch %d has no ghost: a ghost goes on where a grazing or a corner ends a branch, and the ends "
+            "of this one are: %s; %s. `ricochet branches %s` lists `from` and `to`, `ricochet junctions %s` their "
+            "kinds\n",
+            l->branch.id, from, to, path, path);
     return CLI_FAILED;
 }
 
@@ -171,11 +176,14 @@ static void choose_columns(cli_format format, bool ghost, bool multipliers_too, 
     static const struct {
         const char *name;
         bool ghost, file, many; /* only of ghosts; not in the table for the terminal; only with more than two modes */
-    } all[] = {
-        {"end", true, false, false}, {"point", false, false, false}, {"arclength", false, false, false}, {"energy", false, false, false},
-        {"frequency", false, false, false}, {"period", false, false, false}, {"trace", false, false, false}, {"log_trace", false, true, false},
-        {"rotation", false, false, false}, {"stable", false, false, false}, {"reach", false, false, false}, {"approach", false, false, false},
-        {"residual", false, false, false}, {"admissible", true, false, false}, {"multipliers", false, true, true}};
+    } all[] = {{"end", true, false, false},        {"point", false, false, false},
+               {"arclength", false, false, false}, {"energy", false, false, false},
+               {"frequency", false, false, false}, {"period", false, false, false},
+               {"trace", false, false, false},     {"log_trace", false, true, false},
+               {"rotation", false, false, false},  {"stable", false, false, false},
+               {"reach", false, false, false},     {"approach", false, false, false},
+               {"residual", false, false, false},  {"admissible", true, false, false},
+               {"multipliers", false, true, true}};
     int n = 0;
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if ((ghost || !all[i].ghost) && (format != CLI_TEXT || !all[i].file) && (multipliers_too || !all[i].many))

@@ -1,4 +1,5 @@
-/* ricochet report ATLAS: what a run did, what it left out and why, and how good what it found is; all of it from the file. */
+/* ricochet report ATLAS: what a run did, what it left out and why, and how good what it found is; all of it from the
+ * file. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -78,7 +79,8 @@ static void add_regions(json_t *rows, const ric_atlas *atlas)
     char detail[200];
     for (int i = 0; i < o->n_region; i++) {
         const ric_region *r = &o->region[i];
-        snprintf(detail, sizeof detail, "energy %.6g to %.6g, frequency %.6g to %.6g", r->energy[0], r->energy[1], r->frequency[0], r->frequency[1]);
+        snprintf(detail, sizeof detail, "energy %.6g to %.6g, frequency %.6g to %.6g", r->energy[0], r->energy[1],
+                 r->frequency[0], r->frequency[1]);
         add_count(rows, "region with larger budgets", i + 1, detail);
     }
 }
@@ -103,7 +105,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     }
     add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
     if (ric_atlas_n_unplaced(atlas))
-        add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas), "their junction does not converge");
+        add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
+                  "their junction does not converge");
     add_count(rows, "departures taken", sum.taken, "");
     add_count(rows, "departures known", sum.known, "the branch was found another way");
     add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");
@@ -125,7 +128,8 @@ static int sample_size(const ric_atlas *atlas)
 
 static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
 {
-    int size = sample_size(atlas), n = size ? ric_atlas_n_branch(atlas) : 0, step = n / (size + !size) + 1, replayed = 0, failed = 0;
+    int size = sample_size(atlas), n = size ? ric_atlas_n_branch(atlas) : 0, step = n / (size + !size) + 1,
+        replayed = 0, failed = 0;
     double flight = 0, back = 0, energy = 0;
     for (int id = 1; id <= n; id += step) {
         ric_branch branch;
@@ -144,7 +148,8 @@ static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
         energy = fmax(energy, check.energy_error);
     }
     if (size == 0) {
-        add(rows, "orbits replayed", json_string("none"), "the structure is too large to do so in passing; `ricochet verify` does it");
+        add(rows, "orbits replayed", json_string("none"),
+            "the structure is too large to do so in passing; `ricochet verify` does it");
         return RIC_OK;
     }
     add_count(rows, "orbits replayed", replayed, "the middle of a sample of branches; `ricochet verify` does more");

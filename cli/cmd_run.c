@@ -39,8 +39,8 @@ static bool show_progress(const ric_progress *now, void *user)
 {
     display *d = user;
     if (d->terminal && seconds_since(&d->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%d branches, %d junctions, %d open departures, depth %d, %.0f s", now->branches, now->junctions, now->open,
-                now->depth, now->seconds);
+        fprintf(stderr, "\r\033[K%d branches, %d junctions, %d open departures, depth %d, %.0f s", now->branches,
+                now->junctions, now->open, now->depth, now->seconds);
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
@@ -56,14 +56,16 @@ static void clear_progress(const display *d)
 
 /* ----------------------------------------------------------------- summary */
 
-/* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none of is left out. */
+/* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none
+ * of is left out. */
 static void print_report(const json_t *rows)
 {
     const char *last = "";
     size_t i;
     json_t *row;
     json_array_foreach(rows, i, row) {
-        const char *item = json_string_value(json_object_get(row, "item")), *detail = json_string_value(json_object_get(row, "detail"));
+        const char *item = json_string_value(json_object_get(row, "item")),
+                   *detail = json_string_value(json_object_get(row, "detail"));
         const json_t *value = json_object_get(row, "value");
         if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
@@ -87,8 +89,8 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
     json_t *rows = json_array();
     ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
     if (!status) {
-        fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
-                seconds_since(&d->start));
+        fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
+                ric_atlas_n_junction(atlas), seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory())
             status = RIC_E_NOMEM;
         if (!status)
@@ -161,7 +163,9 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
     char what[100];
     list_smaller(ric_study_options(old), ric_study_options(now), sizeof what, what);
     if (*what)
-        fprintf(stderr, "ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not listed any more, the work is kept\n",
+        fprintf(stderr,
+                "ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not "
+                "listed any more, the work is kept\n",
                 path, what);
     if (strstr(what, "regions")) {
         fputs("ricochet: with these lines in the study it comes back:\n", stderr);
@@ -169,10 +173,12 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
     }
 }
 
-/* Where one orbit takes longer than the time given, nobody asks in between. The file is left as by a kill, which it survives. */
+/* Where one orbit takes longer than the time given, nobody asks in between. The file is left as by a kill, which it
+ * survives. */
 static void give_up(int number)
 {
-    static const char said[] = "ricochet: the time given has long been over, in the middle of one orbit; what was done before is kept\n";
+    static const char said[] =
+        "ricochet: the time given has long been over, in the middle of one orbit; what was done before is kept\n";
     (void)number;
     if (write(STDERR_FILENO, said, sizeof said - 1) < 0) _exit(CLI_FAILED);
     _exit(CLI_FAILED);
@@ -208,7 +214,8 @@ static int explore(const ric_study *study, const char *path, long workers, doubl
     return code;
 }
 
-/* The work for one orbit grows with the cube of the modes that take part. Where a single branch may take minutes, nobody shall wait unawares. */
+/* The work for one orbit grows with the cube of the modes that take part. Where a single branch may take minutes,
+ * nobody shall wait unawares. */
 static bool too_large(const ric_study *study, double seconds)
 {
     return ric_model_n_mode(ric_study_model(study)) > MANY_MODES && seconds == HUGE_VAL;
@@ -222,10 +229,11 @@ static int run(int argc, char **argv)
     double seconds = HUGE_VAL;
     ric_study *study = NULL;
     int code;
-    if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_value(&argc, argv, "-j", &workers_text)
-        || !cli_take_value(&argc, argv, "--max-step", &step) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) || !cli_operands(&cli_run, argc, argv, 1)
-        || (workers_text && !cli_parse_integer(workers_text, "-j", 1, 1024, &workers))
-        || (seconds_text && !cli_parse_number(seconds_text, "--seconds", &seconds)))
+    if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_value(&argc, argv, "-j", &workers_text) ||
+        !cli_take_value(&argc, argv, "--max-step", &step) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_operands(&cli_run, argc, argv, 1) ||
+        (workers_text && !cli_parse_integer(workers_text, "-j", 1, 1024, &workers)) ||
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &seconds)))
         return CLI_WRONG;
     if (!(seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
     ric_status status = ric_study_read(argv[1], &study);
@@ -238,12 +246,13 @@ static int run(int argc, char **argv)
     else if (!strcmp(path, argv[1]))
         code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o", path);
     else if (ric_model_restitution(ric_study_model(study)) < 1)
-        code = cli_wrong("%s:%zu: model.restitution: %g loses energy, so that there are no families of periodic orbits; an atlas needs 1, "
-                         "`ricochet simulate` takes [0, 1]", argv[1], ric_study_restitution_line(study),
-                         ric_model_restitution(ric_study_model(study)));
+        code = cli_wrong("%s:%zu: model.restitution: %g loses energy, so that there are no families of periodic "
+                         "orbits; an atlas needs 1, `ricochet simulate` takes [0, 1]",
+                         argv[1], ric_study_restitution_line(study), ric_model_restitution(ric_study_model(study)));
     else if (too_large(study, seconds))
-        code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; give --seconds S to try for so "
-                         "long, or reduce the structure to the modes that matter", argv[1], ric_model_n_mode(ric_study_model(study)));
+        code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
+                         "give --seconds S to try for so long, or reduce the structure to the modes that matter",
+                         argv[1], ric_model_n_mode(ric_study_model(study)));
     else
         code = explore(study, path, workers, seconds);
     free(path);

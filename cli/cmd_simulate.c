@@ -5,7 +5,8 @@
 
 #include "cli.h"
 
-enum { STEPS = 200, STEPS_MAX = 10000000, IMPACTS_MAX = 1000000 }; /* a mass as fast as one likes has as many impacts as one likes */
+enum { STEPS = 200, STEPS_MAX = 10000000, IMPACTS_MAX = 1000000 }; /* a mass as fast as one likes has as many impacts as
+                                                                    * one likes */
 
 typedef struct {
     ric_study *study;
@@ -28,7 +29,8 @@ static bool is_number(const char *text)
     return end != text && !*end;
 }
 
-/* Takes `--state` and the numbers that follow it out of argv; a negative number is none of the options. texts [argc]. */
+/* Takes `--state` and the numbers that follow it out of argv; a negative number is none of the options. texts
+ * [argc]. */
 static bool take_state(int *argc, char **argv, int *count, const char **texts)
 {
     int at = 1;
@@ -40,14 +42,17 @@ static bool take_state(int *argc, char **argv, int *count, const char **texts)
         return false;
     }
     if (at == *argc || argv[at][7]) {
-        cli_wrong("simulate: --state is missing; give the displacements and then the velocities, for example --state 0 0 1 -1");
+        cli_wrong("simulate: --state is missing; give the displacements and then the velocities, for example --state 0 "
+                  "0 1 -1");
         return false;
     }
     int next = at + 1;
     while (next < *argc && is_number(argv[next]))
         texts[(*count)++] = argv[next++];
     if (next < *argc && argv[next][0] != '-' && *argc - (next - at) > 2) { /* more than the study is left */
-        cli_wrong("simulate: '%s' after --state is not a number; give displacements, then velocities, with blanks between", argv[next]);
+        cli_wrong(
+            "simulate: '%s' after --state is not a number; give displacements, then velocities, with blanks between",
+            argv[next]);
         return false;
     }
     memmove(argv + at, argv + next, (size_t)(*argc - next + 1) * sizeof *argv);
@@ -58,8 +63,8 @@ static bool take_state(int *argc, char **argv, int *count, const char **texts)
 static bool parse_state(simulation *s, int count, const char **texts)
 {
     if (count != 2 * s->n) {
-        cli_wrong("simulate: --state has %d number%s; this study needs %d: %d displacement%s, then as many velocities", count,
-                  count == 1 ? "" : "s", 2 * s->n, s->n, s->n == 1 ? "" : "s");
+        cli_wrong("simulate: --state has %d number%s; this study needs %d: %d displacement%s, then as many velocities",
+                  count, count == 1 ? "" : "s", 2 * s->n, s->n, s->n == 1 ? "" : "s");
         return false;
     }
     for (int i = 0; i < count; i++) {
@@ -77,7 +82,8 @@ static bool parse_times(simulation *s, const char *end, const char *steps)
         cli_wrong("simulate: --time is missing; give the time to stop at, in seconds");
         return false;
     }
-    if (!cli_parse_number(end, "--time", &s->end) || (steps && !cli_parse_integer(steps, "--steps", 1, STEPS_MAX, &s->steps)))
+    if (!cli_parse_number(end, "--time", &s->end) ||
+        (steps && !cli_parse_integer(steps, "--steps", 1, STEPS_MAX, &s->steps)))
         return false;
     if (s->end > 0)
         return true;
@@ -135,7 +141,8 @@ static ric_status advance(simulation *s, double t)
         if (status)
             return status;
         if (hit && ++s->struck > IMPACTS_MAX) {
-            cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed", IMPACTS_MAX, impact.time);
+            cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed",
+                      IMPACTS_MAX, impact.time);
             return RIC_E_RANGE;
         }
         if (hit && s->impacts)

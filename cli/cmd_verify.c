@@ -37,8 +37,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* First, middle, last and SAMPLE more, spread by a hash of the branch's number (Steele, Lea, Flood 2014): the same ones every time.
- * Ascending, maybe with repetitions. */
+/* First, middle, last and SAMPLE more, spread by a hash of the branch's number (Steele, Lea, Flood 2014): the same ones
+ * every time. Ascending, maybe with repetitions. */
 static void choose(int branch, int n_point, int *chosen)
 {
     uint64_t z = (uint64_t)branch;
@@ -88,8 +88,8 @@ static int print_audit(const audit *a, cli_format format)
     static const char *const columns[] = {
         "branch", "point", "flight_error", "return_error", "condition", "energy_error", "faces_agree", "passed", NULL};
     int code = cli_print_rows(a->rows, columns, format);
-    fprintf(stderr, "%d of %d points on %d branch%s agree with the simulator\n", a->points - a->failed, a->points, a->branches,
-            a->branches == 1 ? "" : "es");
+    fprintf(stderr, "%d of %d points on %d branch%s agree with the simulator\n", a->points - a->failed, a->points,
+            a->branches, a->branches == 1 ? "" : "es");
     return code ? code : a->failed ? CLI_FAILED : CLI_DONE;
 }
 
@@ -101,8 +101,9 @@ static int run(int argc, char **argv)
     ric_atlas *atlas = NULL;
     audit a = {0};
     a.all = cli_take_flag(&argc, argv, "--all");
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text)
-        || !cli_operands(&cli_verify, argc, argv, 1) || (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)))
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
+        !cli_operands(&cli_verify, argc, argv, 1) ||
+        (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)))
         return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     if (!status) {

@@ -68,7 +68,10 @@ static void announce(const view_server *server, const view_options *o, const cha
 {
     const char *address = view_server_address(server);
     if (!view_server_loopback(server))
-        fprintf(stderr, "ricochet: WARNING: whoever reaches this address reads %s, and with the token extends it; nothing is encrypted\n", path);
+        fprintf(stderr,
+                "ricochet: WARNING: whoever reaches this address reads %s, and with the token extends it; nothing is "
+                "encrypted\n",
+                path);
     printf("%s\n", address);
     fflush(stdout);
     if (o->browser && open_browser(address))
@@ -87,7 +90,8 @@ static void wait_and_watch(view_shelf *shelf, view_grower *grower)
     }
 }
 
-/* Threads inherit the mask of the one that starts them: signals are for the main thread, which alone reads whether there was one. */
+/* Threads inherit the mask of the one that starts them: signals are for the main thread, which alone reads whether
+ * there was one. */
 static void block_signals(bool block)
 {
     sigset_t set;
@@ -136,15 +140,19 @@ static int run(int argc, char **argv)
     const char *port = NULL, *workers = NULL;
     long number = FIRST_PORT;
     view_options o = {.workers = 1, .browser = !cli_take_flag(&argc, argv, "--no-browser")};
-    if (!cli_take_value(&argc, argv, "--port", &port) || !cli_take_value(&argc, argv, "--listen", &o.where.address)
-        || !cli_take_value(&argc, argv, "-j", &workers) || !cli_operands(&cli_view, argc, argv, 1)
-        || (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) || (workers && !cli_parse_integer(workers, "-j", 1, 1024, &o.workers)))
+    if (!cli_take_value(&argc, argv, "--port", &port) || !cli_take_value(&argc, argv, "--listen", &o.where.address) ||
+        !cli_take_value(&argc, argv, "-j", &workers) || !cli_operands(&cli_view, argc, argv, 1) ||
+        (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) ||
+        (workers && !cli_parse_integer(workers, "-j", 1, 1024, &o.workers)))
         return CLI_WRONG;
     if (o.where.address && !view_address_valid(o.where.address))
-        return cli_wrong("view: --listen '%s' is not an address; give one of this machine's, such as 192.168.1.7, or 0.0.0.0 for all", o.where.address);
+        return cli_wrong("view: --listen '%s' is not an address; give one of this machine's, such as 192.168.1.7, or "
+                         "0.0.0.0 for all",
+                         o.where.address);
     if (!view_page[0].path) {
-        fputs("ricochet: view: this program was built without the page, because Node.js or the packages in web/ were missing. Install them "
-              "(Debian: nodejs npm; then `make build` fetches the packages and builds it)\n", stderr);
+        fputs("ricochet: view: this program was built without the page, because Node.js or the packages in web/ were "
+              "missing. Install them (Debian: nodejs npm; then `make build` fetches the packages and builds it)\n",
+              stderr);
         return CLI_FAILED;
     }
     o.where.port = (int)number;
@@ -158,7 +166,9 @@ static int run(int argc, char **argv)
 {
     (void)argc;
     (void)argv;
-    fputs("ricochet: view: this program was built without libmicrohttpd. Install it (Debian: libmicrohttpd-dev) and build again\n", stderr);
+    fputs("ricochet: view: this program was built without libmicrohttpd. Install it (Debian: libmicrohttpd-dev) and "
+          "build again\n",
+          stderr);
     return CLI_FAILED;
 }
 

@@ -35,8 +35,8 @@ static void lister_free(lister *l)
     free(l->text);
 }
 
-/* Smallest r > 0 such that moving the word on by r letters gives the word, or its image under x -> -x; 0 if there is none. All shifts that
- * give one of the two are multiples of the smallest, which divides n. */
+/* Smallest r > 0 such that moving the word on by r letters gives the word, or its image under x -> -x; 0 if there is
+ * none. All shifts that give one of the two are multiples of the smallest, which divides n. */
 static int shift_that_fits(const lister *l, bool flip)
 {
     for (int r = 1; r <= l->n; r++) {
@@ -117,10 +117,11 @@ static int print_words(lister *l, const json_t *rows, cli_format format, bool co
     int code = cli_print_rows(rows, columns, format);
     /* the numbers belong to the text; a reader of rows gets them beside the rows */
     FILE *out = format == CLI_TEXT ? stdout : stderr;
-    fprintf(out, "%s%d impact%s: %s independent forms, %s if a form and its time reversal count once\n", out == stdout ? "\n" : "", l->n,
-            l->n == 1 ? "" : "s", without, with);
+    fprintf(out, "%s%d impact%s: %s independent forms, %s if a form and its time reversal count once\n",
+            out == stdout ? "\n" : "", l->n, l->n == 1 ? "" : "s", without, with);
     if (!complete)
-        fprintf(out, "only the first %zu forms are listed; --limit L lists up to %d\n", json_array_size(rows), LIST_MAX);
+        fprintf(out, "only the first %zu forms are listed; --limit L lists up to %d\n", json_array_size(rows),
+                LIST_MAX);
     return code;
 }
 

@@ -47,7 +47,8 @@ int cli_report(ric_status status)
     if (status == RIC_OK)
         return CLI_DONE;
     const char *detail = ric_detail();
-    if (status == RIC_E_NOMEM && !strstr(detail, "memory")) /* the command itself had none; the detail is that of something before */
+    if (status == RIC_E_NOMEM && !strstr(detail, "memory")) /* the command itself had none; the detail is that of
+                                                             * something before */
         detail = "";
     fprintf(stderr, "ricochet: %s\n", detail[0] ? detail : ric_status_text(status));
     return status == RIC_E_INPUT ? CLI_WRONG : CLI_FAILED;
@@ -150,7 +151,8 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n)
     if (argc - 1 > n)
         cli_wrong("%s: '%s' is one argument too many\n%.*s", command->name, argv[n + 1], usage, command->help);
     else
-        cli_wrong("%s: %d argument%s missing\n%.*s", command->name, n - argc + 1, n - argc + 1 == 1 ? " is" : "s are", usage, command->help);
+        cli_wrong("%s: %d argument%s missing\n%.*s", command->name, n - argc + 1, n - argc + 1 == 1 ? " is" : "s are",
+                  usage, command->help);
     return false;
 }
 
@@ -173,7 +175,8 @@ bool cli_parse_number(const char *text, const char *what, double *out)
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out)
 {
     char *end = NULL;
-    bool starts = isdigit((unsigned char)text[0]) || ((text[0] == '-' || text[0] == '+') && isdigit((unsigned char)text[1]));
+    bool starts = isdigit((unsigned char)text[0]) ||
+                  ((text[0] == '-' || text[0] == '+') && isdigit((unsigned char)text[1]));
     errno = 0;
     long value = starts ? strtol(text, &end, 10) : 0;
     if (!starts || *end || errno || value < min || value > max) {

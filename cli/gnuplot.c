@@ -1,5 +1,6 @@
 /* Rendering by gnuplot. It sees nothing but numbers, texts and a script on its standard input: it is started
- * without a shell, never learns a file name, and writes to an anonymous file that becomes the target only after it has succeeded. */
+ * without a shell, never learns a file name, and writes to an anonymous file that becomes the target only after it has
+ * succeeded. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <errno.h>
@@ -82,7 +83,10 @@ static int report_complaint(FILE *complaint, int status)
     if (WIFSIGNALED(status))
         fprintf(stderr, "ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
     else
-        fprintf(stderr, "ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo is needed (Debian: gnuplot-nox)\n", last);
+        fprintf(stderr,
+                "ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo is needed (Debian: "
+                "gnuplot-nox)\n",
+                last);
     return CLI_FAILED;
 }
 
@@ -92,7 +96,9 @@ static bool looks_like(FILE *file, plot_format kind)
     rewind(file);
     const size_t n = fread(head, 1, sizeof head, file);
     rewind(file);
-    return n == sizeof head && (kind == PLOT_FORMAT_PNG ? !memcmp(head, "\x89PNG", 4) : kind == PLOT_FORMAT_PDF ? !memcmp(head, "%PDF", 4) : head[0] == '<');
+    return n == sizeof head && (kind == PLOT_FORMAT_PNG   ? !memcmp(head, "\x89PNG", 4)
+                                : kind == PLOT_FORMAT_PDF ? !memcmp(head, "%PDF", 4)
+                                                          : head[0] == '<');
 }
 
 static bool copy_file(FILE *from, int to)
@@ -149,7 +155,8 @@ int plot_page_write(plot_page *page, const char *path)
         goto out;
     }
     if (!plot_page_script(page, kind, script) || fseek(script, 0, SEEK_SET) != 0) {
-        fprintf(stderr, "ricochet: the picture could not be prepared: %s\n", plot_page_failed(page) ? "out of memory" : strerror(errno));
+        fprintf(stderr, "ricochet: the picture could not be prepared: %s\n",
+                plot_page_failed(page) ? "out of memory" : strerror(errno));
         goto out;
     }
     const int failed = run_gnuplot(script, result, complaint, &status);

@@ -8,8 +8,8 @@
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
 static const cli_command *const commands[] = {
-    &cli_new,    &cli_check,   &cli_run,  &cli_branches, &cli_junctions, &cli_bases, &cli_points,
-    &cli_report_atlas, &cli_orbit, &cli_cascade, &cli_plot, &cli_view, &cli_verify, &cli_hunt, &cli_simulate, &cli_words,
+    &cli_new,   &cli_check,   &cli_run,  &cli_branches, &cli_junctions, &cli_bases, &cli_points,   &cli_report_atlas,
+    &cli_orbit, &cli_cascade, &cli_plot, &cli_view,     &cli_verify,    &cli_hunt,  &cli_simulate, &cli_words,
 };
 
 static void print_help(FILE *out)

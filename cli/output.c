@@ -86,7 +86,8 @@ static void add_members(buffer *b, const json_t *value, cli_format format)
         }
         return;
     }
-    json_object_foreach((json_t *)value, key, member) { /* Jansson asks for one that may change and leaves it as it is */
+    json_object_foreach((json_t *)value, key, member) { /* Jansson asks for one that may change and leaves it as it
+                                                         * is */
         add_text(b, first ? "" : " ");
         add_text(b, key);
         add_text(b, "=");
@@ -269,7 +270,8 @@ out:
     return done;
 }
 
-/* jansson leaves out what it finds no memory for. That is remembered, so that no list is shown with something missing. */
+/* jansson leaves out what it finds no memory for. That is remembered, so that no list is shown with something
+ * missing. */
 static _Thread_local bool lost;
 
 static void *allocate(size_t size)
@@ -293,7 +295,10 @@ bool cli_lost_memory(void)
 
 int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format)
 {
-    bool done = cli_lost_memory() ? false : format == CLI_JSON ? print_json(rows) : format == CLI_CSV ? print_csv(rows, columns) : print_table(rows, columns);
+    bool done = cli_lost_memory()    ? false
+                : format == CLI_JSON ? print_json(rows)
+                : format == CLI_CSV  ? print_csv(rows, columns)
+                                     : print_table(rows, columns);
     errno = 0;
     if (!done && !ferror(stdout)) {
         fputs("ricochet: out of memory\n", stderr);

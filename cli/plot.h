@@ -1,7 +1,7 @@
 /* Pictures: a page drawn in pixels, axes and panels on it, and one function per kind of picture.
  *
- * All layout is computed here, gnuplot only renders: that is how labels can be placed without collisions and how SVG, PDF and PNG agree.
- * Lengths are pixels (1/96 inch in PDF), the origin is the lower left corner of the page. */
+ * All layout is computed here, gnuplot only renders: that is how labels can be placed without collisions and how SVG,
+ * PDF and PNG agree. Lengths are pixels (1/96 inch in PDF), the origin is the lower left corner of the page. */
 #ifndef PLOT_H
 #define PLOT_H
 
@@ -36,7 +36,15 @@ typedef enum {
 } plot_stroke;
 
 typedef enum {
-    PLOT_CIRCLE, PLOT_SQUARE, PLOT_TRIANGLE, PLOT_TRIANGLE_DOWN, PLOT_DIAMOND, PLOT_STAR, PLOT_CROSS, PLOT_DOT, PLOT_N_MARK,
+    PLOT_CIRCLE,
+    PLOT_SQUARE,
+    PLOT_TRIANGLE,
+    PLOT_TRIANGLE_DOWN,
+    PLOT_DIAMOND,
+    PLOT_STAR,
+    PLOT_CROSS,
+    PLOT_DOT,
+    PLOT_N_MARK,
 } plot_mark;
 
 typedef enum { PLOT_LEFT, PLOT_CENTRE, PLOT_RIGHT } plot_anchor;
@@ -51,8 +59,10 @@ double plot_page_height(const plot_page *page);
 
 void plot_page_line(plot_page *page, plot_stroke stroke, int n, const plot_point *points);
 void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radius);
-/* `text` is in gnuplot's enhanced notation (see plot_text_escape); `at` is the anchor at half height. `upright` turns it by 90 degrees. */
-void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright, const char *text);
+/* `text` is in gnuplot's enhanced notation (see plot_text_escape); `at` is the anchor at half height. `upright` turns
+ * it by 90 degrees. */
+void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright,
+                    const char *text);
 /* Colour of a style, "#rrggbb". */
 const char *plot_stroke_colour(plot_stroke stroke);
 
@@ -68,7 +78,8 @@ bool plot_page_failed(const plot_page *page);
 
 /* ------------------------------------------------------------ rendering (gnuplot.c) */
 
-/* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the target is untouched. */
+/* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the
+ * target is untouched. */
 int plot_page_write(plot_page *page, const char *path);
 /* Copies gnuplot's SVG without what a picture does not need (svg.c). */
 bool plot_svg_squeeze(FILE *from, FILE *to);
@@ -77,9 +88,11 @@ int plot_check_target(const char *path);
 
 /* -------------------------------------------------------------- texts (plot_text.c) */
 
-/* Free text made safe for enhanced notation: its special characters escaped, broken UTF-8 and control characters replaced. */
+/* Free text made safe for enhanced notation: its special characters escaped, broken UTF-8 and control characters
+ * replaced. */
 void plot_text_escape(const char *text, size_t size, char *out);
-/* Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A5[00101]; long words as powers. Others are escaped. */
+/* Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A5[00101]; long words as powers.
+ * Others are escaped. */
 void plot_text_label(const char *label, size_t size, char *out);
 /* Estimated width, on the wide side, and the box that a text fills. */
 double plot_text_width(const char *text, double size);
@@ -122,8 +135,8 @@ typedef struct {
     int mark;   /* plot_mark, or -1 */
 } plot_legend_entry;
 enum { PLOT_MAX_LEGEND = 32 };
-/* What a picture of branches has to explain: families (linear, asymmetric, symmetric), stabilities, kinds of junctions; NULL: none.
- * Returns how many. */
+/* What a picture of branches has to explain: families (linear, asymmetric, symmetric), stabilities, kinds of junctions;
+ * NULL: none. Returns how many. */
 int plot_legend_entries(const bool family[3], unsigned stability, const bool *kinds, plot_legend_entry *out);
 double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, double left, double right, double top);
 
@@ -138,7 +151,8 @@ typedef struct {
     char text[96];
 } plot_tag;
 
-/* Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how many found no place. Sorts tags. */
+/* Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how many found no
+ * place. Sorts tags. */
 int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double size);
 
 /* ---------------------------------------------------------- options (cmd_plot.c) */
@@ -152,13 +166,14 @@ typedef struct {
 bool plot_parse_range(const char *text, const char *what, double range[2]);
 /* "X0:X1,Y0:Y1" */
 bool plot_parse_window(const char *text, const char *what, double window[4]);
-/* ATLAS --option VALUE... ATLAS --option VALUE...: each value belongs to the atlas named last before it (-1: none yet). Returns an exit code, with
- * a message if there are more than `most_atlas` or `most`, another option, or no atlas. */
+/* ATLAS --option VALUE... ATLAS --option VALUE...: each value belongs to the atlas named last before it (-1: none yet).
+ * Returns an exit code, with a message if there are more than `most_atlas` or `most`, another option, or no atlas. */
 typedef struct {
     const char *text;
     int atlas;
 } plot_listed;
-int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases, int most, int *n, plot_listed *values);
+int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases,
+                     int most, int *n, plot_listed *values);
 /* Mark of a junction kind, and its word for the legend. */
 plot_mark plot_junction_mark(ric_kind kind);
 plot_stroke plot_branch_family(const ric_branch *branch);
@@ -185,7 +200,8 @@ void plot_track_free(plot_track *track);
 int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);
 /* By arclength, where joints were added after the points. */
 void plot_track_sort(plot_track *track);
-/* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities seen, 1 << ric_stability. */
+/* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities
+ * seen, 1 << ric_stability. */
 unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *track);
 
 /* ------------------------------------------------------ motions (plot_motion.c) */
@@ -197,7 +213,8 @@ typedef struct {
     int sample; /* index of a row at this time */
 } plot_event;
 
-/* An orbit and its motion over one period. Row i is t, x [n], v [n]; smooth piece k owns the rows first[k] .. first[k + 1] - 1. */
+/* An orbit and its motion over one period. Row i is t, x [n], v [n]; smooth piece k owns the rows first[k] ..
+ * first[k + 1] - 1. */
 typedef struct {
     const ric_model *model;
     int n; /* degrees of freedom */
@@ -231,8 +248,8 @@ void plot_motion_range(const plot_motion *motion, plot_reading y, int what, doub
 /* Displacement at time t, modulo the period. */
 double plot_motion_at(const plot_motion *motion, double t, int coordinate);
 /* One reading against another; times are shown `later`. */
-void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion, plot_reading x, plot_reading y,
-                      int what, double later);
+void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion,
+                      plot_reading x, plot_reading y, int what, double later);
 
 /* ---------------------------------------------- what is named (plot_select.c) */
 
@@ -249,8 +266,8 @@ typedef struct {
 
 /* Whether some branch, or a duplicate of one, has this label. */
 bool plot_is_branch(const ric_atlas *atlas, const char *label);
-/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2; #N behind it takes
- * the Nth of several that fit. */
+/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2; #N behind it
+ * takes the Nth of several that fit. */
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out);
 
 typedef struct {
@@ -263,8 +280,8 @@ typedef struct {
     plot_motion motion;   /* kept, not yet made; released with plot_motion_free */
 } plot_choice;
 
-/* An orbit: JUNCTION, or SEGMENT@ with a part of the way from 0 to 1, E=.. or F=..; then *K if it is gone through K times; "NAME: " before it
- * gives it a name. Returns an exit code. */
+/* An orbit: JUNCTION, or SEGMENT@ with a part of the way from 0 to 1, E=.. or F=..; then *K if it is gone through K
+ * times; "NAME: " before it gives it a name. Returns an exit code. */
 int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot_choice *out);
 
 /* The title of the picture, or of the study followed by `extra` (enhanced notation, may be NULL). */

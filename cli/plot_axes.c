@@ -97,7 +97,8 @@ static void linear_ticks(tick_list *list, double pixels, double spacing, bool sh
 {
     const double step = telling_step(list->low, list->high, pixels / spacing), slack = 1e-9 * (list->high - list->low);
     const double lead = step / pow(10, floor(log10(step) + 1e-9)), size = fmax(fabs(list->low), fabs(list->high));
-    const int fine = lead > 1.5 && lead < 3 ? 4 : 5, minor = pixels * step / (list->high - list->low) / fine < 7 ? fine == 4 ? 2 : 1 : fine;
+    const int fine = lead > 1.5 && lead < 3 ? 4 : 5,
+              minor = pixels * step / (list->high - list->low) / fine < 7 ? fine == 4 ? 2 : 1 : fine;
     list->power = share_power && size > 0 && (size < 0.02 || size >= 1e5) ? (int)floor(log10(size) + 1e-9) : 0;
     const double unit = pow(10, list->power), shown = size / unit;
     const bool plain = shown < 1e5 && step / unit > 1e-7 * (shown < 1 ? 1 : shown);
@@ -129,9 +130,14 @@ static void power_tick(tick_list *list, int tenths, int exponent)
 /* Which of a decade have a label, in tenths: the more, the larger a decade is, in widths of a label. */
 static const char *labelled(double decade)
 {
-    static const struct { double least; char tenths[13]; } sets[] = {
-        {22, {10, 12, 15, 20, 25, 30, 40, 50, 60, 70, 80, 90}}, {12, {10, 15, 20, 30, 40, 50, 70}}, {9, {10, 20, 30, 50}},
-        {4.5, {10, 20, 50}}, {2.2, {10, 30}}, {0, {10}}};
+    static const struct {
+        double least; char tenths[13];
+    } sets[] = {{22, {10, 12, 15, 20, 25, 30, 40, 50, 60, 70, 80, 90}},
+                {12, {10, 15, 20, 30, 40, 50, 70}},
+                {9, {10, 20, 30, 50}},
+                {4.5, {10, 20, 50}},
+                {2.2, {10, 30}},
+                {0, {10}}};
     int i = 0;
     while (decade <= sets[i].least && sets[i].least > 0)
         i++;
@@ -157,7 +163,8 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
         }
 }
 
-/* The trace on the scale asinh(trace / 2), which shows its sign and all its orders of magnitude; what is to be labelled first comes first. */
+/* The trace on the scale asinh(trace / 2), which shows its sign and all its orders of magnitude; what is to be labelled
+ * first comes first. */
 static void asinh_ticks(tick_list *list, double pixels)
 {
     const int orders = (int)ceil(fmax(fabs(list->low), fabs(list->high)) / log(10));
@@ -257,7 +264,8 @@ static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *a
             plot_page_text(page, (plot_point){t->at, box->bottom - 12}, PLOT_CENTRE, type, "#222222", false, t->text);
     }
     if (title && *title)
-        plot_page_text(page, (plot_point){(box->left + box->right) / 2, box->bottom - 31}, PLOT_CENTRE, type + 1, "#222222", false, title);
+        plot_page_text(page, (plot_point){(box->left + box->right) / 2, box->bottom - 31}, PLOT_CENTRE, type + 1,
+                       "#222222", false, title);
 }
 
 static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
@@ -279,7 +287,8 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
     }
     if (!title || !*title)
         return;
-    const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) / plot_text_width(title, type + 1)); /* never beyond the page */
+    /* never beyond the page */
+    const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) / plot_text_width(title, type + 1));
     const double x = fmax(box->left - widest - 23, 0.8 * size); /* long numbers do not push it off the page */
     plot_page_text(page, (plot_point){x, (box->bottom + box->top) / 2}, PLOT_CENTRE, size, "#222222", true, title);
 }
@@ -287,8 +296,12 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
 void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title)
 {
     const plot_box box = plot_panel_box(panel);
-    plot_page_line(page, PLOT_FRAME, 5, (plot_point[]){{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top},
-                                                       {box.left, box.top}, {box.left, box.bottom}});
+    plot_page_line(page, PLOT_FRAME, 5,
+                   (plot_point[]){{box.left, box.bottom},
+                                  {box.right, box.bottom},
+                                  {box.right, box.top},
+                                  {box.left, box.top},
+                                  {box.left, box.bottom}});
     draw_x_axis(page, &box, &panel->x, x_title);
     draw_y_axis(page, &box, &panel->y, y_title);
     if (panel->y.scale == PLOT_SCALE_BROKEN) {
@@ -306,7 +319,8 @@ void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_ti
 bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b)
 {
     const double dx = b->x - a->x, dy = b->y - a->y;
-    const double p[4] = {-dx, dx, -dy, dy}, q[4] = {a->x - box->left, box->right - a->x, a->y - box->bottom, box->top - a->y};
+    const double p[4] = {-dx, dx, -dy, dy},
+                 q[4] = {a->x - box->left, box->right - a->x, a->y - box->bottom, box->top - a->y};
     double enter = 0, leave = 1;
     for (int i = 0; i < 4; i++) {
         if (p[i] == 0 && q[i] < 0)
@@ -324,8 +338,8 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b)
     return true;
 }
 
-/* Drops points that lie within a twelfth of a pixel of the line through their neighbours: a cone of directions from the last kept
- * point narrows with every point passed over. In place; returns how many are left. */
+/* Drops points that lie within a twelfth of a pixel of the line through their neighbours: a cone of directions from the
+ * last kept point narrows with every point passed over. In place; returns how many are left. */
 static int thin_line(int n, plot_point *p)
 {
     const double tolerance = 1. / 12;

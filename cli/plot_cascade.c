@@ -1,4 +1,5 @@
-/* Pictures of cascades: the bifurcation diagram, the shapes at the multiplications, and multipliers on the unit circle. */
+/* Pictures of cascades: the bifurcation diagram, the shapes at the multiplications, and multipliers on the unit
+ * circle. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -28,7 +29,8 @@ typedef struct {
 
 static bool make_page(picture *p, double width, double height)
 {
-    p->page = plot_page_create(p->common->width > 0 ? p->common->width : width, p->common->height > 0 ? p->common->height : height);
+    p->page = plot_page_create(p->common->width > 0 ? p->common->width : width,
+                               p->common->height > 0 ? p->common->height : height);
     return p->page;
 }
 
@@ -121,7 +123,10 @@ static void mark_strips(picture *p, const plot_panel *panel, int n, const strip 
         ric_cascade_step_at(p->cascade, i - 1, &s);
         plot_panel_curve(p->page, panel, PLOT_NATURAL, 2, foot);
         plot_tag *t = &tags[n_tag++];
-        *t = (plot_tag){.at = {plot_axis_at(&panel->x, at), panel->y.to + 12}, .clear = 0, .weight = n - i, .colour = "#000000"};
+        *t = (plot_tag){.at = {plot_axis_at(&panel->x, at), panel->y.to + 12},
+                        .clear = 0,
+                        .weight = n - i,
+                        .colour = "#000000"};
         snprintf(t->text, sizeof t->text, "%d/%d", s.rotation[0], s.rotation[1]);
     }
     plot_place_tags(p->page, above, n_tag, tags, type);
@@ -147,15 +152,17 @@ static int draw_diagram(picture *p)
     if (status)
         code = cli_report(status);
     else if (!(y[0] <= y[1]))
-        code = cli_wrong("plot cascade: with one multiplication there is no family to draw; ask for two at least, or for --multiply, which ends "
-                         "with a family");
+        code = cli_wrong("plot cascade: with one multiplication there is no family to draw; ask for two at least, or "
+                         "for --multiply, which ends with a family");
     else {
         plot_range_widen(false, 0.04, &y[0], &y[1]);
-        const plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
+        const plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0,
+                                   .hi = x > 0 ? 1.02 * x : 1},
                                   {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
         for (int i = 1; i < n; i++)
             draw_strip(p, &panel, i, &strips[i]);
-        snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}", p->dof + 1);
+        snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}",
+                 p->dof + 1);
         plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
         mark_strips(p, &panel, n, strips);
         title(p);
@@ -189,13 +196,15 @@ static void draw_portrait(picture *p, const plot_panel *panel, int n, const plot
 static bool draw_shape(picture *p, int step, plot_box row, const double range[2], const double speed[2], bool last)
 {
     const int n = ric_cascade_length(p->cascade), n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
-    const double gap = 76, split = row.right - (row.top - row.bottom) - gap, times = periods(p, n - 1) / periods(p, step);
+    const double gap = 76, split = row.right - (row.top - row.bottom) - gap,
+                 times = periods(p, n - 1) / periods(p, step);
     ric_cascade_step s;
     ric_cascade_step_at(p->cascade, step, &s);
     const double period = 2 * pi / s.frequency;
     double *state = calloc(2 * (size_t)n_dof, sizeof *state);
     plot_point *history = calloc(SAMPLES + 1, sizeof *history), *portrait = calloc(SAMPLES + 1, sizeof *portrait);
-    const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1}, {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
+    const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1}, {.from = row.bottom, .to = row.top,
+                                                                                 .lo = range[0], .hi = range[1]}};
     const plot_panel right = {{.from = split + gap, .to = row.right, .lo = range[0], .hi = range[1]},
                               {.from = row.bottom, .to = row.top, .lo = speed[0], .hi = speed[1]}};
     char text[96], name[32];
@@ -213,13 +222,16 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &right, last ? name : NULL, text);
         if (smooth(p) && s.multiple > 1)
-            snprintf(text, sizeof text, "p/q = %d/%d,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy, s.frequency);
+            snprintf(text, sizeof text, "p/q = %d/%d,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy,
+                     s.frequency);
         else if (smooth(p))
             snprintf(text, sizeof text, "end,  E = %.8g,  ω = %.8g", s.energy, s.frequency);
         else if (s.multiple > 1)
-            snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.impacts, s.energy, s.frequency);
+            snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1],
+                     s.impacts, s.energy, s.frequency);
         else
-            snprintf(text, sizeof text, "end,  %d impacts, %d touches,  E = %.8g,  ω = %.8g", s.impacts, s.grazings, s.energy, s.frequency);
+            snprintf(text, sizeof text, "end,  %d impacts, %d touches,  E = %.8g,  ω = %.8g", s.impacts, s.grazings,
+                     s.energy, s.frequency);
         plot_page_text(p->page, (plot_point){row.left, row.top + 9}, PLOT_LEFT, type, "#000000", false, text);
     }
     free(state);
@@ -310,12 +322,15 @@ static int draw_circle(picture *p)
         on_circle++;
     }
     if (on_circle == 0) {
-        fprintf(stderr, "ricochet: branch %d has no multipliers on the unit circle, or not two modes; `ricochet plot floquet` draws what it has\n",
+        fprintf(stderr,
+                "ricochet: branch %d has no multipliers on the unit circle, or not two modes; `ricochet plot floquet` "
+                "draws what it has\n",
                 p->branch.id);
         return CLI_FAILED;
     }
     plot_range_widen(false, 0.03, &x[0], &x[1]);
-    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.3, .hi = 1.3}, {.from = 60, .to = 60 + side, .lo = -1.3, .hi = 1.3}};
+    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.3, .hi = 1.3}, {.from = 60, .to = 60 + side,
+                                                                                      .lo = -1.3, .hi = 1.3}};
     const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
                                {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
     draw_roots(p, &circle, &angles);
@@ -357,7 +372,8 @@ static int parse(int *argc, char **argv, picture *p)
     if (p->circle && (p->shapes || p->request.given))
         return cli_wrong("plot cascade: --circle shows one branch; leave out --shapes, --multiply and --doublings");
     if (!p->circle && !p->request.given)
-        return cli_wrong("plot cascade: --multiply 3,2,4 or --doublings N is missing; or --circle for the multipliers of the branch");
+        return cli_wrong("plot cascade: --multiply 3,2,4 or --doublings N is missing; or --circle for the multipliers "
+                         "of the branch");
     return CLI_DONE;
 }
 

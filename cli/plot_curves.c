@@ -1,4 +1,5 @@
-/* Unknowns of branches against each other, and multipliers along a branch; and the drawing of a branch by its stability. */
+/* Unknowns of branches against each other, and multipliers along a branch; and the drawing of a branch by its
+ * stability. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -53,8 +54,8 @@ void plot_track_sort(plot_track *t)
         qsort(t->knots, (size_t)t->n, sizeof *t->knots, by_arclength);
 }
 
-/* Where stability changes on the way to knot i: the first junction since the last point, else half way. Returns the knot that the new run starts
- * with, after setting *middle. */
+/* Where stability changes on the way to knot i: the first junction since the last point, else half way. Returns the
+ * knot that the new run starts with, after setting *middle. */
 static int change_before(const plot_track *t, int i, plot_point *middle)
 {
     int first = i;
@@ -106,7 +107,19 @@ unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke f
 
 /* --------------------------------------------------------------- quantities */
 
-typedef enum { ARCLENGTH, ENERGY, FREQUENCY, PERIOD, TRACE, ROTATION, REACH, APPROACH, DISPLACEMENT, SPEED, FLIGHT } kind;
+typedef enum {
+    ARCLENGTH,
+    ENERGY,
+    FREQUENCY,
+    PERIOD,
+    TRACE,
+    ROTATION,
+    REACH,
+    APPROACH,
+    DISPLACEMENT,
+    SPEED,
+    FLIGHT
+} kind;
 
 typedef struct {
     kind kind;
@@ -114,11 +127,20 @@ typedef struct {
     char title[80];
 } quantity;
 
-static const struct { const char *name, *title; } columns[] = {
-    [ARCLENGTH] = {"arclength", "arclength"}, [ENERGY] = {"energy", "scaled energy E"}, [FREQUENCY] = {"frequency", "frequency ω (rad/s)"},
-    [PERIOD] = {"period", "period T (s)"}, [TRACE] = {"trace", "trace τ_2"}, [ROTATION] = {"rotation", "rotation number γ"},
-    [REACH] = {"reach", "reach: gap / clearance"}, [APPROACH] = {"approach", "least approach speed"},
-    [DISPLACEMENT] = {"x", "x_{%d}"}, [SPEED] = {"v", "v_{%d}"}, [FLIGHT] = {"tau", "τ_{%d} (s)"},
+static const struct {
+    const char *name, *title;
+} columns[] = {
+    [ARCLENGTH] = {"arclength", "arclength"},
+    [ENERGY] = {"energy", "scaled energy E"},
+    [FREQUENCY] = {"frequency", "frequency ω (rad/s)"},
+    [PERIOD] = {"period", "period T (s)"},
+    [TRACE] = {"trace", "trace τ_2"},
+    [ROTATION] = {"rotation", "rotation number γ"},
+    [REACH] = {"reach", "reach: gap / clearance"},
+    [APPROACH] = {"approach", "least approach speed"},
+    [DISPLACEMENT] = {"x", "x_{%d}"},
+    [SPEED] = {"v", "v_{%d}"},
+    [FLIGHT] = {"tau", "τ_{%d} (s)"},
 };
 
 static bool find_quantity(const char *name, const char *what, int n_dof, quantity *out)
@@ -143,11 +165,13 @@ static bool find_quantity(const char *name, const char *what, int n_dof, quantit
             snprintf(out->title, sizeof out->title, "%s_{%ld}", columns[k].name, index);
         return true;
     }
-    cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what, name);
+    cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what,
+              name);
     return false;
 }
 
-static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof, const ric_point *p, const double *state, const double *flights)
+static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof, const ric_point *p,
+                            const double *state, const double *flights)
 {
     switch (q->kind) {
     case ARCLENGTH: return p->arclength;
@@ -166,17 +190,20 @@ static double read_quantity(const quantity *q, const ric_branch *branch, int n_d
 }
 
 /* Points of a branch as (x, y), in the order of the atlas. */
-static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x, const quantity *y, plot_track *t)
+static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x, const quantity *y,
+                             plot_track *t)
 {
     const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
-    double *state = calloc(2 * (size_t)n_dof, sizeof *state), *flights = calloc((size_t)branch->letters + 1, sizeof *flights);
+    double *state = calloc(2 * (size_t)n_dof, sizeof *state),
+           *flights = calloc((size_t)branch->letters + 1, sizeof *flights);
     ric_status status = state && flights ? RIC_OK : RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
         ric_point p;
         status = ric_atlas_point(atlas, branch->id, i, &p, state, flights);
         if (status != RIC_OK)
             break;
-        const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights), read_quantity(y, branch, n_dof, &p, state, flights)};
+        const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights),
+                               read_quantity(y, branch, n_dof, &p, state, flights)};
         if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p)))
             status = RIC_E_NOMEM;
     }
@@ -194,7 +221,8 @@ static plot_point track_at(const plot_track *t, double arclength)
     if (t->n < 2)
         return t->n ? t->knots[0].at : (plot_point){NAN, NAN};
     const plot_knot *a = &t->knots[i - 1], *b = &t->knots[i];
-    const double length = b->arclength - a->arclength, part = length > 0 ? fmax(0, fmin(1, (arclength - a->arclength) / length)) : 0;
+    const double length = b->arclength - a->arclength,
+                 part = length > 0 ? fmax(0, fmin(1, (arclength - a->arclength) / length)) : 0;
     return (plot_point){a->at.x + part * (b->at.x - a->at.x), a->at.y + part * (b->at.y - a->at.y)};
 }
 
@@ -246,13 +274,21 @@ static bool track_range(const curves *c, double x[2], double y[2])
 
 static plot_axis axis_of(const quantity *q, bool logarithmic, const double range[2], double from, double to)
 {
-    return (plot_axis){logarithmic ? PLOT_SCALE_LOG : q->kind == TRACE ? PLOT_SCALE_ASINH : PLOT_SCALE_LINEAR, range[0], range[1], 0, from, to};
+    return (plot_axis){logarithmic        ? PLOT_SCALE_LOG
+                       : q->kind == TRACE ? PLOT_SCALE_ASINH
+                                          : PLOT_SCALE_LINEAR,
+                       range[0],
+                       range[1],
+                       0,
+                       from,
+                       to};
 }
 
 static void mark_junction(curves *c, int id, plot_point data)
 {
     ric_junction junction;
-    if (id <= 0 || !plot_panel_inside(&c->panel, data) || ric_atlas_junction(c->atlas, id, &junction) != RIC_OK || junction.kind == RIC_KIND_START)
+    if (id <= 0 || !plot_panel_inside(&c->panel, data) || ric_atlas_junction(c->atlas, id, &junction) != RIC_OK ||
+        junction.kind == RIC_KIND_START)
         return;
     plot_tag *tags = realloc(c->tags, ((size_t)c->n_tag + 1) * sizeof *tags);
     const plot_point at = plot_panel_at(&c->panel, data);
@@ -263,7 +299,12 @@ static void mark_junction(curves *c, int id, plot_point data)
     c->tags = tags;
     plot_tag *tag = &tags[c->n_tag++];
     const bool named = junction.name && *junction.name;
-    *tag = (plot_tag){.at = at, .clear = 4, .weight = (named ? 1000 : 0) - junction.impacts, .group = id, .colour = "#000000", .leader = true};
+    *tag = (plot_tag){.at = at,
+                      .clear = 4,
+                      .weight = (named ? 1000 : 0) - junction.impacts,
+                      .group = id,
+                      .colour = "#000000",
+                      .leader = true};
     plot_text_label(named ? junction.name : junction.label, sizeof tag->text, tag->text);
 }
 
@@ -298,17 +339,19 @@ void plot_page_title(plot_page *page, const plot_options *common, const ric_atla
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(atlas)), 300, title);
     if (!common->title && extra)
         snprintf(title + strlen(title), sizeof title - strlen(title), ", %s", extra);
-    plot_page_text(page, (plot_point){plot_page_width(page) / 2, plot_page_height(page) - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
+    plot_page_text(page, (plot_point){plot_page_width(page) / 2, plot_page_height(page) - 17}, PLOT_CENTRE, type + 2,
+                   "#000000", false, title);
 }
 
 static int draw_curve_page(curves *c)
 {
-    const double width = c->common->width > 0 ? c->common->width : 900, height = c->common->height > 0 ? c->common->height : 640;
+    const double width = c->common->width > 0 ? c->common->width : 900,
+                 height = c->common->height > 0 ? c->common->height : 640;
     double x[2], y[2];
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     if (!track_range(c, x, y)) {
-        fprintf(stderr, "ricochet: nothing to draw: no point of these branches has both %s and %s%s\n", c->x.title, c->y.title,
-                c->log_x || c->log_y ? " with a logarithm" : "");
+        fprintf(stderr, "ricochet: nothing to draw: no point of these branches has both %s and %s%s\n", c->x.title,
+                c->y.title, c->log_x || c->log_y ? " with a logarithm" : "");
         return CLI_FAILED;
     }
     c->page = plot_page_create(width, height);
@@ -321,7 +364,8 @@ static int draw_curve_page(curves *c)
     plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
     const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
     if (missing)
-        fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing, missing == 1 ? "" : "s");
+        fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing,
+                missing == 1 ? "" : "s");
     plot_page_title(c->page, c->common, c->atlas, NULL);
     const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
     plot_legend(c->page, n, entries, 12, width - 12, c->panel.y.from - 46);
@@ -374,8 +418,9 @@ int plot_curves(int argc, char **argv, const plot_options *common)
     curves c = {.common = common};
     const char *x = NULL, *y = NULL, *logs = NULL, *window = NULL;
     int code = take_branches(&argc, argv, &c.n_branch, &c.branches);
-    if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y)
-        || !cli_take_value(&argc, argv, "--log", &logs) || !cli_take_value(&argc, argv, "--window", &window) || !cli_operands(&cli_plot, argc, argv, 1)) {
+    if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y) ||
+        !cli_take_value(&argc, argv, "--log", &logs) || !cli_take_value(&argc, argv, "--window", &window) ||
+        !cli_operands(&cli_plot, argc, argv, 1)) {
         code = code != CLI_DONE ? code : CLI_WRONG;
         goto out;
     }
@@ -456,7 +501,8 @@ static int draw_trace(floquet *f, const plot_track *trace, const plot_track *rot
     f->lower.y.lo = 0;
     f->lower.y.hi = turn * 1.04;
     for (int sign = -1; sign <= 1; sign += 2)
-        plot_panel_curve(f->page, &f->upper, PLOT_LOCKED, 2, (plot_point[]){{x[0], sign * asinh(1)}, {x[1], sign * asinh(1)}});
+        plot_panel_curve(f->page, &f->upper, PLOT_LOCKED, 2,
+                         (plot_point[]){{x[0], sign * asinh(1)}, {x[1], sign * asinh(1)}});
     plot_track_draw(f->page, &f->upper, plot_branch_family(&f->branch), trace);
     plot_track_draw(f->page, &f->lower, plot_branch_family(&f->branch), rotation);
     plot_panel_frame(f->page, &f->upper, NULL, "trace τ_2");
@@ -544,7 +590,8 @@ static int draw_dots(floquet *f, const plot_track *t)
 
 static int draw_floquet(floquet *f)
 {
-    const double width = f->common->width > 0 ? f->common->width : 900, height = f->common->height > 0 ? f->common->height : 620;
+    const double width = f->common->width > 0 ? f->common->width : 900,
+                 height = f->common->height > 0 ? f->common->height : 620;
     static const quantity of_trace = {.kind = TRACE}, of_rotation = {.kind = ROTATION};
     plot_track trace = {0}, rotation = {0};
     char name[200];
@@ -581,7 +628,8 @@ int plot_floquet(int argc, char **argv, const plot_options *common)
     const char *branch = NULL, *x = NULL;
     long id;
     int code = CLI_WRONG;
-    if (!cli_take_value(&argc, argv, "--branch", &branch) || !cli_take_value(&argc, argv, "--x", &x) || !cli_operands(&cli_plot, argc, argv, 1))
+    if (!cli_take_value(&argc, argv, "--branch", &branch) || !cli_take_value(&argc, argv, "--x", &x) ||
+        !cli_operands(&cli_plot, argc, argv, 1))
         return CLI_WRONG;
     if (!branch)
         return cli_wrong("plot floquet: --branch ID is missing");

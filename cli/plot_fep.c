@@ -76,7 +76,8 @@ static int take_asked(int argc, char **argv, fep_options *o)
         return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
     for (int i = 0; i < o->n_asked; i++) {
         if (o->asked[i].atlas < 0 && o->n_atlas > 1)
-            return cli_wrong("%s %s: with several atlases this stands behind the one that it belongs to", questions[o->asked[i].what], o->asked[i].text);
+            return cli_wrong("%s %s: with several atlases this stands behind the one that it belongs to",
+                             questions[o->asked[i].what], o->asked[i].text);
         o->asked[i].atlas = o->asked[i].atlas < 0 ? 0 : o->asked[i].atlas;
         o->n_duplicate += o->asked[i].what == ASK_DUPLICATE || o->asked[i].what == ASK_BASE;
         o->n_label += o->asked[i].what == ASK_LABEL;
@@ -96,9 +97,10 @@ static int parse_options(int *argc, char **argv, fep_options *o)
         || !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
-    if ((energy && !plot_parse_range(energy, "--energy", o->energy)) || (frequency && !plot_parse_range(frequency, "--frequency", o->frequency))
-        || (knee && !cli_parse_number(knee, "--break", &o->knee))
-        || (duplicates && !cli_parse_integer(duplicates, "--duplicates", 1, 100, &o->duplicates)))
+    if ((energy && !plot_parse_range(energy, "--energy", o->energy)) ||
+        (frequency && !plot_parse_range(frequency, "--frequency", o->frequency)) ||
+        (knee && !cli_parse_number(knee, "--break", &o->knee)) ||
+        (duplicates && !cli_parse_integer(duplicates, "--duplicates", 1, 100, &o->duplicates)))
         return CLI_WRONG;
     o->has_energy = energy;
     o->has_frequency = frequency;
@@ -146,13 +148,16 @@ bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, 
         fep_asked *a = &f->options->asked[i];
         if (a->what != ASK_LABEL || a->atlas != s->index)
             continue;
-        if (junction ? a->junction == junction : a->branch ? a->branch == branch : !a->junction && !strcmp(a->text, name))
+        if (junction    ? a->junction == junction
+            : a->branch ? a->branch == branch
+                        : !a->junction && !strcmp(a->text, name))
             a->used = found = true;
     }
     return found;
 }
 
-/* A label asks for a junction, or for one branch among several of the same name: LABEL|P1 P2; else for what bears it. */
+/* A label asks for a junction, or for one branch among several of the same name: LABEL|P1 P2; else for what bears
+ * it. */
 static int resolve_labels(fep *f)
 {
     for (int i = 0; i < f->options->n_asked; i++) {
@@ -207,8 +212,9 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
     for (int i = 0; status == RIC_OK && i < branch.n_point; i++) {
         ric_point p;
         status = ric_atlas_point(s->atlas, part->branch, i, &p, NULL, NULL);
-        if (status != RIC_OK || p.arclength < part->lo || p.arclength > part->hi || !wanted(o->has_energy, o->energy, p.energy)
-            || !wanted(o->has_frequency, o->frequency, p.frequency / part->k))
+        if (status != RIC_OK || p.arclength < part->lo || p.arclength > part->hi ||
+            !wanted(o->has_energy, o->energy, p.energy) ||
+            !wanted(o->has_frequency, o->frequency, p.frequency / part->k))
             continue;
         span_add(frequency, p.frequency / part->k);
         if (p.energy > 0 && (branch.impacts > 0 || branch.depth > 0 || o->has_energy || isfinite(part->lo)))
@@ -257,7 +263,8 @@ static void set_axes(fep *f, span energy, span frequency)
     f->n_panel = 1 + o->n_zoom;
     for (int i = 1; i < f->n_panel; i++) {
         f->panels[i].x = (plot_axis){.scale = x->scale, .lo = o->zoom[i - 1][0], .hi = o->zoom[i - 1][1]};
-        f->panels[i].y = (plot_axis){.scale = o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR, .lo = o->zoom[i - 1][2], .hi = o->zoom[i - 1][3]};
+        f->panels[i].y = (plot_axis){.scale = o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
+                                     .lo = o->zoom[i - 1][2], .hi = o->zoom[i - 1][3]};
     }
 }
 
@@ -279,7 +286,8 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
             out[n++] = (plot_legend_entry){"dashed: duplicate", PLOT_ATLAS_DUPLICATE, -1};
     } else {
         n = plot_legend_entries(f->family, stability, NULL, out);
-        static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric", "duplicate, symmetric"};
+        static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric",
+                                            "duplicate, symmetric"};
         for (int i = 0; i < 3; i++)
             if (f->duplicate[i])
                 out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + i, -1};
@@ -296,7 +304,8 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
 /* Frames of the panels: one alone; two side by side; the first left of two; else rows of two or three. */
 static void lay_out(fep *f, double legend)
 {
-    const double width = plot_page_width(f->page), left = f->n_panel > 1 ? 78 : 64, right = 44, foot = 50, top = plot_page_height(f->page) - (f->n_panel > 1 ? 54 : 34);
+    const double width = plot_page_width(f->page), left = f->n_panel > 1 ? 78 : 64, right = 44, foot = 50,
+                 top = plot_page_height(f->page) - (f->n_panel > 1 ? 54 : 34);
     const int n = f->n_panel, columns = n == 1 ? 1 : n <= 4 ? 2 : 3, rows = n <= 2 ? 1 : 2;
     const double w = width / columns, h = (top - legend) / rows;
     for (int i = 0; i < n; i++) {
@@ -314,7 +323,8 @@ static void draw_window(fep *f, int i)
 {
     const plot_panel *zoom = &f->panels[i];
     const plot_box box = plot_panel_box(&f->panels[0]);
-    plot_point a = plot_panel_at(&f->panels[0], (plot_point){zoom->x.lo, zoom->y.lo}), b = plot_panel_at(&f->panels[0], (plot_point){zoom->x.hi, zoom->y.hi});
+    plot_point a = plot_panel_at(&f->panels[0], (plot_point){zoom->x.lo, zoom->y.lo}),
+               b = plot_panel_at(&f->panels[0], (plot_point){zoom->x.hi, zoom->y.hi});
     a = (plot_point){fmax(a.x, box.left), fmax(a.y, box.bottom)};
     b = (plot_point){fmin(b.x, box.right), fmin(b.y, box.top)};
     if (a.x >= b.x || a.y >= b.y)
@@ -348,7 +358,8 @@ static int draw_panel(fep *f, int i)
     return code;
 }
 
-/* All panels, with `legend` pixels left free at the foot; labels only where `final`. Adds to *missing the labels without a place. */
+/* All panels, with `legend` pixels left free at the foot; labels only where `final`. Adds to *missing the labels
+ * without a place. */
 static int draw_panels(fep *f, double legend, bool final, int *missing)
 {
     const plot_options *common = f->options->common;
@@ -374,7 +385,8 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
             snprintf(frequency, sizeof frequency, "frequency ω (rad/s), logarithmic above %g", f->options->knee);
         plot_panel_frame(f->page, f->panel, "scaled energy E", broken ? frequency : "frequency ω (rad/s)");
         if (f->n_panel > 1)
-            plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17}, PLOT_LEFT, type + 1, "#000000", false, letter);
+            plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17}, PLOT_LEFT, type + 1,
+                           "#000000", false, letter);
         *missing += plot_place_tags(f->page, plot_panel_box(f->panel), f->n_tag, f->tags, type);
     }
     return code;
@@ -385,7 +397,8 @@ static int draw(fep *f)
     const plot_options *common = f->options->common;
     char title[400];
     plot_legend_entry entries[PLOT_MAX_LEGEND];
-    int missing = 0, code = draw_panels(f, 0, false, &missing); /* what the legend needs is known once the data are drawn */
+    int missing = 0, code = draw_panels(f, 0, false, &missing); /* what the legend needs is known once the data are
+                                                                 * drawn */
     if (code != CLI_DONE)
         return code;
     const int n_entry = legend_entries(f, entries);
@@ -395,12 +408,17 @@ static int draw(fep *f)
         return code;
     missing += f->no_margin;
     if (missing > 0)
-        fprintf(stderr, "ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n", missing,
-                missing == 1 ? "" : "s");
+        fprintf(stderr, "ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n",
+                missing, missing == 1 ? "" : "s");
     report_unused(f);
-    plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)), sizeof title, title);
+    plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)),
+                     sizeof title, title);
     if (f->n_source == 1 || common->title)
-        plot_page_text(f->page, (plot_point){f->n_panel > 1 ? plot_page_width(f->page) / 2 : (f->panels[0].x.from + f->panels[0].x.to) / 2, plot_page_height(f->page) - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
+        plot_page_text(f->page,
+                       (plot_point){f->n_panel > 1 ? plot_page_width(f->page) / 2
+                                                   : (f->panels[0].x.from + f->panels[0].x.to) / 2,
+                                    plot_page_height(f->page) - 17},
+                       PLOT_CENTRE, type + 2, "#000000", false, title);
     plot_legend(f->page, n_entry, entries, 12, plot_page_width(f->page) - 12, legend + 4);
     return plot_page_write(f->page, common->out);
 }
@@ -415,7 +433,8 @@ static int draw_page(fep *f)
     for (int i = 0; i < f->n_source; i++)
         total += ric_atlas_n_branch(f->sources[i].atlas);
     if (!(energy.hi > 0) || !(frequency.hi > 0)) {
-        fprintf(stderr, "ricochet: nothing to draw: %s\n", total ? "no branch of the atlas enters this window" : "the atlas has no branches yet");
+        fprintf(stderr, "ricochet: nothing to draw: %s\n",
+                total ? "no branch of the atlas enters this window" : "the atlas has no branches yet");
         return CLI_FAILED;
     }
     set_axes(f, energy, frequency);

@@ -31,7 +31,8 @@ static bool add_whole(fep_source *s, int branch, int k)
 
 static bool add_segment(fep_source *s, const plot_segment *segment, int k)
 {
-    return add_part(s, (fep_part){segment->branch, k, fmin(segment->s[0], segment->s[1]), fmax(segment->s[0], segment->s[1])});
+    return add_part(s, (fep_part){segment->branch, k, fmin(segment->s[0], segment->s[1]),
+                                  fmax(segment->s[0], segment->s[1])});
 }
 
 /* --duplicate K:SEGMENT */
@@ -44,7 +45,8 @@ static int take_duplicate(fep_source *s, const char *text)
     if (!colon || (size_t)(colon - text) >= sizeof first)
         return cli_wrong("--duplicate %s: a duplicate is K:BRANCH, for example '3:S2-[01]'", text);
     snprintf(first, sizeof first, "%.*s", (int)(colon - text), text);
-    if (!cli_parse_integer(first, "--duplicate", 2, 1000, &k) || !plot_find_segment(s->atlas, colon + 1, "--duplicate", &segment))
+    if (!cli_parse_integer(first, "--duplicate", 2, 1000, &k) ||
+        !plot_find_segment(s->atlas, colon + 1, "--duplicate", &segment))
         return CLI_WRONG;
     return add_segment(s, &segment, (int)k) ? CLI_DONE : cli_report(RIC_E_NOMEM);
 }
@@ -108,7 +110,8 @@ int fep_choose_parts(fep *f, fep_source *s)
         return code;
     for (int id = 1; !any && good && id <= ric_atlas_n_branch(s->atlas); id++) {
         ric_branch branch;
-        good = ric_atlas_branch(s->atlas, id, &branch) == RIC_OK && ((f->options->symmetric && !branch.symmetric) || add_whole(s, id, 1));
+        good = ric_atlas_branch(s->atlas, id, &branch) == RIC_OK &&
+               ((f->options->symmetric && !branch.symmetric) || add_whole(s, id, 1));
     }
     const int originals = s->n_part;
     for (int i = 0; i < originals && good; i++)
@@ -146,7 +149,8 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
     const char *label = ric_duplicate_label(branch, k, sizeof name, name) == RIC_OK ? name : "";
     if (fep_label_asked(f, s, label, k == 1 ? branch->id : 0, 0))
         return length > 12; /* a corner of a panel says nothing */
-    if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED || f->options->labels == LABELS_ASKED)
+    if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED ||
+        f->options->labels == LABELS_ASKED)
         return false;
     if (f->options->labels == LABELS_MAIN && branch->depth > 3)
         return false;
@@ -165,8 +169,8 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
         return;
     const bool asked = f->options->labels == LABELS_ASKED;
     const int group = ++f->n_group;
-    const double weight = 20 + 90 * asked - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric + fmin(length, 400) / 40
-                          - 0.2 * branch->impacts;
+    const double weight = 20 + 90 * asked - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric +
+                          fmin(length, 400) / 40 - 0.2 * branch->impacts;
     for (int i = 1, k = 0; i < t->n && k < PLACES; i++) {
         const double step = visible_piece(f, t, i, &a, &b);
         for (; k < PLACES && step > 0 && done + step >= next / PLACES * length; next++, k++) {
@@ -174,9 +178,11 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
             tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->index)
-                         : plot_branch_family(branch) == PLOT_LINEAR ? "#6a6a6a" : plot_stroke_colour(plot_branch_family(branch));
+                         : plot_branch_family(branch) == PLOT_LINEAR ? "#6a6a6a"
+                                                                     : plot_stroke_colour(plot_branch_family(branch));
             plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
-            for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the curve */
+            for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the
+                                                               * curve */
                 plot_tag *place = fep_new_tag(f);
                 if (!place)
                     return;
@@ -189,7 +195,8 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
     }
 }
 
-/* Interior junctions, so that the curve passes through their marks. A q-tupling lies on its original branch at q times where it is drawn. */
+/* Interior junctions, so that the curve passes through their marks. A q-tupling lies on its original branch at q times
+ * where it is drawn. */
 static ric_status add_joints(const fep_source *s, const ric_branch *branch, const fep_part *part, plot_track *t)
 {
     for (int i = 0; i < branch->n_junction; i++) {
@@ -217,7 +224,8 @@ static ric_status make_track(const fep_source *s, const ric_branch *branch, cons
             return status;
         if (p.arclength < part->lo || p.arclength > part->hi)
             continue;
-        if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength, plot_point_stability(branch, i, &p)))
+        if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength,
+                            plot_point_stability(branch, i, &p)))
             return RIC_E_NOMEM;
     }
     return add_joints(s, branch, part, t);
@@ -229,7 +237,8 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
     const ric_status status = make_track(s, branch, part, &t);
     if (status == RIC_OK) {
         const plot_stroke family = plot_branch_family(branch);
-        const unsigned seen = plot_track_draw(f->page, f->panel, f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : family, &t);
+        const unsigned seen = plot_track_draw(f->page, f->panel,
+                                              f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : family, &t);
         f->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
         s->stability |= seen;
         s->drawn |= seen != 0;
@@ -241,7 +250,8 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
 
 /* --------------------------------------------------------------- duplicates */
 
-/* Small marks where the k-duplicate has multiplications that a duplicate before it has, too; its own are junctions as all others. */
+/* Small marks where the k-duplicate has multiplications that a duplicate before it has, too; its own are junctions as
+ * all others. */
 static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part)
 {
     int n = 0;
@@ -250,7 +260,8 @@ static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *
     for (int i = 0; status == RIC_OK && i < n; i++) {
         const plot_point at = {points[i].energy, points[i].frequency};
         const double arclength = plot_junction_at(s->atlas, branch, points[i].junction);
-        if (points[i].origin != RIC_DUPLICATE_INHERITED || !plot_panel_inside(f->panel, at) || arclength < part->lo || arclength > part->hi)
+        if (points[i].origin != RIC_DUPLICATE_INHERITED || !plot_panel_inside(f->panel, at) || arclength < part->lo ||
+            arclength > part->hi)
             continue;
         plot_page_mark(f->page, plot_junction_mark(RIC_KIND_MULTIPLICATION), plot_panel_at(f->panel, at), 2.4);
         f->kinds[RIC_KIND_MULTIPLICATION] = true;
@@ -273,7 +284,10 @@ static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch
     f->duplicate[family] |= inside;
     s->drawn |= inside;
     if (status == RIC_OK && curve) {
-        plot_panel_curve(f->page, f->panel, f->n_source > 1 ? PLOT_ATLAS_DUPLICATE + (plot_stroke)s->index : PLOT_DUPLICATE + (plot_stroke)family, t.n, curve);
+        plot_panel_curve(f->page, f->panel,
+                         f->n_source > 1 ? PLOT_ATLAS_DUPLICATE + (plot_stroke)s->index
+                                         : PLOT_DUPLICATE + (plot_stroke)family,
+                         t.n, curve);
         tag_branch(f, s, branch, part->k, &t);
     }
     free(curve);
@@ -302,8 +316,10 @@ static void widen(double range[2], double value)
     range[1] = fmax(range[1], value);
 }
 
-/* The window in which the ghosts of a branch are followed: what the panels show and, since a ghost may come in from outside, its start. */
-static ric_status ghost_window(const fep *f, const fep_source *s, const ric_branch *branch, bool *shown, ric_ghost_limits *limits)
+/* The window in which the ghosts of a branch are followed: what the panels show and, since a ghost may come in from
+ * outside, its start. */
+static ric_status ghost_window(const fep *f, const fep_source *s, const ric_branch *branch, bool *shown,
+                               ric_ghost_limits *limits)
 {
     ric_status status = RIC_OK;
     *shown = false;
@@ -320,7 +336,8 @@ static ric_status ghost_window(const fep *f, const fep_source *s, const ric_bran
         for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
             ric_point p;
             status = ric_atlas_point(s->atlas, branch->id, i, &p, NULL, NULL);
-            *shown |= status == RIC_OK && plot_panel_inside(&f->panels[0], (plot_point){p.energy, p.frequency / s->parts[k].k});
+            *shown |= status == RIC_OK &&
+                      plot_panel_inside(&f->panels[0], (plot_point){p.energy, p.frequency / s->parts[k].k});
             if (status == RIC_OK && (i == 0 || i == branch->n_point - 1)) {
                 widen(limits->energy, p.energy);
                 widen(limits->frequency, p.frequency);
@@ -349,7 +366,8 @@ ric_status fep_find_ghosts(fep *f, fep_source *s)
         }
     }
     if (failed)
-        fprintf(stderr, "ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n", failed, failed == 1 ? "" : "es");
+        fprintf(stderr, "ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n", failed,
+                failed == 1 ? "" : "es");
     return status;
 }
 
@@ -379,7 +397,8 @@ static ric_status draw_ghost(fep *f, const ric_ghost *ghost, int k)
         status = ric_ghost_point(ghost, i, &p, NULL, NULL);
         if (status != RIC_OK)
             break;
-        curve[i] = (plot_point){p.energy, ric_point_admissible(&p) ? NAN : p.frequency / k}; /* where it is a motion again it is no ghost */
+        /* where it is a motion again it is no ghost */
+        curve[i] = (plot_point){p.energy, ric_point_admissible(&p) ? NAN : p.frequency / k};
         f->ghost |= i > 0 && plot_panel_inside(f->panel, curve[i]);
     }
     if (status == RIC_OK)

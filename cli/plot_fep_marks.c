@@ -12,8 +12,8 @@ static const double type = 12;
 
 /* ---------------------------------------------------------------- junctions */
 
-/* Whether a part that is shown passes a junction in one of two roles: as a branch that has it on its way or leaves it, or as the
- * k-duplicate of the branch that is multiplied at it. */
+/* Whether a part that is shown passes a junction in one of two roles: as a branch that has it on its way or leaves it,
+ * or as the k-duplicate of the branch that is multiplied at it. */
 static bool part_meets(const fep_source *s, const fep_part *part, const ric_junction *junction, bool multiplied, int k)
 {
     bool listed = false;
@@ -35,14 +35,16 @@ static bool shown(const fep_source *s, const ric_junction *junction, bool multip
     return false;
 }
 
-/* Where the mark stands; NaN if none of its branches is shown. A q-tupling belongs at omega / q, among the branches that leave it or on the
- * q-duplicate of the one that is multiplied; where neither is drawn, nor any duplicate, it is shown on that one. */
+/* Where the mark stands; NaN if none of its branches is shown. A q-tupling belongs at omega / q, among the branches
+ * that leave it or on the q-duplicate of the one that is multiplied; where neither is drawn, nor any duplicate, it is
+ * shown on that one. */
 static plot_point junction_place(const fep *f, const fep_source *s, const ric_junction *junction)
 {
     double frequency = NAN;
     if (shown(s, junction, false, 1) || (junction->multiple > 1 && shown(s, junction, true, junction->multiple)))
         frequency = junction->frequency;
-    else if (junction->multiple > 1 && f->options->duplicates == 1 && !f->options->n_duplicate && shown(s, junction, true, 1))
+    else if (junction->multiple > 1 && f->options->duplicates == 1 && !f->options->n_duplicate &&
+             shown(s, junction, true, 1))
         frequency = junction->frequency * junction->multiple;
     return (plot_point){junction->energy, frequency};
 }
@@ -51,8 +53,9 @@ static plot_point junction_place(const fep *f, const fep_source *s, const ric_ju
 static double junction_weight(const fep_source *s, const ric_junction *junction)
 {
     static const double of_kind[] = {
-        [RIC_KIND_START] = -20, [RIC_KIND_GRAZING] = 30, [RIC_KIND_CORNER] = 30, [RIC_KIND_EXTREMUM] = 12, [RIC_KIND_BRANCH_POINT] = 36,
-        [RIC_KIND_MULTIPLICATION] = 30, [RIC_KIND_PERIOD_EXTREMUM] = 4, [RIC_KIND_USER] = 50,
+        [RIC_KIND_START] = -20,         [RIC_KIND_GRAZING] = 30,      [RIC_KIND_CORNER] = 30,
+        [RIC_KIND_EXTREMUM] = 12,       [RIC_KIND_BRANCH_POINT] = 36, [RIC_KIND_MULTIPLICATION] = 30,
+        [RIC_KIND_PERIOD_EXTREMUM] = 4, [RIC_KIND_USER] = 50,
     };
     int depth = 100, symmetric = 0;
     for (int i = 0; i < junction->n_branch; i++) {
@@ -238,7 +241,8 @@ ric_status fep_draw_references(fep *f, const fep_source *s)
         if (!list[i].text[0])
             continue;
         plot_page_line(f->page, PLOT_LEADER, 2, (plot_point[]){{box.right + 1, y}, {box.right + 9, list[i].y}});
-        plot_page_text(f->page, (plot_point){box.right + 11, list[i].y}, PLOT_LEFT, type, "#444444", false, list[i].text);
+        plot_page_text(f->page, (plot_point){box.right + 11, list[i].y}, PLOT_LEFT, type, "#444444", false,
+                       list[i].text);
     }
 out:
     free(list);

@@ -14,8 +14,9 @@ int plot_legend_entries(const bool family[3], unsigned stability, const bool *ki
 {
     static const char *const families[] = {"linear mode", "asymmetric", "symmetric"};
     static const char *const words[] = {
-        [RIC_KIND_START] = "start", [RIC_KIND_GRAZING] = "grazing", [RIC_KIND_CORNER] = "corner", [RIC_KIND_EXTREMUM] = "extremum",
-        [RIC_KIND_BRANCH_POINT] = "branch point", [RIC_KIND_MULTIPLICATION] = "period multiplication",
+        [RIC_KIND_START] = "start", [RIC_KIND_GRAZING] = "grazing", [RIC_KIND_CORNER] = "corner",
+        [RIC_KIND_EXTREMUM] = "extremum", [RIC_KIND_BRANCH_POINT] = "branch point",
+        [RIC_KIND_MULTIPLICATION] = "period multiplication",
         [RIC_KIND_PERIOD_EXTREMUM] = "period extremum", [RIC_KIND_USER] = "asked for",
     };
     const int sample = family && family[2] ? PLOT_SYMMETRIC : family && family[1] ? PLOT_ASYMMETRIC : PLOT_LINEAR;
@@ -41,7 +42,8 @@ double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, dou
         double width = -gap;
         for (next = first; next < n; next++) { /* lines and marks in rows of their own */
             const double entry = sample + 5 + plot_text_width(entries[next].text, type - 1) + gap;
-            if (next > first && (width + entry > right - left || (entries[next].mark >= 0) != (entries[first].mark >= 0)))
+            if (next > first &&
+                (width + entry > right - left || (entries[next].mark >= 0) != (entries[first].mark >= 0)))
                 break;
             width += entry;
         }
@@ -53,7 +55,8 @@ double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, dou
                 plot_page_line(page, (plot_stroke)entries[i].stroke, 2, (plot_point[]){{x, y}, {x + sample, y}});
             if (entries[i].mark >= 0)
                 plot_page_mark(page, (plot_mark)entries[i].mark, (plot_point){x + sample / 2, y}, 4.5);
-            plot_page_text(page, (plot_point){x + sample + 5, y}, PLOT_LEFT, type - 1, "#222222", false, entries[i].text);
+            plot_page_text(page, (plot_point){x + sample + 5, y}, PLOT_LEFT, type - 1, "#222222", false,
+                           entries[i].text);
             x += sample + 5 + plot_text_width(entries[i].text, type - 1) + gap;
         }
     }
@@ -95,7 +98,8 @@ static double side_of(plot_point a, plot_point b, plot_point c)
 
 static bool lines_cross(leader_line a, leader_line b)
 {
-    return side_of(a.from, a.to, b.from) * side_of(a.from, a.to, b.to) <= 0 && side_of(b.from, b.to, a.from) * side_of(b.from, b.to, a.to) <= 0;
+    return side_of(a.from, a.to, b.from) * side_of(a.from, a.to, b.to) <= 0 &&
+           side_of(b.from, b.to, a.from) * side_of(b.from, b.to, a.to) <= 0;
 }
 
 /* Pixels of lines that the leader passes over. */
@@ -104,7 +108,8 @@ static double leader_ink(plot_page *page, leader_line line)
     const double length = hypot(line.to.x - line.from.x, line.to.y - line.from.y);
     double ink = 0;
     for (double s = 0; s < length; s += 1) {
-        const double x = line.from.x + (line.to.x - line.from.x) * s / length, y = line.from.y + (line.to.y - line.from.y) * s / length;
+        const double x = line.from.x + (line.to.x - line.from.x) * s / length,
+                     y = line.from.y + (line.to.y - line.from.y) * s / length;
         ink += plot_page_ink(page, (plot_box){floor(x), floor(y), floor(x) + 1, floor(y) + 1}) > 0;
     }
     return ink;
@@ -113,7 +118,8 @@ static double leader_ink(plot_page *page, leader_line line)
 static leader_line leader_to(const plot_tag *tag, plot_box box)
 {
     const plot_point nearest = {fmax(box.left, fmin(box.right, tag->at.x)), fmax(box.bottom, fmin(box.top, tag->at.y))};
-    const double dx = nearest.x - tag->at.x, dy = nearest.y - tag->at.y, length = fmax(hypot(dx, dy), 1e-9), start = fmin(tag->clear, length);
+    const double dx = nearest.x - tag->at.x, dy = nearest.y - tag->at.y, length = fmax(hypot(dx, dy), 1e-9),
+                 start = fmin(tag->clear, length);
     return (leader_line){{tag->at.x + dx / length * start, tag->at.y + dy / length * start}, nearest};
 }
 
@@ -137,7 +143,8 @@ static double leader_cost(const placing *p, const plot_tag *tag, leader_line lin
 static double box_cost(const placing *p, const plot_tag *tag, plot_box box, double distance)
 {
     const plot_box wide = {box.left - 2, box.bottom - 1, box.right + 2, box.top + 1};
-    if (wide.left < p->bounds.left || wide.right > p->bounds.right || wide.bottom < p->bounds.bottom || wide.top > p->bounds.top)
+    if (wide.left < p->bounds.left || wide.right > p->bounds.right || wide.bottom < p->bounds.bottom ||
+        wide.top > p->bounds.top)
         return INFINITY;
     if (!plot_page_free_box(p->page, wide) || plot_page_ink(p->page, wide) > 0)
         return INFINITY;
@@ -164,7 +171,8 @@ static bool find_place(const placing *p, const plot_tag *tag, plot_box *out, dou
     for (size_t i = 0; i < sizeof distances / sizeof *distances && distances[i] < best; i++)
         for (int k = 0; k < 16; k++) {
             const double angle = acos(-1) / 8 * k, reach = tag->clear + distances[i];
-            const plot_point centre = {tag->at.x + cos(angle) * (reach + width / 2), tag->at.y + sin(angle) * (reach + height / 2)};
+            const plot_point centre = {tag->at.x + cos(angle) * (reach + width / 2),
+                                       tag->at.y + sin(angle) * (reach + height / 2)};
             const plot_box box = box_around(centre, width, height);
             const double cost = box_cost(p, tag, box, distances[i]) + 0.6 * (1 - cos(angle - 0.6));
             if (cost < best) {
@@ -211,7 +219,8 @@ int plot_place_tags(plot_page *page, plot_box bounds, int n, plot_tag *tags, dou
         if (group_done(n, tags, placed, tags[i].group) || !find_place(&p, &tags[i], &box, &gap))
             continue;
         placed[i] = true;
-        plot_page_text(page, (plot_point){box.left, (box.bottom + box.top) / 2}, PLOT_LEFT, size, tags[i].colour, false, tags[i].text);
+        plot_page_text(page, (plot_point){box.left, (box.bottom + box.top) / 2}, PLOT_LEFT, size, tags[i].colour, false,
+                       tags[i].text);
         if (gap >= 9)
             p.leaders[p.n_leader++] = leader_to(&tags[i], box);
     }
@@ -243,7 +252,9 @@ plot_mark plot_junction_mark(ric_kind kind)
 
 plot_stroke plot_branch_family(const ric_branch *branch)
 {
-    return branch->impacts == 0 && branch->depth == 0 ? PLOT_LINEAR : branch->symmetric ? PLOT_SYMMETRIC : PLOT_ASYMMETRIC;
+    return branch->impacts == 0 && branch->depth == 0 ? PLOT_LINEAR
+           : branch->symmetric                        ? PLOT_SYMMETRIC
+                                                      : PLOT_ASYMMETRIC;
 }
 
 void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out)

@@ -1,6 +1,6 @@
 /* The motion of an orbit over one period, as rows of numbers, with its impacts and touches.
- * Between rigid impacts it is written down from the modes, flight by flight, so that speeds on both sides of an impact are exact; under a
- * power law it is what the simulator gives from the stored state. */
+ * Between rigid impacts it is written down from the modes, flight by flight, so that speeds on both sides of an impact
+ * are exact; under a power law it is what the simulator gives from the stored state. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -17,7 +17,8 @@ double *plot_motion_row(const plot_motion *o, int i)
     return o->rows + (size_t)i * (size_t)(1 + 2 * o->n);
 }
 
-/* What the gap coordinate is measured by: the clearance, or the length of a power law, scaled like the displacements. */
+/* What the gap coordinate is measured by: the clearance, or the length of a power law, scaled like the
+ * displacements. */
 static double unit_of(const plot_motion *o, const ric_contact *c)
 {
     const double unit = c->law != RIC_LAW_POWER ? c->clearance : c->length > 0 ? c->length : ric_model_length(o->model);
@@ -41,7 +42,8 @@ double plot_motion_gap(const plot_motion *o, int contact, const double *x)
 typedef struct {
     int n;
     double *omega, *shapes, *q, *p; /* modes; modal state at the start of the flight */
-    ric_simulator *springs;         /* of a model with contacts of law bilinear: it flies, from `state` [2 n]; NULL without */
+    ric_simulator *springs;         /* of a model with contacts of law bilinear: it flies, from `state` [2 n]; NULL
+                                     * without */
     double *state;
 } modal;
 
@@ -49,14 +51,16 @@ static bool is_spring(const ric_model *model, int face)
 {
     int contact;
     ric_contact c;
-    return !ric_model_face(model, face, &contact, NULL, NULL) && !ric_model_contact(model, contact, &c) && c.law == RIC_LAW_BILINEAR;
+    return !ric_model_face(model, face, &contact, NULL, NULL) && !ric_model_contact(model, contact, &c) &&
+           c.law == RIC_LAW_BILINEAR;
 }
 
 static ric_status modal_create(const ric_model *model, modal *m)
 {
     const size_t n = (size_t)ric_model_n_dof(model);
-    *m = (modal){.n = (int)n, .omega = calloc(n, sizeof(double)), .shapes = calloc(n * n, sizeof(double)), .q = calloc(n, sizeof(double)),
-                 .p = calloc(n, sizeof(double)), .state = calloc(2 * n, sizeof(double))};
+    *m = (modal){.n = (int)n, .omega = calloc(n, sizeof(double)), .shapes = calloc(n * n, sizeof(double)),
+                 .q = calloc(n, sizeof(double)), .p = calloc(n, sizeof(double)),
+                 .state = calloc(2 * n, sizeof(double))};
     if (!m->omega || !m->shapes || !m->q || !m->p || !m->state)
         return RIC_E_NOMEM;
     for (int f = 0; f < ric_model_n_face(model); f++)
@@ -135,7 +139,8 @@ static void modal_step(modal *m, const ric_model *model, double t, int face)
         m->q[k] = q * cos(w * t) + p * (w > 0 ? sin(w * t) / w : t);
         m->p[k] = p * cos(w * t) - w * q * sin(w * t);
     }
-    if (face < 0 || ric_model_face(model, face, &contact, &side, &mirror) != RIC_OK || ric_model_contact(model, contact, &c) != RIC_OK)
+    if (face < 0 || ric_model_face(model, face, &contact, &side, &mirror) != RIC_OK ||
+        ric_model_contact(model, contact, &c) != RIC_OK)
         return;
     for (int round = 0; round < 2; round++) /* first the sums, then the change */
         for (int k = 0; k < m->n; k++) {
@@ -317,7 +322,8 @@ static ric_status integrate(plot_motion *o)
 {
     ric_simulator *simulator = NULL;
     double *z = calloc(2 * (size_t)o->n, sizeof *z);
-    ric_status status = z && (o->first = calloc(2, sizeof *o->first)) ? ric_simulator_create(o->model, &simulator) : RIC_E_NOMEM;
+    ric_status status = z && (o->first = calloc(2, sizeof *o->first)) ? ric_simulator_create(o->model, &simulator)
+                                                                      : RIC_E_NOMEM;
     if (status == RIC_OK)
         status = ric_simulator_start(simulator, o->state, o->state + o->n);
     for (int i = 0; status == RIC_OK && i <= ROWS; i++) {
@@ -329,7 +335,8 @@ static ric_status integrate(plot_motion *o)
             status = RIC_E_NOMEM;
     }
     if (status == RIC_OK && !returns(o, z)) {
-        fprintf(stderr, "ricochet: this orbit is too unstable to be drawn from its start: after one period it misses it\n");
+        fprintf(stderr,
+                "ricochet: this orbit is too unstable to be drawn from its start: after one period it misses it\n");
         status = RIC_E_NUMERIC;
     }
     if (o->first)
@@ -402,8 +409,8 @@ void plot_motion_range(const plot_motion *o, plot_reading y, int what, double *l
     }
 }
 
-void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *o, plot_reading x, plot_reading y, int what,
-                      double later)
+void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *o,
+                      plot_reading x, plot_reading y, int what, double later)
 {
     const double shift = x == plot_read_time ? later : 0;
     plot_point *points = malloc((size_t)o->first[o->n_piece] * sizeof *points);
@@ -446,9 +453,11 @@ double plot_motion_at(const plot_motion *o, double t, int coordinate)
             hi = middle;
     }
     const double *a = plot_motion_row(o, lo), *b = plot_motion_row(o, hi), h = b[0] - a[0];
-    const double x0 = a[1 + coordinate], x1 = b[1 + coordinate], v0 = a[1 + o->n + coordinate], v1 = b[1 + o->n + coordinate];
+    const double x0 = a[1 + coordinate], x1 = b[1 + coordinate], v0 = a[1 + o->n + coordinate],
+                 v1 = b[1 + o->n + coordinate];
     if (!(h > 0)) /* two rows at an impact */
         return x0;
     const double s = (t - a[0]) / h;
-    return x0 * (1 + 2 * s) * (1 - s) * (1 - s) + h * v0 * s * (1 - s) * (1 - s) + x1 * s * s * (3 - 2 * s) - h * v1 * s * s * (1 - s);
+    return x0 * (1 + 2 * s) * (1 - s) * (1 - s) + h * v0 * s * (1 - s) * (1 - s) + x1 * s * s * (3 - 2 * s) -
+           h * v1 * s * s * (1 - s);
 }

@@ -1,5 +1,5 @@
-/* One orbit: displacements and gaps over a period, impacts and touches with the letters of their faces, and phase portraits.
- * The motion itself is made in plot_motion.c. */
+/* One orbit: displacements and gaps over a period, impacts and touches with the letters of their faces, and phase
+ * portraits. The motion itself is made in plot_motion.c. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -11,8 +11,8 @@
 
 enum { MAX_SHOWN = 4 };
 static const double type = 12, pi = 3.14159265358979323846;
-/* How near a gap must come to a stop, in clearances, to be a touch: an orbit of a branch is exact to rounding; a grazing junction of a very
- * unstable orbit carries the error of its flights. */
+/* How near a gap must come to a stop, in clearances, to be a touch: an orbit of a branch is exact to rounding; a
+ * grazing junction of a very unstable orbit carries the error of its flights. */
 static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7;
 
 typedef struct {
@@ -32,7 +32,8 @@ static void set_title(orbit *o, const char *name, double energy, const char *ext
     if (o->common->title)
         plot_text_escape(o->common->title, sizeof o->title, o->title);
     else
-        snprintf(o->title, sizeof o->title, "%s:  E = %.6g,  ω = %.6g rad/s%s", name, energy, 2 * pi / o->motion.period, extra);
+        snprintf(o->title, sizeof o->title, "%s:  E = %.6g,  ω = %.6g rad/s%s", name, energy, 2 * pi / o->motion.period,
+                 extra);
 }
 
 static int take_junction(orbit *o, const char *text)
@@ -62,8 +63,9 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
     char name[200];
     ric_point point;
     if (n == 0) {
-        fprintf(stderr, "ricochet: no orbit of branch %d there; it has energies %.6g to %.6g and frequencies %.6g to %.6g\n", branch->id,
-                branch->energy_min, branch->energy_max, branch->frequency_min, branch->frequency_max);
+        fprintf(stderr,
+                "ricochet: no orbit of branch %d there; it has energies %.6g to %.6g and frequencies %.6g to %.6g\n",
+                branch->id, branch->energy_min, branch->energy_max, branch->frequency_min, branch->frequency_max);
         return CLI_FAILED;
     }
     if (w->which && !cli_parse_integer(w->which, "--which", 1, n, &which))
@@ -106,7 +108,11 @@ static int take_branch(orbit *o, const words *w)
         value = (double)point;
     ric_status status = ric_atlas_branch(o->atlas, (int)id, &branch);
     if (status == RIC_OK)
-        status = ric_orbit_find(o->atlas, (int)id, w->point ? RIC_AT_POINT : w->energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY, value, &n, &orbits);
+        status = ric_orbit_find(o->atlas, (int)id,
+                                w->point    ? RIC_AT_POINT
+                                : w->energy ? RIC_AT_ENERGY
+                                            : RIC_AT_FREQUENCY,
+                                value, &n, &orbits);
     if (status != RIC_OK)
         return cli_report(status);
     o->motion.tolerance = touch_of_branch;
@@ -176,7 +182,8 @@ static void choose_gaps(orbit *o)
             bool met = false, known = false;
             for (int i = 0; i < o->motion.n_event; i++) {
                 int c, side, mirror;
-                met |= ric_model_face(o->motion.model, o->motion.events[i].face, &c, &side, &mirror) == RIC_OK && c == contact;
+                met |= ric_model_face(o->motion.model, o->motion.events[i].face, &c, &side, &mirror) == RIC_OK &&
+                       c == contact;
             }
             for (int i = 0; i < o->n_gap; i++)
                 known |= o->gaps[i] == contact;
@@ -227,7 +234,8 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     const plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
     draw_event_lines(o, &panel);
     for (int i = 0; i < o->n_shown; i++) {
-        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_x, o->shown[i], 0);
+        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_x,
+                         o->shown[i], 0);
         snprintf(names[i], sizeof names[i], "x_{%d}", o->shown[i] + 1);
         entries[i] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
@@ -319,8 +327,10 @@ static void draw_gaps(orbit *o, plot_box box)
     int n = 0;
     for (int i = 0; i < o->n_gap; i++)
         plot_motion_range(&o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
-    const double above = upper ? room : 12, below = lower ? room : 12, scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
-    const plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo - below * scale, hi + above * scale, box.bottom, box.top)};
+    const double above = upper ? room : 12, below = lower ? room : 12,
+                 scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
+    const plot_panel panel = {time_axis(o, box.left, box.right),
+                              axis_over(lo - below * scale, hi + above * scale, box.bottom, box.top)};
     draw_event_lines(o, &panel);
     for (int side = -1; side <= 1; side += 2)
         if (has_side(o, side)) {
@@ -328,7 +338,8 @@ static void draw_gaps(orbit *o, plot_box box)
             plot_page_line(o->page, PLOT_STOP, 2, (plot_point[]){{box.left, y}, {box.right, y}});
         }
     for (int i = 0; i < o->n_gap; i++) {
-        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_gap, o->gaps[i], 0);
+        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_gap,
+                         o->gaps[i], 0);
         gap_name(o, o->gaps[i], sizeof names[i], names[i]);
         entries[n++] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
@@ -356,7 +367,10 @@ static void draw_gaps(orbit *o, plot_box box)
 static void mark_row(const orbit *o, const plot_panel *panel, int coordinate, int index, plot_mark mark)
 {
     const double *r = plot_motion_row(&o->motion, index);
-    plot_page_mark(o->page, mark, plot_panel_at(panel, (plot_point){plot_read_x(&o->motion, r, coordinate), plot_read_v(&o->motion, r, coordinate)}), 3);
+    plot_page_mark(o->page, mark,
+                   plot_panel_at(panel, (plot_point){plot_read_x(&o->motion, r, coordinate),
+                                                     plot_read_v(&o->motion, r, coordinate)}),
+                   3);
 }
 
 static void draw_portrait(orbit *o, int coordinate, plot_box box)
@@ -393,24 +407,29 @@ static void draw_portraits(orbit *o, plot_box area)
 
 static int draw(orbit *o)
 {
-    const double width = o->common->width > 0 ? o->common->width : 1000, height = o->common->height > 0 ? o->common->height : 640;
+    const double width = o->common->width > 0 ? o->common->width : 1000,
+                 height = o->common->height > 0 ? o->common->height : 640;
     o->page = plot_page_create(width, height);
     if (!o->page)
         return cli_report(RIC_E_NOMEM);
-    const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 58, middle = foot + (height - foot - head) * 0.52;
+    const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 58,
+                 middle = foot + (height - foot - head) * 0.52;
     draw_displacements(o, (plot_box){64, middle + 30, split - 8, height - head}, false);
     draw_gaps(o, (plot_box){64, foot, split - 8, middle - 4});
     draw_portraits(o, (plot_box){split, foot - 46, width - 8, height - 30});
     plot_page_text(o->page, (plot_point){width / 2, height - 18}, PLOT_CENTRE, type + 2, "#000000", false, o->title);
     if (o->missing)
-        fprintf(stderr, "ricochet: %d letter%s of impacts left out for want of room; --size makes more\n", o->missing, o->missing == 1 ? "" : "s");
+        fprintf(stderr, "ricochet: %d letter%s of impacts left out for want of room; --size makes more\n", o->missing,
+                o->missing == 1 ? "" : "s");
     return plot_page_write(o->page, o->common->out);
 }
 
 static int parse(int *argc, char **argv, words *w)
 {
-    static const char *const names[] = {"--branch", "--junction", "--point", "--energy", "--frequency", "--which", "--coordinates"};
-    const char **values[] = {&w->branch, &w->junction, &w->point, &w->energy, &w->frequency, &w->which, &w->coordinates};
+    static const char *const names[] = {"--branch",    "--junction", "--point",      "--energy",
+                                        "--frequency", "--which",    "--coordinates"};
+    const char **values[] = {&w->branch,    &w->junction, &w->point,      &w->energy,
+                             &w->frequency, &w->which,    &w->coordinates};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!cli_take_value(argc, argv, names[i], values[i]))
             return CLI_WRONG;
@@ -418,7 +437,8 @@ static int parse(int *argc, char **argv, words *w)
     if (!w->branch == !w->junction)
         return cli_wrong("plot orbit: give either --branch ID with a place on it, or --junction ID");
     if (w->junction && (places || w->which))
-        return cli_wrong("plot orbit: --junction ID is one orbit; --point, --energy, --frequency and --which go with --branch");
+        return cli_wrong(
+            "plot orbit: --junction ID is one orbit; --point, --energy, --frequency and --which go with --branch");
     if (w->branch && places != 1)
         return cli_wrong("plot orbit: --branch needs one of --point I, --energy E, --frequency F");
     return cli_operands(&cli_plot, *argc, argv, 1) ? CLI_DONE : CLI_WRONG;

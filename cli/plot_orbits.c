@@ -1,5 +1,5 @@
-/* Several orbits in one figure: a row for each with its displacements over time, impacts and touches, and phase portraits; or histories only,
- * in columns. Orbits come from one or more atlases. */
+/* Several orbits in one figure: a row for each with its displacements over time, impacts and touches, and phase
+ * portraits; or histories only, in columns. Orbits come from one or more atlases. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -60,7 +60,8 @@ static bool take_coordinates(figure *f, const char *text)
 static int take_orbits(int argc, char **argv, figure *f)
 {
     plot_listed values[MAX_ORBIT];
-    const int code = plot_take_listed(argc, argv, "--orbit", MAX_ATLAS, &f->n_atlas, f->paths, MAX_ORBIT, &f->n, values);
+    const int code = plot_take_listed(argc, argv, "--orbit", MAX_ATLAS, &f->n_atlas, f->paths, MAX_ORBIT, &f->n,
+                                      values);
     for (int i = 0; i < f->n; i++)
         f->panels[i] = (panel){.text = values[i].text, .atlas = values[i].atlas};
     if (code != CLI_DONE)
@@ -69,7 +70,8 @@ static int take_orbits(int argc, char **argv, figure *f)
         return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see ricochet plot --help");
     for (int i = 0; i < f->n; i++)
         if (f->panels[i].atlas < 0 && f->n_atlas > 1)
-            return cli_wrong("--orbit %s: with several atlases an orbit stands behind the one that it belongs to", f->panels[i].text);
+            return cli_wrong("--orbit %s: with several atlases an orbit stands behind the one that it belongs to",
+                             f->panels[i].text);
     return CLI_DONE;
 }
 
@@ -117,7 +119,8 @@ static void ranges(const figure *f, int only, int coordinate, double x[2], doubl
     plot_range_widen(false, 0.08, &v[0], &v[1]);
 }
 
-/* Letters of the faces above the history, as long as each finds room; lines down to the curves tie impacts of both together. */
+/* Letters of the faces above the history, as long as each finds room; lines down to the curves tie impacts of both
+ * together. */
 static void draw_events(figure *f, const panel *p, const plot_panel *at)
 {
     const plot_motion *m = &p->choice.motion;
@@ -160,11 +163,13 @@ static void draw_history(figure *f, int i, plot_box box, bool numbers)
     double x[2], v[2];
     char text[400];
     ranges(f, i, -1, x, v);
-    const plot_panel at = {axis_over(0, m->period * p->choice.periods, box.left, box.right), axis_over(x[0], x[1], box.bottom, box.top)};
+    const plot_panel at = {axis_over(0, m->period * p->choice.periods, box.left, box.right),
+                           axis_over(x[0], x[1], box.bottom, box.top)};
     draw_events(f, p, &at);
     for (int k = 0; k < f->n_shown; k++)
         for (int period = 0; period < p->choice.periods; period++)
-            plot_motion_draw(f->page, &at, PLOT_SERIES + (plot_stroke)k, m, plot_read_time, plot_read_x, f->shown[k], period * m->period);
+            plot_motion_draw(f->page, &at, PLOT_SERIES + (plot_stroke)k, m, plot_read_time, plot_read_x, f->shown[k],
+                             period * m->period);
     plot_panel_frame(f->page, &at, numbers ? "time (s)" : "", "x");
     caption(p, (char)('a' + i % 26), sizeof text, text);
     plot_page_text(f->page, (plot_point){box.left, box.top + 25}, PLOT_LEFT, type, "#000000", false, text);
@@ -179,7 +184,8 @@ static void draw_portrait(figure *f, int i, int coordinate, plot_box box)
     int series = 0;
     for (int k = 0; k < f->n_shown; k++)
         series = f->shown[k] == coordinate ? k : series;
-    plot_motion_draw(f->page, &at, series ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC, &f->panels[i].choice.motion, plot_read_x, plot_read_v, coordinate, 0);
+    plot_motion_draw(f->page, &at, series ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC, &f->panels[i].choice.motion, plot_read_x,
+                     plot_read_v, coordinate, 0);
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
     plot_panel_frame(f->page, &at, across, up);
@@ -187,9 +193,11 @@ static void draw_portrait(figure *f, int i, int coordinate, plot_box box)
 
 static void draw_row(figure *f, int i, plot_box cell, bool last)
 {
-    const double height = cell.top - cell.bottom, foot = 48, side = f->histories ? 0 : f->n_shown * (height - foot + 66);
+    const double height = cell.top - cell.bottom, foot = 48,
+                 side = f->histories ? 0 : f->n_shown * (height - foot + 66);
     const double right = cell.right - side;
-    draw_history(f, i, (plot_box){cell.left + 56, cell.bottom + foot, right - 12, cell.top - 34}, last || f->histories || true);
+    draw_history(f, i, (plot_box){cell.left + 56, cell.bottom + foot, right - 12, cell.top - 34},
+                 last || f->histories || true);
     for (int k = 0; !f->histories && k < f->n_shown; k++) {
         const double left = right + k * (height - foot + 66) + 62;
         draw_portrait(f, i, f->shown[k], (plot_box){left, cell.bottom + foot, left + height - foot - 6, cell.top - 34});
@@ -229,7 +237,8 @@ static int draw(figure *f)
     if (touch)
         entries[n++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
     plot_legend(f->page, n, entries, 0.5 * width, width - 12, height - 34);
-    plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->atlases[0])), sizeof title, title);
+    plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->atlases[0])),
+                     sizeof title, title);
     plot_page_text(f->page, (plot_point){width / 2, height - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
     return plot_page_write(f->page, f->common->out);
 }
@@ -240,8 +249,9 @@ int plot_orbits(int argc, char **argv, const plot_options *common)
     const char *coordinates, *columns;
     f.histories = cli_take_flag(&argc, argv, "--histories");
     f.same = cli_take_flag(&argc, argv, "--same-axes");
-    if (!cli_take_value(&argc, argv, "--coordinates", &coordinates) || !cli_take_value(&argc, argv, "--columns", &columns)
-        || (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))
+    if (!cli_take_value(&argc, argv, "--coordinates", &coordinates) ||
+        !cli_take_value(&argc, argv, "--columns", &columns) ||
+        (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))
         return CLI_WRONG;
     int code = take_orbits(argc, argv, &f);
     if (code == CLI_DONE)

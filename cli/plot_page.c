@@ -11,8 +11,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Told apart by lightness as well as by hue, so that they stay apart in grey print: symmetric dark, asymmetric middle, linear light;
- * stable thick, unstable thin, undecided dotted. */
+/* Told apart by lightness as well as by hue, so that they stay apart in grey print: symmetric dark, asymmetric middle,
+ * linear light; stable thick, unstable thin, undecided dotted. */
 static const struct {
     const char *colour, *title;
     double width;
@@ -184,8 +184,8 @@ static int mark_shape(plot_mark mark, plot_point *out)
         out[i] = (plot_point){radius * cos(angle), radius * sin(angle)};
     }
     if (mark == PLOT_CROSS) {
-        static const signed char plus[12][2] = {{1, 3}, {1, 1}, {3, 1}, {3, -1}, {1, -1}, {1, -3}, {-1, -3}, {-1, -1}, {-3, -1},
-                                                {-3, 1}, {-1, 1}, {-1, 3}};
+        static const signed char plus[12][2] = {{1, 3},   {1, 1},   {3, 1},   {3, -1}, {1, -1}, {1, -3},
+                                                {-1, -3}, {-1, -1}, {-3, -1}, {-3, 1}, {-1, 1}, {-1, 3}};
         for (int i = 0; i < n; i++)
             out[i] = (plot_point){plus[i][0] * 0.4, plus[i][1] * 0.4};
     }
@@ -205,7 +205,8 @@ void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radiu
     fprintf(file, " front fs solid 1 border rgb '#222222' fc rgb '%s' lw 1\n", fill);
 }
 
-static void put_label(plot_page *page, plot_point at, const char *anchor, double size, const char *colour, bool upright, const char *text, size_t n)
+static void put_label(plot_page *page, plot_point at, const char *anchor, double size, const char *colour, bool upright,
+                      const char *text, size_t n)
 {
     FILE *file = page->texts.file;
     fprintf(file, "set label %d '", ++page->n_label);
@@ -215,10 +216,12 @@ static void put_label(plot_page *page, plot_point at, const char *anchor, double
         fputc(text[i] == '\n' ? ' ' : text[i], file);
     }
     /* FONT(..) is a function of the script: the terminals measure type in different units. */
-    fprintf(file, "' at %.2f,%.2f %s front %s font FONT(%.2f) tc rgb '%s'\n", at.x, at.y, anchor, upright ? "rotate by 90" : "norotate", size, colour);
+    fprintf(file, "' at %.2f,%.2f %s front %s font FONT(%.2f) tc rgb '%s'\n", at.x, at.y, anchor,
+            upright ? "rotate by 90" : "norotate", size, colour);
 }
 
-/* gnuplot sets raised over lowered text too tight, and not at all alike in SVG; so the pieces of such a text are placed one by one. */
+/* gnuplot sets raised over lowered text too tight, and not at all alike in SVG; so the pieces of such a text are placed
+ * one by one. */
 static void put_pieces(plot_page *page, plot_point at, double size, const char *colour, const char *text)
 {
     while (*text) {
@@ -235,7 +238,8 @@ static void put_pieces(plot_page *page, plot_point at, double size, const char *
             end = text + 1;
             const char *inner = end + (*end == '{');
             end += *end == '{' ? strcspn(end, "}") : 1;
-            put_label(page, (plot_point){at.x + 0.5, at.y + shift}, "left", small, colour, false, inner, (size_t)(end - inner));
+            put_label(page, (plot_point){at.x + 0.5, at.y + shift}, "left", small, colour, false, inner,
+                      (size_t)(end - inner));
             widest = fmax(widest, plot_text_exact_width(inner, end, small));
             end += *end == '}';
         }
@@ -243,13 +247,19 @@ static void put_pieces(plot_page *page, plot_point at, double size, const char *
     }
 }
 
-void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright, const char *text)
+void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright,
+                    const char *text)
 {
     static const char *const words[] = {"left", "center", "right"};
     remember(page, plot_text_box(at, anchor, size, upright, text));
     if (!upright && strchr(text, '@')) {
         const double width = plot_text_exact_width(text, text + strlen(text), size);
-        put_pieces(page, (plot_point){at.x - (anchor == PLOT_LEFT ? 0 : anchor == PLOT_CENTRE ? width / 2 : width), at.y}, size, colour, text);
+        put_pieces(page,
+                   (plot_point){at.x - (anchor == PLOT_LEFT     ? 0
+                                        : anchor == PLOT_CENTRE ? width / 2
+                                                                : width),
+                                at.y},
+                   size, colour, text);
         return;
     }
     put_label(page, at, words[anchor], size, colour, upright, text, strlen(text));
@@ -302,7 +312,8 @@ double plot_page_ink(plot_page *page, plot_box box)
     const size_t left = pixel(floor(box.left), page->columns), right = pixel(ceil(box.right), page->columns);
     const size_t bottom = pixel(floor(box.bottom), page->rows), top = pixel(ceil(box.top), page->rows);
     const unsigned *s = page->sums;
-    return (double)(s[top * stride + right] - s[bottom * stride + right] - s[top * stride + left] + s[bottom * stride + left]);
+    return (double)(s[top * stride + right] - s[bottom * stride + right] - s[top * stride + left] +
+                    s[bottom * stride + left]);
 }
 
 /* ------------------------------------------------------------------- script */
@@ -312,18 +323,23 @@ bool plot_page_failed(const plot_page *page)
     return page->failed;
 }
 
-/* The terminals measure type, line widths and dashes in units of their own; the factors to pixels were measured with gnuplot 5.4. */
+/* The terminals measure type, line widths and dashes in units of their own; the factors to pixels were measured with
+ * gnuplot 5.4. */
 static void write_terminal(FILE *script, const plot_page *page, plot_format kind)
 {
     const double w = page->width, h = page->height;
     double type = 1;
     switch (kind) {
     case PLOT_FORMAT_SVG:
-        fprintf(script, "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font 'Helvetica,12'\n", w, h);
+        fprintf(script, "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font 'Helvetica,12'\n",
+                w, h);
         break;
     case PLOT_FORMAT_PDF:
         type = 0.5625;
-        fprintf(script, "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth 1.5 font 'Helvetica,9'\n", w / 96, h / 96);
+        fprintf(
+            script,
+            "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth 1.5 font 'Helvetica,9'\n",
+            w / 96, h / 96);
         break;
     default:
         type = 0.75;
@@ -335,7 +351,9 @@ static void write_terminal(FILE *script, const plot_page *page, plot_format kind
 static void write_stroke(FILE *script, plot_format kind, int stroke)
 {
     const double *dash = strokes[stroke].dash, width = strokes[stroke].width;
-    const double unit = kind == PLOT_FORMAT_SVG ? 0.5 * width : kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width) : 0.3667 * fmax(1, 0.75 * width);
+    const double unit = kind == PLOT_FORMAT_SVG   ? 0.5 * width
+                        : kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
+                                                  : 0.3667 * fmax(1, 0.75 * width);
     fprintf(script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, strokes[stroke].colour);
     for (int i = 0; i < 4 && dash[i] > 0; i++)
         fprintf(script, "%c%.3f", i ? ',' : '(', dash[i] / unit);
@@ -353,7 +371,8 @@ bool plot_page_script(plot_page *page, plot_format kind, FILE *script)
     fputs("set encoding utf8\n", script);
     write_terminal(script, page, kind);
     fputs("unset key\nunset border\nunset tics\n"
-          "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1\n", script);
+          "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1\n",
+          script);
     fprintf(script, "set xrange [0:%g]\nset yrange [0:%g]\n", page->width, page->height);
     for (int i = 0; i < PLOT_N_STROKE; i++)
         if (page->lines[i].size)

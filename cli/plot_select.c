@@ -42,9 +42,11 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
         if (!cli_parse_integer(text, what, 1, 2147483647, &number))
             return false;
         *id = (int)number;
-        return ric_atlas_junction(atlas, *id, &j) == RIC_OK || (cli_wrong("%s %s: %s", what, text, ric_detail()), false);
+        return ric_atlas_junction(atlas, *id, &j) == RIC_OK ||
+               (cli_wrong("%s %s: %s", what, text, ric_detail()), false);
     }
-    for (int round = 0; round < 2; round++) /* a name of the study goes before a label, which may be another point's name */
+    for (int round = 0; round < 2; round++) /* a name of the study goes before a label, which may be another point's
+                                             * name */
         for (int i = 1; i <= total; i++) {
             if (ric_atlas_junction(atlas, i, &j) != RIC_OK)
                 continue;
@@ -158,9 +160,11 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     if (which && found > 0)
         cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es", found == 1 ? "s" : "");
     else if (found == 0)
-        cli_wrong("%s %s: no branch has this label%s; `ricochet branches` lists them", what, text, n_end ? " and meets these junctions" : "");
+        cli_wrong("%s %s: no branch has this label%s; `ricochet branches` lists them", what, text,
+                  n_end ? " and meets these junctions" : "");
     else
-        cli_wrong("%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth", what, text, found);
+        cli_wrong("%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth", what, text,
+                  found);
     return false;
 }
 
@@ -196,7 +200,8 @@ static int take_junction(const ric_atlas *atlas, const char *text, const char *w
 
 static int keep_point(const ric_atlas *atlas, const ric_branch *b, int i, plot_choice *out)
 {
-    double *state = calloc(2 * (size_t)out->motion.n, sizeof *state), *flights = calloc((size_t)b->letters + 1, sizeof *flights);
+    double *state = calloc(2 * (size_t)out->motion.n, sizeof *state),
+           *flights = calloc((size_t)b->letters + 1, sizeof *flights);
     ric_point p;
     ric_status status = state && flights ? ric_atlas_point(atlas, b->id, i, &p, state, flights) : RIC_E_NOMEM;
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
@@ -226,8 +231,8 @@ static int nearest_point(const ric_atlas *atlas, const ric_branch *b, double s)
 }
 
 /* The orbit at an energy or a frequency on a segment: there must be just one. */
-static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_segment *segment, ric_at at, double value, const char *text,
-                       const char *what, plot_choice *out)
+static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_segment *segment, ric_at at,
+                       double value, const char *text, const char *what, plot_choice *out)
 {
     const double lo = fmin(segment->s[0], segment->s[1]), hi = fmax(segment->s[0], segment->s[1]);
     int n = 0, chosen = -1, fit = 0;
@@ -244,10 +249,12 @@ static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_s
         }
     }
     int code = CLI_FAILED;
-    double *state = calloc(2 * (size_t)out->motion.n, sizeof *state), *flights = calloc((size_t)b->letters + 1, sizeof *flights);
+    double *state = calloc(2 * (size_t)out->motion.n, sizeof *state),
+           *flights = calloc((size_t)b->letters + 1, sizeof *flights);
     int *word = calloc((size_t)b->letters + 1, sizeof *word);
     if (fit != 1) {
-        fprintf(stderr, "ricochet: %s %s: %d orbits fit%s\n", what, text, fit, fit ? "; name the part of the branch, LABEL|P1 P2" : "");
+        fprintf(stderr, "ricochet: %s %s: %d orbits fit%s\n", what, text, fit,
+                fit ? "; name the part of the branch, LABEL|P1 P2" : "");
     } else if (!state || !flights || !word) {
         code = cli_report(RIC_E_NOMEM);
     } else {
@@ -265,13 +272,15 @@ static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_s
 }
 
 /* SEGMENT@0.3, SEGMENT@E=20, SEGMENT@F=1.5 */
-static int take_branch(const ric_atlas *atlas, const char *segment_text, const char *place, const char *what, plot_choice *out)
+static int take_branch(const ric_atlas *atlas, const char *segment_text, const char *place, const char *what,
+                       plot_choice *out)
 {
     plot_segment segment;
     ric_branch b;
     double value;
     const bool energy = !strncmp(place, "E=", 2), frequency = !strncmp(place, "F=", 2);
-    if (!plot_find_segment(atlas, segment_text, what, &segment) || !cli_parse_number(energy || frequency ? place + 2 : place, what, &value))
+    if (!plot_find_segment(atlas, segment_text, what, &segment) ||
+        !cli_parse_number(energy || frequency ? place + 2 : place, what, &value))
         return CLI_WRONG;
     const ric_status status = ric_atlas_branch(atlas, segment.branch, &b);
     if (status != RIC_OK)
@@ -281,7 +290,8 @@ static int take_branch(const ric_atlas *atlas, const char *segment_text, const c
     if (!*out->name)
         snprintf(out->name, sizeof out->name, "%s", b.label);
     if (energy || frequency)
-        return keep_solved(atlas, &b, &segment, energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY, value, segment_text, what, out);
+        return keep_solved(atlas, &b, &segment, energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY, value, segment_text, what,
+                           out);
     if (!(value >= 0 && value <= 1))
         return cli_wrong("%s %s@%s: a part of the way along a branch lies between 0 and 1", what, segment_text, place);
     return keep_point(atlas, &b, nearest_point(atlas, &b, segment.s[0] + value * (segment.s[1] - segment.s[0])), out);
@@ -292,7 +302,10 @@ int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot
     const char *colon = strstr(text, ": "), *rest = colon ? colon + 2 : text, *star = strrchr(rest, '*');
     char body[2 * NAME], segment[NAME];
     long periods = 1;
-    *out = (plot_choice){.periods = 1, .kind = -1, .stable = -1, .motion = {.model = ric_atlas_model(atlas), .n = ric_model_n_dof(ric_atlas_model(atlas))}};
+    *out = (plot_choice){.periods = 1,
+                         .kind = -1,
+                         .stable = -1,
+                         .motion = {.model = ric_atlas_model(atlas), .n = ric_model_n_dof(ric_atlas_model(atlas))}};
     if (colon)
         snprintf(out->name, sizeof out->name, "%.*s", (int)(colon - text < NAME ? colon - text : NAME - 1), text);
     if (star && !cli_parse_integer(star + 1, what, 1, 1000, &periods))

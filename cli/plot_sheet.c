@@ -37,7 +37,8 @@ typedef struct {
 static int take_parts(int argc, char **argv, sheet *s)
 {
     plot_listed values[MAX_PART];
-    const int code = plot_take_listed(argc, argv, "--segment", MAX_ATLAS, &s->n_atlas, s->paths, MAX_PART, &s->n, values);
+    const int code = plot_take_listed(argc, argv, "--segment", MAX_ATLAS, &s->n_atlas, s->paths, MAX_PART, &s->n,
+                                      values);
     for (int i = 0; i < s->n; i++)
         s->parts[i] = (part){.text = values[i].text, .atlas = values[i].atlas > 0 ? values[i].atlas : 0, .k = 1};
     if (code != CLI_DONE)
@@ -45,7 +46,8 @@ static int take_parts(int argc, char **argv, sheet *s)
     return s->n ? CLI_DONE : cli_wrong("--segment 'BRANCH|P1 P2' is missing; see ricochet plot --help");
 }
 
-static int keep(plot_motion *m, const ric_model *model, int letters, const int *word, const double *state, const double *flights)
+static int keep(plot_motion *m, const ric_model *model, int letters, const int *word, const double *state,
+                const double *flights)
 {
     *m = (plot_motion){.model = model, .n = ric_model_n_dof(model), .tolerance = touch};
     if (!plot_motion_keep(m, letters, word, state, flights))
@@ -59,7 +61,8 @@ static double energy_at(const ric_atlas *atlas, const ric_branch *b, double s)
 {
     ric_point p, q;
     for (int i = 1; i < b->n_point; i++) {
-        if (ric_atlas_point(atlas, b->id, i - 1, &p, NULL, NULL) != RIC_OK || ric_atlas_point(atlas, b->id, i, &q, NULL, NULL) != RIC_OK)
+        if (ric_atlas_point(atlas, b->id, i - 1, &p, NULL, NULL) != RIC_OK ||
+            ric_atlas_point(atlas, b->id, i, &q, NULL, NULL) != RIC_OK)
             break;
         if (q.arclength >= s && q.arclength > p.arclength)
             return p.energy + (q.energy - p.energy) * fmax(0, s - p.arclength) / (q.arclength - p.arclength);
@@ -192,14 +195,17 @@ typedef struct {
 static plot_point project(const view *v, double time, double depth, double gap)
 {
     return (plot_point){v->box.left + time * (v->box.right - v->box.left - v->depth_x) + depth * v->depth_x,
-                        v->box.bottom + depth * v->depth_y + (gap - v->lo) / (v->hi - v->lo) * (v->box.top - v->box.bottom - v->depth_y)};
+                        v->box.bottom + depth * v->depth_y +
+                            (gap - v->lo) / (v->hi - v->lo) * (v->box.top - v->box.bottom - v->depth_y)};
 }
 
-/* One curve behind those drawn before: visible above and below what they cover (floating horizon). high, low [width of the page] */
+/* One curve behind those drawn before: visible above and below what they cover (floating horizon). high, low
+ * [width of the page] */
 static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_point *curve, double *high, double *low)
 {
     const double width = plot_page_width(page), height = plot_page_height(page);
-    const plot_panel pixels = {{.lo = 0, .hi = width, .from = 0, .to = width}, {.lo = 0, .hi = height, .from = 0, .to = height}};
+    const plot_panel pixels = {{.lo = 0, .hi = width, .from = 0, .to = width}, {.lo = 0, .hi = height, .from = 0,
+                                                                                .to = height}};
     plot_point *seen = malloc((size_t)n * sizeof *seen);
     for (int i = 0; seen && i < n; i++) {
         const int column = (int)curve[i].x;
@@ -219,7 +225,8 @@ static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_p
 
 static void draw_box(plot_page *page, const view *v, const part *p, double lo, double hi)
 {
-    const plot_point front = project(v, 0, 0, v->lo), right = project(v, 1, 0, v->lo), back = project(v, 1, 1, v->lo), top = project(v, 0, 0, v->hi);
+    const plot_point front = project(v, 0, 0, v->lo), right = project(v, 1, 0, v->lo), back = project(v, 1, 1, v->lo),
+                     top = project(v, 0, 0, v->hi);
     char text[64];
     plot_page_line(page, PLOT_FRAME, 4, (plot_point[]){top, front, right, back});
     for (int i = 0; i <= 4; i++) {
@@ -234,8 +241,10 @@ static void draw_box(plot_page *page, const view *v, const part *p, double lo, d
         snprintf(text, sizeof text, i < 0 ? "\xe2\x88\x92%d" : "%d", abs(i));
         plot_page_text(page, (plot_point){at.x - 8, at.y}, PLOT_RIGHT, type, "#222222", false, text);
     }
-    plot_page_text(page, (plot_point){(front.x + right.x) / 2, front.y - 29}, PLOT_CENTRE, type, "#222222", false, "t / T");
-    plot_page_text(page, (plot_point){front.x - 34, (front.y + top.y) / 2}, PLOT_CENTRE, type, "#222222", true, "gap / clearance");
+    plot_page_text(page, (plot_point){(front.x + right.x) / 2, front.y - 29}, PLOT_CENTRE, type, "#222222", false,
+                   "t / T");
+    plot_page_text(page, (plot_point){front.x - 34, (front.y + top.y) / 2}, PLOT_CENTRE, type, "#222222", true,
+                   "gap / clearance");
     snprintf(text, sizeof text, "ω = %.5g", lo);
     plot_page_text(page, (plot_point){right.x + 8, right.y}, PLOT_LEFT, type, "#222222", false, text);
     snprintf(text, sizeof text, "ω = %.5g", hi);
@@ -264,7 +273,8 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
         const plot_motion *m = &p->motions[i];
         const double start = start_of(m, (int)s->contact - 1);
         for (int k = 0; k <= SAMPLES; k++)
-            curve[k] = project(&v, (double)k / SAMPLES, p->n > 1 ? (double)i / (p->n - 1) : 0, gap_at(m, (int)s->contact - 1, start + m->period * k / SAMPLES));
+            curve[k] = project(&v, (double)k / SAMPLES, p->n > 1 ? (double)i / (p->n - 1) : 0,
+                               gap_at(m, (int)s->contact - 1, start + m->period * k / SAMPLES));
         const bool edge = i == 0 || i == p->n - 1;
         draw_hidden(s->page, edge ? PLOT_SHEET + 1 : PLOT_SHEET, SAMPLES + 1, curve, high, low);
     }
@@ -273,14 +283,16 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
     plot_branch_title(&b, 1, sizeof name, name);
     plot_text_escape(ric_study_title(ric_atlas_study(s->atlases[p->atlas])), 200, title);
     snprintf(title + strlen(title), sizeof title - strlen(title), ",  %s", name);
-    plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top + 12}, PLOT_CENTRE, type, "#000000", false, title);
+    plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top + 12}, PLOT_CENTRE, type, "#000000", false,
+                   title);
     return CLI_DONE;
 }
 
 static int draw_sheets(sheet *s)
 {
     const int columns = s->n > 1 ? 2 : 1, rows = (s->n + columns - 1) / columns;
-    const double width = s->common->width > 0 ? s->common->width : columns * 600, height = s->common->height > 0 ? s->common->height : 40 + 420 * rows;
+    const double width = s->common->width > 0 ? s->common->width : columns * 600,
+                 height = s->common->height > 0 ? s->common->height : 40 + 420 * rows;
     double *high = malloc((size_t)width * sizeof *high), *low = malloc((size_t)width * sizeof *low);
     int code = high && low && (s->page = plot_page_create(width, height)) ? CLI_DONE : cli_report(RIC_E_NOMEM);
     const double w = width / columns, h = (height - 40) / rows;
@@ -301,7 +313,8 @@ static bool common_contact(const sheet *s)
 {
     for (int i = 0; i < s->n_atlas; i++)
         if (s->contact > ric_model_n_contact(ric_atlas_model(s->atlases[i]))) {
-            cli_wrong("--contact %ld: the model has %d", s->contact, ric_model_n_contact(ric_atlas_model(s->atlases[i])));
+            cli_wrong("--contact %ld: the model has %d", s->contact,
+                      ric_model_n_contact(ric_atlas_model(s->atlases[i])));
             return false;
         }
     return true;
@@ -326,7 +339,8 @@ int plot_sheet(int argc, char **argv, const plot_options *common)
 
 /* ------------------------------------------------------------------- strobe */
 
-/* Instants at which a displacement passes 0, at most `room`; upwards and downwards, for the one may become the other along a branch. */
+/* Instants at which a displacement passes 0, at most `room`; upwards and downwards, for the one may become the other
+ * along a branch. */
 static int crossings(const plot_motion *m, int dof, int room, double *out)
 {
     int n = 0;
@@ -380,8 +394,8 @@ static double distance(const sheet *s, const double *a, const double *b, bool se
     return sum;
 }
 
-/* Samples of the orbits of a segment that begin at one crossing of the first orbit and go on with the nearest in phase. Returns how far they
- * go, the way from the segment before included: far where the crossing vanishes. */
+/* Samples of the orbits of a segment that begin at one crossing of the first orbit and go on with the nearest in phase.
+ * Returns how far they go, the way from the segment before included: far where the crossing vanishes. */
 static double follow(const sheet *s, const part *p, column *columns, int first, const double *last)
 {
     double way = 0, phase = columns[0].starts[first] / p->motions[0].period;
@@ -401,7 +415,8 @@ static double follow(const sheet *s, const part *p, column *columns, int first, 
     return way;
 }
 
-/* Of several crossings of a multiplied orbit each gives other samples, and on the way crossings vanish: the one is taken that goes least. */
+/* Of several crossings of a multiplied orbit each gives other samples, and on the way crossings vanish: the one is
+ * taken that goes least. */
 static int fill_segment(const sheet *s, const part *p, column *columns, const double *last)
 {
     int chosen = -1;
@@ -447,7 +462,8 @@ static int draw_columns(sheet *s, int n, const column *columns)
     char text[64];
     plot_tag tags[MAX_PART];
     plot_point *line = malloc(((size_t)s->orbits + 1) * sizeof *line);
-    if (!line || !(s->page = plot_page_create(s->common->width > 0 ? s->common->width : 900, s->common->height > 0 ? s->common->height : 620))) {
+    if (!line || !(s->page = plot_page_create(s->common->width > 0 ? s->common->width : 900,
+                                              s->common->height > 0 ? s->common->height : 620))) {
         free(line);
         return cli_report(RIC_E_NOMEM);
     }
@@ -467,16 +483,20 @@ static int draw_columns(sheet *s, int n, const column *columns)
         for (int k = 0; k < s->samples; k++) {
             for (int j = 0; j < s->parts[i].n; j++)
                 line[j] = (plot_point){columns[at + j].way, columns[at + j].x[k]};
-            plot_panel_curve(s->page, &panel, (i % 2 ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC) + RIC_STABLE_NO, s->parts[i].n, line);
+            plot_panel_curve(s->page, &panel, (i % 2 ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC) + RIC_STABLE_NO, s->parts[i].n,
+                             line);
         }
         plot_tag *tag = &tags[i];
         *tag = (plot_tag){.at = {x, panel.y.to + 12}, .weight = -i, .colour = "#000000"};
         snprintf(tag->text, sizeof tag->text, s->parts[i].k > 1 ? "%d periods" : "%d period", s->parts[i].k);
     }
     free(line);
-    plot_place_tags(s->page, (plot_box){panel.x.from - 30, panel.y.to + 4, panel.x.to, panel.y.to + 40}, s->n, tags, type);
+    plot_place_tags(s->page, (plot_box){panel.x.from - 30, panel.y.to + 4, panel.x.to, panel.y.to + 40}, s->n, tags,
+                    type);
     snprintf(text, sizeof text, "x_{%ld}(k T/%ld),  x_{%ld}(0) = 0", s->dof, s->samples, s->dof);
-    plot_panel_frame(s->page, &panel, s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)", text);
+    plot_panel_frame(s->page, &panel,
+                     s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)",
+                     text);
     plot_page_title(s->page, s->common, s->atlases[0], NULL);
     return plot_page_write(s->page, s->common->out);
 }
@@ -486,10 +506,11 @@ int plot_strobe(int argc, char **argv, const plot_options *common)
     sheet s = {.common = common, .orbits = 40, .samples = 24, .dof = 0};
     const char *orbits, *samples, *dof;
     s.stretch = cli_take_flag(&argc, argv, "--stretch");
-    if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--samples", &samples)
-        || !cli_take_value(&argc, argv, "--dof", &dof) || (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits))
-        || (samples && !cli_parse_integer(samples, "--samples", 1, MAX_STROBE, &s.samples))
-        || (dof && !cli_parse_integer(dof, "--dof", 1, 100000, &s.dof)))
+    if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--samples", &samples) ||
+        !cli_take_value(&argc, argv, "--dof", &dof) ||
+        (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits)) ||
+        (samples && !cli_parse_integer(samples, "--samples", 1, MAX_STROBE, &s.samples)) ||
+        (dof && !cli_parse_integer(dof, "--dof", 1, 100000, &s.dof)))
         return CLI_WRONG;
     int code = take_parts(argc, argv, &s), n = 0;
     if (code == CLI_DONE && s.n_atlas != 1)

@@ -9,7 +9,11 @@
 static size_t utf8_length(const char *text)
 {
     const unsigned char *u = (const unsigned char *)text;
-    const size_t n = u[0] < 0x80 ? 1 : u[0] >= 0xc2 && u[0] < 0xe0 ? 2 : u[0] >= 0xe0 && u[0] < 0xf0 ? 3 : u[0] >= 0xf0 && u[0] < 0xf5 ? 4 : 0;
+    const size_t n = u[0] < 0x80                   ? 1
+                     : u[0] >= 0xc2 && u[0] < 0xe0 ? 2
+                     : u[0] >= 0xe0 && u[0] < 0xf0 ? 3
+                     : u[0] >= 0xf0 && u[0] < 0xf5 ? 4
+                                                   : 0;
     for (size_t i = 1; i < n; i++)
         if ((u[i] & 0xc0) != 0x80)
             return 0;
@@ -97,7 +101,8 @@ void plot_text_label(const char *label, size_t size, char *out)
             c++;
     }
     const char *low_end = c, *word = NULL;
-    if (*c == '[' && strspn(c + 1, "0123456789abcdefghijklmnopqrstuvwxyz") + 1 == strcspn(c, "]") && c[strcspn(c, "]")] && !c[strcspn(c, "]") + 1]) {
+    if (*c == '[' && strspn(c + 1, "0123456789abcdefghijklmnopqrstuvwxyz") + 1 == strcspn(c, "]") &&
+        c[strcspn(c, "]")] && !c[strcspn(c, "]") + 1]) {
         word = c;
         c += strlen(c);
     }
@@ -127,10 +132,11 @@ void plot_text_label(const char *label, size_t size, char *out)
 
 /* Advance widths of Helvetica in thousandths of an em (Adobe font metrics), for ASCII from the space on. */
 static const short helvetica[95] = {
-    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556, 556, 556, 556,
-    556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833, 722, 778,
-    667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556, 556, 278, 556,
-    556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584,
+    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333,  278, 278, 556, 556, 556,
+    556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667,
+    611, 778, 722, 278, 500, 667, 556, 833, 722, 778, 667, 778, 722, 667,  611, 722, 667, 944, 667,
+    667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556, 556, 278,  556, 556, 222, 222, 500,
+    222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500,  500, 334, 260, 334, 584,
 };
 
 static double glyph_width(unsigned char c)
@@ -181,7 +187,8 @@ double plot_text_exact_width(const char *text, const char *end, double size)
 
 double plot_text_width(const char *text, double size)
 {
-    return 1.12 * plot_text_exact_width(text, text + strlen(text), size); /* substitutes for Helvetica run up to an eighth wider */
+    /* substitutes for Helvetica run up to an eighth wider */
+    return 1.12 * plot_text_exact_width(text, text + strlen(text), size);
 }
 
 plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upright, const char *text)

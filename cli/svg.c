@@ -1,5 +1,5 @@
-/* Makes gnuplot's SVG smaller: pictures are kept in repositories and pages. Coordinates keep one decimal, a tenth of a pixel, runs of blanks become
- * one, and groups without content go. */
+/* Makes gnuplot's SVG smaller: pictures are kept in repositories and pages. Coordinates keep one decimal, a tenth of a
+ * pixel, runs of blanks become one, and groups without content go. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -36,7 +36,9 @@ static size_t empty_group(const char *c)
 {
     static const char head[] = "<g fill=", tail[] = "</g>\n";
     const size_t line = strcspn(c, "\n");
-    return !strncmp(c, head, sizeof head - 1) && c[line] && !strncmp(c + line + 1, tail, sizeof tail - 1) ? line + 1 + sizeof tail - 1 : 0;
+    return !strncmp(c, head, sizeof head - 1) && c[line] && !strncmp(c + line + 1, tail, sizeof tail - 1)
+               ? line + 1 + sizeof tail - 1
+               : 0;
 }
 
 static void squeeze(const char *c, FILE *out)

@@ -1,5 +1,5 @@
-/* ricochet view: what its files know of each other, in the order of calls. The atlas in memory (view_data.c), answers made from it
- * (view_orbit.c), its extension (view_grow.c), HTTP (view_http.c), the command (cmd_view.c). */
+/* ricochet view: what its files know of each other, in the order of calls. The atlas in memory (view_data.c), answers
+ * made from it (view_orbit.c), its extension (view_grow.c), HTTP (view_http.c), the command (cmd_view.c). */
 #ifndef VIEW_H
 #define VIEW_H
 
@@ -21,11 +21,13 @@ extern const view_file view_page[]; /* ends with path NULL */
 
 /* ------------------------------------------------------------ atlas (view_data.c) */
 
-/* One reading of the atlas. Requests that have begun with one end with it, also when a newer one has taken its place. */
+/* One reading of the atlas. Requests that have begun with one end with it, also when a newer one has taken its
+ * place. */
 typedef struct {
     ric_atlas *atlas;
     unsigned generation;    /* 1, 2, ...: pages ask for everything anew when it grows */
-    char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that, for the first picture, as /api/outline does */
+    char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that, for the first
+                             * picture, as /api/outline does */
     size_t points_size, outline_size;
     json_t *rows;           /* branches with their places in `points`, as /api/atlas gives them */
     int holders;            /* under the lock of the shelf */
@@ -62,7 +64,8 @@ typedef struct view_grower view_grower;
 typedef struct {
     int depth, impacts, multiply;
     double seconds; /* stop by itself after so long; 0: never */
-    bool somewhere; /* for departures from junctions within these windows alone; beyond those of the study, branches are followed to there */
+    bool somewhere; /* for departures from junctions within these windows alone; beyond those of the study, branches are
+                     * followed to there */
     double energy[2], frequency[2];
 } view_budgets;
 

@@ -22,7 +22,8 @@ struct view_shelf {
 
 /* -------------------------------------------------------------------- knots */
 
-/* What a branch is drawn from: its stored points, and its interior junctions between them, so that curves pass through the marks. */
+/* What a branch is drawn from: its stored points, and its interior junctions between them, so that curves pass through
+ * the marks. */
 typedef struct { double arclength, energy, frequency; int flag; } knot;
 
 static int by_arclength(const void *a, const void *b)
@@ -41,7 +42,8 @@ static ric_status add_joints(const ric_atlas *atlas, const ric_branch *branch, k
         const ric_status status = ric_atlas_junction(atlas, branch->junctions[k], &junction);
         if (status)
             return status;
-        knots[(*n)++] = (knot){branch->junction_at[k], junction.energy, junction.frequency * ric_junction_level(&junction, branch), JOINT};
+        knots[(*n)++] = (knot){branch->junction_at[k], junction.energy,
+                               junction.frequency * ric_junction_level(&junction, branch), JOINT};
     }
     return RIC_OK;
 }
@@ -54,7 +56,10 @@ static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, i
     for (int i = 0; !status && i < branch->n_point; i++) {
         ric_point p;
         if (!(status = ric_atlas_point(atlas, branch->id, i, &p, NULL, NULL)))
-            knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency, p.stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, &p) ? JOINT : (int)p.stable};
+            knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency,
+                                   p.stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, &p)
+                                       ? JOINT
+                                       : (int)p.stable};
     }
     if (!status && branch->n_junction) {
         status = add_joints(atlas, branch, knots, n);
@@ -78,8 +83,8 @@ static json_t *levels(const ric_atlas *atlas, const ric_branch *branch)
 
 /* ------------------------------------------------------------------- points */
 
-/* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as 64-bit floats, then n bytes of flags. The
- * place and number of the knots of a branch are in its row. */
+/* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as 64-bit floats, then n
+ * bytes of flags. The place and number of the knots of a branch are in its row. */
 typedef struct { double *energy, *frequency, *arclength; unsigned char *flags; } columns;
 
 static columns columns_of(char *bytes, size_t total)
@@ -108,9 +113,11 @@ static ric_status pack(view_data *data)
         knot *knots = NULL;
         json_t *row = json_object();
         json_array_append_new(data->rows, row);
-        if (!(status = ric_atlas_branch(data->atlas, id, &branch)) && !(status = make_knots(data->atlas, &branch, &n, &knots)))
+        if (!(status = ric_atlas_branch(data->atlas, id, &branch)) &&
+            !(status = make_knots(data->atlas, &branch, &n, &knots)))
             status = cli_branch_row(data->atlas, id, 1, row);
-        json_object_set_new(row, "linear", json_boolean(!status && ric_branch_linear(ric_atlas_model(data->atlas), &branch)));
+        json_object_set_new(row, "linear",
+                            json_boolean(!status && ric_branch_linear(ric_atlas_model(data->atlas), &branch)));
         json_object_set_new(row, "junction_levels", status ? json_array() : levels(data->atlas, &branch));
         json_object_set_new(row, "place", json_integer((json_int_t)place));
         json_object_set_new(row, "knots", json_integer(n));
@@ -132,16 +139,19 @@ static bool outlined(const unsigned char *flags, size_t place, size_t n, size_t 
     return i % stride == 0 || i + 1 == n || here[0] == JOINT || here[0] != here[-1] || here[0] != here[1];
 }
 
-/* /api/outline: the layout of /api/points, and at its end the number of knots of each branch, 32 bits. All of it if that is little. */
+/* /api/outline: the layout of /api/points, and at its end the number of knots of each branch, 32 bits. All of it if
+ * that is little. */
 static ric_status pack_outline(view_data *data)
 {
-    const size_t total = data->points_size / 25, n_branch = json_array_size(data->rows), room = OUTLINE / (n_branch + 1) + 8;
+    const size_t total = data->points_size / 25, n_branch = json_array_size(data->rows),
+                 room = OUTLINE / (n_branch + 1) + 8;
     const columns from = columns_of(data->points, total);
     uint32_t *counts = calloc(n_branch + 1, sizeof *counts);
     size_t *kept = malloc((total + 1) * sizeof *kept), n_kept = 0;
     for (size_t k = 0; counts && kept && k < n_branch; k++) {
         const json_t *row = json_array_get(data->rows, k);
-        const size_t place = (size_t)json_integer_value(json_object_get(row, "place")), n = (size_t)json_integer_value(json_object_get(row, "knots"));
+        const size_t place = (size_t)json_integer_value(json_object_get(row, "place")),
+                     n = (size_t)json_integer_value(json_object_get(row, "knots"));
         const size_t stride = total <= OUTLINE ? 1 : n / room + 1;
         for (size_t i = 0; i < n; i++)
             if (outlined(from.flags, place, n, i, stride)) {
@@ -286,7 +296,8 @@ static json_t *numbers(int n, const double *values, double unit)
 /* Normals act on scaled displacements; clearances are scaled by the first one. */
 static json_t *contacts(const ric_model *model)
 {
-    static const char *const sides[] = {[RIC_SIDES_BOTH] = "both", [RIC_SIDES_UPPER] = "upper", [RIC_SIDES_LOWER] = "lower"};
+    static const char *const sides[] =
+        {[RIC_SIDES_BOTH] = "both", [RIC_SIDES_UPPER] = "upper", [RIC_SIDES_LOWER] = "lower"};
     json_t *array = json_array();
     for (int i = 0; i < ric_model_n_contact(model); i++) {
         ric_contact contact;
@@ -295,7 +306,9 @@ static json_t *contacts(const ric_model *model)
             break;
         json_object_set_new(one, "name", json_string(contact.name ? contact.name : ""));
         json_object_set_new(one, "normal", numbers(ric_model_n_dof(model), contact.normal, 1));
-        json_object_set_new(one, "clearance", contact.clearance > 0 ? cli_number(contact.clearance / ric_model_length(model)) : json_null());
+        json_object_set_new(one, "clearance",
+                            contact.clearance > 0 ? cli_number(contact.clearance / ric_model_length(model))
+                                                  : json_null());
         json_object_set_new(one, "sides", json_string(contact.clearance > 0 ? sides[contact.sides] : ""));
         json_array_append_new(array, one);
     }
@@ -318,7 +331,8 @@ static json_t *locked(const ric_model *model)
 {
     const int n = ric_model_n_dof(model) - 1;
     double *values = calloc((size_t)n + 1, sizeof *values);
-    json_t *array = values && n > 0 && !ric_model_locked_frequencies(model, 0, values) ? numbers(n, values, 1) : json_array();
+    json_t *array = values && n > 0 && !ric_model_locked_frequencies(model, 0, values) ? numbers(n, values, 1)
+                                                                                       : json_array();
     free(values);
     return array;
 }
@@ -332,7 +346,9 @@ static json_t *describe_model(const ric_model *model)
     json_object_set_new(object, "modes", json_integer(ric_model_n_mode(model)));
     json_object_set_new(object, "length", cli_number(ric_model_length(model)));
     json_object_set_new(object, "symmetric", json_boolean(ric_model_symmetric(model)));
-    json_object_set_new(object, "frequencies", frequencies && !ric_model_frequencies(model, frequencies) ? numbers(n, frequencies, 1) : json_array());
+    json_object_set_new(object, "frequencies",
+                        frequencies && !ric_model_frequencies(model, frequencies) ? numbers(n, frequencies, 1)
+                                                                                  : json_array());
     json_object_set_new(object, "locked", locked(model));
     json_object_set_new(object, "mass", numbers(n * n, ric_model_mass(model), 1));
     json_object_set_new(object, "stiffness", numbers(n * n, ric_model_stiffness(model), 1));
@@ -344,8 +360,8 @@ static json_t *describe_model(const ric_model *model)
 
 static json_t *budgets(int depth, int impacts, int multiply, const double *energy, const double *frequency)
 {
-    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", depth, "impacts", impacts, "multiply", multiply, "energy", energy[0], energy[1],
-                     "frequency", frequency[0], frequency[1]);
+    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", depth, "impacts", impacts, "multiply", multiply,
+                     "energy", energy[0], energy[1], "frequency", frequency[0], frequency[1]);
 }
 
 static json_t *describe_budgets(const ric_explore_options *o)

@@ -97,8 +97,10 @@ static int wanted(int budget)
 static ric_status raise_budgets(ric_study *study, const view_budgets *b)
 {
     if (b->somewhere)
-        return ric_study_add_region(study, &(ric_region){.energy = {b->energy[0], b->energy[1]}, .frequency = {b->frequency[0], b->frequency[1]},
-                                                         .depth = wanted(b->depth), .impacts = wanted(b->impacts), .multiply = wanted(b->multiply)});
+        return ric_study_add_region(study, &(ric_region){.energy = {b->energy[0], b->energy[1]},
+                                                         .frequency = {b->frequency[0], b->frequency[1]},
+                                                         .depth = wanted(b->depth), .impacts = wanted(b->impacts),
+                                                         .multiply = wanted(b->multiply)});
     ric_status status = raise_budget(study, "depth", b->depth);
     if (!status)
         status = raise_budget(study, "impacts", b->impacts);
@@ -119,9 +121,10 @@ static bool close_to(double a, double b)
 /* Whether two branches of different runs are the same curve. */
 static bool same_branch(const ric_branch *a, const ric_branch *b)
 {
-    return a->letters == b->letters && a->symmetric == b->symmetric && a->mode == b->mode
-        && !memcmp(a->word, b->word, (size_t)a->letters * sizeof *a->word) && close_to(a->energy_min, b->energy_min)
-        && close_to(a->energy_max, b->energy_max) && close_to(a->frequency_min, b->frequency_min) && close_to(a->frequency_max, b->frequency_max);
+    return a->letters == b->letters && a->symmetric == b->symmetric && a->mode == b->mode &&
+           !memcmp(a->word, b->word, (size_t)a->letters * sizeof *a->word) && close_to(a->energy_min, b->energy_min) &&
+           close_to(a->energy_max, b->energy_max) && close_to(a->frequency_min, b->frequency_min) &&
+           close_to(a->frequency_max, b->frequency_max);
 }
 
 /* Whether every branch of `small` is in `large`. */
@@ -141,8 +144,9 @@ static bool contains(const ric_atlas *large, const ric_atlas *small)
     return true;
 }
 
-/* An extension that was stopped has written what it had, which may lack branches that were there, because larger budgets shape them anew. Its
- * finished work is kept in the file for the next time, but the tables then go back to the study of before, which costs no tracing. */
+/* An extension that was stopped has written what it had, which may lack branches that were there, because larger
+ * budgets shape them anew. Its finished work is kept in the file for the next time, but the tables then go back to the
+ * study of before, which costs no tracing. */
 static ric_status put_back(view_grower *g, const ric_study *before, const ric_atlas *old, bool *done)
 {
     ric_atlas *atlas = NULL;
@@ -161,7 +165,8 @@ static void finish(view_grower *g, ric_status status, int n_before, bool restore
 {
     char message[sizeof g->message];
     view_data *data = NULL;
-    snprintf(message, sizeof message, "%s", status && status != RIC_E_INTERRUPTED ? (ric_detail()[0] ? ric_detail() : ric_status_text(status)) : "");
+    snprintf(message, sizeof message, "%s",
+             status && status != RIC_E_INTERRUPTED ? (ric_detail()[0] ? ric_detail() : ric_status_text(status)) : "");
     if (!message[0] && (status = view_shelf_reload(g->shelf) ? RIC_E_IO : status) == RIC_E_IO)
         snprintf(message, sizeof message, "%s", ric_detail());
     const bool failed = message[0];
@@ -169,7 +174,9 @@ static void finish(view_grower *g, ric_status status, int n_before, bool restore
         data = view_data_take(g->shelf);
         const int n = ric_atlas_n_branch(data->atlas) - n_before;
         if (restored)
-            snprintf(message, sizeof message, "stopped early: the atlas is as before, and the work that was finished is kept in it for the next time");
+            snprintf(message, sizeof message,
+                     "stopped early: the atlas is as before, and the work that was finished is kept in it for the next "
+                     "time");
         else
             snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n, n == 1 ? "" : "es");
         view_data_release(g->shelf, data);
@@ -218,7 +225,8 @@ static bool is_window(const double window[2])
     return window[0] >= 0 && window[0] < window[1] && window[1] <= 1e12; /* as a study has it; false for NaN */
 }
 
-/* Only larger ones: smaller budgets would take branches out of the atlas. In a region the larger of its own and the study's holds. */
+/* Only larger ones: smaller budgets would take branches out of the atlas. In a region the larger of its own and the
+ * study's holds. */
 static ric_status check(view_grower *g, const view_budgets *b)
 {
     if (b->somewhere)
@@ -256,9 +264,10 @@ json_t *view_grower_status(view_grower *g)
 {
     pthread_mutex_lock(&g->lock);
     const ric_progress *p = &g->progress;
-    json_t *object = json_pack("{s:b,s:b,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "stopping", g->stop && g->running, "restoring",
-                               g->restoring && g->running, "failed", g->failed, "message", g->message, "branches", p->branches, "junctions",
-                               p->junctions, "open", p->open, "depth", p->depth, "seconds", p->seconds);
+    json_t *object = json_pack("{s:b,s:b,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "stopping",
+                               g->stop && g->running, "restoring", g->restoring && g->running, "failed", g->failed,
+                               "message", g->message, "branches", p->branches, "junctions", p->junctions, "open",
+                               p->open, "depth", p->depth, "seconds", p->seconds);
     pthread_mutex_unlock(&g->lock);
     return object;
 }

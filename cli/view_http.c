@@ -1,8 +1,8 @@
 /* The server of `ricochet view`: who may ask, what may be asked, and how often.
  *
- * A page of another site cannot read anything (Host is checked against names that a foreign server could take over, and nothing is shared across
- * origins) nor start anything (what computes or writes needs a token in a header, which makes a browser ask for leave that is never given). No
- * part of a request names a file. */
+ * A page of another site cannot read anything (Host is checked against names that a foreign server could take over, and
+ * nothing is shared across origins) nor start anything (what computes or writes needs a token in a header, which makes
+ * a browser ask for leave that is never given). No part of a request names a file. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <arpa/inet.h>
@@ -92,7 +92,8 @@ static void end_computing(view_server *server)
     pthread_mutex_unlock(&server->lock);
 }
 
-/* Host must be an address, or localhost: a name that somebody else's name server answers for is how a foreign page would reach this one. */
+/* Host must be an address, or localhost: a name that somebody else's name server answers for is how a foreign page
+ * would reach this one. */
 static bool host_allowed(const view_server *server, const char *host)
 {
     char name[64];
@@ -136,8 +137,8 @@ static void add_headers(struct MHD_Response *response, const char *type)
         {"X-Content-Type-Options", "nosniff"}, {"X-Frame-Options", "DENY"}, {"Referrer-Policy", "no-referrer"},
         {"Cross-Origin-Resource-Policy", "same-origin"}, {"Cross-Origin-Opener-Policy", "same-origin"},
         {"Content-Security-Policy",
-         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; "
-         "form-action 'none'; frame-ancestors 'none'"}};
+         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
+         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
         MHD_add_response_header(response, headers[i][0], headers[i][1]);
     MHD_add_response_header(response, "Content-Type", type);
@@ -154,7 +155,8 @@ static enum MHD_Result queue(struct MHD_Connection *connection, unsigned status,
 
 static enum MHD_Result reply_text(struct MHD_Connection *connection, unsigned status, char *text, const char *tag)
 {
-    struct MHD_Response *response = text ? MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE) : NULL;
+    struct MHD_Response *response = text ? MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE)
+                                         : NULL;
     if (!response) {
         free(text);
         return MHD_NO;
@@ -207,7 +209,8 @@ static enum MHD_Result reply_file(struct MHD_Connection *connection, const view_
 {
     if (known_to_browser(connection, file->tag))
         return reply_known(connection, file->tag);
-    struct MHD_Response *response = MHD_create_response_from_buffer(file->n, (void *)(uintptr_t)file->bytes, MHD_RESPMEM_PERSISTENT);
+    struct MHD_Response *response = MHD_create_response_from_buffer(file->n, (void *)(uintptr_t)file->bytes,
+                                                                    MHD_RESPMEM_PERSISTENT);
     if (!response)
         return MHD_NO;
     add_headers(response, file->type);
@@ -276,8 +279,10 @@ static answer get_orbit(struct MHD_Connection *connection, const view_data *data
             n++;
             at = (view_at)i;
         }
-    if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) || n != 1 || !read_number(argument(connection, names[at]), &value))
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "branch and one of point, energy, frequency and arclength are needed, as numbers"};
+    if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) || n != 1 ||
+        !read_number(argument(connection, names[at]), &value))
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        "branch and one of point, energy, frequency and arclength are needed, as numbers"};
     const ric_status status = view_orbits(data->atlas, branch, at, value, &rows);
     return from_status(status, rows);
 }
@@ -333,9 +338,12 @@ static answer post_extend(view_server *server, const request *r)
     json_t *object = json_loadb(r->body, r->n, JSON_REJECT_DUPLICATES, NULL);
     if (!json_is_object(object)) {
         json_decref(object);
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "the body must be an object with depth, impacts, multiply, seconds, energy, frequency"};
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        "the body must be an object with depth, impacts, multiply, seconds, energy, frequency"};
     }
-    view_budgets wanted = {.depth = budget(object, "depth"), .impacts = budget(object, "impacts"), .multiply = budget(object, "multiply"),
+    view_budgets wanted = {.depth = budget(object, "depth"),
+                           .impacts = budget(object, "impacts"),
+                           .multiply = budget(object, "multiply"),
                            .seconds = budget(object, "seconds")};
     wanted.somewhere = json_object_get(object, "energy") || json_object_get(object, "frequency");
     window(object, "energy", wanted.energy);
@@ -345,8 +353,10 @@ static answer post_extend(view_server *server, const request *r)
     if (status == RIC_E_BUSY)
         return (answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
     if (status == RIC_E_INPUT)
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL, wanted.somewhere ? "a region is energy: [lower, upper] and frequency: [lower, upper], in numbers"
-                                                                    : "a budget would shrink, which would take branches out of the atlas"};
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        wanted.somewhere
+                            ? "a region is energy: [lower, upper] and frequency: [lower, upper], in numbers"
+                            : "a budget would shrink, which would take branches out of the atlas"};
     return from_status(status, status ? NULL : view_grower_status(server->grower));
 }
 
@@ -367,14 +377,19 @@ static void release_held(void *user)
 }
 
 /* The packed points stay as long as the response needs them. */
-static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *connection, bool outline, const char *tag)
+static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *connection, bool outline,
+                                    const char *tag)
 {
     held *h = malloc(sizeof *h);
     if (!h)
         return MHD_NO;
     *h = (held){server->shelf, view_data_take(server->shelf)};
     const view_data *data = h->data;
-    struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(outline ? data->outline_size : data->points_size, outline ? data->outline : data->points, release_held, h);
+    struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(outline ? data->outline_size
+                                                                                                   : data->points_size,
+                                                                                           outline ? data->outline
+                                                                                                   : data->points,
+                                                                                           release_held, h);
     if (!response) {
         release_held(h);
         return MHD_NO;
@@ -390,10 +405,12 @@ static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *
 
 typedef answer (*computed)(struct MHD_Connection *connection, const view_data *data);
 
-static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, computed what, const view_data *data)
+static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, computed what,
+                               const view_data *data)
 {
     if (!token_right(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token")))
-        return refuse(connection, MHD_HTTP_FORBIDDEN, "the token is missing or wrong; open the address that ricochet view has printed");
+        return refuse(connection, MHD_HTTP_FORBIDDEN,
+                      "the token is missing or wrong; open the address that ricochet view has printed");
     if (!begin_computing(server))
         return refuse(connection, MHD_HTTP_TOO_MANY_REQUESTS, "too many requests at once; again in a second");
     const answer a = what(connection, data);
@@ -401,7 +418,8 @@ static enum MHD_Result compute(view_server *server, struct MHD_Connection *conne
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
 
-static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *connection, const char *path, const view_data *data)
+static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *connection, const char *path,
+                                  const view_data *data)
 {
     static const struct { const char *path; computed what; } computing[] = {
         {"/api/orbit", get_orbit}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
@@ -415,7 +433,8 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
     if (!strcmp(path, "/api/status"))
         return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
     snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
-    const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"), outline = !strcmp(path, "/api/outline");
+    const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"),
+               outline = !strcmp(path, "/api/outline");
     if ((atlas || points || outline) && known_to_browser(connection, tag))
         return reply_known(connection, tag);
     if (points || outline)
@@ -425,13 +444,15 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
 }
 
-static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *connection, const char *path, const request *r)
+static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *connection, const char *path,
+                                   const request *r)
 {
     const bool extend = !strcmp(path, "/api/extend");
     if (!extend && strcmp(path, "/api/stop") != 0)
         return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
     if (!token_right(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token")))
-        return refuse(connection, MHD_HTTP_FORBIDDEN, "the token is missing or wrong; open the address that ricochet view has printed");
+        return refuse(connection, MHD_HTTP_FORBIDDEN,
+                      "the token is missing or wrong; open the address that ricochet view has printed");
     if (!extend) {
         view_grower_stop(server->grower);
         return reply_json(connection, MHD_HTTP_OK, view_grower_status(server->grower), NULL);
@@ -441,7 +462,8 @@ static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *c
 }
 
 /* What is known before the body: whether the request is one that will be answered at all. */
-static enum MHD_Result first_look(view_server *server, struct MHD_Connection *connection, const char *method, request **out)
+static enum MHD_Result first_look(view_server *server, struct MHD_Connection *connection, const char *method,
+                                  request **out)
 {
     const char *length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
     if (!take_drop(server, &server->any))
@@ -456,8 +478,8 @@ static enum MHD_Result first_look(view_server *server, struct MHD_Connection *co
     return *out ? MHD_YES : MHD_NO;
 }
 
-static enum MHD_Result handle(void *user, struct MHD_Connection *connection, const char *path, const char *method, const char *version,
-                              const char *body, size_t *body_size, void **state)
+static enum MHD_Result handle(void *user, struct MHD_Connection *connection, const char *path, const char *method,
+                              const char *version, const char *body, size_t *body_size, void **state)
 {
     view_server *server = user;
     request *r = *state;
@@ -465,7 +487,8 @@ static enum MHD_Result handle(void *user, struct MHD_Connection *connection, con
     if (!r)
         return first_look(server, connection, method, (request **)state);
     if (*body_size) {
-        if (r->n + *body_size > BODY_MAX) /* a body of unknown length that has grown too long: the connection is closed */
+        if (r->n + *body_size > BODY_MAX) /* a body of unknown length that has grown too long: the connection is
+                                           * closed */
             return MHD_NO;
         memcpy(r->body + r->n, body, *body_size);
         r->n += *body_size;
@@ -526,7 +549,8 @@ static int port_of(int fd)
     socklen_t n = sizeof address;
     if (getsockname(fd, (struct sockaddr *)&address, &n))
         return 0;
-    return ntohs(address.ss_family == AF_INET ? ((struct sockaddr_in *)&address)->sin_port : ((struct sockaddr_in6 *)&address)->sin6_port);
+    return ntohs(address.ss_family == AF_INET ? ((struct sockaddr_in *)&address)->sin_port
+                                              : ((struct sockaddr_in6 *)&address)->sin6_port);
 }
 
 bool view_address_valid(const char *text)
@@ -547,12 +571,14 @@ static int open_socket(view_server *server, const view_listen *where)
         fd = listen_at(found, where->port ? where->port + tried : 0);
     while (fd < 0 && errno == EADDRINUSE && !where->exact && ++tried < PORTS_TRIED && where->port + tried < 65536);
     if (fd < 0)
-        fprintf(stderr, "ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address, where->port, strerror(errno));
+        fprintf(stderr, "ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address,
+                where->port, strerror(errno));
     else {
         server->loopback = is_loopback(found->ai_addr);
         server->port = port_of(fd);
-        snprintf(server->address, sizeof server->address, found->ai_family == AF_INET6 ? "http://[%s]:%d/?token=%s" : "http://%s:%d/?token=%s",
-                 address, server->port, server->token);
+        snprintf(server->address, sizeof server->address,
+                 found->ai_family == AF_INET6 ? "http://[%s]:%d/?token=%s" : "http://%s:%d/?token=%s", address,
+                 server->port, server->token);
     }
     freeaddrinfo(found);
     return fd;
@@ -596,11 +622,13 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
         view_server_stop(server);
         return NULL;
     }
-    server->daemon = MHD_start_daemon(MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_ERROR_LOG, 0, NULL, NULL, handle,
-                                      server, MHD_OPTION_EXTERNAL_LOGGER, keep_quiet, NULL, MHD_OPTION_LISTEN_SOCKET, fd,
-                                      MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT,
-                                      (unsigned)IDLE_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)HEAD_MAX,
-                                      MHD_OPTION_NOTIFY_COMPLETED, forget, NULL, MHD_OPTION_END);
+    server->daemon = MHD_start_daemon(MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
+                                          MHD_USE_ERROR_LOG,
+                                      0, NULL, NULL, handle, server, MHD_OPTION_EXTERNAL_LOGGER, keep_quiet, NULL,
+                                      MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
+                                      (unsigned)CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_SECONDS,
+                                      MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)HEAD_MAX, MHD_OPTION_NOTIFY_COMPLETED,
+                                      forget, NULL, MHD_OPTION_END);
     if (!server->daemon) {
         fputs("ricochet: the server cannot be started\n", stderr);
         close(fd);

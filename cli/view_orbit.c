@@ -10,7 +10,8 @@ static const double two_pi = 6.283185307179586;
 enum {
     SAMPLES_PER_CYCLE = 24,  /* of the highest mode */
     SAMPLES_AT_LEAST = 6,    /* of one flight */
-    SAMPLES_ALONE = 300,     /* of the only flight of an orbit: under a power law it has more harmonics than the linear modes tell */
+    SAMPLES_ALONE = 300,     /* of the only flight of an orbit: under a power law it has more harmonics than the linear
+                              * modes tell */
     NUMBERS_AT_MOST = 200000 /* in one history; long orbits of large models are sampled more coarsely */
 };
 
@@ -33,18 +34,20 @@ static void add_sample(history *h, double t, double at)
     }
 }
 
-/* One period, flight by flight. Each impact appears twice, with the velocity before and after it: the last sample of a flight is taken just
- * before its end, where it differs from the limit by less than a pixel of any picture. */
+/* One period, flight by flight. Each impact appears twice, with the velocity before and after it: the last sample of a
+ * flight is taken just before its end, where it differs from the limit by less than a pixel of any picture. */
 static void add_flights(history *h, int n_flight, const double *flights, double highest)
 {
     const double before = 1 - 1e-10;
     double period = 0, begin = 0;
     for (int k = 0; k < n_flight; k++)
         period += flights[k];
-    const double wanted = n_flight * (SAMPLES_AT_LEAST + 1) + SAMPLES_ALONE + SAMPLES_PER_CYCLE * period * highest / two_pi;
+    const double wanted = n_flight * (SAMPLES_AT_LEAST + 1) + SAMPLES_ALONE +
+                          SAMPLES_PER_CYCLE * period * highest / two_pi;
     const double thin = fmin(1, NUMBERS_AT_MOST / (2.0 * h->n_dof * wanted));
     for (int k = 0; k < n_flight; k++) {
-        const int n = (int)fmax(2, thin * ((n_flight > 1 ? SAMPLES_AT_LEAST : SAMPLES_ALONE) + SAMPLES_PER_CYCLE * flights[k] * highest / two_pi));
+        const int n = (int)fmax(2, thin * ((n_flight > 1 ? SAMPLES_AT_LEAST : SAMPLES_ALONE) +
+                                           SAMPLES_PER_CYCLE * flights[k] * highest / two_pi));
         for (int i = 0; i <= n; i++) {
             const double part = (double)i / n;
             add_sample(h, begin + part * flights[k], begin + fmin(part, before) * flights[k]);
@@ -57,7 +60,8 @@ static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int 
 {
     const int n = ric_model_n_dof(model);
     double *work = calloc(3 * (size_t)n, sizeof *work);
-    history h = {.orbit = orbit, .n_dof = n, .x = work, .v = work + n, .t = json_array(), .xs = json_array(), .vs = json_array()};
+    history h = {.orbit = orbit, .n_dof = n, .x = work, .v = work + n, .t = json_array(), .xs = json_array(),
+                 .vs = json_array()};
     if (!work || ric_model_frequencies(model, work + 2 * n)) {
         free(work);
         return json_null();
@@ -77,7 +81,8 @@ static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int 
 
 /* --------------------------------------------------------------------- rows */
 
-/* Time and face of each impact, or closing of a spring; speeds and impulses are in the row already. Where a spring opens is no impact. */
+/* Time and face of each impact, or closing of a spring; speeds and impulses are in the row already. Where a spring
+ * opens is no impact. */
 static void add_impacts(json_t *row, int n, const int *word, const double *flights, int n_face)
 {
     json_t *times = json_array(), *faces = json_array();
@@ -120,8 +125,9 @@ static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, json
 
 /* ------------------------------------------------------------------- places */
 
-/* An arclength between stored points i and i + 1 as what ric_orbit_find can be asked for: the energy or the frequency at that part of the
- * interval, whichever differs more between the points, so that neither an extremum nor a level branch is asked for what it does not have. */
+/* An arclength between stored points i and i + 1 as what ric_orbit_find can be asked for: the energy or the frequency
+ * at that part of the interval, whichever differs more between the points, so that neither an extremum nor a level
+ * branch is asked for what it does not have. */
 typedef struct { ric_at at[2]; double value[2], from, to; int n; } place;
 
 static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, place *out)
@@ -156,7 +162,8 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
     }
     const bool linear = ric_branch_linear(ric_atlas_model(atlas), b);
     const bool by_energy = linear || fabs(q.energy / p.energy - 1) > fabs(q.frequency / p.frequency - 1);
-    const double energy = linear ? q.energy * (s / q.arclength) * (s / q.arclength) : p.energy + part * (q.energy - p.energy);
+    const double energy = linear ? q.energy * (s / q.arclength) * (s / q.arclength)
+                                 : p.energy + part * (q.energy - p.energy);
     const double frequency = p.frequency + part * (q.frequency - p.frequency);
     out->n = linear ? 1 : 2; /* the second if the first fails */
     out->at[0] = by_energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY;
@@ -175,7 +182,9 @@ static const ric_orbit *nearest(int n, ric_orbit *const *orbits, const place *wh
         ric_point p;
         ric_orbit_data(orbits[i], &p, NULL, NULL, NULL);
         const double slack = 1e-9 * (1 + fabs(where->to)), distance = fabs(p.arclength - s);
-        if ((where->at[0] == RIC_AT_POINT || (p.arclength >= where->from - slack && p.arclength <= where->to + slack)) && distance < least) {
+        if ((where->at[0] == RIC_AT_POINT ||
+             (p.arclength >= where->from - slack && p.arclength <= where->to + slack)) &&
+            distance < least) {
             least = distance;
             best = orbits[i];
         }

@@ -1,5 +1,5 @@
-/* What the harnesses share. Each is a libFuzzer program: it gets bytes that coverage led to, and may neither crash, leak, overrun nor hang.
- * `make fuzz` builds them, tools/fuzz.sh runs them. */
+/* What the harnesses share. Each is a libFuzzer program: it gets bytes that coverage led to, and may neither crash,
+ * leak, overrun nor hang. `make fuzz` builds them, tools/fuzz.sh runs them. */
 #ifndef FUZZ_H
 #define FUZZ_H
 

@@ -1,6 +1,6 @@
-/* The atlas reader on files that are in order, digest and all, but hold other values than any run would write: what a program that knows the
- * format could make. Every edit is four bytes, a table, a column, a row and a kind, and for most kinds eight of a value. What is accepted is
- * asked for everything that the listings ask for. */
+/* The atlas reader on files that are in order, digest and all, but hold other values than any run would write: what a
+ * program that knows the format could make. Every edit is four bytes, a table, a column, a row and a kind, and for most
+ * kinds eight of a value. What is accepted is asked for everything that the listings ask for. */
 #include <fcntl.h>
 #include <math.h>
 
@@ -13,8 +13,10 @@ static size_t good_size;
 static sqlite3 *db;
 
 static const char *const tables[] = {"branch", "branch_junction", "point", "junction", "junction_branch", "meta"};
-static const char *const columns[] = {BRANCH_COLUMNS, BRANCH_JUNCTION_COLUMNS, POINT_COLUMNS, JUNCTION_COLUMNS, JUNCTION_BRANCH_COLUMNS, "key, value"};
-static const char *const keys[][2] = {{"id", NULL}, {"branch", "position"}, {"branch", "point"}, {"id", NULL}, {"junction", "branch"}, {"key", NULL}};
+static const char *const columns[] = {BRANCH_COLUMNS,   BRANCH_JUNCTION_COLUMNS, POINT_COLUMNS,
+                                      JUNCTION_COLUMNS, JUNCTION_BRANCH_COLUMNS, "key, value"};
+static const char *const keys[][2] = {{"id", NULL}, {"branch", "position"}, {"branch", "point"},
+                                      {"id", NULL}, {"junction", "branch"}, {"key", NULL}};
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
@@ -59,10 +61,12 @@ static void edit(const uint8_t *op, const uint8_t *value)
     int table = op[0] % 6, row = op[2];
     sqlite3_stmt *s = NULL;
     nth_name(columns[table], op[1], column, sizeof column);
-    snprintf(where, sizeof where, "%s = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", keys[table][0], keys[table][0], tables[table], row);
+    snprintf(where, sizeof where, "%s = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", keys[table][0], keys[table][0],
+             tables[table], row);
     if (keys[table][1]) {
         size_t used = strlen(where);
-        snprintf(where + used, sizeof where - used, " AND %s = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", keys[table][1], keys[table][1], tables[table], row);
+        snprintf(where + used, sizeof where - used, " AND %s = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", keys[table][1],
+                 keys[table][1], tables[table], row);
     }
     if (op[3] >= 250) snprintf(sql, sizeof sql, "DELETE FROM %s WHERE %s", tables[table], where);
     else snprintf(sql, sizeof sql, "UPDATE OR IGNORE %s SET %s = ? WHERE %s", tables[table], column, where);
@@ -86,7 +90,8 @@ static void ask(const ric_atlas *atlas)
         ric_segment *segments = calloc((size_t)b.n_junction + 1, sizeof *segments);
         int count;
         ric_branch_segments(atlas, id, &count, segments);
-        if (b.n_point > 0 && !ric_orbit_find(atlas, id, RIC_AT_POINT, b.n_point / 2, &found, &orbits)) ric_orbits_free(found, orbits);
+        if (b.n_point > 0 && !ric_orbit_find(atlas, id, RIC_AT_POINT, b.n_point / 2, &found, &orbits))
+            ric_orbits_free(found, orbits);
         ric_check check;
         if (b.n_point > 0) ric_verify_point(atlas, id, 0, &check);
         free(segments);
@@ -110,7 +115,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     ric_starts starts = {0};
     char *text = malloc(size + 1);
     fuzz_write("fuzz.ricochet", good, good_size);
-    fuzz_need(sqlite3_open("fuzz.ricochet", &db) == SQLITE_OK && !sqlite3_exec(db, "PRAGMA synchronous = OFF; PRAGMA journal_mode = MEMORY; BEGIN", NULL, NULL, NULL),
+    fuzz_need(sqlite3_open("fuzz.ricochet", &db) == SQLITE_OK &&
+                  !sqlite3_exec(db, "PRAGMA synchronous = OFF; PRAGMA journal_mode = MEMORY; BEGIN", NULL, NULL, NULL),
               "the database");
     for (size_t i = 0; i + 4 <= size; i += 12) edit(data + i, i + 12 <= size ? data + i + 4 : nothing);
     ric_status status = ric_store_put_digest((ric_database){db, "fuzz.ricochet"});

@@ -1,4 +1,5 @@
-/* The study reader. What it accepts has to come back from its own text as the same study, and every answer about it can be asked for. */
+/* The study reader. What it accepts has to come back from its own text as the same study, and every answer about it can
+ * be asked for. */
 #include "fuzz.h"
 
 static void ask(const ric_study *study)

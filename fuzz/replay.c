@@ -1,5 +1,5 @@
-/* In place of libFuzzer's own main: runs a harness once over every file of the folders given. So the suite builds the harnesses with any compiler,
- * and what once broke one stays mended. One line of TAP for each folder. */
+/* In place of libFuzzer's own main: runs a harness once over every file of the folders given. So the suite builds the
+ * harnesses with any compiler, and what once broke one stays mended. One line of TAP for each folder. */
 #include <dirent.h>
 #include <limits.h>
 
@@ -43,7 +43,8 @@ int main(int argc, char **argv)
     char(*folders)[PATH_MAX] = calloc((size_t)argc, sizeof *folders);
     int n_empty = 0, report = dup(STDOUT_FILENO); /* a harness may close standard output */
     fuzz_need(folders && report >= 0, "memory");
-    for (int i = 1; i < argc; i++) fuzz_need(realpath(argv[i], folders[i]) != NULL, argv[i]); /* before the harness changes its folder */
+    /* before the harness changes its folder */
+    for (int i = 1; i < argc; i++) fuzz_need(realpath(argv[i], folders[i]) != NULL, argv[i]);
     LLVMFuzzerInitialize(&argc, &argv);
     for (int i = 1; i < argc; i++) {
         int n = replay(folders[i]);

@@ -1,12 +1,12 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
- * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, ghosts and cascades on request, explore,
- * verify, version.
+ * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, ghosts and cascades
+ * on request, explore, verify, version.
  *
- * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by d^2,
- * times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
- * Ownership. Inputs are copied; what a `create` or `read` returns is released by the matching `free`; free(NULL) does nothing.
- * Pointers inside a returned struct are borrowed and live as long as the object that they were asked from.
+ * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by
+ * d^2, times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
+ * Ownership. Inputs are copied; what a `create` or `read` returns is released by the matching `free`; free(NULL) does
+ * nothing. Pointers inside a returned struct are borrowed and live as long as the object that they were asked from.
  */
 #ifndef RICOCHET_H
 #define RICOCHET_H
@@ -37,7 +37,8 @@ typedef enum {
 /* One line for a status code, never NULL. */
 const char *ric_status_text(ric_status status);
 
-/* The message that goes with the last error of this thread: what was wrong, where, and the remedy. Borrowed until the next call. */
+/* The message that goes with the last error of this thread: what was wrong, where, and the remedy. Borrowed until the
+ * next call. */
 const char *ric_detail(void);
 
 /* ------------------------------------------------------------------- model */
@@ -50,8 +51,8 @@ typedef struct {
     const double *normal; /* [n_dof], gap coordinate s = normal . x */
     double clearance;     /* d > 0, physical length; not of law power */
     ric_sides sides;      /* both, upper (s <= d) or lower (s >= -d); not of law power */
-    ric_law law;          /* rigid: an impact; bilinear: force -stiffness (s - d) beyond d; power: force -stiffness s^exponent, or
-                           * -reference length (s / length)^exponent if there is a length */
+    ric_law law;          /* rigid: an impact; bilinear: force -stiffness (s - d) beyond d; power: force -stiffness
+                           * s^exponent, or -reference length (s / length)^exponent if there is a length */
     double stiffness;     /* of law bilinear, and of law power without a length */
     int exponent;         /* of law power: odd, 3 to 99 */
     double length, reference; /* of law power, instead of a stiffness; 0 otherwise */
@@ -59,7 +60,8 @@ typedef struct {
 
 typedef struct ric_model ric_model;
 
-/* M (symmetric positive definite), K (symmetric positive semidefinite), contacts, restitution in [0,1]. All physical units. */
+/* M (symmetric positive definite), K (symmetric positive semidefinite), contacts, restitution in [0,1]. All physical
+ * units. */
 ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
                             const ric_contact *contacts, double restitution, ric_model **out);
 void ric_model_free(ric_model *model);
@@ -68,8 +70,10 @@ int ric_model_n_dof(const ric_model *model);
 int ric_model_n_mode(const ric_model *model);    /* modes that some contact sees */
 int ric_model_n_contact(const ric_model *model);
 int ric_model_n_face(const ric_model *model);
-bool ric_model_symmetric(const ric_model *model); /* x -> -x maps the structure to itself: every contact has both sides */
-double ric_model_length(const ric_model *model);  /* d of the first contact: clearance or length, 1 for a power law given by its stiffness */
+bool ric_model_symmetric(const ric_model *model); /* x -> -x maps the structure to itself: every contact has both
+                                                   * sides */
+double ric_model_length(const ric_model *model);  /* d of the first contact: clearance or length, 1 for a power law
+                                                   * given by its stiffness */
 double ric_model_restitution(const ric_model *model);
 /* Raw data, borrowed: mass [n*n], stiffness [n*n]. */
 const double *ric_model_mass(const ric_model *model);
@@ -87,9 +91,11 @@ ric_status ric_model_modes(const ric_model *model, double *out);
 ric_status ric_model_seen(const ric_model *model, bool *out);
 /* Modal normals c[f * n_dof + i] = phi_i . b_f. */
 ric_status ric_model_modal_normals(const ric_model *model, double *out);
-/* Scaled energy at which linear mode i first touches a contact, and that contact; +inf and -1 where it never does. [n_dof] each. */
+/* Scaled energy at which linear mode i first touches a contact, and that contact; +inf and -1 where it never does.
+ * [n_dof] each. */
 ric_status ric_model_grazing_energies(const ric_model *model, double *energy, int *contact);
-/* The n_dof - 1 frequencies of the structure with contact f closed for good (s = 0 held), ascending. Omega_0 of the article for n = 2. */
+/* The n_dof - 1 frequencies of the structure with contact f closed for good (s = 0 held), ascending. Omega_0 of the
+ * article for n = 2. */
 ric_status ric_model_locked_frequencies(const ric_model *model, int contact, double *out);
 /* c.c = b . M^-1 b of contact f, and its part from the lowest k modes, cumulative, [n_dof]. */
 ric_status ric_model_compliance(const ric_model *model, int contact, double *cumulative);
@@ -108,8 +114,8 @@ typedef struct {
     double value[RIC_NUMBERS_MAX]; /* ascending, no two equal */
 } ric_numbers;
 
-/* A part of the plane of energy and frequency with larger budgets: they hold for departures from junctions there, drawn there or with their
- * orbit there. */
+/* A part of the plane of energy and frequency with larger budgets: they hold for departures from junctions there, drawn
+ * there or with their orbit there. */
 #define RIC_REGIONS_MAX 64
 #define RIC_REGION_SAME (-1)
 typedef struct {
@@ -130,7 +136,8 @@ typedef struct {
     bool symmetric_only;  /* depart only to branches with z(t+T/2) = -z(t) */
     int n_start;          /* 0 = all seen modes */
     int start[64];        /* mode numbers from 1, ascending */
-    ric_numbers at_energy;    /* scaled energies, and frequencies of the orbit in rad/s, where branches are marked by junctions */
+    ric_numbers at_energy;    /* scaled energies, and frequencies of the orbit in rad/s, where branches are marked by
+                               * junctions */
     ric_numbers at_frequency;
     int n_cascade;        /* 0 = depart from every junction within the budgets */
     int cascade[16];      /* else only from multiplications: by these, one after the other */
@@ -149,7 +156,8 @@ typedef struct ric_study ric_study;
 
 /* Reads and checks a study; on RIC_E_INPUT ric_detail() is "FILE:LINE: key: what is wrong; what would be right". */
 ric_status ric_study_read(const char *path, ric_study **out);
-/* The same from a text; `base` is the folder that Matrix Market paths are relative to, `label` stands for the file in messages. */
+/* The same from a text; `base` is the folder that Matrix Market paths are relative to, `label` stands for the file in
+ * messages. */
 ric_status ric_study_parse(const char *text, const char *label, const char *base, ric_study **out);
 void ric_study_free(ric_study *study);
 const char *ric_study_title(const ric_study *study);
@@ -171,9 +179,9 @@ ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bo
 ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t *out);
 /* Next independent word in ascending order, in place; *more = false at the end. Start with word[0] = -1. */
 ric_status ric_word_next(const ric_model *model, int n, bool reversal, int *word, bool *more);
-/* The word of an orbit with contacts of law bilinear has two letters for each of them: face f where it closes, n_face + f where it opens. In
- * text the opening is left out where it follows its closing at once; elsewhere it is the letter of the face behind a minus sign.
- * Letters 0-9a-z, numbers with dots beyond 36 faces. out [size]. */
+/* The word of an orbit with contacts of law bilinear has two letters for each of them: face f where it closes, n_face +
+ * f where it opens. In text the opening is left out where it follows its closing at once; elsewhere it is the letter of
+ * the face behind a minus sign. Letters 0-9a-z, numbers with dots beyond 36 faces. out [size]. */
 ric_status ric_word_format(const ric_model *model, int n, const int *word, size_t size, char *out);
 
 /* --------------------------------------------------------------- simulator */
@@ -184,21 +192,26 @@ typedef struct ric_simulator ric_simulator;
 typedef struct {
     double time;      /* seconds */
     int face;
-    double approach;  /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch; < 0 where a spring opens */
-    double impulse;   /* momentum exchanged along the normal, scaled; of a spring, from its closing on, known where it opens */
-    bool opens;       /* a contact of law bilinear ends: its face opens. Its beginning is an impact without an impulse */
+    double approach;  /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch; < 0 where a spring
+                       * opens */
+    double impulse;   /* momentum exchanged along the normal, scaled; of a spring, from its closing on, known where it
+                       * opens */
+    bool opens;       /* a contact of law bilinear ends: its face opens. Its beginning is an impact without an
+                       * impulse */
 } ric_impact;
 
 ric_status ric_simulator_create(const ric_model *model, ric_simulator **out);
 void ric_simulator_free(ric_simulator *sim);
-/* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a rigid stop is RIC_E_INPUT; springs that it is beyond are closed.
- * A state on a face that moves into it counts as just before the impact. */
+/* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a rigid stop is RIC_E_INPUT; springs
+ * that it is beyond are closed. A state on a face that moves into it counts as just before the impact. */
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v);
-/* Runs to the next impact, or closing or opening of a spring, or to time t, whichever is first. *hit tells; impact may be NULL. State and time are kept inside. */
+/* Runs to the next impact, or closing or opening of a spring, or to time t, whichever is first. *hit tells; impact may
+ * be NULL. State and time are kept inside. */
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact);
 /* Present time and state (after the impact, if one has just happened). Any pointer may be NULL. */
 void ric_simulator_state(const ric_simulator *sim, double *time, double *x, double *v);
-/* Largest gap coordinate over clearance met since start outside impacts, of open faces (touches show as 1 -+ rounding). */
+/* Largest gap coordinate over clearance met since start outside impacts, of open faces (touches show as 1 -+
+ * rounding). */
 double ric_simulator_reach(const ric_simulator *sim);
 
 /* ------------------------------------------------------------------ branch */
@@ -210,12 +223,14 @@ typedef enum {
 } ric_stop;
 const char *ric_stop_text(ric_stop stop);
 
-/* One stored point. Its orbit (state right after impact 0 of the branch's word, then the flight times) follows it in memory. */
+/* One stored point. Its orbit (state right after impact 0 of the branch's word, then the flight times) follows it in
+ * memory. */
 typedef struct {
     double arclength;
     double energy;
     double frequency;   /* rad/s */
-    double trace;       /* asinh(trace / 2) of the reduced monodromy for n = 2: sign and logarithm without overflow; NaN for n != 2 */
+    double trace;       /* asinh(trace / 2) of the reduced monodromy for n = 2: sign and logarithm without overflow; NaN
+                         * for n != 2 */
     double rotation;    /* gamma in [0, 1), multipliers exp(+-2 pi i gamma); NaN off the unit circle or n != 2 */
     double reach;       /* largest gap over clearance in flight; NaN if no gap has an extremum in flight */
     double approach;    /* smallest approach speed of the impacts, scaled; NaN without impacts */
@@ -236,7 +251,8 @@ typedef struct {
     double energy_min, energy_max, frequency_min, frequency_max;
     int from, to;         /* junction ids, 0 = none */
     ric_stop stop;        /* why the far end is where it is */
-    const char *why;      /* a sentence for window, budget, corner and failed, and one if events on it are no junctions; "" otherwise */
+    const char *why;      /* a sentence for window, budget, corner and failed, and one if events on it are no junctions;
+                           * "" otherwise */
     int n_junction;
     const int *junctions; /* ids of the interior ones, in order */
     const double *junction_at; /* their arclengths */
@@ -284,7 +300,8 @@ typedef struct {
     int multiple;         /* q, 1 unless a q-tupling */
     int rotation[2];      /* p, q; 0, 0 if none */
     int a, b;             /* multiplicities of the article's C_ab; 0, 0 if not such a point */
-    bool decided;         /* they are measured; else ranks are lost in rounding, a and b are those of the kind, and the label ends in ? */
+    bool decided;         /* they are measured; else ranks are lost in rounding, a and b are those of the kind, and the
+                           * label ends in ? */
     double energy;
     double frequency;     /* where it is drawn: omega / q for a q-tupling */
     const double *state;  /* x then v, [2 n_dof], of the original orbit */
@@ -294,7 +311,8 @@ typedef struct {
     ric_departures departures;
     const char *refusal;  /* why departures were refused, "" if none were */
 } ric_junction;
-/* Which duplicate of a branch passes a junction where that is drawn: q for the branch that a q-tupling lies on, 1 for what leaves there. */
+/* Which duplicate of a branch passes a junction where that is drawn: q for the branch that a q-tupling lies on, 1 for
+ * what leaves there. */
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch);
 
 typedef struct ric_atlas ric_atlas;
@@ -304,8 +322,8 @@ void ric_atlas_free(ric_atlas *atlas);
 const ric_study *ric_atlas_study(const ric_atlas *atlas);
 const ric_model *ric_atlas_model(const ric_atlas *atlas);
 bool ric_atlas_finished(const ric_atlas *atlas);     /* false: the run was stopped before its end */
-/* Events seen on branches that are no junctions of the atlas, because they do not converge on their own equations. The sentence `why` of these
- * branches says so. */
+/* Events seen on branches that are no junctions of the atlas, because they do not converge on their own equations. The
+ * sentence `why` of these branches says so. */
 int ric_atlas_n_unplaced(const ric_atlas *atlas);
 int ric_atlas_n_branch(const ric_atlas *atlas);
 int ric_atlas_n_junction(const ric_atlas *atlas);
@@ -317,8 +335,8 @@ ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point 
 
 /* ----------------------------------------------------------------- queries */
 
-/* A k-duplicate is a branch gone through k times: the same motions, drawn at frequency / k. It is never stored nor solved. The junctions
- * on it are those of the branch and, with q | k, its q-tuplings (docs/theory.md section 9). */
+/* A k-duplicate is a branch gone through k times: the same motions, drawn at frequency / k. It is never stored nor
+ * solved. The junctions on it are those of the branch and, with q | k, its q-tuplings (docs/theory.md section 9). */
 typedef enum {
     RIC_DUPLICATE_OWN,       /* a k-tupling: original on the k-duplicate */
     RIC_DUPLICATE_INHERITED, /* a q-tupling with q | k, q < k: a duplicate of the point on the q-duplicate */
@@ -330,7 +348,8 @@ typedef struct {
     int branch, k;
     int junction;        /* id; of a grazing the k-duplicate, where that is a junction of its own */
     ric_duplicate_origin origin;
-    int times;           /* how often the orbit of the junction is gone through: k, or k m for a branch that leaves an m-tupling or an m-duplicate there */
+    int times;           /* how often the orbit of the junction is gone through: k, or k m for a branch that leaves an
+                          * m-tupling or an m-duplicate there */
     int j;               /* rotation number j / k of a multiplication, not reduced; else 0 */
     double energy, frequency; /* frequency: of the duplicate */
 } ric_duplicate_point;
@@ -351,8 +370,8 @@ typedef struct {
 /* Segments of a branch in order; *n of them in out [n_junction + 1]. */
 ric_status ric_branch_segments(const ric_atlas *atlas, int branch, int *n, ric_segment *out);
 
-/* The fractal bases F_i^j of an atlas (docs/theory.md section 9): the j-duplicate of the backbone of mode i and all that joins it, on any
- * duplicate, without passing another backbone. */
+/* The fractal bases F_i^j of an atlas (docs/theory.md section 9): the j-duplicate of the backbone of mode i and all
+ * that joins it, on any duplicate, without passing another backbone. */
 typedef struct ric_bases ric_bases;
 
 typedef struct {
@@ -364,7 +383,8 @@ typedef struct {
     double energy[2], frequency[2]; /* of the original branches; NaN without */
 } ric_base;
 
-/* With duplicates up to `largest`; 0 takes the least number that gives every branch a base, if there is one up to 64. */
+/* With duplicates up to `largest`; 0 takes the least number that gives every branch a base, if there is one up to
+ * 64. */
 ric_status ric_bases_find(const ric_atlas *atlas, int largest, ric_bases **out);
 void ric_bases_free(ric_bases *bases);
 /* The number of duplicates used, and how many bases are not empty. */
@@ -372,7 +392,8 @@ int ric_bases_largest(const ric_bases *bases);
 int ric_bases_n(const ric_bases *bases);
 /* Base i from 0, by mode, then j. */
 ric_status ric_bases_get(const ric_bases *bases, int i, ric_base *out);
-/* Whether a branch belongs to the elementary structure: the linear modes, F_1^1, and F_i^1 and F_i^2 of the modes above. */
+/* Whether a branch belongs to the elementary structure: the linear modes, F_1^1, and F_i^1 and F_i^2 of the modes
+ * above. */
 bool ric_bases_elementary(const ric_bases *bases, int branch);
 
 /* -------------------------------------------------------- orbit on request */
@@ -395,10 +416,12 @@ void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
 
 /* ------------------------------------------------------- ghosts on request */
 
-/* Beyond a grazing or a corner where a branch ends its equations still have solutions, which are no motions: a gap is penetrated, or an
- * impact has the wrong direction of approach. Such a ghost is computed from the atlas when it is asked for and never stored. */
+/* Beyond a grazing or a corner where a branch ends its equations still have solutions, which are no motions: a gap is
+ * penetrated, or an impact has the wrong direction of approach. Such a ghost is computed from the atlas when it is
+ * asked for and never stored. */
 typedef struct ric_ghost ric_ghost;
-typedef enum { RIC_END_FROM, RIC_END_TO } ric_end; /* the end of the branch that the ghost extends: its first or its last point */
+typedef enum { RIC_END_FROM, RIC_END_TO } ric_end; /* the end of the branch that the ghost extends: its first or its
+                                                    * last point */
 
 typedef struct {
     double energy[2];     /* window, scaled */
@@ -409,8 +432,8 @@ typedef struct {
 
 /* The windows of the study and the largest number of points that a listing should have. */
 void ric_ghost_limits_init(const ric_atlas *atlas, ric_ghost_limits *limits);
-/* The ghosts of a branch, one for each end at a grazing or a corner inside the windows: *n is 0 for a branch without such an end, and for
- * a linear mode. out [*n] is allocated, each ghost and the array released by ric_ghosts_free. */
+/* The ghosts of a branch, one for each end at a grazing or a corner inside the windows: *n is 0 for a branch without
+ * such an end, and for a linear mode. out [*n] is allocated, each ghost and the array released by ric_ghosts_free. */
 ric_status ric_ghost_find(const ric_atlas *atlas, int branch, const ric_ghost_limits *limits, int *n, ric_ghost ***out);
 void ric_ghosts_free(int n, ric_ghost **ghosts);
 
@@ -423,11 +446,13 @@ typedef struct {
 } ric_ghost_data;
 
 void ric_ghost_describe(const ric_ghost *ghost, ric_ghost_data *out);
-/* Point i as ric_atlas_point gives it, outwards; the arclength goes on from that of the branch. Any pointer may be NULL. */
+/* Point i as ric_atlas_point gives it, outwards; the arclength goes on from that of the branch. Any pointer may be
+ * NULL. */
 ric_status ric_ghost_point(const ric_ghost *ghost, int i, ric_point *point, double *state, double *flights);
 /* Multipliers at point i as ric_orbit_multipliers gives them. */
 ric_status ric_ghost_multipliers(const ric_ghost *ghost, int i, double *out);
-/* A multiplication on a ghost: an orbit whose multipliers are exp(+-2 pi i p/q), p/q in lowest terms (the red points of Fig. 20c of the article). */
+/* A multiplication on a ghost: an orbit whose multipliers are exp(+-2 pi i p/q), p/q in lowest terms
+ * (the red points of Fig. 20c of the article). */
 typedef struct {
     int rotation[2];      /* p, q */
     double arclength, energy, frequency; /* of the ghost itself: omega, not omega / q */
@@ -437,13 +462,15 @@ typedef struct {
 /* Multiplications on the ghost, outwards from the end of the branch: their number, and number i from 0. */
 int ric_ghost_n_multiplication(const ric_ghost *ghost);
 ric_status ric_ghost_multiplication_at(const ric_ghost *ghost, int i, ric_ghost_multiplication *out);
-/* Whether the margins of a point are those of a motion: no gap penetrated, no impact from the wrong side, and no touch. */
+/* Whether the margins of a point are those of a motion: no gap penetrated, no impact from the wrong side, and no
+ * touch. */
 bool ric_point_admissible(const ric_point *point);
 
 /* ---------------------------------------------------- cascades on request */
 
-/* A cascade: on a branch an orbit whose multipliers are q-th roots of unity, the family of q times its period that leaves there, on it the next
- * such orbit, and so on. It is followed from a branch of an atlas when it is asked for, as deep as wanted, and never stored. */
+/* A cascade: on a branch an orbit whose multipliers are q-th roots of unity, the family of q times its period that
+ * leaves there, on it the next such orbit, and so on. It is followed from a branch of an atlas when it is asked for, as
+ * deep as wanted, and never stored. */
 typedef struct ric_cascade ric_cascade;
 
 typedef struct {
@@ -451,13 +478,15 @@ typedef struct {
     const int *multiple;   /* [n] q of each */
     const int *rotation;   /* [n] p of each, 0: any; or NULL: any */
     bool to_end;           /* follow the last family to its end as well */
-    bool (*progress)(int step, int impacts, int points, void *user); /* NULL, or called now and then; return true to stop */
+    bool (*progress)(int step, int impacts, int points, void *user); /* NULL, or called now and then; return true to
+                                                                      * stop */
     void *user;
 } ric_cascade_options;
 
 /* One multiplication: the orbit that is multiplied, and what was followed to reach it. */
 typedef struct {
-    int multiple;          /* q of the family that leaves; 1 at the end of the last family, which is no multiplication */
+    int multiple;          /* q of the family that leaves; 1 at the end of the last family, which is no
+                            * multiplication */
     int rotation[2];       /* p, q; 0, 0 at an end */
     int impacts;           /* of the orbit, touches not counted */
     int letters;
@@ -467,22 +496,25 @@ typedef struct {
     ric_stop stop;         /* why the last family ends; RIC_STOP_JUNCTION elsewhere */
     double energy, frequency; /* of this orbit, at its own period */
     double residual;       /* relative, of its equations */
-    double return_error;   /* relative distance of the simulated state from the start after one period; NaN if the faces differ or it touches */
-    double ratio;          /* of the last two differences of energies, where three doublings not at a symmetry break follow each other; else NaN */
+    double return_error;   /* relative distance of the simulated state from the start after one period; NaN if the faces
+                            * differ or it touches */
+    double ratio;          /* of the last two differences of energies, where three doublings not at a symmetry break
+                            * follow each other; else NaN */
     const double *state;   /* [2 n_dof] x then v right after impact 0 */
     const double *flights; /* [letters], or [1] = the period under a power law */
     int n_point;           /* points of the family that was followed to it; 0 for the first */
 } ric_cascade_step;
 
-/* Follows the first cascade with these multiplicities that is found from a branch. RIC_E_RANGE if there is none: the message tells how far it
- * went. RIC_E_INTERRUPTED when progress asked to stop. */
-ric_status ric_cascade_follow(const ric_atlas *atlas, int branch, const ric_cascade_options *options, ric_cascade **out);
+/* Follows the first cascade with these multiplicities that is found from a branch. RIC_E_RANGE if there is none: the
+ * message tells how far it went. RIC_E_INTERRUPTED when progress asked to stop. */
+ric_status ric_cascade_follow(const ric_atlas *atlas, int branch, const ric_cascade_options *options,
+                              ric_cascade **out);
 void ric_cascade_free(ric_cascade *cascade);
 int ric_cascade_length(const ric_cascade *cascade); /* steps, the end included */
 ric_status ric_cascade_step_at(const ric_cascade *cascade, int step, ric_cascade_step *out);
-/* Point i of the family followed to a step: its numbers, and the displacements at its impacts, x [impacts * n_dof], where the impacts are those
- * of `step`, touches included. Under a power law: at as many instants, a period of the first branch apart, from a mirror point on if there is one.
- * Any pointer may be NULL. */
+/* Point i of the family followed to a step: its numbers, and the displacements at its impacts, x [impacts * n_dof],
+ * where the impacts are those of `step`, touches included. Under a power law: at as many instants, a period of the
+ * first branch apart, from a mirror point on if there is one. Any pointer may be NULL. */
 ric_status ric_cascade_point(const ric_cascade *cascade, int step, int i, ric_point *point, double *x);
 /* The number of impacts along the family followed to a step; under a power law of periods of the first branch. */
 int ric_cascade_impacts(const ric_cascade *cascade, int step);
@@ -512,7 +544,8 @@ typedef struct {
     int branch, point;
     double flight_error;  /* largest relative error of a flight's time and end state */
     double return_error;  /* relative distance of the replayed state after one period */
-    double condition;     /* largest factor by which a perturbation grows within or over the period: what the return may lose */
+    double condition;     /* largest factor by which a perturbation grows within or over the period: what the return may
+                           * lose */
     double energy_error;  /* relative drift of the energy, and of the stored energy */
     bool faces_agree;
     bool passed;

@@ -10,14 +10,16 @@
 
 /* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
 #define SAME_ORBIT 1e-5
-/* Within which it is worth to look for a better place along the branch: on sharp turns the zero of the determinant is off by that. */
+/* Within which it is worth to look for a better place along the branch: on sharp turns the zero of the determinant is
+ * off by that. */
 #define MAY_BE_SAME 1e-3
 /* Cosine with the tangent beyond which the image of a neighbour counts as lying on the branch. */
 #define ALONG 0.9
 #define SETTLE_STEPS 3
 #define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
-/* Unknowns of a cycle in the convention of ric_cycle_to_chain (a chain may start at either of its mirror points); allocated. */
+/* Unknowns of a cycle in the convention of ric_cycle_to_chain (a chain may start at either of its mirror points);
+ * allocated. */
 static double *unknowns(const ric_model *m, const ric_cycle *cycle)
 {
     ric_chain *chain = NULL;
@@ -27,7 +29,8 @@ static double *unknowns(const ric_model *m, const ric_cycle *cycle)
     return u;
 }
 
-/* Whether the image lies on the branch on the other side of `here`. The operation is no isometry of the unknowns: lengths may differ. */
+/* Whether the image lies on the branch on the other side of `here`. The operation is no isometry of the unknowns:
+ * lengths may differ. */
 static bool opposite(int size, const double *here, const double *near, const double *image)
 {
     double product = 0, a = 0, b = 0;
@@ -72,8 +75,8 @@ static ric_cycle *free_cycle(const ric_chain *c, const double *u)
     return NULL;
 }
 
-/* turned_round of orbits without events or mirror points: the operation comes with any shift in time, which is that which keeps `here`, or half
- * a period more. */
+/* turned_round of orbits without events or mirror points: the operation comes with any shift in time, which is that
+ * which keeps `here`, or half a period more. */
 static bool turned_freely(const ric_trace *tr, const double *at, const double *beside, int from, int to, double *aside)
 {
     const ric_chain *c = tr->chain;
@@ -87,7 +90,8 @@ static bool turned_freely(const ric_trace *tr, const double *at, const double *b
         ric_cycle_free(image);
         for (int s = op == 0; s < 2 && !found; s++) {
             double shift = time + s * ric_cycle_period(here) / 2, same[c->n_unknown], w[c->n_unknown];
-            ric_cycle *image_here = ric_cycle_transform(m, here, 0, op & 1, op & 2), *image_near = ric_cycle_transform(m, near, 0, op & 1, op & 2);
+            ric_cycle *image_here = ric_cycle_transform(m, here, 0, op & 1, op & 2),
+                      *image_near = ric_cycle_transform(m, near, 0, op & 1, op & 2);
             if (image_here && image_near) {
                 ric_cycle_shift(m, here, shift, image_here);
                 double distance = ric_cycle_distance(here, image_here);
@@ -109,9 +113,9 @@ static bool turned_freely(const ric_trace *tr, const double *at, const double *b
     return found;
 }
 
-/* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x -> -x, 3 both, each with a shift; 0 shifts only)
- * keeps the orbit there and turns the branch round. Where one all but does, *aside is how far towards `beside` the middle between the orbit and
- * its image lies; else 0. */
+/* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x -> -x, 3 both, each
+ * with a shift; 0 shifts only) keeps the orbit there and turns the branch round. Where one all but does, *aside is how
+ * far towards `beside` the middle between the orbit and its image lies; else 0. */
 static bool turned_round(const ric_trace *tr, const double *at, const double *beside, int from, int to, double *aside)
 {
     ric_chain *c = tr->chain;
@@ -125,7 +129,9 @@ static bool turned_round(const ric_trace *tr, const double *at, const double *be
         for (int s = 0; s < here->N && !found; s++) {
             if (op == 0 && s == 0) continue;
             ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
-            double distance = image && image->pure == here->pure && image->flip == here->flip ? ric_cycle_distance(here, image) : HUGE_VAL;
+            double distance = image && image->pure == here->pure && image->flip == here->flip
+                                  ? ric_cycle_distance(here, image)
+                                  : HUGE_VAL;
             double *same = distance < MAY_BE_SAME ? unknowns(m, image) : NULL;
             ric_cycle_free(image);
             if (!same) continue;
@@ -168,7 +174,8 @@ bool ric_arrival_repeats(const ric_trace *tr, const double *at)
     return result;
 }
 
-/* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to drop is known. */
+/* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to
+ * drop is known. */
 static double cut(const ric_chain *c, int rows, int columns, const double *J, double *work, double *right)
 {
     int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
@@ -176,11 +183,13 @@ static double cut(const ric_chain *c, int rows, int columns, const double *J, do
     if (!c->model->smooth || rows <= dropped) return SINGULAR;
     memcpy(work, J, (size_t)rows * columns * sizeof *J);
     memset(right, 0, (size_t)columns * sizeof *right);
-    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank))) return SINGULAR;
+    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank)))
+        return SINGULAR;
     return fmin(1.5 * values[rows - dropped], sqrt(values[rows - dropped] * values[rows - dropped - 1])) / values[0];
 }
 
-/* Newton's method with the shortest correction, without the directions that singular values below SINGULAR leave undetermined. */
+/* Newton's method with the shortest correction, without the directions that singular values below SINGULAR leave
+ * undetermined. */
 ric_status ric_arrival_settle(ric_chain *c, double *u)
 {
     ric_status status = RIC_OK;
@@ -196,12 +205,15 @@ ric_status ric_arrival_settle(ric_chain *c, double *u)
         int rows = ric_chain_jacobian(c, v, J);
         double least = rows ? cut(c, rows, columns, J, work, right) : SINGULAR;
         ric_chain_residuals(c, v, r);
-        if (!rows || ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank))) goto out;
+        if (!rows ||
+            ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank)))
+            goto out;
         for (int j = 0; j < columns; j++) v[j] -= r[j];
     }
     ric_chain_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (c->residual <= ric_trace_tolerance(c) && moved <= SAME_ORBIT * c->scale) memcpy(u, v, (size_t)columns * sizeof *u);
+    if (c->residual <= ric_trace_tolerance(c) && moved <= SAME_ORBIT * c->scale)
+        memcpy(u, v, (size_t)columns * sizeof *u);
 out:
     free(J);
     free(r);

@@ -4,18 +4,18 @@
 
 #include "trace.h"
 
-/* Whether an operation of the symmetry group of the structure keeps the orbit `at` and turns the branch, on which `beside` is a neighbour, round.
- * Then the branch ends there: beyond is its own mirror image. Where one all but does, *aside is how far towards `beside`
- * the middle between the orbit and its image lies; else 0. */
+/* Whether an operation of the symmetry group of the structure keeps the orbit `at` and turns the branch, on which
+ * `beside` is a neighbour, round. Then the branch ends there: beyond is its own mirror image. Where one all but does,
+ * *aside is how far towards `beside` the middle between the orbit and its image lies; else 0. */
 bool ric_arrival_meets(const ric_trace *trace, const double *at, const double *beside, double *aside);
-/* Whether x -> -x does so, a symmetry that the structure lacks but not the contacts that the orbit meets. Beyond are the mirror images, other
- * motions, and the branch goes on. */
+/* Whether x -> -x does so, a symmetry that the structure lacks but not the contacts that the orbit meets. Beyond are
+ * the mirror images, other motions, and the branch goes on. */
 bool ric_arrival_passes(const ric_trace *trace, const double *at, const double *beside);
 /* Whether the orbit is one of fewer impacts gone through several times. */
 bool ric_arrival_repeats(const ric_trace *trace, const double *at);
 
-/* Moves u onto the curve from a point read off cubics at a branch point, where the kernel has more dimensions than one. u stays where it was if
- * rounding level is not reached close by. */
+/* Moves u onto the curve from a point read off cubics at a branch point, where the kernel has more dimensions than one.
+ * u stays where it was if rounding level is not reached close by. */
 ric_status ric_arrival_settle(ric_chain *chain, double *u);
 
 #endif

@@ -1,4 +1,5 @@
-/* Energies and frequencies that a study asks for: each passage of a branch is a junction of kind user (docs/theory.md section 7). */
+/* Energies and frequencies that a study asks for: each passage of a branch is a junction of kind user
+ * (docs/theory.md section 7). */
 #ifndef RIC_ASKED_H
 #define RIC_ASKED_H
 

@@ -1,9 +1,10 @@
 /* The fractal bases F_i^j of the article (docs/theory.md section 9).
  *
- * A *drawn* branch is a pair of a branch and k, its k-duplicate. Drawn branches meet at a junction in all its duplicates: at the
- * K-duplicate of an orbit there are the K / m-duplicates of what leaves its junction of multiple m, and the K-duplicate of the branch that
- * a multiplication lies on. What hangs together without the backbones is a *cluster*; it belongs to F_i^j of every j-duplicate of a
- * backbone that it touches, of the lowest mode i alone. Union and find, linear in the number of meetings times the largest K. */
+ * A *drawn* branch is a pair of a branch and k, its k-duplicate. Drawn branches meet at a junction in all its
+ * duplicates: at the K-duplicate of an orbit there are the K / m-duplicates of what leaves its junction of multiple m,
+ * and the K-duplicate of the branch that a multiplication lies on. What hangs together without the backbones is a
+ * *cluster*; it belongs to F_i^j of every j-duplicate of a backbone that it touches, of the lowest mode i alone. Union
+ * and find, linear in the number of meetings times the largest K. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -48,7 +49,8 @@ static ric_status no_memory(void)
 static int by_site(const void *p, const void *q)
 {
     const meeting *a = p, *b = q;
-    return a->site != b->site ? (a->site > b->site) - (a->site < b->site) : (a->branch > b->branch) - (a->branch < b->branch);
+    return a->site != b->site ? (a->site > b->site) - (a->site < b->site)
+                              : (a->branch > b->branch) - (a->branch < b->branch);
 }
 
 /* All junctions at one orbit are one site: a grazing and its duplicates. */
@@ -73,7 +75,8 @@ static ric_status gather_meetings(web *w)
         for (int i = 0; !status && i < junction.n_branch; i++) {
             if ((status = ric_atlas_branch(w->atlas, junction.branches[i], &branch)))
                 break;
-            w->meetings[w->n_meeting++] = (meeting){site, branch.id, ric_junction_level(&junction, &branch), junction.multiple};
+            w->meetings[w->n_meeting++] = (meeting){site, branch.id, ric_junction_level(&junction, &branch),
+                                                    junction.multiple};
         }
         if (status)
             return status;

@@ -1,6 +1,6 @@
-/* Cascades of period multiplications, followed on request (docs/theory.md section 8). From an orbit whose multipliers are roots of unity the
- * family of q periods is traced to its next such orbit, which is solved on its own equations, and so on. Everything costs O(impacts):
- * the trace, the junction and the departure. */
+/* Cascades of period multiplications, followed on request (docs/theory.md section 8). From an orbit whose multipliers
+ * are roots of unity the family of q periods is traced to its next such orbit, which is solved on its own equations,
+ * and so on. Everything costs O(impacts): the trace, the junction and the departure. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,8 @@
 #include "trace.h"
 
 #define MAX_POINTS 20000
-#define PART 0.1          /* first largest step on a family, of the length of the one before: doublings shrink by 4 from one to the next */
+#define PART 0.1          /* first largest step on a family, of the length of the one before: doublings shrink by 4 from
+                           * one to the next */
 #define GROWTH 1.2        /* of that step from point to point, back to that of the study */
 #define LEAST_STEP 1e-9   /* below this part of the orbit its digits do not tell neighbours apart */
 #define TOUCH 1e-6        /* scaled speed below which the simulator's impact is a touch */
@@ -99,7 +100,8 @@ static ric_status integrate(const ric_model *m, const ric_cycle *orbit, const do
     return status;
 }
 
-/* One period on the simulator, which knows nothing of the word: how far the state is from the start; NaN where the faces differ. */
+/* One period on the simulator, which knows nothing of the word: how far the state is from the start; NaN where the
+ * faces differ. */
 static ric_status simulate(const ric_model *m, const ric_cycle *orbit, const double *state, double *error)
 {
     ric_simulator *sim = NULL;
@@ -147,7 +149,8 @@ static ric_status measure(const ric_model *m, stage *s)
     if (!status) {
         ric_chain_fly(chain, u);
         s->residual = chain->residual;
-        status = m->smooth ? integrate(m, s->orbit, s->state, &s->return_error) : simulate(m, s->orbit, s->state, &s->return_error);
+        status = m->smooth ? integrate(m, s->orbit, s->state, &s->return_error)
+                           : simulate(m, s->orbit, s->state, &s->return_error);
     }
     ric_chain_free(chain);
     free(u);
@@ -206,7 +209,8 @@ static ric_status add_multiplication(ric_cascade *c, const ric_trace *tr, int ev
     *found = !status;
     if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
     stage *s = &c->stages[c->n++];
-    *s = (stage){.node = node, .orbit = ric_cycle_copy(node->cycle), .multiple = r->q, .p = node->rotation[0], .ratio = NAN};
+    *s = (stage){.node = node, .orbit = ric_cycle_copy(node->cycle), .multiple = r->q, .p = node->rotation[0],
+                 .ratio = NAN};
     return s->orbit ? measure(c->model, s) : no_memory();
 }
 
@@ -239,8 +243,8 @@ static void remember(ric_cascade *c, const ric_trace *tr)
 {
     if (c->n < c->deepest) return;
     c->deepest = c->n;
-    snprintf(c->where, sizeof c->where, "the families that leave there were followed to their ends (the last: %s%s%s)", ric_stop_text(tr->stop),
-             tr->why && *tr->why ? ", " : "", tr->why ? tr->why : "");
+    snprintf(c->where, sizeof c->where, "the families that leave there were followed to their ends (the last: %s%s%s)",
+             ric_stop_text(tr->stop), tr->why && *tr->why ? ", " : "", tr->why ? tr->why : "");
 }
 
 /* Takes over `tr`, which goes to the stage that completes; every multiplication on the way is tried. */
@@ -258,7 +262,8 @@ static ric_status search_along(ric_cascade *c, ric_trace *tr, bool keep, bool *f
         stage *s = &c->stages[level];
         s->n_point = last || !keep ? tr->n_point : points_until(tr, tr->events[event].s);
         double step = c->limits.max_step;
-        if (keep && !last) c->limits.max_step = fmax(LEAST_STEP, fmin(c->study_step, PART * tr->events[event].s / tr->chain->scale));
+        if (keep && !last)
+            c->limits.max_step = fmax(LEAST_STEP, fmin(c->study_step, PART * tr->events[event].s / tr->chain->scale));
         if (last) *found = true;
         else status = descend(c, found);
         c->limits.max_step = step;
@@ -355,13 +360,15 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
 
 /* ------------------------------------------------------------------- the whole */
 
-/* At a doubling of an orbit with z(t+T/2) = -z(t) a symmetry is lost with the period: it is not of the same kind as the others. */
+/* At a doubling of an orbit with z(t+T/2) = -z(t) a symmetry is lost with the period: it is not of the same kind as the
+ * others. */
 static void set_ratios(ric_cascade *c)
 {
     for (int i = 2; i < c->n; i++) {
         bool doublings = true;
         for (int k = i - 2; k <= i; k++) doublings &= c->stages[k].multiple == 2 && !c->stages[k].orbit->half;
-        double last = c->stages[i].energy - c->stages[i - 1].energy, before = c->stages[i - 1].energy - c->stages[i - 2].energy;
+        double last = c->stages[i].energy - c->stages[i - 1].energy,
+               before = c->stages[i - 1].energy - c->stages[i - 2].energy;
         if (doublings) c->stages[i].ratio = before / last;
     }
 }
@@ -400,8 +407,10 @@ ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_
     c->limits.multiply = largest;
     status = search_branch(c, a, &b, &found);
     if (!status && !found)
-        status = ric_fail(RIC_E_RANGE, "no such cascade from branch %d: %d of %d multiplications were found; %s", branch, c->deepest, o->n,
-                          c->deepest ? c->where : "the branch has none by that number, or not where its orbits are motions");
+        status = ric_fail(RIC_E_RANGE, "no such cascade from branch %d: %d of %d multiplications were found; %s",
+                          branch, c->deepest, o->n,
+                          c->deepest ? c->where
+                                     : "the branch has none by that number, or not where its orbits are motions");
     c->options = NULL;
     if (status) {
         ric_cascade_free(c);
@@ -433,9 +442,10 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0},
                               .impacts = ric_cycle_impacts(ric_cycle_springs(c->model), s->orbit),
                               .letters = ric_cycle_letters(s->orbit), .word = s->word,
-                              .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop, .energy = s->energy,
-                              .frequency = s->frequency, .residual = s->residual, .return_error = s->return_error, .ratio = s->ratio,
-                              .state = s->state, .flights = s->flights, .n_point = s->n_point};
+                              .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop,
+                              .energy = s->energy, .frequency = s->frequency, .residual = s->residual,
+                              .return_error = s->return_error, .ratio = s->ratio, .state = s->state,
+                              .flights = s->flights, .n_point = s->n_point};
     return RIC_OK;
 }
 
@@ -463,7 +473,8 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     ric_status status = check_step(c, step);
     if (status) return status;
     const stage *s = &c->stages[step];
-    if (i < 0 || i >= s->n_point) return ric_fail(RIC_E_RANGE, "no point %d: the family followed to step %d has %d points", i, step, s->n_point);
+    if (i < 0 || i >= s->n_point)
+        return ric_fail(RIC_E_RANGE, "no point %d: the family followed to step %d has %d points", i, step, s->n_point);
     const ric_point *p = (const ric_point *)(s->trace->points + (size_t)i * s->trace->stride);
     if (point) *point = *p;
     if (!x) return RIC_OK;
@@ -476,7 +487,8 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     double *W = cycle ? calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
     if (W) {
         ric_cycle_states(c->model, cycle, W);
-        for (int k = 0; k < cycle->N; k++) ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * n, v);
+        for (int k = 0; k < cycle->N; k++)
+            ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * n, v);
     } else status = no_memory();
     free(W);
     ric_cycle_free(cycle);

@@ -7,7 +7,8 @@
 
 #include "status.h"
 
-#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within it */
+#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within
+                           * it */
 
 static int count_start(const ric_model *m, ric_mirror start)
 {
@@ -25,8 +26,8 @@ static int count_periods(ric_mirror start, ric_mirror end, int sigma)
     return (start == RIC_MIRROR_CENTRE) != (end == RIC_MIRROR_CENTRE) ? 4 : 2;
 }
 
-ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight, const int *face,
-                            ric_chain **out)
+ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
+                            const int *face, ric_chain **out)
 {
     int n = model->n;
     ric_chain *c = calloc(1, sizeof *c);
@@ -59,8 +60,8 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->zeta = calloc(vectors, sizeof(double));
     c->X = calloc(6 * nn * ld, sizeof(double));
     c->flown = calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
-    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv || !c->beta || !c->zeta || !c->X ||
-        !c->flown) {
+    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv ||
+        !c->beta || !c->zeta || !c->X || !c->flown) {
         ric_chain_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
@@ -168,7 +169,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
     return ric_gap(n, face, w) - face->gap;
 }
 
-/* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E p. */
+/* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E
+ * p. */
 static double end_residual(const ric_chain *c, int i)
 {
     int n = c->n;
@@ -253,9 +255,10 @@ static inline __attribute__((always_inline)) void carry_dense(ric_chain *c, int 
     for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = rate[i];
 }
 
-/* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are still at its start; the
- * derivative by its time is returned. */
-static inline __attribute__((always_inline)) double chord_row(const ric_chain *c, int n, int nz, int k, int ld, double *g, double *offset)
+/* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are
+ * still at its start; the derivative by its time is returned. */
+static inline __attribute__((always_inline)) double chord_row(const ric_chain *c, int n, int nz, int k, int ld,
+                                                              double *g, double *offset)
 {
     double by_w[2 * n], by_tau, tau = c->tau[k];
     ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, by_w, &by_tau);
@@ -269,7 +272,8 @@ static inline __attribute__((always_inline)) double chord_row(const ric_chain *c
 }
 
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
-static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned, int rows, int ld)
+static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned,
+                                                          int rows, int ld)
 {
     const ric_model *m = c->model;
     const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
@@ -320,7 +324,8 @@ static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, i
     return rho;
 }
 
-/* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the inhomogeneous column. */
+/* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the
+ * inhomogeneous column. */
 static double end_rows_general(ric_chain *c, int columns)
 {
     int n = c->n, ld = c->ld;
@@ -335,7 +340,8 @@ static double end_rows_general(ric_chain *c, int columns)
         x[ld - 1] += -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
         sum += h[r] * h[r];
     }
-    /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and that one row is dropped */
+    /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and that one row is
+     * dropped */
     int last = 2 * n - 1;
     double norm = sqrt(sum), sign = h[last] < 0 ? -1 : 1, beta = 1 / (norm * (norm + fabs(h[last])));
     h[last] += sign * norm;
@@ -430,8 +436,8 @@ void ric_chain_evaluate(ric_chain *c, const double *u)
 
 /* ------------------------------------------------------- back-substitution */
 
-/* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows pinned, the first row's
- * first. */
+/* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows
+ * pinned, the first row's first. */
 static void unwind(const ric_chain *c, bool newton, double first, const double *end, double *du)
 {
     int m = 1, free_columns = ric_general(c) ? 2 * c->n - 1 : c->n;
@@ -455,14 +461,16 @@ void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
     unwind(c, newton, alpha, end, du);
 }
 
-/* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal maps: its kernel is the
- * kernel of the whole, and its singular vectors are carried back like a step. */
+/* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal
+ * maps: its kernel is the kernel of the whole, and its singular vectors are carried back like a step. */
 bool ric_chain_plane(const ric_chain *c, double *kernel, double *second)
 {
     int rows = c->n_end, columns = rows + 1;
     double L[rows * columns], V[columns * columns], values[rows], super[rows + 1];
     for (int r = 0; r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super))) return false;
+    if (ric_lapack(
+            LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super)))
+        return false;
     *second = values[rows - 1];
     for (int i = 0; i < 2; i++) {
         /* row r pinned column n_end - r */
@@ -558,7 +566,8 @@ static void push(const ric_chain *c, const double *du, double *column)
         for (int j = 0; j < 2 * n; j++) dw[j] += rate[j] * du[c->n_start + i];
         if (c->face[i + 1] < 0) continue;
         const ric_face *face = &m->face[c->face[i + 1]];
-        if (!(ric_general(c) && i + 1 == c->n_flight)) column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
+        if (!(ric_general(c) && i + 1 == c->n_flight))
+            column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
         if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
     }
     for (int i = 0; i < rows; i++) {

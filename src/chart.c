@@ -105,14 +105,16 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
     ric_status status = RIC_OK;
     for (int i = 0; i < tr->n_point && !status; i++) {
         const double *in = tr->points + (size_t)i * tr->stride;
-        double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double), *v = x + m->n_dof;
+        double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double),
+               *v = x + m->n_dof;
         memcpy(out, in, sizeof(ric_point));
         status = ric_turn_write(m, tr->chain, in + sizeof(ric_point) / sizeof(double), t, x, v, v + m->n_dof);
     }
     return status;
 }
 
-/* The backbone of a linear mode leaves where the mode itself grazes; what leaves there after several periods has the same node mode. */
+/* The backbone of a linear mode leaves where the mode itself grazes; what leaves there after several periods has the
+ * same node mode. */
 static int backbone_mode(const ric_graph *g, const ric_edge *e)
 {
     const int ends[] = {e->from, e->to};
@@ -130,8 +132,9 @@ static char *branch_why(const char *why, int n_unplaced)
     char *text = malloc(size);
     if (!text) return NULL;
     int used = snprintf(text, size, "%s", why);
-    if (n_unplaced) snprintf(text + used, size - (size_t)used, "%s%d event%s on it do%s not converge to a junction", *why ? "; " : "", n_unplaced,
-                             n_unplaced == 1 ? "" : "s", n_unplaced == 1 ? "es" : "");
+    if (n_unplaced)
+        snprintf(text + used, size - (size_t)used, "%s%d event%s on it do%s not converge to a junction",
+                 *why ? "; " : "", n_unplaced, n_unplaced == 1 ? "" : "s", n_unplaced == 1 ? "es" : "");
     return text;
 }
 
@@ -153,10 +156,10 @@ static ric_status make_sheet(const ric_graph *g, const ric_edge *e, sheet *out)
     r->mirror = mirror_text(tr->chain);
     r->why = branch_why(tr->why ? tr->why : "", e->n_unplaced);
     if (turned && r->word) ric_cycle_word(m, turned, r->word);
-    r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word, .symmetric = cycle->half,
-                          .reversible = cycle->pure >= 0 || cycle->flip >= 0,
-                          .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why, .depth = e->depth,
-                          .mode = backbone_mode(g, e), .n_junction = e->n_inner};
+    r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word,
+                          .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
+                          .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why,
+                          .depth = e->depth, .mode = backbone_mode(g, e), .n_junction = e->n_inner};
     r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
     r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
     ric_cycle_free(cycle);
@@ -182,7 +185,8 @@ static double linear_amplitude(double omega, double energy)
 }
 
 /* A linear mode from rest to where it touches (or to the end of the energy window): states at its mirror point. */
-static ric_status make_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node, double energy, sheet *out)
+static ric_status make_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
+                              double energy, sheet *out)
 {
     ric_branch_record *r = &out->record;
     int n = m->n_dof;
@@ -196,11 +200,12 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
     r->mirror = strdup("centre-rest");
     r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
     if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return no_memory();
-    r->row = (ric_branch){.word = r->word, .symmetric = true, .reversible = true, .mirror = r->mirror, .n_point = LINEAR_POINTS,
-                          .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW, .why = r->why, .mode = mode + 1,
-                          .junctions = r->junctions, .junction_at = r->junction_at};
+    r->row = (ric_branch){.word = r->word, .symmetric = true, .reversible = true, .mirror = r->mirror,
+                          .n_point = LINEAR_POINTS, .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW,
+                          .why = r->why, .mode = mode + 1, .junctions = r->junctions, .junction_at = r->junction_at};
     for (int i = 0; i < LINEAR_POINTS; i++) {
-        double part = (double)i / (LINEAR_POINTS - 1), E = top * part * part, *x = r->points + (size_t)i * r->stride + sizeof(ric_point) / sizeof(double);
+        double part = (double)i / (LINEAR_POINTS - 1), E = top * part * part,
+               *x = r->points + (size_t)i * r->stride + sizeof(ric_point) / sizeof(double);
         ric_point *p = (ric_point *)(r->points + (size_t)i * r->stride);
         double q = linear_amplitude(omega, E);
         double rotation = NAN;
@@ -208,7 +213,8 @@ static ric_status make_linear(const ric_model *m, const ric_explore_options *o, 
             if (m->mode[k] != mode) rotation = fmod(m->frequency[m->mode[k]] / omega, 1);
         *p = (ric_point){.arclength = q, .energy = E, .frequency = omega, .rotation = rotation,
                          .trace = m->n == 2 && seen >= 0 ? asinh(cos(TWO_PI * rotation)) : NAN,
-                         .reach = isfinite(energy) ? sqrt(E / energy) : 0, .approach = NAN, .residual = 0, .stable = RIC_STABLE_YES};
+                         .reach = isfinite(energy) ? sqrt(E / energy) : 0, .approach = NAN, .residual = 0,
+                         .stable = RIC_STABLE_YES};
         for (int j = 0; j < n; j++) x[j] = m->Phi[j * n + mode] * q;
         x[2 * n] = TWO_PI / omega;
     }
@@ -298,7 +304,8 @@ static char *refusals(const ric_node *node)
     return strdup(why);
 }
 
-/* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact is left. */
+/* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact
+ * is left. */
 static ric_cycle *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
 {
     ric_cycle *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL;
@@ -335,10 +342,11 @@ static ric_status make_mark(const ric_model *m, const ric_node *node, int index,
         r->flights[i] = cycle->tau[i] / m->omega_ref;
     }
     if (!N) r->flights[0] = node->period / m->omega_ref;
-    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0, .letters = N, .word = r->word,
-                            .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
-                            .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]},
-                            .energy = node->energy * m->energy_unit, .state = r->state, .flights = r->flights, .refusal = r->refusal};
+    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0,
+                            .letters = N, .word = r->word,
+                            .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0, .multiple = node->multiple,
+                            .rotation = {node->rotation[0], node->rotation[1]}, .energy = node->energy * m->energy_unit,
+                            .state = r->state, .flights = r->flights, .refusal = r->refusal};
     r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;
     count_departures(node, r);
 out:
@@ -346,7 +354,8 @@ out:
     return status;
 }
 
-/* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of the graph. */
+/* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of
+ * the graph. */
 static ric_status mark_linear(const ric_model *m, int mode, double energy, int index, mark *out)
 {
     ric_junction_record *r = &out->record;
@@ -360,8 +369,8 @@ static ric_status mark_linear(const ric_model *m, int mode, double energy, int i
     if (!r->word || !r->state || !r->flights || !r->refusal) return no_memory();
     for (int i = 0; i < n; i++) r->state[i] = m->Phi[i * n + mode] * linear_amplitude(omega, energy);
     r->flights[0] = TWO_PI / omega;
-    r->row = (ric_junction){.kind = RIC_KIND_USER, .word = r->word, .multiple = 1, .energy = energy, .frequency = omega, .state = r->state,
-                            .flights = r->flights, .refusal = r->refusal};
+    r->row = (ric_junction){.kind = RIC_KIND_USER, .word = r->word, .multiple = 1, .energy = energy, .frequency = omega,
+                            .state = r->state, .flights = r->flights, .refusal = r->refusal};
     return RIC_OK;
 }
 
@@ -385,7 +394,8 @@ static int mark_order(const void *p, const void *q)
 {
     const ric_junction *a = &((const mark *)p)->record.row, *b = &((const mark *)q)->record.row;
     int order;
-    if (a->impacts * a->multiple != b->impacts * b->multiple) return a->impacts * a->multiple - b->impacts * b->multiple;
+    if (a->impacts * a->multiple != b->impacts * b->multiple)
+        return a->impacts * a->multiple - b->impacts * b->multiple;
     if ((order = compare_numbers(a->energy, b->energy))) return order;
     if ((order = compare_numbers(a->frequency, b->frequency))) return order;
     if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
@@ -404,7 +414,9 @@ static int family_order(const void *p, const void *q)
     bool grazing = a->kind == RIC_KIND_GRAZING;
     const int mine[2] = {grazing ? a->impacts * a->multiple : a->a, grazing ? a->grazings * a->multiple : a->b};
     const int yours[2] = {grazing ? b->impacts * b->multiple : b->a, grazing ? b->grazings * b->multiple : b->b};
-    return mine[0] != yours[0] ? (mine[0] < yours[0] ? -1 : 1) : mine[1] != yours[1] ? (mine[1] < yours[1] ? -1 : 1) : 0;
+    return mine[0] != yours[0]   ? (mine[0] < yours[0] ? -1 : 1)
+           : mine[1] != yours[1] ? (mine[1] < yours[1] ? -1 : 1)
+                                 : 0;
 }
 
 static int label_order(const void *p, const void *q)
@@ -417,7 +429,8 @@ static char *junction_label(const ric_junction *row, int number)
 {
     char text[64];
     const char *l = letter(row->kind);
-    if (row->kind == RIC_KIND_GRAZING) snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
+    if (row->kind == RIC_KIND_GRAZING)
+        snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
     else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
     else snprintf(text, sizeof text, "%s%d", l, number);
     return strdup(text);
@@ -597,7 +610,9 @@ static ric_status measure_in_shop(void *user, int i)
     if (i == 0) return s->beside ? s->beside(s->user, s->atlas) : RIC_OK;
     const ric_node *node = s->marks[i - 1].node;
     ric_junction *row = &s->marks[i - 1].record.row;
-    if (!node || (node->kind != RIC_KIND_EXTREMUM && node->kind != RIC_KIND_BRANCH_POINT && node->kind != RIC_KIND_MULTIPLICATION)) return RIC_OK;
+    if (!node || (node->kind != RIC_KIND_EXTREMUM && node->kind != RIC_KIND_BRANCH_POINT &&
+                  node->kind != RIC_KIND_MULTIPLICATION))
+        return RIC_OK;
     return ric_multiplicity(s->graph->model, node, &row->a, &row->b, &row->decided);
 }
 
@@ -616,7 +631,8 @@ static ric_status put_in_order(int n_mark, mark *marks, int n_sheet, sheet *shee
 }
 
 /* An atlas with room for junctions, and with the records of branches, which stay the sheets' own until all is done. */
-static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const sheet *sheets, int n_mark, ric_atlas *atlas)
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const sheet *sheets, int n_mark,
+                                ric_atlas *atlas)
 {
     ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
     if (status) return status;
@@ -629,8 +645,8 @@ static ric_status bind_branches(const ric_graph *g, const ric_study *study, int 
     return RIC_OK;
 }
 
-ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool finished, ric_status (*beside)(void *user, const ric_atlas *atlas), void *user,
-                            ric_atlas **out)
+ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool finished,
+                            ric_status (*beside)(void *user, const ric_atlas *atlas), void *user, ric_atlas **out)
 {
     ric_status status = RIC_OK;
     const ric_model *m = g->model;
@@ -647,7 +663,8 @@ ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool fin
         goto out;
     }
     if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
-    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark, .atlas = atlas, .beside = beside, .user = user};
+    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark, .atlas = atlas, .beside = beside,
+                     .user = user};
     n_sheet += g->n_edge;
     mark_used(g, used);
     for (int i = 0; i < g->n_node; i++)

@@ -7,9 +7,9 @@
 
 ric_status ric_chart(const ric_graph *graph, const ric_study *study, bool finished, ric_atlas **out);
 
-/* The same, and meanwhile, on some thread, beside(user, atlas) is called once, if there is one: the branches of the atlas are done, and its junctions,
- * whose labels take all workers, are not there yet. */
-ric_status ric_chart_beside(const ric_graph *graph, const ric_study *study, bool finished, ric_status (*beside)(void *user, const ric_atlas *atlas),
-                            void *user, ric_atlas **out);
+/* The same, and meanwhile, on some thread, beside(user, atlas) is called once, if there is one: the branches of the
+ * atlas are done, and its junctions, whose labels take all workers, are not there yet. */
+ric_status ric_chart_beside(const ric_graph *graph, const ric_study *study, bool finished,
+                            ric_status (*beside)(void *user, const ric_atlas *atlas), void *user, ric_atlas **out);
 
 #endif

@@ -30,7 +30,8 @@ int ric_corner_pairs(const ric_model *m, const ric_cycle *c, double speed, int c
     return !defined ? RIC_CORNER_UNDEFINED : touch || three ? RIC_CORNER_TOGETHER : count;
 }
 
-ric_cycle *ric_corner_swap(const ric_model *m, const ric_cycle *c, int n_pair, const int *pairs, unsigned choice, double tolerance)
+ric_cycle *ric_corner_swap(const ric_model *m, const ric_cycle *c, int n_pair, const int *pairs, unsigned choice,
+                           double tolerance)
 {
     ric_cycle *out = ric_cycle_copy(c);
     if (!out) return NULL;

@@ -7,15 +7,18 @@
 #include "workers.h"
 
 typedef struct ric_crew {
-    /* Before the first departure is taken: from now on the crew may claim departures (workers.h), and puts what it finds in the memo. */
+    /* Before the first departure is taken: from now on the crew may claim departures (workers.h), and puts what it
+     * finds in the memo. */
     ric_status (*join)(void *user, const ric_study *study, ric_workers *workers, ric_memo *memo);
     /* Returns when none of its threads touches either any more. */
     void (*leave)(void *user);
     void *user;
 } ric_crew;
 
-/* ric_explore with a crew, which may be NULL, and with the atlas that was written, if `out` is not NULL: free *out, which is NULL after a failure. */
-ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew, ric_atlas **out);
+/* ric_explore with a crew, which may be NULL, and with the atlas that was written, if `out` is not NULL: free *out,
+ * which is NULL after a failure. */
+ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew,
+                            ric_atlas **out);
 
 /* At the other end: what is needed to prepare departures of a study. */
 typedef struct ric_hand ric_hand;

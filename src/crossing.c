@@ -11,7 +11,8 @@
 #define SMALL 1e-8      /* singular values below this part of the largest, */
 #define GAP 1e-3        /* and this part of the next one, belong to the kernel (depart.c) */
 #define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit */
-#define DISTINCT 1e-3   /* smallest sine of the angle between two directions that can be told apart at the first step, 1e-3 of the orbit */
+#define DISTINCT 1e-3   /* smallest sine of the angle between two directions that can be told apart at the first step,
+                         * 1e-3 of the orbit */
 #define GAP_STEPS 3     /* Newton steps towards a crossing: they converge quadratically from 1e-3 */
 #define LEFT 1e-3       /* distance, relative, from a crossing at which another one is looked at */
 #define LARGE 300       /* unknowns from which on dense singular value decompositions cost more than the rest */
@@ -43,7 +44,8 @@ static ric_status crossing_create(const ric_model *m, const ric_node *node, cros
     /* the general form has as many equations as unknowns, one redundant; the others one fewer */
     size_t n = (size_t)q->chain->n_unknown;
     q->size = (int)n;
-    if (!(q->memory = calloc(3 * n + 3 * n * n, sizeof *q->memory))) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!(q->memory = calloc(3 * n + 3 * n * n, sizeof *q->memory)))
+        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
     q->kernel = q->memory;
     q->left = q->kernel + 2 * n;
     q->J = q->left + n;
@@ -52,7 +54,8 @@ static ric_status crossing_create(const ric_model *m, const ric_node *node, cros
     return RIC_OK;
 }
 
-/* Kernel and the left null vector: in the general form that one of two which is perpendicular to the mean gradient of the energy (section 3). */
+/* Kernel and the left null vector: in the general form that one of two which is perpendicular to the mean gradient of
+ * the energy (section 3). */
 static ric_status kernels(crossing *q)
 {
     ric_chain *c = q->chain;
@@ -62,8 +65,9 @@ static ric_status kernels(crossing *q)
     ric_chain_fly(c, q->u0);
     equations = ric_chain_jacobian(c, q->u0, q->J);
     if (n < 3 || equations != (whole ? n : n - 1) ||
-        ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super)) || s[rank] > SMALL * s[0] ||
-        s[rank] > GAP * s[rank - 1])
+        ric_lapack(
+            LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super)) ||
+        s[rank] > SMALL * s[0] || s[rank] > GAP * s[rank - 1])
         return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     memcpy(q->kernel, q->V + (size_t)rank * n, 2 * (size_t)n * sizeof *q->kernel);
     if (whole) {
@@ -75,12 +79,14 @@ static ric_status kernels(crossing *q)
         part[0] = h[1] / hypot(h[0], h[1]);
         part[1] = -h[0] / hypot(h[0], h[1]);
     }
-    for (int i = 0; i < equations; i++) q->left[i] = part[0] * q->U[i * equations + rank] + (whole ? part[1] * q->U[i * equations + rank + 1] : 0);
+    for (int i = 0; i < equations; i++)
+        q->left[i] = part[0] * q->U[i * equations + rank] + (whole ? part[1] * q->U[i * equations + rank + 1] : 0);
     return RIC_OK;
 }
 
-/* The algebraic branching equation: the second derivative of the equations along the left null vector, Q [3] = (11, 12, 22) on the kernel,
- * vanishes along both branches (H. B. Keller, in: Applications of Bifurcation Theory, 1977). */
+/* The algebraic branching equation: the second derivative of the equations along the left null vector, Q [3] =
+ * (11, 12, 22) on the kernel, vanishes along both branches (H. B. Keller, in: Applications of Bifurcation Theory,
+ * 1977). */
 static ric_status directions(crossing *q)
 {
     ric_chain *c = q->chain;
@@ -92,10 +98,14 @@ static ric_status directions(crossing *q)
             ric_chain_fly(c, u);
             int equations = ric_chain_jacobian(c, u, q->J);
             for (int k = 0; k < 2; k++)
-                for (int e = 0; e < equations; e++) Q[i][k] += side * q->left[e] * ric_dot(n, q->J + e * n, q->kernel + k * n) / (2 * h);
+                for (int e = 0; e < equations; e++)
+                    Q[i][k] += side * q->left[e] * ric_dot(n, q->J + e * n, q->kernel + k * n) / (2 * h);
         }
-    double a = Q[0][0], b = (Q[0][1] + Q[1][0]) / 2, d = Q[1][1], root = b * b - a * d, size = hypot(a - d, 2 * b) + fabs(a + d);
-    if (!(root > 0)) return ric_fail(RIC_E_NUMERIC, "no two branches cross at the branch point: the branching equation has no real roots");
+    double a = Q[0][0], b = (Q[0][1] + Q[1][0]) / 2, d = Q[1][1], root = b * b - a * d,
+           size = hypot(a - d, 2 * b) + fabs(a + d);
+    if (!(root > 0))
+        return ric_fail(RIC_E_NUMERIC,
+                        "no two branches cross at the branch point: the branching equation has no real roots");
     root = sqrt(root);
     /* a x^2 + 2 b x y + d y^2 = 0, without cancellation */
     double p = -(b + copysign(root, b));
@@ -103,13 +113,15 @@ static ric_status directions(crossing *q)
     ric_chain_fly(c, q->u0);
     for (int k = 0; k < 2; k++) {
         double norm = hypot(x[k][0], x[k][1]);
-        if (!(norm > SMALL * size)) return ric_fail(RIC_E_NUMERIC, "the branching equation at the branch point is degenerate");
+        if (!(norm > SMALL * size))
+            return ric_fail(RIC_E_NUMERIC, "the branching equation at the branch point is degenerate");
         for (int j = 0; j < 2; j++) x[k][j] /= norm;
         for (int j = 0; j < n; j++) t[j] = x[k][0] * q->kernel[j] + x[k][1] * q->kernel[n + j];
         slope[k] = fabs(ric_chain_energy_slope(c, t));
     }
     if (fabs(x[0][0] * x[1][1] - x[0][1] * x[1][0]) < DISTINCT)
-        return ric_fail(RIC_E_NUMERIC, "the branches that cross at the branch point touch: their directions cannot be told apart");
+        return ric_fail(RIC_E_NUMERIC,
+                        "the branches that cross at the branch point touch: their directions cannot be told apart");
     int through = slope[1] > slope[0];
     memcpy(q->way[0], x[through], sizeof x[0]);
     memcpy(q->way[1], x[!through], sizeof x[0]);
@@ -125,7 +137,8 @@ static ric_status solve(const ric_model *m, const ric_node *node, crossing *q)
     return status;
 }
 
-ric_status ric_crossing_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
+ric_status ric_crossing_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain,
+                               double **u0, double **t0)
 {
     crossing q;
     int largest = 0;
@@ -174,8 +187,9 @@ ric_status ric_crossing_choice(const ric_model *m, const ric_node *node, const r
     return status;
 }
 
-/* Newton's method in the range of the Jacobian without its smallest singular values, of which two are those of the kernel: the right hand side
- * that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the square of the distance from it. */
+/* Newton's method in the range of the Jacobian without its smallest singular values, of which two are those of the
+ * kernel: the right hand side that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the
+ * square of the distance from it. */
 double ric_crossing_gap(ric_chain *c, const double *u)
 {
     size_t n = (size_t)c->n_unknown, rows = (size_t)ric_chain_rows(c);
@@ -183,13 +197,16 @@ double ric_crossing_gap(ric_chain *c, const double *u)
     if (unknowns > LARGE) return 0;
     double *memory = calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN, moved = 0;
     if (!memory || rank < 1) goto out;
-    double *J = memory, *U = J + rows * n, *V = U + rows * rows, *r = V + n * n, *s = r + rows, *super = s + rows, *v = super + rows;
+    double *J = memory, *U = J + rows * n, *V = U + rows * rows, *r = V + n * n, *s = r + rows, *super = s + rows,
+           *v = super + rows;
     memcpy(v, u, n * sizeof *v);
     for (int i = 0; i <= GAP_STEPS; i++) {
         equations = ric_chain_jacobian(c, v, J);
         ric_chain_residuals(c, v, r);
         if (!equations) goto out;
-        if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, unknowns, J, unknowns, s, U, equations, V, unknowns, super))) goto out;
+        if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, unknowns, J, unknowns, s, U, equations, V,
+                                      unknowns, super)))
+            goto out;
         gap = 0;
         for (int k = 0; k < equations; k++) {
             double part = 0;

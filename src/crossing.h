@@ -4,13 +4,15 @@
 
 #include "node.h"
 
-/* The chain at the node, its unknowns and the unit direction of the branch that `choice` stands for: THROUGH is the one along which the energy
- * changes faster, SIDE the other; both allocated. RIC_E_NUMERIC: refused, the reason in ric_detail(). */
-ric_status ric_crossing_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0);
+/* The chain at the node, its unknowns and the unit direction of the branch that `choice` stands for: THROUGH is the one
+ * along which the energy changes faster, SIDE the other; both allocated. RIC_E_NUMERIC: refused, the reason in
+ * ric_detail(). */
+ric_status ric_crossing_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_chain **chain,
+                               double **u0, double **t0);
 
-/* What keeps two branches apart that seem to cross at u, a point near both: the residual, relative to the size of the orbit, that is left
- * where all other equations hold. Zero (rounding) where they do cross, and for problems of hundreds of unknowns, which are not looked at.
- * NAN: there is no such point close by. */
+/* What keeps two branches apart that seem to cross at u, a point near both: the residual, relative to the size of the
+ * orbit, that is left where all other equations hold. Zero (rounding) where they do cross, and for problems of hundreds
+ * of unknowns, which are not looked at. NAN: there is no such point close by. */
 double ric_crossing_gap(ric_chain *chain, const double *u);
 
 /* Which of the two an orbit near the node lies on. */

@@ -57,7 +57,8 @@ ric_cycle *ric_cycle_copy(const ric_cycle *c)
 
 /* ------------------------------------------------------------- from chain */
 
-/* Appends one flight that ends on `face` (-1: in flight) to a cycle under construction; `open` is flight time not yet closed. */
+/* Appends one flight that ends on `face` (-1: in flight) to a cycle under construction; `open` is flight time not yet
+ * closed. */
 static void append(ric_cycle *c, double *open, double tau, int face)
 {
     *open += tau;
@@ -120,7 +121,8 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
     const double *first = chain->w + (on_impact ? 0 : 2 * n);
     memcpy(c->w, first, 2 * (size_t)n * sizeof *c->w);
     c->closed = chain->closed[!on_impact];
-    if (!on_impact && nf == 1) ric_flight_strike(n, &m->face[c->face[0]], c->w + n); /* the end mirror is the first impact */
+    /* the end mirror is the first impact */
+    if (!on_impact && nf == 1) ric_flight_strike(n, &m->face[c->face[0]], c->w + n);
     int N = c->N, passed = nf - 1 + on_impact;
     int a = on_impact ? 0 : -1, b = chain->end == RIC_MIRROR_IMPACT ? 2 * passed : 2 * passed - 1;
     c->half = quarter;
@@ -133,7 +135,8 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
 
 /* --------------------------------------------------------------- to chain */
 
-/* Flight i of the cycle, with `closed` during it, and the event at its end: w from right after event i to right after the next. */
+/* Flight i of the cycle, with `closed` during it, and the event at its end: w from right after event i to right after
+ * the next. */
 static void advance(const ric_model *m, const ric_cycle *c, int i, uint64_t *closed, const double *w, double *after)
 {
     int face = c->face[(i + 1) % c->N];
@@ -201,8 +204,8 @@ double ric_cycle_energy(const ric_model *m, const ric_cycle *c)
     return ric_flight_energy(m, c->closed, c->w);
 }
 
-/* Where a chain of the general form may start: the condition there stands for itself, so not behind a flight between two switches of one
- * spring, if there is another event. */
+/* Where a chain of the general form may start: the condition there stands for itself, so not behind a flight between
+ * two switches of one spring, if there is another event. */
 int ric_cycle_start(const ric_model *m, const ric_cycle *c)
 {
     if (!m->springs) return 0;
@@ -249,8 +252,8 @@ static ric_status to_general(const ric_model *m, const ric_cycle *c, ric_chain *
 }
 
 /* Chain from half position x0 to x1. */
-static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1, ric_mirror in_flight0, ric_mirror in_flight1,
-                          ric_chain **chain, double **out)
+static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1, ric_mirror in_flight0,
+                          ric_mirror in_flight1, ric_chain **chain, double **out)
 {
     ric_status status = RIC_OK;
     int n = c->n, N = c->N, nf = 0;
@@ -480,7 +483,8 @@ static double size_of(const ric_cycle *c)
 double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b)
 {
     double sum = 0, size = size_of(a);
-    if (a->N != b->N || a->closed != b->closed || memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face)) return HUGE_VAL;
+    if (a->N != b->N || a->closed != b->closed || memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face))
+        return HUGE_VAL;
     for (int i = 0; i < 2 * a->n; i++) sum = fmax(sum, fabs(a->w[i] - b->w[i]) / size);
     for (int i = 0; i < a->N; i++) sum = fmax(sum, fabs(a->tau[i] - b->tau[i]));
     return sum;
@@ -498,7 +502,8 @@ static bool same_word(const ric_model *m, const ric_cycle *a, const ric_cycle *b
 }
 
 /* Distance of the image of b under an operation from a; infinity when the words differ. */
-static double image_distance(const ric_model *m, const ric_cycle *a, const ric_cycle *b, int shift, bool reverse, bool mirror)
+static double image_distance(const ric_model *m, const ric_cycle *a, const ric_cycle *b, int shift, bool reverse,
+                             bool mirror)
 {
     if (!same_word(m, a, b, shift, reverse, mirror)) return HUGE_VAL;
     /* flight times first: they cost nothing */
@@ -520,7 +525,8 @@ bool ric_cycle_alike(const ric_model *m, const ric_cycle *a, const ric_cycle *b)
     return found;
 }
 
-bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror)
+bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift,
+                     bool *reverse, bool *mirror)
 {
     double nearest = HUGE_VAL;
     if (a->N != b->N) return false;
@@ -532,7 +538,8 @@ bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b,
             *shift = s;
             *reverse = op & 1;
             *mirror = op & 2;
-            if (distance <= EXACT) return true; /* the images of an orbit with symmetries differ by rounding: the first one */
+            if (distance <= EXACT) return true; /* the images of an orbit with symmetries differ by rounding: the first
+                                                 * one */
         }
     return nearest < HUGE_VAL;
 }
@@ -598,7 +605,8 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
         if (c->pure < 0 && image_distance(m, c, c, s, true, false) <= tolerance) c->pure = s;
         if (c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
     }
-    if (m->smooth && c->pure < 0 && c->flip < 0 && ric_cycle_find_mirrors(m, c, q, tolerance) && c->half) /* the other reversal a quarter on */
+    /* the other reversal a quarter on */
+    if (m->smooth && c->pure < 0 && c->flip < 0 && ric_cycle_find_mirrors(m, c, q, tolerance) && c->half)
         *(c->pure < 0 ? &c->pure : &c->flip) = 1;
     /* smooth orbits with all symmetries start at a centre */
     if (m->smooth && c->half && c->pure == 0) ric_cycle_half_mark(m, c);

@@ -1,9 +1,9 @@
-/* One period of an orbit as a closed list of events: impacts, and the closings and openings of springs, and what maps it to itself. Chains (chain.h)
- * are made from it and turned back.
+/* One period of an orbit as a closed list of events: impacts, and the closings and openings of springs, and what maps
+ * it to itself. Chains (chain.h) are made from it and turned back.
  *
- * Impact i is followed by flight i. The group that acts: time shifts (the first impact changes), time reversal, and x -> -x where the
- * structure allows it. On the circle of 2N half positions, 2i is impact i and 2i + 1 the middle of flight i; a reversal that takes
- * impact i to r - i has its mirror points at positions r and r + N. */
+ * Impact i is followed by flight i. The group that acts: time shifts (the first impact changes), time reversal, and x
+ * -> -x where the structure allows it. On the circle of 2N half positions, 2i is impact i and 2i + 1 the middle of
+ * flight i; a reversal that takes impact i to r - i has its mirror points at positions r and r + N. */
 #ifndef RIC_CYCLE_H
 #define RIC_CYCLE_H
 
@@ -14,12 +14,14 @@ typedef struct {
     int *face;     /* [N] */
     double *tau;   /* [N] */
     double *w;     /* [2n] state right after impact 0 */
-    double *opposite; /* law power: [2n] half a period on, where the solved orbit tells: to fly there may lose digits; else NULL */
+    double *opposite; /* law power: [2n] half a period on, where the solved orbit tells: to fly there may lose digits;
+                       * else NULL */
     uint64_t closed; /* springs that are closed after it (flight.h) */
     bool half;     /* z(t+T/2) = -z(t) */
     int pure;      /* reversal i -> pure - i keeps the orbit; -1: none */
     int flip;      /* the same joined with x -> -x; -1: none */
-    int parts;     /* law power: of the period, between nodes at which chains let it start anew (nodes.h), at least; 0: chains have none */
+    int parts;     /* law power: of the period, between nodes at which chains let it start anew (nodes.h), at least; 0:
+                    * chains have none */
 } ric_cycle;
 
 ric_cycle *ric_cycle_create(int n, int N);
@@ -37,8 +39,8 @@ ric_status ric_cycle_to_chain(const ric_model *model, const ric_cycle *cycle, ri
 uint64_t ric_cycle_springs(const ric_model *model);
 /* Impacts of a cycle, a contact of a spring from closing to opening counted as one. */
 int ric_cycle_impacts(uint64_t springs, const ric_cycle *cycle);
-/* Its letters as they leave the library, [N], or none without impacts: n_face + face where a spring opens. And back: faces, and the springs
- * that are closed. */
+/* Its letters as they leave the library, [N], or none without impacts: n_face + face where a spring opens. And back:
+ * faces, and the springs that are closed. */
 void ric_cycle_word(const ric_model *model, const ric_cycle *cycle, int *word);
 void ric_cycle_spell(const ric_model *model, ric_cycle *cycle, const int *word);
 /* The springs that are closed in flight i. */
@@ -55,7 +57,8 @@ double ric_cycle_energy(const ric_model *model, const ric_cycle *cycle);
 ric_cycle *ric_cycle_transform(const ric_model *model, const ric_cycle *cycle, int shift, bool reverse, bool mirror);
 /* Whether x -> -x takes every face of the orbit to a face. */
 bool ric_cycle_mirrors(const ric_model *model, const ric_cycle *cycle);
-/* Only the impacts with keep[i]; the others, of no speed, are flown through. At least one is kept. Symmetries that the choice breaks go. */
+/* Only the impacts with keep[i]; the others, of no speed, are flown through. At least one is kept. Symmetries that the
+ * choice breaks go. */
 ric_cycle *ric_cycle_keep(const ric_model *model, const ric_cycle *cycle, const bool *keep);
 /* The first N/q impacts of a cycle that repeats itself q times. */
 ric_cycle *ric_cycle_shorten(const ric_cycle *cycle, int q);
@@ -68,7 +71,8 @@ double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
 /* Whether some image of b has the same word as a: without that no operation takes the one to the other. */
 bool ric_cycle_alike(const ric_model *model, const ric_cycle *a, const ric_cycle *b);
 /* The operation that takes b nearest to a, within `tolerance`: found or not. */
-bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift, bool *reverse, bool *mirror);
+bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift,
+                     bool *reverse, bool *mirror);
 /* Whether there is one, however it reads. */
 bool ric_cycle_same(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance);
 /* Whether the cycle is one of fewer impacts gone through several times. */
@@ -79,23 +83,26 @@ ric_cycle *ric_cycle_nearest(const ric_model *model, const ric_cycle *orbit, con
 int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */
 int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b);
-/* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as equal). */
+/* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as
+ * equal). */
 ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
 
 
-/* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no memory. */
+/* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no
+ * memory. */
 bool ric_cycle_mark(ric_cycle *cycle, int marks);
 /* Sets the state half a period on, w [2n], or forgets it, NULL; false: no memory. */
 bool ric_cycle_oppose(ric_cycle *cycle, const double *w);
 ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u);
 ric_status ric_cycle_to_smooth(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
-/* Orbits without mirror points may start at any time. Moves the start of `near` to where it is nearest to that of `orbit`, across the flow there;
- * returns the time that takes. Or by a given time, and across the flow from there. */
+/* Orbits without mirror points may start at any time. Moves the start of `near` to where it is nearest to that of
+ * `orbit`, across the flow there; returns the time that takes. Or by a given time, and across the flow from there. */
 double ric_cycle_phase(const ric_model *model, const ric_cycle *orbit, ric_cycle *near);
 void ric_cycle_shift(const ric_model *model, const ric_cycle *orbit, double time, ric_cycle *near);
 /* ric_cycle_nearest of such orbits. */
 ric_cycle *ric_cycle_nearest_phase(const ric_model *model, const ric_cycle *orbit, const ric_cycle *near, double limit);
-/* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts at one of them afterwards. */
+/* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts at one of them
+ * afterwards. */
 bool ric_cycle_find_mirrors(const ric_model *model, ric_cycle *cycle, int copies, double tolerance);
 /* The same orbit started half a mark later. */
 void ric_cycle_half_mark(const ric_model *model, ric_cycle *cycle);

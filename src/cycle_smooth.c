@@ -1,6 +1,6 @@
-/* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face -1 and without effect, to which the
- * operations of cycle.h refer. An orbit with mirror points starts at one of them; one without at the instant of largest |s| of the first
- * contact, which every symmetry respects (docs/theory.md section 10). */
+/* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face -1 and without
+ * effect, to which the operations of cycle.h refer. An orbit with mirror points starts at one of them; one without at
+ * the instant of largest |s| of the first contact, which every symmetry respects (docs/theory.md section 10). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -67,8 +67,8 @@ static double longest_piece(const ric_model *m, double period)
     return period / (SAMPLES * (1 + period * m->omega[m->n - 1] / 6.283185307179586));
 }
 
-/* A piece of an orbit at w, short enough for a walk to see all: some to every turn of the fastest mode, and to every time in which the motion
- * changes its course, which within a contact of high power may be a hundredth of that. */
+/* A piece of an orbit at w, short enough for a walk to see all: some to every turn of the fastest mode, and to every
+ * time in which the motion changes its course, which within a contact of high power may be a hundredth of that. */
 static double piece(const ric_model *m, double period, const double *w)
 {
     double longest = longest_piece(m, period), pace = ric_flight_pace(m, w) / PIECES;
@@ -126,7 +126,8 @@ static double distance(int size, const double *a, const double *b)
     return sqrt(sum);
 }
 
-/* Newton's method on the time at which the orbit through w passes the plane across the flow at `to`; false if it is farther away than `most`. */
+/* Newton's method on the time at which the orbit through w passes the plane across the flow at `to`; false if it is
+ * farther away than `most`. */
 static bool onto_plane(const ric_model *m, const double *to, double most, double *w, double *time)
 {
     int size = 2 * m->n;
@@ -145,7 +146,8 @@ static bool onto_plane(const ric_model *m, const double *to, double most, double
     return true;
 }
 
-/* Moves w along its orbit to where that is nearest to `to`: sampled, every local minimum refined. Returns the time that takes. */
+/* Moves w along its orbit to where that is nearest to `to`: sampled, every local minimum refined. Returns the time that
+ * takes. */
 static double to_neighbour(const ric_model *m, double period, const double *to, double *w)
 {
     int size = 2 * m->n, beyond = 0;
@@ -203,7 +205,8 @@ ric_cycle *ric_cycle_nearest_phase(const ric_model *m, const ric_cycle *orbit, c
     return best;
 }
 
-/* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of that behind w, and half a period on. */
+/* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of that behind w, and
+ * half a period on. */
 bool ric_cycle_find_mirrors(const ric_model *m, ric_cycle *c, int copies, double tolerance)
 {
     double period = ric_cycle_period(c) / copies;

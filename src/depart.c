@@ -17,7 +17,8 @@
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4     /* distance, relative, of the point that gives the direction of a side branch */
 #define NEAR 1e-5       /* the same of points that are not solved: directions are their differences */
-#define ITSELF 1e-2     /* of an orbit and its image, one is the orbit itself if its distance is less than this part of the other's */
+#define ITSELF 1e-2     /* of an orbit and its image, one is the orbit itself if its distance is less than this part of
+                         * the other's */
 #define LARGE 300       /* unknowns from which on a dense singular value decomposition costs more than the rest */
 #define SECOND 1e-6     /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
 
@@ -27,14 +28,16 @@ static const char *together(const ric_model *m, const ric_cycle *c)
     for (int i = 0; i < c->N; i++) {
         const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[(i + 1) % c->N]];
         if (f->contact == g->contact || c->tau[i] > RIC_COINCIDENT) continue;
-        return ric_corner_commute(m, f, g) ? "two contacts close together for a whole branch; such branches are not followed by this version"
-                                           : "two contacts close together and their normals are not orthogonal in the metric of M^-1: "
-                                             "the impact law does not say what happens";
+        return ric_corner_commute(m, f, g)
+                   ? "two contacts close together for a whole branch; such branches are not followed by this version"
+                   : "two contacts close together and their normals are not orthogonal in the metric of M^-1: the "
+                     "impact law does not say what happens";
     }
     return NULL;
 }
 
-/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact has no speed but rounding. */
+/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact has no speed but
+ * rounding. */
 static int admissible(ric_chain *c, const double *u0, const double *t, double h)
 {
     int size = c->n_unknown, iterations;
@@ -60,8 +63,10 @@ static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
     *found = 0;
     if (!ric_trace_correct(c, u0, NULL, NULL, 0, t, &iterations))
         return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
-    if (c->smallest < 1e-9) return ric_fail(RIC_E_NUMERIC, "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
-                                      "together there and no single branch leaves");
+    if (c->smallest < 1e-9)
+        return ric_fail(RIC_E_NUMERIC,
+                        "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
+                        "together there and no single branch leaves");
     ric_trace_tangent(c, NULL, t);
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;
@@ -70,7 +75,8 @@ static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
             first = admissible(c, u0, t, h);
             second = admissible(c, u0, t, h / 10);
         }
-        if (first != second || first < 0) return ric_fail(RIC_E_NUMERIC, "whether the departure is admissible is lost in rounding");
+        if (first != second || first < 0)
+            return ric_fail(RIC_E_NUMERIC, "whether the departure is admissible is lost in rounding");
         if (first != 1) continue;
         if (*found) return ric_fail(RIC_E_NUMERIC, "the departure is admissible both ways: the touch does not end it");
         *found = side;
@@ -89,8 +95,8 @@ static void drop(ric_chain **chain, double **u0, double **t0)
 }
 
 /* From a grazing or a corner. */
-static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0,
-                                bool *singular)
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain,
+                                double **u0, double **t0, bool *singular)
 {
     ric_cycle *cycle = ric_subset_cycle(m, node, choice);
     int found = 0;
@@ -111,17 +117,19 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
     return status;
 }
 
-/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is that of a flight time,
- * hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
+/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is
+ * that of a flight time, hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
 static bool dense_plane(ric_chain *c, const double *u, double *kernel)
 {
     int size = c->n_unknown, rows = ric_chain_rows(c), k = rows < size ? rows : size;
-    double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s), *super = calloc((size_t)k, sizeof *super);
+    double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s),
+           *super = calloc((size_t)k, sizeof *super);
     double *V = calloc((size_t)size * size, sizeof *V);
     bool found = false;
     if (J && s && super && V) {
         int equations = ric_chain_jacobian(c, u, J);
-        if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
+        if (!ric_lapack(
+                LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
             double second = size - 2 < equations ? s[size - 2] : 0;
             found = size > 2 && second <= 1e-8 * s[0] && second <= 1e-3 * s[size - 3];
             memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
@@ -142,9 +150,10 @@ static bool plane(ric_chain *c, const double *u, double *kernel)
     return ric_chain_plane(c, kernel, &second) && second <= SECOND;
 }
 
-/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one leaves. */
-static ric_status neighbour(const ric_model *m, ric_chain *form, const double *v, const double *t, double h, const ric_turn *turn,
-                            const ric_problem *problem, double **u)
+/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one
+ * leaves. */
+static ric_status neighbour(const ric_model *m, ric_chain *form, const double *v, const double *t, double h,
+                            const ric_turn *turn, const ric_problem *problem, double **u)
 {
     double point[form->n_unknown];
     ric_chain *chain = NULL;
@@ -177,8 +186,8 @@ static ric_status side_direction(ric_chain *c, const double *u0, const double *b
     return RIC_OK;
 }
 
-/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that of a point on it.
- * The symmetric branch has no point in the plane that is solved in. */
+/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that
+ * of a point on it. The symmetric branch has no point in the plane that is solved in. */
 static bool secant_direction(ric_chain *c, const double *u0, double *t0)
 {
     int size = c->n_unknown, iterations;
@@ -212,10 +221,11 @@ static double largest_difference(int size, const double *a, const double *b)
     return most;
 }
 
-/* A family of even order is its own image half its period on, turned round: its direction is that part of the kernel vector which changes its
- * sign. Nothing is solved, so that families of any smallness are left in the right direction: deep in a cascade other orbits lie about. A
- * cycle may be read from either of its mirror points, which the shift exchanges, and on S orbits the other one shows the mirror image: of the
- * two sets of unknowns one must be that of the chain itself. */
+/* A family of even order is its own image half its period on, turned round: its direction is that part of the kernel
+ * vector which changes its sign. Nothing is solved, so that families of any smallness are left in the right direction:
+ * deep in a cascade other orbits lie about. A cycle may be read from either of its mirror points, which the shift
+ * exchanges, and on S orbits the other one shows the mirror image: of the two sets of unknowns one must be that of the
+ * chain itself. */
 static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_chain *c, const double *u0, double *t0)
 {
     int size = c->n_unknown;
@@ -243,17 +253,20 @@ static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_ch
 
 static bool turns_round(const ric_node *node)
 {
-    return node->kind == RIC_KIND_MULTIPLICATION && ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
+    return node->kind == RIC_KIND_MULTIPLICATION &&
+           ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
 }
 
-static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0)
+static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0,
+                              double **t0)
 {
     ric_problem problem = ric_node_problem(node, choice);
     ric_chain *form = NULL;
     double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
     ric_turn turn;
     ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
-    ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v)
+                              : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     if (status) goto out;
     if ((status = ric_cycle_to_chain(m, cycle, chain, u0))) goto out;
     *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
@@ -273,7 +286,8 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned
     if ((status = neighbour(m, form, v, t, NEAR * form->scale, &turn, &problem, &after))) goto out;
     if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
     if (turns_round(node)) status = odd_direction(m, node, *chain, *u0, *t0);
-    else if (!secant_direction(*chain, *u0, *t0)) status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+    else if (!secant_direction(*chain, *u0, *t0))
+        status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 out:
     if (status) drop(chain, u0, t0);
     ric_chain_free(form);
@@ -289,7 +303,8 @@ static ric_status depart_through(const ric_model *m, const ric_node *node, ric_c
 {
     ric_status status = ric_cycle_to_chain(m, node->cycle, chain, u0);
     if (status) return status;
-    if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0))) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0)))
+        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
     ric_chain_evaluate(*chain, *u0);
     ric_trace_tangent(*chain, NULL, *t0);
     return RIC_OK;
@@ -301,7 +316,8 @@ static void orient(const ric_chain *c, int side, double length, double *t0)
     for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
 }
 
-/* Whether a spring is met from here on: the contact is short as the distance x from the grazing, and energy and period change as x^2. */
+/* Whether a spring is met from here on: the contact is short as the distance x from the grazing, and energy and period
+ * change as x^2. */
 static bool keeps_soft(const ric_node *node, unsigned choice)
 {
     for (int bit = 0; bit < node->n_touch * node->multiple; bit++)
@@ -309,8 +325,8 @@ static bool keeps_soft(const ric_node *node, unsigned choice)
     return false;
 }
 
-ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain, double **u0,
-                           double **t0, unsigned *ignore)
+ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain,
+                           double **u0, double **t0, unsigned *ignore)
 {
     const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
     bool singular = false;

@@ -10,9 +10,11 @@
 #include "status.h"
 
 #define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
-/* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has jumped. */
+/* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has
+ * jumped. */
 #define JUMP 1e-7
-/* How far the sign of a factor that was never seen may come out of rounding in one step, over the least that is seen. */
+/* How far the sign of a factor that was never seen may come out of rounding in one step, over the least that is
+ * seen. */
 #define EMERGED 100
 /* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
 #define ASIDE_STEPS 3
@@ -20,8 +22,8 @@
 #define TOGETHER 1e-6
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
-/* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through that point has another
- * heading. */
+/* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through
+ * that point has another heading. */
 #define ON_CUBIC 1e-4
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
 #define APPROACHES 4
@@ -31,13 +33,16 @@
 #define ON_SLOPE 0.02
 
 #define STRETCHES 3 /* of a step, between its extrema of energy and of period */
-#define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter steps */
+#define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter
+                        * steps */
 
-static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
-                                 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
-/* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them passes through zero
- * the singular functions change sign without a zero. */
-static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |
+                                 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
+                                 1u << RIC_TEST_F_MIN;
+/* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them
+ * passes through zero the singular functions change sign without a zero. */
+static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A |
+                                       1u << RIC_TEST_B | 1u << RIC_TEST_D;
 /* Functions that vanish at an extremum. */
 static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
 
@@ -71,8 +76,8 @@ static double crossing_ahead(const ric_trace *tr, double h)
     return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
 }
 
-/* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first that is seen may be that
- * behind a zero: it has to be seen soon after it emerges. */
+/* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first
+ * that is seen may be that behind a zero: it has to be seen soon after it emerges. */
 static bool emerges_late(const ric_trace *tr)
 {
     for (int i = 0; i < 3; i++) {
@@ -98,7 +103,8 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
         double C = ((f2 - f1) / x2 - (f0 - f1) / x0) / (x2 - x0), B = (f2 - f1) / x2 - C * x2, vertex = -B / (2 * C);
         if (!(vertex > 0 && vertex < x2)) continue;
         double bottom = f1 + B * vertex / 2, end = fmin(fabs(f1), fabs(f2));
-        /* towards zero, and the cubic term could make up for what is left; what falls by orders beside a grazing dips far below, and means nothing */
+        /* towards zero, and the cubic term could make up for what is left; what falls by orders beside a grazing dips
+         * far below, and means nothing */
         if (bottom * f1 < 0.4 * end * fabs(f1) && (fabs(bottom) < fabs(f1) || !(EVENT_SINGULAR & 1u << i))) return true;
     }
     return false;
@@ -169,7 +175,8 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
     if (sqrt(across) > 0.3 * h) return false;
     double distance = 0, first = along, most = SAME_PLACE * tr->chain->scale, *u = tr->mid.u;
     const double *t = tr->next.t;
-    if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) { /* a branch point itself, as which many branches start: the cubic knows it */
+    /* a branch point itself, as which many branches start: the cubic knows it */
+    if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) {
         ric_event_cubic(tr, along, h, u);
         along = 0;
         for (int i = 0; i < size; i++) along += (home[i] - u[i]) * t[i];
@@ -186,8 +193,9 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
     return true;
 }
 
-/* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre to a rest under a power law an orbit shows its
- * image x -> -x half a period on, which is the same orbit: there the way round a closed branch may end with the other sign. */
+/* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre to a rest under a
+ * power law an orbit shows its image x -> -x half a period on, which is the same orbit: there the way round a closed
+ * branch may end with the other sign. */
 static bool closes(ric_trace *tr, double h, double *home, double *s)
 {
     const ric_chain *c = tr->chain;
@@ -230,7 +238,8 @@ static int by_place(const void *a, const void *b)
 }
 
 /* All zeros of the tests in `which` up to distance `to`, whose functions there are `end`. */
-static ric_status find_roots(ric_trace *tr, unsigned which, double to, const double *end, double h, root *roots, int *n, bool *retry)
+static ric_status find_roots(ric_trace *tr, unsigned which, double to, const double *end, double h, root *roots, int *n,
+                             bool *retry)
 {
     for (int i = 0; i < RIC_N_TEST; i++) {
         double fa = tr->now.test[i], fb = end[i], x;
@@ -244,7 +253,8 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
         ric_status status = ric_event_locate(tr, i, 0, fa, to, fb, h, &x, &zero);
         if (status) return status;
         if (!zero) {
-            /* the factors of the map may jump where rounding hides them; in a step this short nothing else can have happened */
+            /* the factors of the map may jump where rounding hides them; in a step this short nothing else can have
+             * happened */
             if ((EVENT_SINGULAR & 1u << i) && h < JUMP * tr->chain->scale) continue;
             *retry = true;
             return RIC_OK;
@@ -254,26 +264,27 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double to, const dou
     return RIC_OK;
 }
 
-/* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the determinant is rounding;
- * false when all is well. */
+/* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the
+ * determinant is rounding; false when all is well. */
 static bool approach_crossing(ric_trace *tr, double h)
 {
     double x = crossing_ahead(tr, h), length = CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
-    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES) return false;
+    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES)
+        return false;
     tr->wanted = x > 1.1 * length ? fmin(x - length / 2, 0.9 * h) : step;
     tr->after = length;
     return true;
 }
 
-/* Functions that are looked at a little before an end of kind `test`: the factors of the map, and where a contact of a spring shrinks to
- * nothing dE/ds and dT/ds, which vanish with it. */
+/* Functions that are looked at a little before an end of kind `test`: the factors of the map, and where a contact of a
+ * spring shrinks to nothing dE/ds and dT/ds, which vanish with it. */
 static unsigned late_at(const ric_trace *tr, int test)
 {
     return EVENT_SINGULAR | (tr->chain->model->springs && test == RIC_TEST_APPROACH ? extrema : 0);
 }
 
-/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and its distance. `limit` holds
- * the test functions there, the singular ones a little before. */
+/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and
+ * its distance. `limit` holds the test functions there, the singular ones a little before. */
 static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, double *limit, bool *retry)
 {
     root roots[RIC_N_TEST];
@@ -322,10 +333,10 @@ static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double 
     return (a + b) / 2;
 }
 
-/* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum in between. A value
- * met exactly counts as above, so that it is found in one of the two steps that end there. */
-static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb, const double *before, const double *after, double h,
-                                 root *roots, int *n, bool *retry)
+/* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum
+ * in between. A value met exactly counts as above, so that it is found in one of the two steps that end there. */
+static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb, const double *before,
+                                 const double *after, double h, root *roots, int *n, bool *retry)
 {
     /* on a horizontal branch the frequency is one number but for rounding, and passes nothing */
     bool horizontal = tr->now.test[RIC_TEST_PERIOD] == 0 && tr->next.test[RIC_TEST_PERIOD] == 0;
@@ -353,8 +364,9 @@ static void distances(const ric_trace *tr, const ric_station *p, double *out)
     for (int k = 0; k < tr->limits->n_asked; k++) out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
 }
 
-/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots known: so a
- * value passed twice, on both sides of an extremum, is found twice. Room for STRETCHES * n_asked more roots. */
+/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots
+ * known: so a value passed twice, on both sides of an extremum, is found twice. Room for STRETCHES * n_asked more
+ * roots. */
 static ric_status find_asked(ric_trace *tr, bool solve, double to, double h, root *roots, int *n, bool *retry)
 {
     int known = *n;
@@ -387,24 +399,28 @@ static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
     for (; n < known; n++) roots[n] = (root){tr->events[first + n].test, (tr->events[first + n].s - tr->now.s) * scale};
     ric_status status = find_asked(tr, false, to, h, roots, &n, &retry);
     for (int i = known; i < n && !status; i++)
-        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good))) status = ric_event_keep(tr, roots[i].test, &tr->mid);
+        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good)))
+            status = ric_event_keep(tr, roots[i].test, &tr->mid);
     return status;
 }
 
 /* ------------------------------------------------------- over a branch point */
 
-/* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay together crosses. */
+/* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay
+ * together crosses. */
 static bool meets_corner(const ric_trace *tr, const ric_bridge *q, double h, double *at)
 {
-    if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) || !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0)) return false;
+    if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) ||
+        !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0))
+        return false;
     double x = ric_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
     if (x > *at + 0.05 * h) return false;
     *at = x;
     return true;
 }
 
-/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch ends there, at *end:
- * DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
+/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch
+ * ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
 static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, bool *retry)
 {
     ric_bridge q;
@@ -436,12 +452,13 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
         *retry = tr->avoided = true;
         return RIC_OK;
     }
-    /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the determinant: that
-     * zero belongs to the one junction, and beyond it the other sign is the one to expect. A family of order 3 passes on a slope; its
-     * extremum lies aside and is a junction of its own. */
+    /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
+     * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
+     * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. */
     bool image = !arrived && ric_arrival_passes(tr, tr->mid.u, beside);
-    bool flat = arrived || image || (repeated && fabs(ric_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
-                                             ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
+    bool flat = arrived || image ||
+                (repeated && fabs(ric_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
+                                 ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {
         double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
         if ((terminal & 1u << i) || !watched(tr, i)) continue;
@@ -455,7 +472,8 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
         roots[n++] = (root){i, x};
     }
     for (int k = 0; k < tr->n_resonance; k++) {
-        double before = ric_event_value(tr, RIC_N_TEST + k, &tr->now), after = ric_event_value(tr, RIC_N_TEST + k, &tr->next);
+        double before = ric_event_value(tr, RIC_N_TEST + k, &tr->now),
+               after = ric_event_value(tr, RIC_N_TEST + k, &tr->next);
         if (!(before * after < 0)) continue;
         double x = ric_bridge_root(tr, &q, RIC_N_TEST + k, 0, h, before, NAN);
         if (!arrived || x < at) roots[n++] = (root){RIC_N_TEST + k, x};
@@ -467,14 +485,17 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
     }
     if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++)
-        if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0; /* no sign is expected */
+        /* no sign is expected */
+        if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0;
     if (arrived && !status) ric_bridge_station(tr, &q, at, h, &tr->mid);
     free(q.u);
     return status;
 }
 
-/* All resonances that a pair passes up to distance `to`, where the pairs are those of `end`; roots has room for every one. */
-static ric_status find_resonances(ric_trace *tr, double to, const double *end, double h, root *roots, int *n, bool *retry)
+/* All resonances that a pair passes up to distance `to`, where the pairs are those of `end`; roots has room for every
+ * one. */
+static ric_status find_resonances(ric_trace *tr, double to, const double *end, double h, root *roots, int *n,
+                                  bool *retry)
 {
     const double *start = tr->now.own;
     int n_pair = tr->floquet.n_pair, known = *n;
@@ -495,7 +516,8 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
             }
             ric_status status = ric_event_locate(tr, RIC_N_TEST + k, 0, fa, to, fb, h, &x, &zero);
             if (status) return status;
-            if (!zero && h >= JUMP * tr->chain->scale) { /* in a shorter step its place is known well enough: the junction is solved anew */
+            if (!zero && h >= JUMP * tr->chain->scale) { /* in a shorter step its place is known well enough: the
+                                                          * junction is solved anew */
                 *retry = true;
                 return RIC_OK;
             }
@@ -505,7 +527,8 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
     return RIC_OK;
 }
 
-static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, unsigned late, bool *retry)
+static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, unsigned late,
+                               bool *retry)
 {
     int n = 0, size = 2 * tr->floquet.n_pair;
     root roots[RIC_N_TEST + tr->n_resonance + STRETCHES * tr->limits->n_asked];
@@ -521,8 +544,10 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     if (status || *retry) return status;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++)
-        if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) && !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
-            status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its points */
+        if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&
+            !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
+            status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
+                                                    * points */
     return status;
 }
 
@@ -547,7 +572,8 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     bool closed = closes(tr, h, home, &s);
     /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
-    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT) : terminal;
+    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT)
+                                                                                : terminal;
     ric_status status = find_end(tr, which, h, &test, &end, limit, retry);
     if (status || *retry) return status;
     if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;

@@ -1,4 +1,5 @@
-/* Between event.c and event_place.c: places within a step from `now` to `next`, of length h, by their distance x from `now`. */
+/* Between event.c and event_place.c: places within a step from `now` to `next`, of length h, by their distance x from
+ * `now`. */
 #ifndef RIC_EVENT_PARTS_H
 #define RIC_EVENT_PARTS_H
 
@@ -7,9 +8,9 @@
 #define LOCATE_STEPS 60
 /* Factors of the map, which grows without bound where an impact loses its speed. */
 #define EVENT_SINGULAR (1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D)
-/* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet there: at
- * distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing is read off a cubic
- * through four points at good distance, and the junction is solved on its own equations later. */
+/* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet
+ * there: at distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing
+ * is read off a cubic through four points at good distance, and the junction is solved on its own equations later. */
 #define CROSSING 1e-3
 
 /* The unknowns [n_unknown] on the cubic through now and next. */
@@ -18,9 +19,10 @@ void ric_event_cubic(const ric_trace *trace, double x, double h, double *u);
 ric_status ric_event_solve(ric_trace *trace, double x, double h, ric_station *out, bool *good);
 /* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
 double ric_event_value(const ric_trace *trace, int test, const ric_station *station);
-/* The zero of a test function that is fa at xa and fb, of the other sign, at xb; the station there is left in trace->mid. *zero: it is a true one, no
- * pole and no hop. */
-ric_status ric_event_locate(ric_trace *trace, int test, double xa, double fa, double xb, double fb, double h, double *where, bool *zero);
+/* The zero of a test function that is fa at xa and fb, of the other sign, at xb; the station there is left in
+ * trace->mid. *zero: it is a true one, no pole and no hop. */
+ric_status ric_event_locate(ric_trace *trace, int test, double xa, double fa, double xb, double fb, double h,
+                            double *where, bool *zero);
 
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
@@ -32,8 +34,10 @@ typedef struct {
 ric_status ric_bridge_build(ric_trace *trace, double h, ric_bridge *out);
 /* A test function or a resonance at x. */
 double ric_bridge_test(const ric_trace *trace, const ric_bridge *bridge, int test, double x);
-/* Its zero between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided out; `sign` is that at a. */
-double ric_bridge_root(const ric_trace *trace, const ric_bridge *bridge, int test, double a, double b, double sign, double known);
+/* Its zero between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided
+ * out; `sign` is that at a. */
+double ric_bridge_root(const ric_trace *trace, const ric_bridge *bridge, int test, double a, double b, double sign,
+                       double known);
 /* The point at x read off the cubics; nothing is solved. */
 void ric_bridge_station(const ric_trace *trace, const ric_bridge *bridge, double x, double h, ric_station *out);
 

@@ -17,7 +17,8 @@ void ric_event_cubic(const ric_trace *tr, double x, double h, double *u)
 {
     const ric_station *a = &tr->now, *b = &tr->next;
     double y = x / h, H = b->s - a->s;
-    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p, s = (y * y * y - y * y) * H;
+    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p,
+           s = (y * y * y - y * y) * H;
     for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
 }
 
@@ -43,16 +44,22 @@ double ric_event_value(const ric_trace *tr, int test, const ric_station *p)
     return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
 }
 
-/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots that change their places, what is smooth. */
+/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots that change their
+ * places, what is smooth. */
 static double height(int test, const ric_station *p, double value)
 {
-    return test < RIC_N_TEST && EVENT_SINGULAR & 1u << test ? fabs(p->factor[test == RIC_TEST_A ? 0 : test == RIC_TEST_B ? 1 : 2]) : fabs(value);
+    return test < RIC_N_TEST && EVENT_SINGULAR & 1u << test ? fabs(p->factor[test == RIC_TEST_A   ? 0
+                                                                             : test == RIC_TEST_B ? 1
+                                                                                                  : 2])
+                                                            : fabs(value);
 }
 
 /* Brent's method. */
-ric_status ric_event_locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h, double *where, bool *zero)
+ric_status ric_event_locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h,
+                            double *where, bool *zero)
 {
-    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a, e = d;
+    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a,
+           e = d;
     ric_status status;
     bool good = false;
     *zero = false;
@@ -127,7 +134,8 @@ double ric_bridge_test(const ric_trace *tr, const ric_bridge *q, int test, doubl
     lagrange(q->x, at, value, slope);
     for (int i = 0; i < 4; i++)
         sum += value[i] * (test < RIC_N_TEST ? q->test[i][test]
-                                             : ric_resonance_test(q->own + i * 2 * n_pair, n_pair, tr->resonances[test - RIC_N_TEST].rho));
+                                             : ric_resonance_test(q->own + i * 2 * n_pair, n_pair,
+                                                                  tr->resonances[test - RIC_N_TEST].rho));
     return sum;
 }
 
@@ -146,8 +154,8 @@ static ric_status build_at(ric_trace *tr, double h, ric_bridge *q, bool *good)
     return RIC_OK;
 }
 
-/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be noise. Where the branch
- * bends too much for that, they lie within the step. */
+/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be
+ * noise. Where the branch bends too much for that, they lie within the step. */
 ric_status ric_bridge_build(ric_trace *tr, double h, ric_bridge *q)
 {
     static const double place[4] = {-1, -0.5, 0.5, 1};
@@ -172,7 +180,8 @@ ric_status ric_bridge_build(ric_trace *tr, double h, ric_bridge *q)
 }
 
 /* By bisection on the cubic. */
-double ric_bridge_root(const ric_trace *tr, const ric_bridge *q, int test, double a, double b, double sign, double known)
+double ric_bridge_root(const ric_trace *tr, const ric_bridge *q, int test, double a, double b, double sign,
+                       double known)
 {
     for (int i = 0; i < 60; i++) {
         double m = (a + b) / 2, fm = ric_bridge_test(tr, q, test, m) * (m < known ? -1 : 1);

@@ -8,8 +8,8 @@
 
 #define TWO_PI 6.283185307179586477
 #define STIFFEST 1e9
-#define PHASE 1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that one orbit takes seconds, and the
-                   * phase itself loses its digits */
+#define PHASE 1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that
+                   * one orbit takes seconds, and the phase itself loses its digits */
 
 /* A mode that turns ten million times while the slowest orbit of the window lasts has no place in it. */
 static ric_status check_phases(const ric_study *study)
@@ -24,16 +24,20 @@ static ric_status check_phases(const ric_study *study)
         for (int i = 0; i < n; i++)
             if (seen[i]) fastest = i;
     if (!status && fastest >= 0 && omega[fastest] * longest > PHASE)
-        status = ric_fail(RIC_E_INPUT, "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the window, 2 pi / %g s; "
-                          "raise the lower end to %.3g or more, or make a rigid link of the spring that is so stiff", fastest + 1, omega[fastest],
-                          omega[fastest] * longest / TWO_PI, ric_study_options(study)->frequency[0], TWO_PI * omega[fastest] / PHASE);
+        status = ric_fail(RIC_E_INPUT,
+                          "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the "
+                          "window, 2 pi / %g s; raise the lower end to %.3g or more, or make a rigid link of the "
+                          "spring that is so stiff",
+                          fastest + 1, omega[fastest], omega[fastest] * longest / TWO_PI,
+                          ric_study_options(study)->frequency[0], TWO_PI * omega[fastest] / PHASE);
     free(omega);
     free(seen);
     return status;
 }
 
 /* How much stiffer a spring is than the structure at its contact: k c.c / omega^2 of the highest mode that is seen. */
-static double stiffness_ratio(const ric_model *m, const ric_contact *contact, const double *modes, const double *omega, const bool *seen)
+static double stiffness_ratio(const ric_model *m, const ric_contact *contact, const double *modes, const double *omega,
+                              const bool *seen)
 {
     int n = ric_model_n_dof(m);
     double cc = 0, highest = 0;
@@ -46,7 +50,8 @@ static double stiffness_ratio(const ric_model *m, const ric_contact *contact, co
     return contact->stiffness * cc / (highest * highest);
 }
 
-/* Beyond, displacements within a contact are so short that rounding spoils them, and what comes out only looks like an orbit. */
+/* Beyond, displacements within a contact are so short that rounding spoils them, and what comes out only looks like an
+ * orbit. */
 static ric_status check_springs(const ric_study *study)
 {
     const ric_model *m = ric_study_model(study);
@@ -54,15 +59,18 @@ static ric_status check_springs(const ric_study *study)
     double *omega = calloc((size_t)n, sizeof *omega), *modes = calloc((size_t)n * (size_t)n, sizeof *modes);
     bool *seen = calloc((size_t)n, sizeof *seen);
     ric_status status = omega && modes && seen ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
-    if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen))) status = ric_model_modes(m, modes);
+    if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen)))
+        status = ric_model_modes(m, modes);
     for (int i = 0; i < ric_model_n_contact(m) && !status; i++) {
         ric_contact contact;
         if ((status = ric_model_contact(m, i, &contact)) || contact.law != RIC_LAW_BILINEAR) continue;
         double ratio = stiffness_ratio(m, &contact, modes, omega, seen);
         if (ratio > STIFFEST)
-            status = ric_fail(RIC_E_INPUT, "contact %d: its stiffness %g is %.2g times that of the structure there, and in double precision orbits are "
-                              "right up to %g times; take law: rigid, from which they differ by about one over the square root of that", i + 1,
-                              contact.stiffness, ratio, STIFFEST);
+            status = ric_fail(RIC_E_INPUT,
+                              "contact %d: its stiffness %g is %.2g times that of the structure there, and in double "
+                              "precision orbits are right up to %g times; take law: rigid, from which they differ by "
+                              "about one over the square root of that",
+                              i + 1, contact.stiffness, ratio, STIFFEST);
     }
     free(omega);
     free(modes);
@@ -76,8 +84,10 @@ static ric_status write_branches(void *store, const ric_atlas *atlas)
     return ric_store_write_branches(store, atlas);
 }
 
-/* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or on request to stop. */
-ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew, ric_atlas **out)
+/* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or
+ * on request to stop. */
+ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew,
+                            ric_atlas **out)
 {
     ric_store *store = NULL;
     ric_graph *graph = NULL;
@@ -86,7 +96,8 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     ric_status written = RIC_OK, status = RIC_OK;
     if (out) *out = NULL;
     if (ric_model_restitution(ric_study_model(study)) != 1)
-        return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic orbits; `ricochet simulate` takes any");
+        return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic "
+                                     "orbits; `ricochet simulate` takes any");
     if ((status = check_phases(study)) || (status = check_springs(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;

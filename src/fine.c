@@ -1,7 +1,8 @@
-/* The flow and its neighbours in quadruple precision, for one purpose: where a multiplier passes 1 so slowly that the rounding of a flight in
- * double covers the place. Beside a multiplication of high order tau2 - 2 may stay below 1e-9 over a whole branch, and its zero is known to
- * 1e-14 / 1e-9 only; in quadruple precision nothing of that is seen. The orbit itself is known well enough: its corrections are
- * solved for in double, from residuals in quadruple precision. */
+/* The flow and its neighbours in quadruple precision, for one purpose: where a multiplier passes 1 so slowly that the
+ * rounding of a flight in double covers the place. Beside a multiplication of high order tau2 - 2 may stay below 1e-9
+ * over a whole branch, and its zero is known to 1e-14 / 1e-9 only; in quadruple precision nothing of that is seen. The
+ * orbit itself is known well enough: its corrections are solved for in double, from residuals in quadruple
+ * precision. */
 #include "fine.h"
 
 #include <stdlib.h>
@@ -15,7 +16,8 @@
 
 #include "series_quad.h"
 
-#define SETTLED 1e-17     /* an orbit is corrected until it moves by less, relative; the next time it would move by a billionth of that */
+#define SETTLED 1e-17     /* an orbit is corrected until it moves by less, relative; the next time it would move by a
+                           * billionth of that */
 #define PLACED 1e-18      /* and the branch point until it does */
 #define FIRST 1e-8        /* first step of the secant */
 #define REGULAR 1e-9      /* smaller singular values, relative, belong to the family and to the phase */
@@ -53,7 +55,8 @@ static void lift(fine *q, const real *u, bool neighbours)
     for (int i = 0; i < count; i++) q->X[(first + i) * count + i] = 1;
 }
 
-/* What a condition at the end of the flight leaves of a state that has come from `start`, or of a derivative of one: components a stride apart. */
+/* What a condition at the end of the flight leaves of a state that has come from `start`, or of a derivative of one:
+ * components a stride apart. */
 static real off_end(const fine *q, int row, const real *end, int stride, real start)
 {
     const ric_chain *c = q->chain;
@@ -94,7 +97,8 @@ static bool invert(fine *q)
     }
     memset(B, 0, sizeof B);
     for (int i = 0; i < rows; i++) B[i * rows + i] = 1;
-    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, rows, J, columns, B, rows, values, REGULAR, &rank))) return false;
+    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, rows, J, columns, B, rows, values, REGULAR, &rank)))
+        return false;
     memcpy(q->inverse, B, (size_t)columns * rows * sizeof *B);
     return true;
 }
@@ -146,16 +150,19 @@ static real determinant(int size, real *A)
     return product;
 }
 
-/* The matrix of the flight takes neighbours that keep the mirror point at its start, and those that do not, to such that keep and do not keep
- * the one at its end: one block of it gets a kernel where the symmetry breaks (docs/theory.md section 5). That of type b has one already, along
- * the flow, and the rows of its image are perpendicular to the gradient of the energy: both border it. Without mirror points a neighbour
- * closes that is not turned round in half a period. */
+/* The matrix of the flight takes neighbours that keep the mirror point at its start, and those that do not, to such
+ * that keep and do not keep the one at its end: one block of it gets a kernel where the symmetry breaks
+ * (docs/theory.md section 5). That of type b has one already, along the flow, and the rows of its image are
+ * perpendicular to the gradient of the energy: both border it. Without mirror points a neighbour closes that is not
+ * turned round in half a period. */
 static bool test(fine *q, real *value)
 {
     const ric_chain *c = q->chain;
     int n = q->n, n2 = 2 * n, mirrored = c->start != RIC_MIRROR_NONE, count = mirrored ? n : n2;
-    int own = c->start == RIC_MIRROR_CENTRE ? n : 0, at_end = c->end == RIC_MIRROR_CENTRE ? n : 0; /* where what keeps a mirror point stands */
-    int column = mirrored && q->kind != RIC_TEST_A ? n - own : own, row = mirrored && q->kind == RIC_TEST_D ? n - at_end : at_end;
+    /* where what keeps a mirror point stands */
+    int own = c->start == RIC_MIRROR_CENTRE ? n : 0, at_end = c->end == RIC_MIRROR_CENTRE ? n : 0;
+    int column = mirrored && q->kind != RIC_TEST_A ? n - own : own,
+        row = mirrored && q->kind == RIC_TEST_D ? n - at_end : at_end;
     int size = count + (mirrored && q->kind == RIC_TEST_B);
     real f[n2];
     double end[n2], h[n2];

@@ -4,9 +4,10 @@
 
 #include "chain.h"
 
-/* From u [n_unknown] along the branch of the chain, whose tangent there is t, to where the test of a kind (RIC_TEST_A, _B or _D) vanishes; chains
- * without mirror points over half a period have kind A only. False, with u as it was: there is none close by, or no memory. Cost: a dozen
- * flights, each some hundred times as long as in double precision. */
+/* From u [n_unknown] along the branch of the chain, whose tangent there is t, to where the test of a kind
+ * (RIC_TEST_A, _B or _D) vanishes; chains without mirror points over half a period have kind A only. False, with u as
+ * it was: there is none close by, or no memory. Cost: a dozen flights, each some hundred times as long as in double
+ * precision. */
 bool ric_fine_branch_point(const ric_chain *chain, int kind, const double *t, double *u);
 
 #endif

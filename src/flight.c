@@ -19,14 +19,17 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 /* Law power: the workspace is kept on the stack unless the structure is large. */
 enum { SMALL = 1 << 15 };
 
-/* Where the flow cannot be followed the state is infinite, and no orbit is found there. `matrix` and `lost` may be NULL. */
+/* Where the flow cannot be followed the state is infinite, and no orbit is found there. `matrix` and `lost` may be
+ * NULL. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after)
 {
-    size_t states = 2 * (size_t)m->n, size = ric_smooth_work(m, matrix ? 2 * m->n : 0), small = size <= SMALL ? size : 1;
+    size_t states = 2 * (size_t)m->n, size = ric_smooth_work(m, matrix ? 2 * m->n : 0),
+           small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : malloc(size * sizeof *work), unwanted;
     if (after != w) memcpy(after, w, states * sizeof *w);
-    if (!work || !(matrix ? ric_smooth_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work) : ric_smooth_fly(m, tau, after, 0, NULL, work))) {
+    if (!work || !(matrix ? ric_smooth_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
+                          : ric_smooth_fly(m, tau, after, 0, NULL, work))) {
         for (size_t i = 0; i < states; i++) after[i] = HUGE_VAL;
         for (size_t i = 0; matrix && i < states * states; i++) matrix[i] = 0;
         if (lost) *lost = 0;
@@ -43,8 +46,8 @@ double ric_flight_pace(const ric_model *m, const double *w)
     return pace;
 }
 
-/* The phase of a set of closed springs. Without one, for want of memory or because both faces of a contact would be closed, the states are no
- * numbers, and the chain does not converge. */
+/* The phase of a set of closed springs. Without one, for want of memory or because both faces of a contact would be
+ * closed, the states are no numbers, and the chain does not converge. */
 static const ric_phase *phase_of(const ric_model *m, uint64_t closed, size_t size, double *lost)
 {
     const ric_phase *phase;
@@ -75,7 +78,8 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
     ric_flight(n, trig, w, after);
 }
 
-void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix, double *after, double *rate)
+void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
+                    double *after, double *rate)
 {
     int n = m->n;
     double trig[3 * n];
@@ -103,7 +107,8 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
     }
 }
 
-double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w, double *by_w, double *by_tau)
+double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w,
+                        double *by_w, double *by_tau)
 {
     const ric_phase *phase;
     double lost = NAN;

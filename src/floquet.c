@@ -11,7 +11,8 @@
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
-#define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a period */
+#define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a
+                         * period */
 #define NO_SPEED 1e-60
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
@@ -42,8 +43,8 @@ void ric_floquet_release(ric_floquet *f)
 
 /* ---------------------------------------------------------------- sections */
 
-/* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre, the normal at an
- * impact. Written in canonical coordinates (q, p). */
+/* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre,
+ * the normal at an impact. Written in canonical coordinates (q, p). */
 static void section(const ric_chain *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
 {
     int n = c->n;
@@ -61,16 +62,17 @@ static void section(const ric_chain *c, ric_mirror mirror, uint64_t closed, cons
     ric_complement(n, h, E);
 }
 
-/* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept, the products are
- * scaled. */
+/* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept,
+ * the products are scaled. */
 static double not_zero(double speed)
 {
     return fabs(speed) < NO_SPEED ? copysign(NO_SPEED, speed) : speed;
 }
 
-/* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the normal velocity
- * follows from dE = 0. */
-static void section_columns(const ric_chain *c, ric_mirror mirror, const double *w, int face, const double *E, double *V)
+/* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the
+ * normal velocity follows from dE = 0. */
+static void section_columns(const ric_chain *c, ric_mirror mirror, const double *w, int face, const double *E,
+                            double *V)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
@@ -91,7 +93,8 @@ static void section_columns(const ric_chain *c, ric_mirror mirror, const double 
     }
 }
 
-/* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side that V is on. */
+/* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side
+ * that V is on. */
 static void project(const ric_chain *c, bool on_face, const double *w, int face, const double *E, double *V, double *P)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
@@ -119,9 +122,10 @@ static void project(const ric_chain *c, bool on_face, const double *w, int face,
 
 /* ------------------------------------------------------------- propagation */
 
-/* One impact on columns: both q and p are reflected, and p gets a kick proportional to 1 / speed (saltation, eq. 41-46 of the article
- * in modal coordinates). */
-static void saltation(const ric_model *m, int n, int ld, const ric_face *f, const double *a, const double *before, double *V)
+/* One impact on columns: both q and p are reflected, and p gets a kick proportional to 1 / speed (saltation, eq. 41-46
+ * of the article in modal coordinates). */
+static void saltation(const ric_model *m, int n, int ld, const ric_face *f, const double *a, const double *before,
+                      double *V)
 {
     double speed = 0, pull = 0;
     for (int i = 0; i < n; i++) {
@@ -178,7 +182,8 @@ static void propagate(const ric_chain *c, double *V, int *exponent, double *grow
                     p[j] = co * p[j] - s2 * t;
                 }
             }
-        bool struck = c->face[k + 1] >= 0 && m->face[c->face[k + 1]].spring == 0 && !(ends && c->end == RIC_MIRROR_IMPACT);
+        bool struck = c->face[k + 1] >= 0 && m->face[c->face[k + 1]].spring == 0 &&
+                      !(ends && c->end == RIC_MIRROR_IMPACT);
         if (!struck && !dense) continue;
         double top;
         if (struck) saltation(m, n, ld, &m->face[c->face[k + 1]], c->w + 2 * n * (k + 1), c->before + n * k, V);
@@ -190,7 +195,8 @@ static void propagate(const ric_chain *c, double *V, int *exponent, double *grow
 
 /* --------------------------------------------------------- small matrices */
 
-/* *error: of the determinant, when every entry of A may be off by `rounding`: the smallest pivot decides whether it has a sign. */
+/* *error: of the determinant, when every entry of A may be off by `rounding`: the smallest pivot decides whether it has
+ * a sign. */
 static double determinant(int k, int ld, const double *A, double *work, double rounding, double *error)
 {
     double det = 1, others = 1, least = HUGE_VAL;
@@ -253,7 +259,8 @@ static void blocks(const ric_chain *c, const double *P, double *a, double *b, do
         }
 }
 
-/* Hadamard's bound of the determinants of two blocks side by side: no pivot, which may change its place, but the lengths of their common rows. */
+/* Hadamard's bound of the determinants of two blocks side by side: no pivot, which may change its place, but the
+ * lengths of their common rows. */
 static double bound(int k, const double *left, const double *right)
 {
     double product = 1;
@@ -265,10 +272,12 @@ static double bound(int k, const double *left, const double *right)
     return product;
 }
 
-/* n = 2: everything from the products b c and a d (scaled by 2^(-2 exponent), `error` likewise), without cancellation near rho = +-2. */
+/* n = 2: everything from the products b c and a d (scaled by 2^(-2 exponent), `error` likewise), without cancellation
+ * near rho = +-2. */
 static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent, double error)
 {
-    double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent); /* rho - 2, rho + 2 of the chain's map */
+    /* rho - 2, rho + 2 of the chain's map */
+    double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent);
     double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
     double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
     f->error = ldexp(error, 2 * exponent);
@@ -353,7 +362,8 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
 
 /* --------------------------------------------------------------- general */
 
-/* n = 2 from the trace of the map over a period, or over half of one joined with x -> -x; trace and error scaled by 2^(-exponent). */
+/* n = 2 from the trace of the map over a period, or over half of one joined with x -> -x; trace and error scaled by
+ * 2^(-exponent). */
 static void judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent, double error)
 {
     double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
@@ -364,7 +374,9 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
     f->own[1] = f->rho[1] = 0;
     if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
     else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
-    f->stable = fabs(trace) < two - error ? RIC_STABLE_YES : fabs(trace) > two + error ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+    f->stable = fabs(trace) < two - error   ? RIC_STABLE_YES
+                : fabs(trace) > two + error ? RIC_STABLE_NO
+                                            : RIC_STABLE_UNDECIDED;
     f->rotation = NAN;
     if (fabs(rho) <= 2) {
         double angle = acos(rho / 2) / TWO_PI;
@@ -374,9 +386,9 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
 }
 
 
-/* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into the flow; a unitary basis of
- * the complement of the gradient is a symplectic basis of what is perpendicular to both, real parts first. V [2n * ld] as states, and with
- * `dual` scaled such that inner products with it are coordinates. */
+/* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into
+ * the flow; a unitary basis of the complement of the gradient is a symplectic basis of what is perpendicular to both,
+ * real parts first. V [2n * ld] as states, and with `dual` scaled such that inner products with it are coordinates. */
 static void smooth_section(const ric_chain *c, bool dual, double *V)
 {
     int n = c->n, k = n - 1, ld = 2 * k;

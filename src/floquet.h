@@ -1,26 +1,30 @@
-/* Stability (docs/theory.md section 5): the monodromy between sections, from saltation matrices in modal coordinates. */
+/* Stability (docs/theory.md section 5): the monodromy between sections, from saltation matrices in modal
+ * coordinates. */
 #ifndef RIC_FLOQUET_H
 #define RIC_FLOQUET_H
 
 #include "chain.h"
 
-/* Reversible chain: P = [[a, b], [c, d]] maps (symmetric, antisymmetric) coordinates of the start section to those of the end section,
- * n - 1 each. (M + M^-1) / 2 = 1 + 2 b'c on symmetric vectors, so rho = lambda + 1/lambda = 2 + 4 eig(b'c), rho + 2 = 4 eig(d'a).
- * The chain's own map M is over half a period, or over a quarter joined with x -> -x twice: then M is the half-period map. */
+/* Reversible chain: P = [[a, b], [c, d]] maps (symmetric, antisymmetric) coordinates of the start section to those of
+ * the end section, n - 1 each. (M + M^-1) / 2 = 1 + 2 b'c on symmetric vectors, so rho = lambda + 1/lambda = 2 + 4
+ * eig(b'c), rho + 2 = 4 eig(d'a). The chain's own map M is over half a period, or over a quarter joined with x -> -x
+ * twice: then M is the half-period map. */
 typedef struct {
     int n_pair;            /* n - 1 */
     double *rho;           /* [2 * n_pair] re, im of lambda + 1/lambda over the full period */
-    double *own;           /* [2 * n_pair] the same of the chain's own map, of which the full period may be the square */
+    double *own;           /* [2 * n_pair] the same of the chain's own map, of which the full period may be the
+                            * square */
     double error;          /* of rho, absolute, from rounding */
     double trace_asinh;    /* asinh(tau2 / 2), n = 2 only, else NaN */
     double rotation;       /* gamma, n = 2 on the unit circle, else NaN */
     ric_stability stable;
     /* signed determinants, scaled to finite numbers, whose zeros are branch points with a symmetry broken:
-     * det_b  the reversor (or, general form, unused: 1); det_a, det_d  one kind of mirror point is kept and the period of M doubles,
-     * which for a quarter chain, and for sigma = -1 (det_a), breaks z(t+T/2) = -z(t). */
+     * det_b  the reversor (or, general form, unused: 1); det_a, det_d  one kind of mirror point is kept and the period
+     * of M doubles, which for a quarter chain, and for sigma = -1 (det_a), breaks z(t+T/2) = -z(t). */
     double det_a, det_b, det_d;
     double error_a, error_b, error_d; /* rounding in them */
-    double size_a, size_b, size_d;    /* what they are at most: smooth along a branch, so that their quotients are, too */
+    double size_a, size_b, size_d;    /* what they are at most: smooth along a branch, so that their quotients are,
+                                       * too */
     double *work;
     size_t n_work;
 } ric_floquet;

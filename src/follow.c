@@ -28,9 +28,9 @@ static void trace_key(const ric_limits *l, const ric_node *node, unsigned choice
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
-    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind, node->cycle->N, node->rotation[0],
-                        node->multiple, node->energy, node->period, choice, side, l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step,
-                        l->multiply, hash);
+    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
+                        node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, choice, side,
+                        l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply, hash);
     if (l->n_asked) snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
 }
 
@@ -43,14 +43,16 @@ static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, si
 }
 
 /* *out stays NULL where nothing admissible departs. */
-static ric_status trace_once(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
+static ric_status trace_once(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice,
+                             int side, ric_trace **out)
 {
     ric_chain *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
     *out = NULL;
     ric_status status = ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore);
-    if (!status && chain && !(status = ric_trace_create(chain, u0, t0, ignore, limits, out))) status = ric_trace_run(*out);
+    if (!status && chain && !(status = ric_trace_create(chain, u0, t0, ignore, limits, out)))
+        status = ric_trace_run(*out);
     if (status) {
         ric_trace_free(*out);
         *out = NULL;
@@ -60,9 +62,10 @@ static ric_status trace_once(const ric_model *m, const ric_limits *limits, const
     return status;
 }
 
-/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is sought once more with inner nodes,
- * and with more of them (nodes.h). What the last attempt finds counts. */
-static ric_status trace_in_parts(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
+/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
+ * sought once more with inner nodes, and with more of them (nodes.h). What the last attempt finds counts. */
+static ric_status trace_in_parts(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice,
+                                 int side, ric_trace **out)
 {
     ric_status status = trace_once(m, limits, node, choice, side, out);
     for (int parts = PARTS; m->smooth && parts <= MOST_PARTS; parts *= MORE_PARTS) {
@@ -79,7 +82,8 @@ static ric_status trace_in_parts(const ric_model *m, const ric_limits *limits, c
 }
 
 /* As trace_departure, within limits that outlive the trace. */
-static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side, ric_trace **out)
+static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side,
+                               ric_trace **out)
 {
     char key[1024];
     void *blob = NULL;
@@ -98,7 +102,8 @@ static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric
     }
     if ((status = trace_in_parts(g->model, limits, node, choice, side, out))) return status;
     if (g->store || g->recall.worker) {
-        if (!(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK))) status = keep_trace(g, key, blob, size);
+        if (!(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK)))
+            status = keep_trace(g, key, blob, size);
     }
     if (status) {
         ric_trace_free(*out);
@@ -108,8 +113,8 @@ static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric
     return status;
 }
 
-/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A branch that comes to a
- * region with multiplications of higher order is traced again, with an eye on them. */
+/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A
+ * branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
 static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
 {
     ric_status status = trace_within(g, &g->limits, node, choice, side, out);
@@ -147,7 +152,8 @@ static bool departs(const ric_node *node)
     return !(ric_node_chooses(node) && node->refusal);
 }
 
-/* Which of the branches that leave a multiplication without mirror points this is: its last point before the end tells. */
+/* Which of the branches that leave a multiplication without mirror points this is: its last point before the end
+ * tells. */
 static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric_node *node, unsigned *choice)
 {
     int side;
@@ -165,13 +171,13 @@ static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric
 static bool same_problem(const ric_chain *a, const ric_chain *b)
 {
     size_t faces = (size_t)a->n_flight + 1;
-    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight && a->parts == b->parts &&
-           a->closed[0] == b->closed[0] &&
-           !memcmp(a->face, b->face, faces * sizeof *a->face);
+    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight &&
+           a->parts == b->parts && a->closed[0] == b->closed[0] && !memcmp(a->face, b->face, faces * sizeof *a->face);
 }
 
-/* Under a power law, and with springs, the end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its
- * images, as orbits of the branch's own problem, the one that lies there. What bends the curves there grows with the stiffness. */
+/* Under a power law, and with springs, the end of a branch at a junction, read off cubics, is replaced by the orbit of
+ * the junction itself: of its images, as orbits of the branch's own problem, the one that lies there. What bends the
+ * curves there grows with the stiffness. */
 static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node *node, unsigned choice)
 {
     ric_chain *c = tr->chain;
@@ -254,8 +260,9 @@ static bool doubles(const ric_chain *c, int test)
     return c->start != RIC_MIRROR_NONE && c->multiple == 2 && (test == RIC_TEST_A || test == RIC_TEST_D);
 }
 
-/* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that may pass -1 and come back
- * within one step, where only the tests tell both places. *twin: the event is met by its multiplier, too. */
+/* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that
+ * may pass -1 and come back within one step, where only the tests tell both places. *twin: the event is met by its
+ * multiplier, too. */
 static const ric_resonance *resonance_of(const ric_trace *tr, const ric_event *event, bool *twin)
 {
     const ric_resonance *doubling = NULL;
@@ -275,9 +282,10 @@ static bool breaks_or_crosses(int test)
     return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
 }
 
-/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several periods, or one without the symmetry of the
- * junction. */
-static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node, bool aside, unsigned *choice)
+/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several periods, or one
+ * without the symmetry of the junction. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node,
+                                 bool aside, unsigned *choice)
 {
     int size = e->trace->chain->n_unknown;
     double u[size];
@@ -285,12 +293,14 @@ static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ri
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
     ric_cycle *near = ric_trace_cycle(e->trace, u);
-    ric_status status = near ? ric_crossing_choice(g->model, node, near, choice) : ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_status status = near ? ric_crossing_choice(g->model, node, near, choice)
+                             : ric_fail(RIC_E_NOMEM, "no memory for a junction");
     ric_cycle_free(near);
     return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
 }
 
-/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its mirror image. */
+/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its
+ * mirror image. */
 static bool passes_image(const ric_model *m, const ric_cycle *cycle, int test)
 {
     ric_cycle *found = !m->symmetric && test == RIC_TEST_DET ? ric_cycle_copy(cycle) : NULL;
@@ -313,7 +323,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED)) return RIC_OK;
     ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    bool aside = !doubling && breaks_or_crosses(event->test) && (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
+    bool aside = !doubling && breaks_or_crosses(event->test) &&
+                 (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
     const ric_asked *asked = ric_trace_asked(e->trace, event->test);
     ric_solve solve = aside       ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
                       : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
@@ -328,7 +339,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (!node) return status;
     int index = ric_graph_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length)) return RIC_OK;
+    if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length))
+        return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < SAME_EVENT * (1 + event->s)) return RIC_OK;
     unsigned choice;
@@ -338,7 +350,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 }
 
 /* Traces again from the far end, so that what is stored does not depend on which end was found first. */
-static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr, bool *turned)
+static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr,
+                                   bool *turned)
 {
     ric_trace *back = NULL;
     int home = -1;
@@ -377,7 +390,8 @@ static ric_status note_orbits(ric_edge *e)
     return e->first ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a branch");
 }
 
-static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth, int mode)
+static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth,
+                              int mode)
 {
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {
@@ -396,21 +410,23 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     return status;
 }
 
-/* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the way, or at the lower end of the energy window,
- * which a branch that begins below it passes. */
+/* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the way, or at the lower
+ * end of the energy window, which a branch that begins below it passes. */
 static bool one_sided(const ric_trace *tr)
 {
     return tr->stop == RIC_STOP_FAILED || (tr->stop == RIC_STOP_WINDOW && tr->end.test == RIC_TEST_E_MIN);
 }
 
-/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind is a part of it. */
+/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind
+ * is a part of it. */
 static void supersede(ric_graph *g)
 {
     ric_edge *last = &g->edges[g->n_edge - 1];
     if (last->trace->stop == RIC_STOP_FAILED || last->from < 0 || last->to < 0) return;
     for (int i = 0; i < g->n_edge - 1; i++) {
         ric_edge *e = &g->edges[i];
-        bool same = (e->from == last->from && e->leave == last->leave) || (e->from == last->to && e->leave == last->arrive);
+        bool same = (e->from == last->from && e->leave == last->leave) ||
+                    (e->from == last->to && e->leave == last->arrive);
         if (!one_sided(e->trace) || e->to >= 0 || !same) continue;
         ric_edge_release(e);
         memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);

@@ -8,11 +8,12 @@
 #include "stored.h"
 #include "trace.h"
 
-/* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a stored end past the grazing. The orbit
- * problem is regular there, since no impact speed is divided by; only the margins change sign. */
+/* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a stored end past the
+ * grazing. The orbit problem is regular there, since no impact speed is divided by; only the margins change sign. */
 
 #define TWO_PI 6.283185307179586477
-#define RESONATES 1e-6  /* distance of lambda + 1/lambda from that of a root of unity at which an event is a multiplication */
+#define RESONATES 1e-6  /* distance of lambda + 1/lambda from that of a root of unity at which an event is a
+                         * multiplication */
 #define MAX_POINTS 2000 /* of one ghost; a branch of the examples has at most a few hundred */
 #define TOUCH 1e-9      /* margin, scaled, below which it counts as zero; at a stored end it is 1e-10 at most */
 #define INSIDE 1e-6     /* arclength from the end at which a stored point tells the direction of the branch */
@@ -47,7 +48,8 @@ void ric_ghosts_free(int n, ric_ghost **ghosts)
 void ric_ghost_limits_init(const ric_atlas *a, ric_ghost_limits *limits)
 {
     const ric_explore_options *o = ric_study_options(ric_atlas_study(a));
-    *limits = (ric_ghost_limits){.energy = {o->energy[0], o->energy[1]}, .frequency = {o->frequency[0], o->frequency[1]}, .max_points = MAX_POINTS};
+    *limits = (ric_ghost_limits){.energy = {o->energy[0], o->energy[1]},
+                                 .frequency = {o->frequency[0], o->frequency[1]}, .max_points = MAX_POINTS};
 }
 
 bool ric_point_admissible(const ric_point *p)
@@ -76,7 +78,8 @@ static bool inside(const ric_ghost_limits *l, const ric_point *p)
 /* The stored point nearest to the end that is far enough from it to tell the direction. */
 static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_end end, int *neighbour)
 {
-    int tip = end == RIC_END_FROM ? 0 : b->n_point - 1, step = end == RIC_END_FROM ? 1 : -1, last = b->n_point - 1 - tip;
+    int tip = end == RIC_END_FROM ? 0 : b->n_point - 1, step = end == RIC_END_FROM ? 1 : -1,
+        last = b->n_point - 1 - tip;
     ric_point p, q;
     ric_status status = ric_atlas_point(a, b->id, tip, &p, NULL, NULL);
     for (*neighbour = tip + step; !status && *neighbour != last; *neighbour += step) {
@@ -87,7 +90,8 @@ static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_en
 }
 
 /* The chain of the branch, its unknowns at the end and the direction that leads out, both allocated. */
-static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g, ric_chain **chain, double **u, double **t)
+static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g, ric_chain **chain,
+                               double **u, double **t)
 {
     const ric_model *m = g->model;
     ric_cycle *tip = NULL, *near = NULL;
@@ -138,17 +142,20 @@ static void describe(ric_ghost *g, ric_end end)
         if (ric_point_admissible(row(g, i))) g->data.again = i;
 }
 
-static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end end, const ric_ghost_limits *limits, ric_ghost **out)
+static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end end, const ric_ghost_limits *limits,
+                               ric_ghost **out)
 {
     /* what is zero at the very end, or has a pole there, is no event of the first step */
-    const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+    const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | 1u << RIC_TEST_A |
+                            1u << RIC_TEST_B | 1u << RIC_TEST_D;
     ric_chain *chain = NULL;
     double *u = NULL, *t = NULL;
     ric_ghost *g = calloc(1, sizeof *g);
     *out = NULL;
     if (!g) return no_memory();
     g->model = ric_atlas_model(a);
-    g->limits = ric_trace_limits(g->model, limits->energy, limits->frequency, ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
+    g->limits = ric_trace_limits(g->model, limits->energy, limits->frequency,
+                                 ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
     g->limits.ghost = true;
     g->limits.multiply = limits->multiply;
     ric_status status = start_at_end(a, b, end, g, &chain, &u, &t);
@@ -175,7 +182,8 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
 ric_status ric_ghost_find(const ric_atlas *a, int branch, const ric_ghost_limits *limits, int *n, ric_ghost ***out)
 {
     if (ric_atlas_model(a)->springs)
-        return ric_fail(RIC_E_INPUT, "ghosts are traced on rigid contacts only: beyond a grazing a contact of law bilinear would last a negative time");
+        return ric_fail(RIC_E_INPUT, "ghosts are traced on rigid contacts only: beyond a grazing a contact of law "
+                                     "bilinear would last a negative time");
     ric_branch b;
     ric_status status = ric_atlas_branch(a, branch, &b);
     *n = 0;
@@ -219,10 +227,12 @@ ric_status ric_ghost_point(const ric_ghost *g, int i, ric_point *point, double *
         point->arclength = g->origin + (g->data.end == RIC_END_FROM ? -1 : 1) * p->arclength;
     }
     if (!state && !flights) return RIC_OK;
-    return ric_turn_write(g->model, g->trace->chain, (const double *)(p + 1), &g->turn, state, state ? state + g->model->n_dof : NULL, flights);
+    return ric_turn_write(g->model, g->trace->chain, (const double *)(p + 1), &g->turn, state,
+                          state ? state + g->model->n_dof : NULL, flights);
 }
 
-/* Whether the multipliers are there at an event. On a ghost impact speeds pass through zero, and lambda + 1/lambda through a pole. */
+/* Whether the multipliers are there at an event. On a ghost impact speeds pass through zero, and lambda + 1/lambda
+ * through a pole. */
 static bool resonates(const ric_ghost *g, const ric_event *event)
 {
     const ric_resonance *resonance = ric_trace_resonance(g->trace, event->test);
@@ -253,7 +263,9 @@ ric_status ric_ghost_multiplication_at(const ric_ghost *g, int i, ric_ghost_mult
 {
     const ric_event *event = i < 0 ? NULL : resonance_event(g, i);
     ric_chain *c = g->trace->chain;
-    if (!event) return ric_fail(RIC_E_RANGE, "no multiplication %d on the ghost: there are %d", i, ric_ghost_n_multiplication(g));
+    if (!event)
+        return ric_fail(RIC_E_RANGE, "no multiplication %d on the ghost: there are %d", i,
+                        ric_ghost_n_multiplication(g));
     const ric_resonance *resonance = ric_trace_resonance(g->trace, event->test);
     double least = HUGE_VAL;
     ric_chain_fly(c, event->u);
@@ -273,6 +285,7 @@ ric_status ric_ghost_multipliers(const ric_ghost *g, int i, double *out)
     ric_status status = check_point(g, i);
     if (status) return status;
     ric_chain_evaluate(g->trace->chain, (const double *)(row(g, i) + 1));
-    if (!(status = ric_floquet_compute(g->trace->chain, &g->trace->floquet))) ric_floquet_multipliers(&g->trace->floquet, out);
+    if (!(status = ric_floquet_compute(g->trace->chain, &g->trace->floquet)))
+        ric_floquet_multipliers(&g->trace->floquet, out);
     return status;
 }

@@ -28,7 +28,8 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->limits = ric_trace_limits(m, energy, frequency, o->max_step, MAX_POINTS);
     g->limits.multiply = o->multiply;
     g->limits.n_asked = ric_asked_list(o, g->limits.asked);
-    for (int i = 0; i < o->n_cascade; i++) g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;
+    for (int i = 0; i < o->n_cascade; i++)
+        g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;
     g->deep = g->limits;
     g->deep.multiply = g->largest.multiply;
     *out = g;
@@ -68,7 +69,8 @@ int ric_node_order(const ric_node *a, const ric_node *b)
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
     if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
     if (a->cycle->N != b->cycle->N) return a->cycle->N - b->cycle->N;
-    return ric_cycle_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the whole structure */
+    return ric_cycle_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the
+                                                               * whole structure */
 }
 
 /* The first place of `by_energy` whose node has at least this energy. */

@@ -1,4 +1,5 @@
-/* The graph while it is explored: nodes (junctions) and edges (branches). chart.h turns it into the atlas that users read. */
+/* The graph while it is explored: nodes (junctions) and edges (branches). chart.h turns it into the atlas that users
+ * read. */
 #ifndef RIC_GRAPH_H
 #define RIC_GRAPH_H
 
@@ -54,7 +55,8 @@ typedef struct {
     int *by_energy;          /* the same, by increasing energy */
     int n_edge, edge_capacity;
     ric_edge *edges;
-    uint64_t shuffle;        /* 0; else departures of one depth are taken in another order: for tests, which expect the same atlas */
+    uint64_t shuffle;        /* 0; else departures of one depth are taken in another order: for tests, which expect the
+                              * same atlas */
 } ric_graph;
 
 ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph **out);
@@ -62,7 +64,8 @@ void ric_graph_free(ric_graph *graph);
 
 /* Everything within the study's budgets; `run` may be NULL. RIC_E_INTERRUPTED leaves a consistent, unfinished graph. */
 ric_status ric_graph_explore(ric_graph *graph, const ric_run_options *run);
-/* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. Takes over the node. */
+/* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. Takes
+ * over the node. */
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice);
 
 /* Smallest first: energy, then impacts, then period. */
@@ -72,12 +75,13 @@ int ric_node_order(const ric_node *a, const ric_node *b);
 ric_status ric_edge_attach(ric_edge *edge, int node, unsigned choice, double at);
 /* Whether an edge passes through the orbit of a node; its arclength there. */
 bool ric_edge_contains(const ric_model *model, const ric_edge *edge, const ric_node *node, double *at);
-/* Brings the departures of the finished graph to a state that does not depend on the order of work: nothing is open, what an edge passes is
- * known, and of the ways to an edge one counts as taken. */
+/* Brings the departures of the finished graph to a state that does not depend on the order of work: nothing is open,
+ * what an edge passes is known, and of the ways to an edge one counts as taken. */
 ric_status ric_graph_settle(ric_graph *graph);
 
 /* A trace as bytes that another run can take up, and back (bit for bit). */
 ric_status ric_trace_pack(const ric_trace *trace, void **blob, size_t *size);
-ric_status ric_trace_unpack(const ric_model *model, const ric_limits *limits, const void *blob, size_t size, ric_trace **out);
+ric_status ric_trace_unpack(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
+                            ric_trace **out);
 
 #endif

@@ -1,5 +1,5 @@
-/* What the files of the graph share: graph.c (nodes and edges), graph_start.c (where it begins), follow.c (from a departure to an edge),
- * schedule.c (the order of work). No other file needs it. */
+/* What the files of the graph share: graph.c (nodes and edges), graph_start.c (where it begins), follow.c
+ * (from a departure to an edge), schedule.c (the order of work). No other file needs it. */
 #ifndef RIC_GRAPH_PARTS_H
 #define RIC_GRAPH_PARTS_H
 

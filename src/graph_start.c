@@ -1,4 +1,5 @@
-/* Where an exploration begins: the grazings of the modes, the closed form of a loose mass, orbits given from outside. */
+/* Where an exploration begins: the grazings of the modes, the closed form of a loose mass, orbits given from
+ * outside. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,8 +9,8 @@
 
 #define TWO_PI 6.283185307179586477
 
-/* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts higher, the branch is
- * followed up to there. *out = NULL: it does not come so far. */
+/* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts
+ * higher, the branch is followed up to there. *out = NULL: it does not come so far. */
 static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
 {
     static const int face[] = {-1, -1};
@@ -71,9 +72,10 @@ static ric_status start_modes(ric_graph *g)
     return RIC_OK;
 }
 
-/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a closed form (docs/theory.md section
- * 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)) from the centre, h half a period, A from s(h/2) = d. It is scanned over
- * the frequency window; every stretch of admissible orbits gives a start, from which its branch is followed both ways. */
+/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a closed form
+ * (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)) from the centre, h half a
+ * period, A from s(h/2) = d. It is scanned over the frequency window; every stretch of admissible orbits gives a start,
+ * from which its branch is followed both ways. */
 static void closed_form(const ric_model *m, const ric_face *f, double omega, double *u)
 {
     int n = m->n;
@@ -112,8 +114,10 @@ static ric_status start_loose(ric_graph *g)
         if (m->face[f].mirror >= 0 && m->face[f].side > 0) upper = f;
     if (!loose || upper < 0 || m->n_contact > 1) return RIC_OK;
     if (m->springs)
-        return ric_fail(RIC_E_INPUT, "the structure can move as a rigid body against a contact of law bilinear: such families have no closed form to "
-                        "start from in this version; hold the structure by a soft spring, or make the contact rigid");
+        return ric_fail(RIC_E_INPUT,
+                        "the structure can move as a rigid body against a contact of law bilinear: such families have "
+                        "no closed form to start from in this version; hold the structure by a soft spring, or make "
+                        "the contact rigid");
     ric_chain *chain = NULL;
     face[1] = upper;
     ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
@@ -122,8 +126,8 @@ static ric_status start_loose(ric_graph *g)
         closed_form(m, &m->face[upper], omega, u);
         ric_chain_fly(chain, u);
         double energy = ric_chain_energy(chain);
-        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < 1e-9 && chain->approach[1] > 0 &&
-                    ric_reach(chain, u, NULL) < 1;
+        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < 1e-9 &&
+                    chain->approach[1] > 0 && ric_reach(chain, u, NULL) < 1;
         if (good && !inside) status = start_stretch(g, chain, u);
         inside = good;
     }
@@ -142,7 +146,8 @@ static ric_status start_given(ric_graph *g)
         if (!status) status = ric_node_start(g->model, cycle, &node);
         ric_cycle_free(cycle);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
-        else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1])) ric_node_free(node);
+        else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1]))
+            ric_node_free(node);
         else if (!status && ric_graph_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
     }
     return status;

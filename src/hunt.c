@@ -6,13 +6,15 @@
 
 #include "status.h"
 
-#define SAME 1e-6      /* impacts of one orbit found twice agree within this; other orbits are farther away or counted as one */
+#define SAME 1e-6      /* impacts of one orbit found twice agree within this; other orbits are farther away or counted
+                        * as one */
 #define PERIODS 1e-7   /* the same of periods, relative */
 #define TWO_PI 6.283185307179586477
 
 void ric_hunt_options_init(ric_hunt_options *o)
 {
-    *o = (ric_hunt_options){.impacts = 6, .period = {0, INFINITY}, .lines = 20000, .rows = 60, .row = 1000, .random = 250000, .seed = 1};
+    *o = (ric_hunt_options){.impacts = 6, .period = {0, INFINITY}, .lines = 20000, .rows = 60, .row = 1000,
+                            .random = 250000, .seed = 1};
 }
 
 static ric_status no_memory(void)
@@ -46,7 +48,8 @@ void ric_hunt_free(ric_hunt *h)
 
 ric_status ric_hunt_report(ric_hunt *h, const char *what, double part)
 {
-    if (h->options.progress && h->options.progress(what, part, h->n, h->options.user)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+    if (h->options.progress && h->options.progress(what, part, h->n, h->options.user))
+        return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     return RIC_OK;
 }
 
@@ -66,11 +69,13 @@ static ric_hit image(const ric_section *s, int N, const ric_hit *hits, int shift
 
 static bool same_hit(ric_hit a, ric_hit b, double tolerance)
 {
-    return a.face == b.face && fabs(a.y - b.y) < tolerance && fabs(a.angle - b.angle) < tolerance && fabs(a.tau - b.tau) < tolerance * (1 + a.tau);
+    return a.face == b.face && fabs(a.y - b.y) < tolerance && fabs(a.angle - b.angle) < tolerance &&
+           fabs(a.tau - b.tau) < tolerance * (1 + a.tau);
 }
 
 /* Whether the image of b is a. */
-static bool matches(const ric_section *s, int N, const ric_hit *a, const ric_hit *b, int shift, bool reverse, bool mirror, double tolerance)
+static bool matches(const ric_section *s, int N, const ric_hit *a, const ric_hit *b, int shift, bool reverse,
+                    bool mirror, double tolerance)
 {
     for (int i = 0; i < N; i++)
         if (!same_hit(a[i], image(s, N, b, shift, reverse, mirror, i), tolerance)) return false;
@@ -188,7 +193,8 @@ ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, bool
     if (!solved) return RIC_OK;
     if (half) unfold(h->section, N, orbit);
     double period = period_of(full, orbit);
-    if (period > h->options.period[1] || period < h->options.period[0] || repeats(h->section, full, orbit)) return RIC_OK;
+    if (period > h->options.period[1] || period < h->options.period[0] || repeats(h->section, full, orbit))
+        return RIC_OK;
     int known = ric_hunt_find(h, full, orbit, SAME);
     if (known < 0) {
         if (!ric_section_admissible(h->section, full, orbit) || !ric_section_around(h->section, full, orbit, D)) {

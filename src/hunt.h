@@ -1,5 +1,6 @@
-/* A search for periodic orbits by brute force, which knows nothing of branches (docs/theory.md section 11): every admissible orbit of one
- * energy with few impacts, from the map between impacts on its two-dimensional section. What an atlas lacks is looked for here. */
+/* A search for periodic orbits by brute force, which knows nothing of branches (docs/theory.md section 11): every
+ * admissible orbit of one energy with few impacts, from the map between impacts on its two-dimensional section. What an
+ * atlas lacks is looked for here. */
 #ifndef RIC_HUNT_H
 #define RIC_HUNT_H
 
@@ -13,7 +14,8 @@ typedef struct {
     int rows, row;       /* rows on the section of each face, and points on each row before it is refined */
     int random;          /* random starts on each face */
     uint64_t seed;
-    bool (*progress)(const char *what, double part, int found, void *user); /* NULL, or called now and then; return true to stop */
+    /* NULL, or called now and then; return true to stop */
+    bool (*progress)(const char *what, double part, int found, void *user);
     void *user;
 } ric_hunt_options;
 
@@ -57,7 +59,8 @@ ric_status ric_hunt_report(ric_hunt *hunt, const char *what, double part);
 
 typedef enum {
     RIC_PREY_KNOWN,       /* the atlas has it */
-    RIC_PREY_BUDGET,      /* it is on the far side of a departure that the atlas has not taken, for a budget or a refusal */
+    RIC_PREY_BUDGET,      /* it is on the far side of a departure that the atlas has not taken, for a budget or a
+                           * refusal */
     RIC_PREY_ISOLATED,    /* within the budgets its family meets no junction of the atlas */
     RIC_PREY_UNEXPLAINED, /* its family meets the atlas where nothing is left to take, or it could not be followed */
 } ric_prey_state;
@@ -80,13 +83,15 @@ typedef struct {
     int n_missed;
     ric_missed *missed;
     ric_finding *findings; /* [hunt->n] */
-    ric_atlas *side;       /* what lies around the orbits that the atlas lacks, explored within its budgets; NULL if it lacks none */
+    ric_atlas *side;       /* what lies around the orbits that the atlas lacks, explored within its budgets; NULL if it
+                            * lacks none */
 } ric_comparison;
 
 /* Both ways: which orbits of the atlas were found again, and why it lacks those that it lacks. */
 ric_status ric_hunt_compare(ric_hunt *hunt, const ric_atlas *atlas, ric_comparison **out);
 void ric_comparison_free(ric_comparison *comparison);
 /* Puts the isolated ones into the atlas file as starts, one for each branch; *n receives how many. */
-ric_status ric_hunt_add(const ric_hunt *hunt, const ric_comparison *comparison, const ric_atlas *atlas, const char *path, int *n);
+ric_status ric_hunt_add(const ric_hunt *hunt, const ric_comparison *comparison, const ric_atlas *atlas,
+                        const char *path, int *n);
 
 #endif

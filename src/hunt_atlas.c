@@ -10,8 +10,9 @@
 #include "status.h"
 #include "store.h"
 
-/* What was found against what an atlas has. Orbits that it lacks are followed: an exploration that starts from them alone, within the budgets
- * of the atlas, makes an atlas of their surroundings, and its junctions are compared with those of the other. */
+/* What was found against what an atlas has. Orbits that it lacks are followed: an exploration that starts from them
+ * alone, within the budgets of the atlas, makes an atlas of their surroundings, and its junctions are compared with
+ * those of the other. */
 
 #define MATCH 1e-5     /* an orbit of the atlas is one of the hunt if all impacts agree within this */
 #define JUNCTION 1e-6  /* relative, of energies, frequencies and states of one junction in two atlases */
@@ -72,8 +73,10 @@ static ric_status each_orbit(const ric_hunt *h, const ric_atlas *a, orbit_visito
             ric_hit hits[b.impacts];
             ric_orbit_data(orbits[i], &point, NULL, NULL, NULL);
             double period = TWO_PI / point.frequency;
-            if (!ric_point_admissible(&point) || period > h->options.period[1] || period < h->options.period[0]) continue;
-            if (!(status = read_orbit(h, orbits[i], hits))) status = visit(user, &b, orbits[i], ric_hunt_find(h, b.impacts, hits, MATCH));
+            if (!ric_point_admissible(&point) || period > h->options.period[1] || period < h->options.period[0])
+                continue;
+            if (!(status = read_orbit(h, orbits[i], hits)))
+                status = visit(user, &b, orbits[i], ric_hunt_find(h, b.impacts, hits, MATCH));
         }
         ric_orbits_free(n, orbits);
     }
@@ -103,7 +106,8 @@ static ric_status count(void *user, const ric_branch *b, const ric_orbit *o, int
         c->missed = grown;
     }
     ric_orbit_data(o, &point, NULL, NULL, NULL);
-    c->missed[c->n_missed++] = (ric_missed){b->id, b->impacts, TWO_PI / point.frequency, 2 * sinh(point.trace), point.approach};
+    c->missed[c->n_missed++] = (ric_missed){b->id, b->impacts, TWO_PI / point.frequency, 2 * sinh(point.trace),
+                                            point.approach};
     return RIC_OK;
 }
 
@@ -149,7 +153,8 @@ static char *start_lines(const ric_hunt *h, const bool *wanted)
 
 static bool keep_going(const ric_progress *now, void *user)
 {
-    return ric_hunt_report(user, "following what the atlas lacks", now->open ? 1 - 1.0 / (1 + now->branches) : 1) != RIC_OK;
+    return ric_hunt_report(user, "following what the atlas lacks", now->open ? 1 - 1.0 / (1 + now->branches) : 1) !=
+           RIC_OK;
 }
 
 static ric_status explore_side(ric_hunt *h, const ric_atlas *a, const bool *wanted, ric_atlas **out)
@@ -176,10 +181,13 @@ static bool near(double a, double b)
     return fabs(a - b) <= JUNCTION * (1 + fabs(a) + fabs(b));
 }
 
-/* One orbit, also where it is a junction gone through different numbers of times. Canonical states are solved from rounded numbers and agree. */
+/* One orbit, also where it is a junction gone through different numbers of times. Canonical states are solved from
+ * rounded numbers and agree. */
 static bool same_orbit(int n_dof, const ric_junction *a, const ric_junction *b)
 {
-    if (a->impacts != b->impacts || !near(a->energy, b->energy) || !near(a->frequency * a->multiple, b->frequency * b->multiple)) return false;
+    if (a->impacts != b->impacts || !near(a->energy, b->energy) ||
+        !near(a->frequency * a->multiple, b->frequency * b->multiple))
+        return false;
     for (int i = 0; i < a->impacts; i++)
         if (a->word[i] != b->word[i] || !near(a->flights[i], b->flights[i])) return false;
     for (int i = 0; i < 2 * n_dof; i++)
@@ -197,7 +205,8 @@ static int junctions_of(const ric_branch *b, int *ids)
     return n;
 }
 
-/* Families of a side atlas: branches that share junctions; family [n_branch + 1], junction_family [n_junction + 1], from 1. */
+/* Families of a side atlas: branches that share junctions; family [n_branch + 1], junction_family [n_junction + 1],
+ * from 1. */
 static void find_families(const ric_atlas *s, int *family, int *junction_family)
 {
     int count = 0;
@@ -222,8 +231,8 @@ static void find_families(const ric_atlas *s, int *family, int *junction_family)
     }
 }
 
-/* What a family meets: junctions of the atlas where something is left to take, or nothing; or one that the atlas has, but gone through another
- * number of times. 0: none. */
+/* What a family meets: junctions of the atlas where something is left to take, or nothing; or one that the atlas has,
+ * but gone through another number of times. 0: none. */
 typedef struct {
     int branches, junctions, over_budget, refused, window, failed;
     int open, settled, again, times;
@@ -252,7 +261,8 @@ static void meet(const ric_atlas *a, const ric_junction *j, surroundings *out)
     }
 }
 
-static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int wanted, const int *family, const int *junction_family)
+static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int wanted, const int *family,
+                                const int *junction_family)
 {
     surroundings out = {0};
     for (int id = 1; id <= ric_atlas_n_branch(s); id++) {
@@ -282,19 +292,26 @@ static void explain(const ric_atlas *a, const surroundings *f, ric_finding *find
     finding->state = f->open || f->again ? RIC_PREY_BUDGET : f->settled ? RIC_PREY_UNEXPLAINED : RIC_PREY_ISOLATED;
     if (id) ric_atlas_junction(a, id, &j);
     if (f->open && j.refusal[0])
-        snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), refused: %s", j.id, j.label, j.refusal);
+        snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), refused: %s", j.id,
+                 j.label, j.refusal);
     else if (f->open)
-        snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), where %d departures are over budget", j.id, j.label,
+        snprintf(finding->why, sizeof finding->why,
+                 "its family joins the atlas at junction %d (%s), where %d departures are over budget", j.id, j.label,
                  j.departures.over_budget);
     else if (f->again)
-        snprintf(finding->why, sizeof finding->why, "its family joins the %d-duplicate of junction %d (%s), beyond explore.multiply (%d) or "
-                 "explore.impacts (%d)", f->times, j.id, j.label, ric_study_options(ric_atlas_study(a))->multiply, ric_study_options(ric_atlas_study(a))->impacts);
+        snprintf(finding->why, sizeof finding->why,
+                 "its family joins the %d-duplicate of junction %d (%s), beyond explore.multiply (%d) or "
+                 "explore.impacts (%d)",
+                 f->times, j.id, j.label, ric_study_options(ric_atlas_study(a))->multiply,
+                 ric_study_options(ric_atlas_study(a))->impacts);
     else if (f->settled)
-        snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), where no departure is left", j.id, j.label);
+        snprintf(finding->why, sizeof finding->why,
+                 "its family joins the atlas at junction %d (%s), where no departure is left", j.id, j.label);
     else
         snprintf(finding->why, sizeof finding->why,
-                 "within the budgets its family (%d branches, %d junctions) meets no junction of the atlas; beyond: %d departures over budget, "
-                 "%d refused, %d ends at a window, %d failed", f->branches, f->junctions, f->over_budget, f->refused, f->window, f->failed);
+                 "within the budgets its family (%d branches, %d junctions) meets no junction of the atlas; beyond: %d "
+                 "departures over budget, %d refused, %d ends at a window, %d failed",
+                 f->branches, f->junctions, f->over_budget, f->refused, f->window, f->failed);
 }
 
 static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_comparison *c)

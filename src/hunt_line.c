@@ -36,7 +36,8 @@ bool ric_line_together(const ric_line *l, const ric_strand *a, const ric_strand 
 {
     const ric_section *s = l->hunt->section;
     if (j >= a->n || j >= b->n || a->hit[j].face != b->hit[j].face) return false;
-    return fabs(a->hit[j].y - b->hit[j].y) < l->apart * s->face[a->hit[j].face].radius[0] && fabs(a->hit[j].angle - b->hit[j].angle) < l->apart &&
+    return fabs(a->hit[j].y - b->hit[j].y) < l->apart * s->face[a->hit[j].face].radius[0] &&
+           fabs(a->hit[j].angle - b->hit[j].angle) < l->apart &&
            fabs(a->time[j] - b->time[j]) * fmax(s->omega[0], s->omega[1]) < l->apart;
 }
 

@@ -7,7 +7,8 @@
 
 /* Orbits that are their own image in time: from one mirror point to the next (docs/theory.md sections 4 and 11).
  *
- * A line of motions starts at mirror points of one kind. Mapped forward, it is looked at wherever it could be at a mirror point again:
+ * A line of motions starts at mirror points of one kind. Mapped forward, it is looked at wherever it could be at a
+ * mirror point again:
  *     at an impact                 angle = 0
  *     at rest in a flight          that leaves and meets one face: y' = y, angle' = -angle
  *     in the centre in a flight    from a face to the one on the other side: y' = -y, angle' = angle
@@ -99,7 +100,8 @@ static bool applies(const ric_line *l, mirror_kind end, const ric_strand *a, int
 
 /* ----------------------------------------------------------------- unfolding */
 
-/* The whole orbit of a half or quarter one that ends at hit j, or in the middle of the flight before it. out [4 (j + 1)]. */
+/* The whole orbit of a half or quarter one that ends at hit j, or in the middle of the flight before it. out
+ * [4 (j + 1)]. */
 static int unfold(const ric_line *l, const ric_strand *a, int j, mirror_kind end, ric_hit *out)
 {
     const ric_section *s = l->hunt->section;
@@ -113,7 +115,8 @@ static int unfold(const ric_line *l, const ric_strand *a, int j, mirror_kind end
     for (int i = end == IMPACT ? last - 1 : last; i >= (start == IMPACT ? 1 : 0); i--) {
         when[n] = 2 * turn - a->time[i];
         /* a centre turns motion round and mirrors it: the velocity changes its sign twice */
-        out[n++] = end == CENTRE ? ric_section_mirrored(s, ric_section_reversed(a->hit[i])) : ric_section_reversed(a->hit[i]);
+        out[n++] = end == CENTRE ? ric_section_mirrored(s, ric_section_reversed(a->hit[i]))
+                                 : ric_section_reversed(a->hit[i]);
     }
     if ((end == CENTRE) != (start == CENTRE)) {
         for (int i = 0, m = n; i < m; i++) {
@@ -174,14 +177,16 @@ static ric_status compare(const ric_line *l, const ric_strand *a, const ric_stra
     ric_status status = RIC_OK;
     for (int j = 0; j < joint && !status; j++)
         for (int t = 0; t < (int)(sizeof tests / sizeof *tests) && !status; t++)
-            if (applies(l, tests[t].end, a, j) && tests[t].value(a, j) * tests[t].value(b, j) <= 0) status = close_in(l, a, b, j, t);
+            if (applies(l, tests[t].end, a, j) && tests[t].value(a, j) * tests[t].value(b, j) <= 0)
+                status = close_in(l, a, b, j, t);
     return status;
 }
 
-static ric_status scan(ric_hunt *h, bool (*start)(const ric_line *, double, ric_hit *, double *), int face, double low, double high)
+static ric_status scan(ric_hunt *h, bool (*start)(const ric_line *, double, ric_hit *, double *), int face, double low,
+                       double high)
 {
-    ric_line line = {.hunt = h, .low = low, .high = high, .face = face, .K = h->options.impacts / 2 + 2, .times = 2, .apart = APART,
-                     .shortest = SHORTEST, .start = start, .compare = compare};
+    ric_line line = {.hunt = h, .low = low, .high = high, .face = face, .K = h->options.impacts / 2 + 2, .times = 2,
+                     .apart = APART, .shortest = SHORTEST, .start = start, .compare = compare};
     return ric_line_scan(&line, h->options.lines);
 }
 

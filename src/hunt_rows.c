@@ -5,15 +5,18 @@
 #include "hunt_line.h"
 #include "status.h"
 
-/* All orbits, reversible or not: rows of starts, and starts at random, on the section of every face (docs/theory.md section 11).
+/* All orbits, reversible or not: rows of starts, and starts at random, on the section of every face
+ * (docs/theory.md section 11).
  *
- * Every start z is flown N impacts. Whenever it is on its first face again, P the map so far and D its matrix, Newton's step
- * d = (I - D)^-1 (P(z) - z) tells how far the orbit would be if P were linear; where that is not far, the motion is the first guess for
- * Newton's method on all impacts at once. What counts is |d| and not how near to itself the motion comes: near an orbit with multiplier
- * lambda P(z) - z is |lambda| times larger. Half orbits, P(z) = -z on the face opposite, are looked for in the same manner.
+ * Every start z is flown N impacts. Whenever it is on its first face again, P the map so far and D its matrix, Newton's
+ * step d = (I - D)^-1 (P(z) - z) tells how far the orbit would be if P were linear; where that is not far, the motion
+ * is the first guess for Newton's method on all impacts at once. What counts is |d| and not how near to itself the
+ * motion comes: near an orbit with multiplier lambda P(z) - z is |lambda| times larger. Half orbits, P(z) = -z on the
+ * face opposite, are looked for in the same manner.
  *
- * The motions that have the word of an orbit with multiplier lambda fill a strip as narrow as 1/lambda, but as long as the face. Rows cross
- * it, and as they are refined where neighbours part they do not step over it; starts at random find it if it is not too narrow. */
+ * The motions that have the word of an orbit with multiplier lambda fill a strip as narrow as 1/lambda, but as long as
+ * the face. Rows cross it, and as they are refined where neighbours part they do not step over it; starts at random
+ * find it if it is not too narrow. */
 
 #define FAR 0.15       /* largest |d|, in the size of the face */
 #define APART 0.25
@@ -61,7 +64,8 @@ static bool admit(search *g, int N, bool half, const ric_hit *hits, double y, do
 static ric_status consider(search *g, int k, bool half, ric_hit *hits, const double *D)
 {
     const ric_section_face *face = &g->hunt->section->face[g->face];
-    double sign = half ? -1 : 1, a = 1 - sign * D[0], b = -sign * D[1], c = -sign * D[2], d = 1 - sign * D[3], det = a * d - b * c;
+    double sign = half ? -1 : 1, a = 1 - sign * D[0], b = -sign * D[1], c = -sign * D[2], d = 1 - sign * D[3],
+           det = a * d - b * c;
     double ry = sign * hits[k].y - hits[0].y, ra = sign * hits[k].angle - hits[0].angle;
     double dy = (d * ry - b * ra) / det / face->radius[0], da = (a * ra - c * ry) / det;
     if (!(hypot(dy, da) < FAR)) return RIC_OK;
@@ -91,8 +95,8 @@ static ric_status visit(const ric_line *l, const ric_strand *a)
         if (!ric_section_slope(s, &a->hit[k - 1], &a->hit[k], step)) break;
         chain_rule(step, D);
         if (a->hit[k].face == g->face) status = consider(g, k, false, a->hit, D);
-        else if (a->hit[k].face == face->mirror && 2 * k <= l->hunt->options.impacts && 2 * a->time[k] < l->hunt->options.period[1] &&
-                 ric_model_symmetric(s->model))
+        else if (a->hit[k].face == face->mirror && 2 * k <= l->hunt->options.impacts &&
+                 2 * a->time[k] < l->hunt->options.period[1] && ric_model_symmetric(s->model))
             status = consider(g, k, true, a->hit, D);
     }
     return status;
@@ -127,8 +131,8 @@ static bool start_random(const ric_line *l, double unused, ric_hit *hit, double 
 static ric_status search_face(search *g)
 {
     ric_hunt *h = g->hunt;
-    ric_line line = {.hunt = h, .face = g->face, .K = h->options.impacts + 1, .times = 1, .apart = APART, .shortest = SHORTEST,
-                     .start = start_row, .visit = visit, .user = g};
+    ric_line line = {.hunt = h, .face = g->face, .K = h->options.impacts + 1, .times = 1, .apart = APART,
+                     .shortest = SHORTEST, .start = start_row, .visit = visit, .user = g};
     ric_status status = RIC_OK;
     for (int i = 0; i < h->options.rows && !status; i++) {
         if ((status = ric_hunt_report(h, "rows", (double)i / h->options.rows))) break;

@@ -10,13 +10,18 @@
 
 #define TWO_PI 6.283185307179586477
 #define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
-#define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a pole */
-#define FINE 1e-12      /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in higher precision */
-#define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a tenth) */
+#define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign
+                         * changed at a pole */
+#define FINE 1e-12      /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in
+                         * higher precision */
+#define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit
+                         * (a bound: the error is a tenth) */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define UNDECIDED (-1)
-#define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding / distance */
-#define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came from */
+#define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding /
+                          * distance */
+#define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
+                         * where they came from */
 
 /* What vanishes at a junction, as a function of the point on the curve. */
 typedef struct {
@@ -44,9 +49,9 @@ static ric_problem smaller_problem(criterion *q, const ric_cycle *cycle)
     return problems[q->choice];
 }
 
-/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where the factors of
- * section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and keeps its digits however unstable
- * the orbit is. */
+/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where
+ * the factors of section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and
+ * keeps its digits however unstable the orbit is. */
 static double larger_determinant(criterion *q, const double *u)
 {
     ric_chain *large = NULL;
@@ -71,8 +76,8 @@ static double larger_determinant(criterion *q, const double *u)
     return value;
 }
 
-/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the period is its square, that
- * of the period only touches -2. */
+/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the
+ * period is its square, that of the period only touches -2. */
 static double off_rotation(criterion *q)
 {
     const ric_chain *c = q->chain;
@@ -88,7 +93,8 @@ static double off_rotation(criterion *q)
 static double off_asked(const criterion *q, const double *u)
 {
     const ric_model *m = q->chain->model;
-    return ric_asked_off(q->asked, ric_chain_energy(q->chain) * m->energy_unit, TWO_PI / ric_chain_time(q->chain, u) * m->omega_ref);
+    return ric_asked_off(q->asked, ric_chain_energy(q->chain) * m->energy_unit,
+                         TWO_PI / ric_chain_time(q->chain, u) * m->omega_ref);
 }
 
 static double evaluate(criterion *q, const double *u, const double *t, double orientation)
@@ -165,14 +171,16 @@ static bool solve_criterion(criterion *q, double *u)
     memcpy(u, best, sizeof best);
     ric_chain_evaluate(c, u);
     if (q->test == RIC_TEST_ASKED) return least <= MET;
-    bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET || (q->test == RIC_TEST_ROTATION && c->start != RIC_MIRROR_NONE);
+    bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
+                          (q->test == RIC_TEST_ROTATION && c->start != RIC_MIRROR_NONE);
     if (!by_determinant) return true;
     bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     return least <= AT_ZERO * c->scale * slope;
 }
 
-/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is shortest. */
+/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is
+ * shortest. */
 static int slowest(const ric_chain *c, const double *u, bool *soft)
 {
     int best = -1;
@@ -209,15 +217,16 @@ ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion 
 {
     ric_cycle *canonical = NULL, *out = NULL;
     for (int pass = 0; pass < 2; pass++) {
-        criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked, .last = pass > 0,
-                       .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
+        criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked,
+                       .last = pass > 0, .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
         double *u = NULL;
         ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
         if (good) {
             if (pass)
                 for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
-            ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded unknowns */
+            ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
+                                             * unknowns */
             if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
             if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             good = good && solve_criterion(&q, u);

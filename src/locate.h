@@ -16,8 +16,9 @@ typedef struct {
     const ric_asked *asked;
 } ric_criterion;
 
-/* Re-solves `cycle` (with its symmetries) on its defining equation: canonical start, unknowns rounded, solved again, so that nothing is left of where
- * it came from. NULL where there is none near; *moved (may be NULL): because it went elsewhere. */
+/* Re-solves `cycle` (with its symmetries) on its defining equation: canonical start, unknowns rounded, solved again, so
+ * that nothing is left of where it came from. NULL where there is none near; *moved (may be NULL): because it went
+ * elsewhere. */
 ric_cycle *ric_locate(const ric_model *model, const ric_cycle *cycle, ric_criterion what, bool *moved);
 /* Whether rounding leaves an extremum its place: dE/ds or dT/ds passes zero there fast enough. */
 bool ric_locate_sharp(const ric_model *model, const ric_cycle *cycle, int test);

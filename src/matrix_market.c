@@ -113,7 +113,8 @@ static void skip(scanner *s)
     }
 }
 
-/* Next word in printable form; "" at the end of the text, and words that are too long are cut (no number is that long). */
+/* Next word in printable form; "" at the end of the text, and words that are too long are cut
+ * (no number is that long). */
 static void next(scanner *s, char out[TOKEN_MAX])
 {
     int n = 0;
@@ -143,7 +144,8 @@ static ric_status next_real(scanner *s, long row, long column, double *out)
         return bad(s, "the file ends where the entry of row %ld, column %ld should be", row, column);
     switch (ric_text_real(word, out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
-    case RIC_TEXT_NOT_FINITE: return bad(s, "the entry of row %ld, column %ld is '%s'; entries must be finite", row, column, word);
+    case RIC_TEXT_NOT_FINITE:
+        return bad(s, "the entry of row %ld, column %ld is '%s'; entries must be finite", row, column, word);
     case RIC_TEXT_NO_NUMBER: break;
     }
     return bad(s, "the entry of row %ld, column %ld is '%s', which is not a number", row, column, word);
@@ -162,14 +164,16 @@ static ric_status read_banner(scanner *s, header *out)
     char line[128], word[5][TOKEN_MAX] = {"", "", "", "", ""};
     size_t length = strcspn(s->at, "\r\n");
     if (length >= sizeof line)
-        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' or similar");
+        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' "
+                      "or similar");
     snprintf(line, sizeof line, "%.*s", (int)length, s->at);
     lower(line);
     scanner words = {line, line + strlen(line), s->label, 1};
     for (int i = 0; i < 5; i++)
         next(&words, word[i]);
     if (strcmp(word[0], "%%matrixmarket") || strcmp(word[1], "matrix"))
-        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' or similar");
+        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' "
+                      "or similar");
     out->coordinate = !strcmp(word[2], "coordinate");
     out->symmetric = !strcmp(word[4], "symmetric");
     if (!out->coordinate && strcmp(word[2], "array"))
@@ -228,7 +232,8 @@ static ric_status read_entry(scanner *s, const header *h, bool *given, double *o
         return status;
     long at = (row - 1) * n + column - 1, across = (column - 1) * n + row - 1;
     if (h->symmetric && column > row)
-        return bad(s, "row %ld, column %ld is above the diagonal; a symmetric file holds the lower half only", row, column);
+        return bad(s, "row %ld, column %ld is above the diagonal; a symmetric file holds the lower half only", row,
+                   column);
     if (given[at])
         return bad(s, "row %ld, column %ld is given a second time; give each entry once", row, column);
     given[at] = true;

@@ -73,7 +73,8 @@ static uint64_t hash_of(const void *key, size_t size)
 static entry **find(ric_memo *memo, uint64_t hash, const void *key, size_t key_size)
 {
     entry **link = &memo->slots[hash & (memo->n_slot - 1)];
-    while (*link && !((*link)->hash == hash && (*link)->key_size == key_size && !memcmp((*link)->key, key, key_size))) link = &(*link)->next;
+    while (*link && !((*link)->hash == hash && (*link)->key_size == key_size && !memcmp((*link)->key, key, key_size)))
+        link = &(*link)->next;
     return link;
 }
 

@@ -1,5 +1,6 @@
-/* Results of pure computations, kept by all that they depend on: workers put them in, the owner of an atlas takes them out. A result that
- * is missing is computed by whoever needs it, so that an atlas never depends on who was faster (docs/theory.md section 9). */
+/* Results of pure computations, kept by all that they depend on: workers put them in, the owner of an atlas takes them
+ * out. A result that is missing is computed by whoever needs it, so that an atlas never depends on who was faster
+ * (docs/theory.md section 9). */
 #ifndef RIC_MEMO_H
 #define RIC_MEMO_H
 
@@ -15,6 +16,8 @@ void ric_memo_put(ric_memo *memo, const void *key, size_t key_size, const void *
 /* The value, which leaves the memo; the caller frees it. NULL: none. Any thread. */
 void *ric_memo_take(ric_memo *memo, const void *key, size_t key_size, size_t *size);
 /* Calls `each` for every entry, and empties the memo. */
-void ric_memo_drain(ric_memo *memo, void (*each)(const void *key, size_t key_size, const void *value, size_t size, void *user), void *user);
+void ric_memo_drain(ric_memo *memo,
+                    void (*each)(const void *key, size_t key_size, const void *value, size_t size, void *user),
+                    void *user);
 
 #endif

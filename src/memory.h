@@ -1,6 +1,6 @@
-/* Running out of memory is not an answer. Every source of the library includes this file first (src/meson.build): its allocations
- * remember, per thread, when one failed. Functions may then give up in any way, "does not converge" among them; whoever keeps results asks
- * ric_starved() before it does. */
+/* Running out of memory is not an answer. Every source of the library includes this file first (src/meson.build): its
+ * allocations remember, per thread, when one failed. Functions may then give up in any way, "does not converge" among
+ * them; whoever keeps results asks ric_starved() before it does. */
 #ifndef RIC_MEMORY_H
 #define RIC_MEMORY_H
 

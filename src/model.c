@@ -12,7 +12,8 @@
 
 /* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
 #define UNSEEN 1e-12
-/* Frequencies closer than this (relative, in omega^2) count as equal: their eigenvectors are not determined by M and K. */
+/* Frequencies closer than this (relative, in omega^2) count as equal: their eigenvectors are not determined by M and
+ * K. */
 #define EQUAL 1e-11
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
@@ -42,7 +43,8 @@ static ric_status check_matrix(int n, const double *A, const char *name)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
             if (fabs(A[i * n + j] - A[j * n + i]) > 1e-12 * largest)
-                return ric_fail(RIC_E_INPUT, "%s matrix is not symmetric: [%d][%d] = %.17g but [%d][%d] = %.17g; make them equal",
+                return ric_fail(RIC_E_INPUT,
+                                "%s matrix is not symmetric: [%d][%d] = %.17g but [%d][%d] = %.17g; make them equal",
                                 name, i, j, A[i * n + j], j, i, A[j * n + i]);
     return RIC_OK;
 }
@@ -51,13 +53,18 @@ static ric_status check_contact(int n, int i, const ric_contact *contact)
 {
     if (contact->law == RIC_LAW_POWER) {
         if (contact->exponent < 3 || contact->exponent > 99 || contact->exponent % 2 == 0)
-            return ric_fail(RIC_E_INPUT, "contact %d: exponent %d is not an odd number from 3 to 99", i + 1, contact->exponent);
+            return ric_fail(RIC_E_INPUT, "contact %d: exponent %d is not an odd number from 3 to 99", i + 1,
+                            contact->exponent);
         const double *value = contact->length != 0 ? &contact->reference : &contact->stiffness;
         if (!isfinite(*value) || *value <= 0 || !isfinite(contact->length) || contact->length < 0)
-            return ric_fail(RIC_E_INPUT, "contact %d: a power law needs a stiffness, or a length with a reference stiffness, positive", i + 1);
+            return ric_fail(
+                RIC_E_INPUT,
+                "contact %d: a power law needs a stiffness, or a length with a reference stiffness, positive", i + 1);
     } else if (!isfinite(contact->clearance) || contact->clearance <= 0)
-        return ric_fail(RIC_E_INPUT, "contact %d: clearance %g is not a positive length; the linear motion that every branch starts "
-                                     "from needs an open gap (for a preloaded stop use a small clearance)", i + 1, contact->clearance);
+        return ric_fail(RIC_E_INPUT,
+                        "contact %d: clearance %g is not a positive length; the linear motion that every branch starts "
+                        "from needs an open gap (for a preloaded stop use a small clearance)",
+                        i + 1, contact->clearance);
     if (contact->law == RIC_LAW_BILINEAR && (!isfinite(contact->stiffness) || contact->stiffness <= 0))
         return ric_fail(RIC_E_INPUT, "contact %d: contact stiffness %g is not positive", i + 1, contact->stiffness);
     double largest = 0;
@@ -67,15 +74,19 @@ static ric_status check_contact(int n, int i, const ric_contact *contact)
         largest = fmax(largest, fabs(contact->normal[j]));
     }
     if (largest == 0)
-        return ric_fail(RIC_E_INPUT, "contact %d: the normal is all zeros; it must name the displacements that close the gap", i + 1);
+        return ric_fail(RIC_E_INPUT,
+                        "contact %d: the normal is all zeros; it must name the displacements that close the gap",
+                        i + 1);
     return RIC_OK;
 }
 
-static ric_status check(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts, double restitution)
+static ric_status check(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts,
+                        double restitution)
 {
     ric_status status = RIC_OK;
     if (n < 1 || n > 10000) return ric_fail(RIC_E_INPUT, "%d degrees of freedom; there must be 1 to 10000", n);
-    if (n_contact < 1) return ric_fail(RIC_E_INPUT, "no contacts; without one the structure is linear and its modes are the answer");
+    if (n_contact < 1)
+        return ric_fail(RIC_E_INPUT, "no contacts; without one the structure is linear and its modes are the answer");
     if (!(restitution >= 0 && restitution <= 1))
         return ric_fail(RIC_E_INPUT, "restitution %g is outside [0, 1]", restitution);
     if ((status = check_matrix(n, M, "mass"))) return status;
@@ -83,7 +94,8 @@ static ric_status check(int n, const double *M, const double *K, int n_contact, 
     for (int i = 0; i < n_contact; i++) {
         if ((status = check_contact(n, i, &contacts[i]))) return status;
         if ((contacts[i].law == RIC_LAW_POWER) != (contacts[0].law == RIC_LAW_POWER))
-            return ric_fail(RIC_E_INPUT, "contact %d: a power law and contacts that open and close cannot be mixed", i + 1);
+            return ric_fail(RIC_E_INPUT, "contact %d: a power law and contacts that open and close cannot be mixed",
+                            i + 1);
     }
     return RIC_OK;
 }
@@ -107,11 +119,16 @@ static ric_status check_mass(int n, const double *M)
         int worst = 0;
         for (int i = 0; i < n; i++)
             if (M[i * n + i] < M[worst * n + worst]) worst = i;
-        status = value[0] > 0
-            ? ric_fail(RIC_E_INPUT, "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check entry [%d][%d] = %g", value[0],
-                       value[n - 1], worst, worst, M[worst * n + worst])
-            : ric_fail(RIC_E_INPUT, "mass matrix is not positive definite: its smallest eigenvalue is %g; check entry [%d][%d] = %g", value[0], worst,
-                       worst, M[worst * n + worst]);
+        status =
+            value[0] > 0
+                ? ric_fail(RIC_E_INPUT,
+                           "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check entry "
+                           "[%d][%d] = %g",
+                           value[0], value[n - 1], worst, worst, M[worst * n + worst])
+                : ric_fail(
+                      RIC_E_INPUT,
+                      "mass matrix is not positive definite: its smallest eigenvalue is %g; check entry [%d][%d] = %g",
+                      value[0], worst, worst, M[worst * n + worst]);
     }
 out:
     free(A);
@@ -121,10 +138,11 @@ out:
 
 #define REFINED 400 /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
 
-/* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda in long double: LAPACK's small
- * eigenvalues are accurate relative to the largest one only, and a period needs them relative to themselves. */
-static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX, long double *R, long double *S,
-                        long double *lambda)
+/* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda in long double:
+ * LAPACK's small eigenvalues are accurate relative to the largest one only, and a period needs them relative to
+ * themselves. */
+static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX, long double *R,
+                        long double *S, long double *lambda)
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
@@ -196,7 +214,9 @@ static ric_status eigenmodes(ric_model *m)
     memcpy(m->Phi, m->K, (size_t)n * n * sizeof *B);
     memcpy(B, m->M, (size_t)n * n * sizeof *B);
     if (ric_lapack(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
-        status = ric_fail(RIC_E_NUMERIC, "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
+        status =
+            ric_fail(RIC_E_NUMERIC,
+                     "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
         goto out;
     }
     if ((status = refine_modes(m))) goto out;
@@ -207,8 +227,10 @@ static ric_status eigenmodes(ric_model *m)
         for (int j = 0; j < n; j++) phi2 += m->Phi[j * n + i] * m->Phi[j * n + i];
         rounding = 16.0 * n * DBL_EPSILON * norm * phi2; /* of phi' K phi */
         if (lambda < -rounding) {
-            status = ric_fail(RIC_E_INPUT, "stiffness matrix is not positive semidefinite: mode %d has omega^2 = %g; "
-                                           "an unstable structure has no free vibration about this equilibrium", i + 1, lambda);
+            status = ric_fail(RIC_E_INPUT,
+                              "stiffness matrix is not positive semidefinite: mode %d has omega^2 = %g; an unstable "
+                              "structure has no free vibration about this equilibrium",
+                              i + 1, lambda);
             goto out;
         }
         long double omega = lambda <= rounding ? 0 : sqrtl((long double)lambda + m->frequency_low[i]);
@@ -220,8 +242,8 @@ out:
     return status;
 }
 
-/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the first
- * rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
+/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the
+ * first rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
 static ric_status rotate_equal(ric_model *m, int first, int last)
 {
     ric_status status = RIC_OK;
@@ -268,7 +290,8 @@ static ric_status separate_equal(ric_model *m)
     return status;
 }
 
-/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that results do not depend on LAPACK. */
+/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that results do not depend
+ * on LAPACK. */
 static void fix_signs(ric_model *m)
 {
     int n = m->n_dof;
@@ -380,7 +403,8 @@ static void scale_modes(ric_model *m)
             m->c[f * n + i] = m->normal[f * nd + mode] / unit;
             m->g[f * n + i] = m->c[f * n + i] / m->kappa[i];
         }
-        double shape[nd]; /* columns of a large matrix are far apart in memory; M is symmetric, so that its rows will do */
+        double shape[nd]; /* columns of a large matrix are far apart in memory; M is symmetric, so that its rows will
+                           * do */
         for (int l = 0; l < nd; l++) shape[l] = m->Phi[l * nd + mode];
         for (int j = 0; j < nd; j++) {
             m->to_modal[i * nd + j] = dot(nd, shape, m->M + j * nd) * unit;
@@ -404,8 +428,9 @@ static void make_faces(ric_model *m)
             if (side < 0 && m->contact[f].sides == RIC_SIDES_UPPER) continue;
             int mirror = !both ? -1 : side > 0 ? m->n_face + 1 : m->n_face - 1;
             m->face[m->n_face++] = (ric_face){
-                .contact = f, .side = side, .mirror = mirror, .gap = side * m->contact[f].clearance / m->contact[0].clearance,
-                .spring = m->spring[f], .c = m->c + f * n, .g = m->g + f * n, .cc = dot(n, m->c + f * n, m->c + f * n), .E = E};
+                .contact = f, .side = side, .mirror = mirror,
+                .gap = side * m->contact[f].clearance / m->contact[0].clearance, .spring = m->spring[f],
+                .c = m->c + f * n, .g = m->g + f * n, .cc = dot(n, m->c + f * n, m->c + f * n), .E = E};
         }
     }
 }
@@ -425,7 +450,8 @@ static ric_status allocate(ric_model *m, int n, int n_contact)
     m->Phi = array(nn, sizeof(double));
     m->normal = array(fn, sizeof(double));
     m->seen = array((size_t)n, sizeof *m->seen);
-    if (!m->M || !m->K || !m->b || !m->contact || !m->spring || !m->frequency || !m->frequency_low || !m->Phi || !m->normal || !m->seen)
+    if (!m->M || !m->K || !m->b || !m->contact || !m->spring || !m->frequency || !m->frequency_low || !m->Phi ||
+        !m->normal || !m->seen)
         return ric_fail(RIC_E_NOMEM, "no memory for a model of %d degrees of freedom", n);
     return RIC_OK;
 }
@@ -444,13 +470,14 @@ static ric_status allocate_scaled(ric_model *m)
     m->face = array(2 * f, sizeof *m->face);
     m->to_modal = array(n * (size_t)m->n_dof, sizeof(double));
     m->to_space = array(n * (size_t)m->n_dof, sizeof(double));
-    if (!m->mode || !m->omega || !m->omega_low || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face || !m->to_modal || !m->to_space)
+    if (!m->mode || !m->omega || !m->omega_low || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face ||
+        !m->to_modal || !m->to_space)
         return ric_fail(RIC_E_NOMEM, "no memory for %d seen modes", m->n);
     return RIC_OK;
 }
 
-ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact, const ric_contact *contacts,
-                            double restitution, ric_model **out)
+ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
+                            const ric_contact *contacts, double restitution, ric_model **out)
 {
     ric_model *m = NULL;
     ric_status status = check(n_dof, mass, stiffness, n_contact, contacts, restitution);
@@ -502,8 +529,9 @@ void ric_model_free(ric_model *m)
 {
     if (!m) return;
     for (int i = 0; m->contact && i < m->n_contact; i++) free((void *)(uintptr_t)m->contact[i].name);
-    void *owned[] = {m->M, m->K, m->b, m->contact, m->spring, m->frequency, m->frequency_low, m->Phi, m->normal, m->seen, m->mode,
-                     m->omega, m->omega_low, m->kappa, m->stiff, m->c, m->g, m->E, m->face, m->to_modal, m->to_space};
+    void *owned[] = {m->M,     m->K,      m->b,    m->contact, m->spring, m->frequency, m->frequency_low,
+                     m->Phi,   m->normal, m->seen, m->mode,    m->omega,  m->omega_low, m->kappa,
+                     m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     ric_phases_free(m);
     free(m);
@@ -536,7 +564,8 @@ ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
 
 ric_status ric_model_face(const ric_model *m, int face, int *contact, int *side, int *mirror)
 {
-    if (face < 0 || face >= m->n_face) return ric_fail(RIC_E_RANGE, "face %d does not exist; there are %d, from 0", face, m->n_face);
+    if (face < 0 || face >= m->n_face)
+        return ric_fail(RIC_E_RANGE, "face %d does not exist; there are %d, from 0", face, m->n_face);
     if (contact) *contact = m->face[face].contact;
     if (side) *side = m->face[face].side;
     if (mirror) *mirror = m->face[face].mirror;
@@ -567,14 +596,16 @@ ric_status ric_model_modal_normals(const ric_model *m, double *out)
     return RIC_OK;
 }
 
-/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). Law power is met at once. */
+/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). Law power is met at
+ * once. */
 ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *contact)
 {
     for (int i = 0; i < m->n_dof; i++) {
         energy[i] = INFINITY;
         contact[i] = -1;
         for (int f = 0; f < m->n_contact; f++) {
-            double c = m->normal[f * m->n_dof + i], d = m->contact[f].clearance / ric_model_length(m), omega = m->frequency[i];
+            double c = m->normal[f * m->n_dof + i], d = m->contact[f].clearance / ric_model_length(m),
+                   omega = m->frequency[i];
             if (c == 0 || omega == 0) continue;
             double E = omega * omega * d * d / (2 * c * c);
             if (E < energy[i]) {
@@ -586,7 +617,8 @@ ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *c
     return RIC_OK;
 }
 
-/* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in mass-normalised modal coordinates. */
+/* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in mass-normalised modal
+ * coordinates. */
 ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double *out)
 {
     ric_status status = RIC_OK;
@@ -603,7 +635,8 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
     ric_complement(n, m->normal + contact * n, E);
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++)
-            for (int k = 0; k < n; k++) A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];
+            for (int k = 0; k < n; k++)
+                A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];
     if (n > 1 && ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n - 1, A, n - 1, out))) {
         status = ric_fail(RIC_E_NUMERIC, "the locked frequencies could not be computed");
         goto out;
@@ -640,10 +673,14 @@ double ric_model_energy(const ric_model *m, const double *x, const double *v)
     double energy = (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
     for (int f = 0; f < m->n_contact; f++) {
         const ric_contact *contact = &m->contact[f];
-        double s = dot(m->n_dof, contact->normal, x), unit = m->energy_unit, d = contact->clearance / ric_model_length(m);
-        if (contact->law == RIC_LAW_POWER) energy += unit * m->spring[f] * pow(s, contact->exponent + 1) / (contact->exponent + 1);
+        double s = dot(m->n_dof, contact->normal, x), unit = m->energy_unit,
+               d = contact->clearance / ric_model_length(m);
+        if (contact->law == RIC_LAW_POWER)
+            energy += unit * m->spring[f] * pow(s, contact->exponent + 1) / (contact->exponent + 1);
         if (contact->law != RIC_LAW_BILINEAR) continue;
-        double over = s > d && contact->sides != RIC_SIDES_LOWER ? s - d : s < -d && contact->sides != RIC_SIDES_UPPER ? -s - d : 0;
+        double over = s > d && contact->sides != RIC_SIDES_LOWER    ? s - d
+                      : s < -d && contact->sides != RIC_SIDES_UPPER ? -s - d
+                                                                    : 0;
         energy += unit * m->spring[f] * over * over / 2;
     }
     return energy;

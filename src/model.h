@@ -1,9 +1,10 @@
 /* The structure in its own modal frame, as every solver sees it.
  *
- * Scaled frame: length d (clearance of the first contact), time 1/omega_ref (lowest seen frequency that is not zero; 1 if there is none),
- * modal mass such that |c_0| = 1. Only seen modes are kept. States are "energy coordinates" w = (a, p) [2 n_mode]:
- * a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where omega_i = 0. Then free flight is a plane rotation per mode,
- * |w|^2 / 2 is the energy (without the a of zero modes), and an impact is a Householder reflection of p (docs/theory.md section 1). */
+ * Scaled frame: length d (clearance of the first contact), time 1/omega_ref (lowest seen frequency that is not zero; 1
+ * if there is none), modal mass such that |c_0| = 1. Only seen modes are kept. States are "energy coordinates" w =
+ * (a, p) [2 n_mode]: a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where omega_i = 0. Then free flight
+ * is a plane rotation per mode, |w|^2 / 2 is the energy (without the a of zero modes), and an impact is a Householder
+ * reflection of p (docs/theory.md section 1). */
 #ifndef RIC_MODEL_H
 #define RIC_MODEL_H
 
@@ -47,7 +48,8 @@ struct ric_model {
     ric_face *face;     /* [n_face], contact by contact, upper before lower */
     bool smooth;        /* law power: one flow without events */
     bool springs;       /* some contact is not rigid */
-    double *spring;     /* [n_contact] scaled force constants: of s^exponent for law power, of s - d for law bilinear, 0 for law rigid */
+    double *spring;     /* [n_contact] scaled force constants: of s^exponent for law power, of s - d for law bilinear, 0
+                         * for law rigid */
     double omega_ref;   /* rad/s */
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
     double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d */
@@ -58,8 +60,9 @@ struct ric_model {
 /* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */
 bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
 
-/* Orthonormal rows E [(n-1) * n] perpendicular to h [n], with det [h; E] > 0: the basis turns continuously with h as far as its
- * orientation goes, so determinants taken in it do not jump. Rows 1.. of the Householder reflection that takes h to a multiple of e_0. */
+/* Orthonormal rows E [(n-1) * n] perpendicular to h [n], with det [h; E] > 0: the basis turns continuously with h as
+ * far as its orientation goes, so determinants taken in it do not jump. Rows 1.. of the Householder reflection that
+ * takes h to a multiple of e_0. */
 void ric_complement(int n, const double *h, double *E);
 
 /* Energy coordinates [2n] <-> scaled public state x, v [n_dof each]; v per second. Unseen modes are at rest. */

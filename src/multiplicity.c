@@ -9,9 +9,9 @@
 
 #include "status.h"
 
-/* Error of the singular values of J, relative to its largest entry: rounding of the entries and of the decomposition. What vanishes for a reason
- * stays below it. A deflation divides the error of all others by the smallest singular value that is kept, as it turns the two subspaces by
- * that much. */
+/* Error of the singular values of J, relative to its largest entry: rounding of the entries and of the decomposition.
+ * What vanishes for a reason stays below it. A deflation divides the error of all others by the smallest singular value
+ * that is kept, as it turns the two subspaces by that much. */
 #define ERROR (4 * DBL_EPSILON)
 #define PLACED 1e-9 /* a junction that is known less exactly than this has no ranks */
 #define CLEAR 30    /* a singular value above the error by this factor is none of a zero; in between nobody can tell */
@@ -24,23 +24,27 @@ static void expected(const ric_node *node, int *a, int *b)
 {
     bool half = node->cycle->half, extremum = node->kind == RIC_KIND_EXTREMUM;
     *b = extremum ? 1 : 2;
-    *a = half || (extremum && ric_cycle_letters(node->cycle) < 2) ? 3 : 2; /* with one flight its time fraction is fixed */
+    /* with one flight its time fraction is fixed */
+    *a = half || (extremum && ric_cycle_letters(node->cycle) < 2) ? 3 : 2;
     if (node->kind != RIC_KIND_MULTIPLICATION) return;
     bool doubling = node->multiple == 2 && !half;
     *b = doubling ? 2 : 3;
-    *a = doubling && ric_cycle_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight, too */
+    *a = doubling && ric_cycle_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight,
+                                                                  * too */
 }
 
-/* One step of the staircase form: with V2 the kernel of A [size * size] and V1 its complement, A is similar to [[V1'A V1, 0], [*, 0]],
- * so its eigenvalues are those of V1'A V1 and as many zeros as the kernel has dimensions. A is replaced by V1'A V1.
- * Returns the dimension of the kernel, or what is wrong. Better conditioned than ranks of powers (Kublanovskaya 1966). Relative to scale, singular
- * values are zero up to `zero_at`; *error is that of the others, then that of the next A. */
+/* One step of the staircase form: with V2 the kernel of A [size * size] and V1 its complement, A is similar to
+ * [[V1'A V1, 0], [*, 0]], so its eigenvalues are those of V1'A V1 and as many zeros as the kernel has dimensions. A is
+ * replaced by V1'A V1. Returns the dimension of the kernel, or what is wrong. Better conditioned than ranks of powers
+ * (Kublanovskaya 1966). Relative to scale, singular values are zero up to `zero_at`; *error is that of the others, then
+ * that of the next A. */
 static int deflate(int size, double *A, double scale, double zero_at, double *error, double *work, double *V, double *s)
 {
     int zero = 0;
     if (size == 0) return 0;
     memcpy(work, A, (size_t)size * size * sizeof *A);
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size))) return NO_NUMBER;
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, work, size, s, NULL, 1, V, size, s + size)))
+        return NO_NUMBER;
     for (int i = 0; i < size; i++) zero += s[i] <= zero_at * scale;
     int kept = size - zero;
     if (kept == 0 || s[kept - 1] < CLEAR * *error * scale) return LOST;
@@ -60,8 +64,8 @@ static int deflate(int size, double *A, double scale, double zero_at, double *er
     return zero;
 }
 
-/* J of eq. 29: unknowns w0, beta, T with tau_k = beta_k T; rows w_N - w_0, the N gaps, sum beta - 1. G: gaps then closure. Under a power law
- * N = 1 and the phase condition takes the place of the gap. */
+/* J of eq. 29: unknowns w0, beta, T with tau_k = beta_k T; rows w_N - w_0, the N gaps, sum beta - 1. G: gaps then
+ * closure. Under a power law N = 1 and the phase condition takes the place of the gap. */
 static void article_jacobian(int n, int N, const double *tau, const double *G, double *J)
 {
     int size = 2 * n + N + 1, unknowns = 2 * n + N;
@@ -84,7 +88,8 @@ static void article_jacobian(int n, int N, const double *tau, const double *G, d
 static double located(int size, const double *J, double scale, int b, double rounding, double *work, double *s)
 {
     memcpy(work, J, (size_t)size * size * sizeof *J);
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, work, size, s, NULL, 1, NULL, 1, s + size))) return HUGE_VAL;
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', size, size, work, size, s, NULL, 1, NULL, 1, s + size)))
+        return HUGE_VAL;
     return fmax(rounding, s[size - b] / scale);
 }
 
@@ -107,9 +112,10 @@ static double rounding_of(const ric_model *m, const ric_cycle *whole)
     return ERROR * (1 + ric_cycle_period(whole) * sqrt(ric_dot(n, rate, rate) / (1 + ric_dot(n, whole->w, whole->w))));
 }
 
-/* Both multiplicities from the ranks; *decided = false where one of them is lost in rounding: two different points lie so close together that
- * both seem to be in one place, or the orbit is too long for a dense matrix. `least`: of b. */
-static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multiple, int least, int *a, int *b, bool *decided)
+/* Both multiplicities from the ranks; *decided = false where one of them is lost in rounding: two different points lie
+ * so close together that both seem to be in one place, or the orbit is too long for a dense matrix. `least`: of b. */
+static ric_status measure(const ric_model *m, const ric_cycle *cycle, int multiple, int least, int *a, int *b,
+                          bool *decided)
 {
     ric_status status = RIC_OK;
     int n = m->n, N = m->smooth ? 1 : cycle->N * multiple, size = 2 * n + N + 1;

@@ -13,7 +13,8 @@
 #define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6       /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
-#define ALONE 0.25       /* a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
+#define ALONE 0.25       /* a multiplier nearer to one root of unity than this part of its distance to the next one
+                          * means that one */
 #define ARRIVED 1e-3     /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
 
 void ric_node_free(ric_node *node)
@@ -42,7 +43,8 @@ ric_node *ric_node_copy(const ric_node *node)
 
 const char *ric_budget_text(ric_budget budget)
 {
-    static const char *const texts[RIC_N_BUDGET] = {"frequency", "multiply", "impacts", "symmetric", "touches", "depth"};
+    static const char *const texts[RIC_N_BUDGET] = {"frequency", "multiply", "impacts",
+                                                    "symmetric", "touches",  "depth"};
     return budget >= 0 && budget < RIC_N_BUDGET ? texts[budget] : "";
 }
 
@@ -51,11 +53,11 @@ const char *ric_refusal_text(ric_refusal refusal)
     switch (refusal) {
     case RIC_REFUSAL_TOUCHES: return "more touches at once than are enumerated";
     case RIC_REFUSAL_TOGETHER:
-        return "two contacts with orthogonal normals close at one instant, and on the branches that go on they do so for good; such branches "
-               "are not followed by this version";
+        return "two contacts with orthogonal normals close at one instant, and on the branches that go on they do so "
+               "for good; such branches are not followed by this version";
     case RIC_REFUSAL_OBLIQUE:
-        return "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: the impact law does not say what "
-               "happens; the branch ends here";
+        return "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: the "
+               "impact law does not say what happens; the branch ends here";
     case RIC_REFUSAL_NONE: break;
     }
     return "";
@@ -209,14 +211,16 @@ bool ric_node_coincident(const ric_model *m, const ric_cycle *cycle)
     ric_cycle *full = ric_subset_touches(m, cycle, NULL);
     bool found = false;
     for (int i = 0; full && i < full->N; i++)
-        found |= full->tau[i] < RIC_COINCIDENT && m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
+        found |= full->tau[i] < RIC_COINCIDENT &&
+                 m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
     ric_cycle_free(full);
     return found;
 }
 
-/* With orthogonal normals the reflections commute: each pair of impacts at one instant may go on in either order, and every choice of
- * orders is a way out. */
-static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int n_pair, const int *pairs, ric_node **out)
+/* With orthogonal normals the reflections commute: each pair of impacts at one instant may go on in either order, and
+ * every choice of orders is a way out. */
+static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int n_pair, const int *pairs,
+                                ric_node **out)
 {
     ric_cycle *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
     if (!least) return no_memory();
@@ -241,7 +245,8 @@ ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node 
     *out = NULL;
     if (!full) return no_memory();
     n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
-    if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, FIXED))) n_pair = RIC_CORNER_TOGETHER;
+    if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, FIXED)))
+        n_pair = RIC_CORNER_TOGETHER;
     ric_cycle_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_node *node = node_create(m, RIC_KIND_CORNER, ric_cycle_canonical(m, cycle));
@@ -265,7 +270,9 @@ static bool add_departures(ric_node *node, int count)
 
 ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int test, ric_node **out)
 {
-    ric_kind kind = test == RIC_TEST_SLOPE ? RIC_KIND_EXTREMUM : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM : RIC_KIND_BRANCH_POINT;
+    ric_kind kind = test == RIC_TEST_SLOPE    ? RIC_KIND_EXTREMUM
+                    : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM
+                                              : RIC_KIND_BRANCH_POINT;
     *out = NULL;
     bool moved = false;
     ric_cycle *solved = ric_locate(m, cycle, (ric_criterion){.test = test}, &moved);
@@ -291,7 +298,8 @@ ric_status ric_node_user(const ric_model *m, const ric_cycle *cycle, const ric_a
 {
     *out = NULL;
     ric_cycle *solved = ric_locate(m, cycle, (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked}, NULL);
-    if (!solved) return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
+    if (!solved)
+        return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_USER, solved);
     if (!node) return no_memory();
     node->asked = *asked;
@@ -311,9 +319,9 @@ ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node *
     return RIC_OK;
 }
 
-/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch arrives on a sharp turn rho is off, by 0.2 within
- * 1e-5 of the orbit: the nearest p counts if no other is near, and ric_locate tells whether it is met. rho alone does not tell p from q - p unless
- * it is that of half a period: then the smaller one. */
+/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch arrives on a sharp turn
+ * rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no other is near, and ric_locate tells whether
+ * it is met. rho alone does not tell p from q - p unless it is that of half a period: then the smaller one. */
 static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
 {
     ric_chain *chain = NULL;
@@ -324,7 +332,8 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
         bool half = ric_chain_halves(chain);
         ric_chain_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
-            /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same one, has q - p */
+            /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same
+             * one, has q - p */
             if (isfinite(floquet.rotation) && !half) p = (int)lrint(q * fmin(floquet.rotation, 1 - floquet.rotation));
             for (int k = 1; p == 0 && k <= (half ? q - 1 : q / 2); k++) {
                 double off = HUGE_VAL;
@@ -345,9 +354,9 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
     return p;
 }
 
-/* On an S orbit with mirror points, at a multiplication of order 2 q, the families that keep points of rest or impact are images of each other
- * in half a period and x -> -x; a whole number of periods, which is all that a structure without this symmetry has, takes each to itself.
- * For even q they are two curves, for odd q the halves of one. */
+/* On an S orbit with mirror points, at a multiplication of order 2 q, the families that keep points of rest or impact
+ * are images of each other in half a period and x -> -x; a whole number of periods, which is all that a structure
+ * without this symmetry has, takes each to itself. For even q they are two curves, for odd q the halves of one. */
 static bool has_image(const ric_node *node)
 {
     const ric_cycle *c = node->cycle;
@@ -381,7 +390,8 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
     return RIC_OK;
 }
 
-/* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part` arrives: what is lost tells. */
+/* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part` arrives: what is lost
+ * tells. */
 static int broken_test(const ric_cycle *whole, const ric_cycle *part)
 {
     if (!(whole->half && whole->pure >= 0)) return whole->pure >= 0 || whole->flip >= 0 ? RIC_TEST_B : RIC_TEST_A;
@@ -401,13 +411,15 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
         ric_cycle_find_symmetries(m, sym, 1e-5);
         int p = rotation_of(m, sym, q);
         ric_status status = p > 0 ? ric_node_multiplication(m, sym, p, q, out)
-                                  : ric_fail(RIC_E_NUMERIC, "an orbit gone through %d times has no multiplier of that order", q);
+                                  : ric_fail(RIC_E_NUMERIC,
+                                             "an orbit gone through %d times has no multiplier of that order", q);
         ric_cycle_free(sym);
         return status;
     }
     ric_status status = ric_node_interior(m, sym, broken_test(sym, cycle), out);
     if (status == RIC_E_NUMERIC && sym->half && sym->pure >= 0) {
-        /* two branch points so close that the orbit of one seems to have the symmetry of the other: one symmetry is gained at a time */
+        /* two branch points so close that the orbit of one seems to have the symmetry of the other: one symmetry is
+         * gained at a time */
         ric_cycle less = *sym;
         for (int i = 0; i < 3 && status == RIC_E_NUMERIC; i++) {
             less.half = i == 0;
@@ -441,9 +453,13 @@ bool ric_node_chooses(const ric_node *node)
 
 bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 {
-    if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] || a->cycle->N != b->cycle->N) return false;
+    if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] ||
+        a->cycle->N != b->cycle->N)
+        return false;
     if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
-    if (fabs(a->energy - b->energy) > RIC_NODE_NEAR * (1e-3 + fabs(a->energy)) || fabs(a->period - b->period) > RIC_NODE_NEAR * a->period) return false;
+    if (fabs(a->energy - b->energy) > RIC_NODE_NEAR * (1e-3 + fabs(a->energy)) ||
+        fabs(a->period - b->period) > RIC_NODE_NEAR * a->period)
+        return false;
     return ric_cycle_same(m, a->cycle, b->cycle, 10 * SAME);
 }
 
@@ -452,7 +468,9 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cy
     unsigned result = RIC_SIDE;
     int shift;
     bool reverse, mirror;
-    ric_cycle *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_cycle_repeat(node->cycle, node->multiple) : NULL, *home = NULL;
+    ric_cycle *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_cycle_repeat(node->cycle, node->multiple)
+                                                                      : NULL,
+              *home = NULL;
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
     ric_cycle *here = ric_cycle_copy(cycle);
     bool found = here && (!m->smooth || ric_cycle_mark(here, repeated->N));
@@ -464,12 +482,13 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cy
     if (found) home = ric_cycle_transform(m, here, shift, reverse, mirror);
     ric_cycle_free(here);
     ric_problem other = ric_node_problem(node, RIC_OTHER_SIDE);
-    /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those a period (2N half positions) apart are
-     * the same, those half a period apart are not */
+    /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those a period
+     * (2N half positions) apart are the same, those half a period apart are not */
     int r = !home ? -1 : home->pure >= 0 ? home->pure : home->flip, other_r = other.pure >= 0 ? other.pure : other.flip;
     bool reversal = home && (home->flip >= 0) == (other.flip >= 0);
     if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0)) result = RIC_OTHER_SIDE;
-    if (home && result == RIC_SIDE && node->n_departure > 3 && (r - node->cycle->pure) / node->cycle->N % 2) result = RIC_IMAGE_SIDE;
+    if (home && result == RIC_SIDE && node->n_departure > 3 && (r - node->cycle->pure) / node->cycle->N % 2)
+        result = RIC_IMAGE_SIDE;
     ric_cycle_free(repeated);
     ric_cycle_free(home);
     return result;
@@ -516,12 +535,13 @@ ric_problem ric_node_problem(const ric_node *node, unsigned choice)
     return node->test == RIC_TEST_DET ? problems[0] : ric_problem_breaking(c, node->test);
 }
 
-/* Whether the two halves of a side branch are mirror images in x -> -x and nothing else takes one to the other: in a structure that lacks this
- * symmetry they are different motions, and the branch is one curve through both. */
+/* Whether the two halves of a side branch are mirror images in x -> -x and nothing else takes one to the other: in a
+ * structure that lacks this symmetry they are different motions, and the branch is one curve through both. */
 static bool splits(const ric_node *node)
 {
     const ric_cycle *c = node->cycle;
-    return !node->mirrors && (c->half || c->flip >= 0) && (c->pure < 0 || ric_problem_breaking(c, node->test).pure >= 0);
+    return !node->mirrors && (c->half || c->flip >= 0) &&
+           (c->pure < 0 || ric_problem_breaking(c, node->test).pure >= 0);
 }
 
 bool ric_node_passes(const ric_node *node, unsigned choice)

@@ -1,4 +1,5 @@
-/* Junctions at work: where branches meet, solved on their own equations from a canonical orbit (docs/theory.md sections 7 to 9). */
+/* Junctions at work: where branches meet, solved on their own equations from a canonical orbit (docs/theory.md sections
+ * 7 to 9). */
 #ifndef RIC_NODE_H
 #define RIC_NODE_H
 
@@ -8,13 +9,21 @@
 
 #define RIC_MAX_TOUCHES 16
 
-typedef enum { RIC_DEPARTURE_OPEN, RIC_DEPARTURE_TAKEN, RIC_DEPARTURE_KNOWN, RIC_DEPARTURE_INADMISSIBLE, RIC_DEPARTURE_OVER_BUDGET,
-               RIC_DEPARTURE_REFUSED, RIC_DEPARTURE_LATER } ric_departure_state;
+typedef enum {
+    RIC_DEPARTURE_OPEN,
+    RIC_DEPARTURE_TAKEN,
+    RIC_DEPARTURE_KNOWN,
+    RIC_DEPARTURE_INADMISSIBLE,
+    RIC_DEPARTURE_OVER_BUDGET,
+    RIC_DEPARTURE_REFUSED,
+    RIC_DEPARTURE_LATER
+} ric_departure_state;
 
-/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the pairs of impacts whose order is exchanged
- * (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves (SIDE; at
- * a multiplication of even order there are two, with other mirror points: SIDE and OTHER_SIDE; and the image in x -> -x of the first, IMAGE_SIDE,
- * where the structure lacks that symmetry of the orbit and nothing else takes the one to the other). */
+/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the pairs of impacts whose
+ * order is exchanged (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves
+ * (SIDE; at a multiplication of even order there are two, with other mirror points: SIDE and OTHER_SIDE; and the image
+ * in x -> -x of the first, IMAGE_SIDE, where the structure lacks that symmetry of the orbit and nothing else takes the
+ * one to the other). */
 enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2, RIC_IMAGE_SIDE = 3 };
 typedef struct {
     unsigned choice;
@@ -30,10 +39,12 @@ const char *ric_refusal_text(ric_refusal refusal);
 
 typedef struct {
     ric_kind kind;
-    ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a spring with no time between */
+    ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a
+                          * spring with no time between */
     uint64_t springs;    /* faces that are springs */
     int n_touch;
-    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; of a pair, and at a corner, of the first impact of each pair */
+    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; of a pair, and at a corner, of the first impact of each
+                                 * pair */
     int test;            /* which test function vanishes on the branch that passes; -1 */
     int multiple, rotation[2];
     int a, b;
@@ -56,8 +67,8 @@ ric_node *ric_node_copy(const ric_node *node);
 ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
 /* The same grazing gone through `multiple` times. */
 ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int multiple, ric_node **out);
-/* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure there that the
- * branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
+/* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure
+ * there that the branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
 ric_status ric_node_grazing(const ric_model *model, const ric_cycle *cycle, ric_node **out);
 /* Whether gaps of different contacts touch at one instant of a grazing orbit. */
 bool ric_node_coincident(const ric_model *model, const ric_cycle *cycle);
@@ -78,7 +89,8 @@ bool ric_node_chooses(const ric_node *node);
 /* Where the rotation number of the orbit passes p / q. */
 ric_status ric_node_multiplication(const ric_model *model, const ric_cycle *cycle, int p, int q, ric_node **out);
 
-/* Whether the way out leads away from the branch that passes; the problem it is solved in; and whether it goes on on the other side. */
+/* Whether the way out leads away from the branch that passes; the problem it is solved in; and whether it goes on on
+ * the other side. */
 bool ric_node_leaves(const ric_node *node, unsigned choice);
 ric_problem ric_node_problem(const ric_node *node, unsigned choice);
 bool ric_node_passes(const ric_node *node, unsigned choice);

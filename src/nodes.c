@@ -43,10 +43,12 @@ ric_status ric_nodes_divide(ric_chain *c, int parts)
     size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1), live = ric_general(c) ? 2 * n : n + 1;
     size_t ld = live + 2 * n + 1, vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
     double **const arrays[] = {&c->hv, &c->beta, &c->zeta, &c->X, &c->flown, &c->part};
-    const size_t sizes[] = {vectors * ld, vectors, vectors, (6 * n + 1) * ld, 2 * n + 1 + inner, (size_t)parts * (4 * n * n + 4 * n)};
+    const size_t sizes[] = {vectors * ld,     vectors,           vectors,
+                            (6 * n + 1) * ld, 2 * n + 1 + inner, (size_t)parts * (4 * n * n + 4 * n)};
     for (int i = 0; i < 6; i++) {
         free(*arrays[i]);
-        if (!(*arrays[i] = calloc(sizes[i], sizeof(double)))) return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
+        if (!(*arrays[i] = calloc(sizes[i], sizeof(double))))
+            return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
     }
     c->parts = parts;
     c->ld = (int)ld;
@@ -104,7 +106,8 @@ double ric_nodes_gap(const ric_chain *c, const double *u)
     return most;
 }
 
-/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a rest, at a centre, or anywhere. */
+/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a rest, at a centre,
+ * or anywhere. */
 static void start_of(const ric_chain *c, const double *u, double *w)
 {
     memset(w, 0, 2 * (size_t)c->n * sizeof *w);
@@ -146,8 +149,9 @@ static int vector_at(const ric_chain *c, int j)
     return 1 + c->n_flight + c->n_end + 2 * c->n * (j - 1);
 }
 
-/* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is pinned like an impact. X: rows of the state, what
- * `rows` counts beyond them, one of the time of the flight, and 2n of z_j, which become those of the state. */
+/* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is pinned like an impact.
+ * X: rows of the state, what `rows` counts beyond them, one of the time of the flight, and 2n of z_j, which become
+ * those of the state. */
 static double eliminate_node(ric_chain *c, const double *u, int j, int live, int rows)
 {
     int n2 = 2 * c->n, ld = c->ld, first = vector_at(c, j);
@@ -160,7 +164,8 @@ static double eliminate_node(ric_chain *c, const double *u, int j, int live, int
     }
     for (int i = 0; i < n2; i++) {
         memcpy(g, X + i * ld, sizeof g);
-        if (ric_pin(c, first + i, live + n2 - i, g, -gap_at(c, u, j, i) - g[ld - 1], rows + 1 + n2, ld) < 0) sign = -sign;
+        if (ric_pin(c, first + i, live + n2 - i, g, -gap_at(c, u, j, i) - g[ld - 1], rows + 1 + n2, ld) < 0)
+            sign = -sign;
     }
     memcpy(X, Z, (size_t)(n2 * ld) * sizeof *X);
     return sign;

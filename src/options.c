@@ -20,7 +20,8 @@ static const ric_option RIC_OPTIONS[] = {
     {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
      "linear modes to start from: modes for all, or a list such as [1, 2]"},
     {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 200}, 0, 1e12, false, "scaled energy",
-     "energy window; a branch that begins below its lower end is followed up into it, one that comes down to it ends there"},
+     "energy window; a branch that begins below its lower end is followed up into it, one that comes down to it ends "
+     "there"},
     {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0.2, 10}, 0, 1e12, true, "rad/s",
      "window of the frequency that belongs to the shortest period"},
     {"explore", "impacts", RIC_OPTION_INTEGER, FIELD(impacts), {12, 0}, 1, 4096, false, "impacts",
@@ -28,11 +29,13 @@ static const ric_option RIC_OPTIONS[] = {
     {"explore", "multiply", RIC_OPTION_INTEGER, FIELD(multiply), {2, 0}, 1, 1000, false, "periods",
      "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
     {"explore", "base", RIC_OPTION_INTEGER, FIELD(base), {0, 0}, 0, 1000, false, "periods",
-     "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k that divide K; 0 = all"},
+     "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k that divide K; 0 = "
+     "all"},
     {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
      "departures from the start along the shortest path; 0 = unlimited"},
     {"explore", "cascade", RIC_OPTION_CASCADE, FIELD(cascade), {0, 0}, 2, 64, false, "periods",
-     "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 first, by 2 on what leaves there, by 4 on that"},
+     "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 first, by 2 on what "
+     "leaves there, by 4 on that"},
     {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.03, 0}, 0, 10, true, "relative to 1 + norm of the state",
      "largest arclength step"},
     {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
@@ -182,15 +185,17 @@ static ric_status read_number(const ric_option *option, const char *text, double
     if (kind != RIC_TEXT_NUMBER || (integer && !ric_text_integer(text, &whole)))
         return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text, integer ? " whole" : "", range);
     if (*out < option->min || *out > option->max || (option->above && *out == option->min))
-        return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text, integer ? " whole" : "", range);
+        return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text, integer ? " whole" : "",
+                        range);
     return RIC_OK;
 }
 
-static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts, double out[2], int *item)
+static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts, double out[2],
+                              int *item)
 {
     if (!list || n != 2)
-        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [%g, %g]", option->initial[0],
-                        option->initial[1]);
+        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [%g, %g]",
+                        option->initial[0], option->initial[1]);
     for (int i = 0; i < 2; i++) {
         ric_status status = read_number(option, texts[i], &out[i]);
         if (status) {
@@ -211,15 +216,16 @@ static int compare_integers(const void *left, const void *right)
 }
 
 /* A word, *n = 0, or a list of whole numbers. */
-static ric_status read_list(const ric_option *option, const char *word, bool list, int n, const char *const *texts, int room, int *out, int *n_out,
-                            int *item)
+static ric_status read_list(const ric_option *option, const char *word, bool list, int n, const char *const *texts,
+                            int room, int *out, int *n_out, int *item)
 {
     double number;
     *n_out = 0;
     if (!list && !strcmp(texts[0], word))
         return RIC_OK;
     if (!list || n < 1 || n > room)
-        return ric_fail(RIC_E_INPUT, "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]", word, room, word, option->min);
+        return ric_fail(RIC_E_INPUT, "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]", word,
+                        room, word, option->min);
     for (int i = 0; i < n; i++) {
         *item = i;
         ric_status status = read_number(option, texts[i], &number);
@@ -232,7 +238,8 @@ static ric_status read_list(const ric_option *option, const char *word, bool lis
     return RIC_OK;
 }
 
-static ric_status read_modes(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
+static ric_status read_modes(const ric_option *option, bool list, int n, const char *const *texts,
+                             ric_explore_options *out, int *item)
 {
     int start[COUNT(out->start)];
     ric_status status = read_list(option, "modes", list, n, texts, COUNT(start), start, &n, item);
@@ -253,7 +260,8 @@ static int compare_reals(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts, ric_numbers *out, int *item)
+static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts, ric_numbers *out,
+                               int *item)
 {
     ric_numbers numbers = {.n = n};
     if (!list)
@@ -275,7 +283,8 @@ static ric_status read_numbers(const ric_option *option, bool list, int n, const
     return RIC_OK;
 }
 
-ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item)
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
+                           ric_explore_options *out, int *item)
 {
     double value[2] = {0, 0};
     ric_status status = RIC_OK;
@@ -331,7 +340,9 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
     case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
     case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
     case RIC_OPTION_WINDOW: write_numbers(2, real, out); break;
-    case RIC_OPTION_NUMBERS: write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out); break;
+    case RIC_OPTION_NUMBERS:
+        write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out);
+        break;
     case RIC_OPTION_MODES: write_list("modes", options->n_start, options->start, out); break;
     case RIC_OPTION_CASCADE: write_list("all", options->n_cascade, options->cascade, out); break;
     }
@@ -358,7 +369,8 @@ void ric_options_template(const char *section, FILE *out)
             continue;
         write_default(option, sizeof value, value);
         snprintf(line, sizeof line, "%s%s: %s", section[0] ? "  " : "", option->key, value);
-        fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit, option->unit[0] ? ")" : "");
+        fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit,
+                option->unit[0] ? ")" : "");
     }
 }
 
@@ -380,25 +392,32 @@ void ric_options_document(FILE *out)
 {
     char value[64], range[64];
     fputs("# Options of a study\n\n"
-          "Keys of the section `explore` of a study, and keys at its top. All are optional. This page is made from the list in\n"
+          "Keys of the section `explore` of a study, and keys at its top. All are optional. This page is made from the "
+          "list in\n"
           "`src/options.c`; `tests/test_options.c` compares the two.\n\n"
           "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n", out);
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
         const ric_option *option = &RIC_OPTIONS[i];
         write_default(option, sizeof value, value);
         describe_range(option, sizeof range, range);
-        fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "", option->key,
-                type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range, option->unit, option->help);
+        fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "",
+                option->key, type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range,
+                option->unit, option->help);
     }
     fputs("\n## Regions\n\n"
-          "Larger budgets for a part of the plane, in a list at the top of a study; `ricochet view` writes such regions into its atlas.\n\n"
+          "Larger budgets for a part of the plane, in a list at the top of a study; `ricochet view` writes such "
+          "regions into its atlas.\n\n"
           "```yaml\n"
           "regions:\n"
           "  - {energy: [1.5, 3], frequency: [1.7, 1.9], depth: 6, impacts: 36, multiply: 2}\n"
           "```\n\n"
-          "`energy` and `frequency` say where; `depth`, `impacts` and `multiply` hold for departures from junctions that are there, drawn there\n"
-          "or with their orbit there, if they are larger than those of `explore`, and are those of `explore` where they are not given. Departures\n"
-          "elsewhere stay over their budgets and are counted so. A region may lie outside the windows: branches are then followed as far as the\n"
-          "smallest windows that hold it too, linear modes start there, and departures from junctions in neither are `outside the windows`. At\n"
+          "`energy` and `frequency` say where; `depth`, `impacts` and `multiply` hold for departures from junctions "
+          "that are there, drawn there\n"
+          "or with their orbit there, if they are larger than those of `explore`, and are those of `explore` where "
+          "they are not given. Departures\n"
+          "elsewhere stay over their budgets and are counted so. A region may lie outside the windows: branches are "
+          "then followed as far as the\n"
+          "smallest windows that hold it too, linear modes start there, and departures from junctions in neither are "
+          "`outside the windows`. At\n"
           "most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n", out);
 }

@@ -1,4 +1,5 @@
-/* The explore options, once: the study reader, the study writer, `ricochet new` and docs/options.md are made from this list. */
+/* The explore options, once: the study reader, the study writer, `ricochet new` and docs/options.md are made from this
+ * list. */
 #ifndef RIC_OPTIONS_H
 #define RIC_OPTIONS_H
 
@@ -6,8 +7,15 @@
 
 #include "ricochet.h"
 
-typedef enum { RIC_OPTION_REAL, RIC_OPTION_INTEGER, RIC_OPTION_SWITCH, RIC_OPTION_WINDOW, RIC_OPTION_MODES, RIC_OPTION_CASCADE,
-               RIC_OPTION_NUMBERS } ric_option_type;
+typedef enum {
+    RIC_OPTION_REAL,
+    RIC_OPTION_INTEGER,
+    RIC_OPTION_SWITCH,
+    RIC_OPTION_WINDOW,
+    RIC_OPTION_MODES,
+    RIC_OPTION_CASCADE,
+    RIC_OPTION_NUMBERS
+} ric_option_type;
 
 typedef struct {
     const char *section; /* "explore", or "" for a key at the top of the study */
@@ -25,9 +33,10 @@ const ric_option *ric_options_list(int *n);
 /* NULL if there is no such option. */
 const ric_option *ric_option_find(const char *section, const char *key);
 
-/* Reads `n` texts (one, or the items of a list) into *out. On RIC_E_INPUT the detail says what is wrong and what would be right, without
- * a place; *item is the text at fault, -1 if it is the whole. */
-ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, ric_explore_options *out, int *item);
+/* Reads `n` texts (one, or the items of a list) into *out. On RIC_E_INPUT the detail says what is wrong and what would
+ * be right, without a place; *item is the text at fault, -1 if it is the whole. */
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
+                           ric_explore_options *out, int *item);
 /* The value as it stands in a study: 24, [0, 200], modes. */
 void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out);
 
@@ -35,7 +44,8 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
 void ric_options_template(const char *section, FILE *out);
 void ric_options_document(FILE *out);
 
-/* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite. The locale's decimal point does not matter. */
+/* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite. The locale's decimal point
+ * does not matter. */
 typedef enum { RIC_TEXT_NUMBER, RIC_TEXT_NOT_FINITE, RIC_TEXT_NO_NUMBER } ric_text_kind;
 ric_text_kind ric_text_real(const char *text, double *out);
 bool ric_text_integer(const char *text, long *out);

@@ -46,7 +46,8 @@ static ric_status no_memory(void)
 /* -------------------------------------------------------------- one orbit */
 
 /* Everything that leaves, from a converged chain. */
-static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, const ric_point *stored, ric_orbit **out)
+static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, const ric_point *stored,
+                         ric_orbit **out)
 {
     ric_status status = RIC_OK;
     ric_floquet floquet = {0};
@@ -73,10 +74,12 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     ric_floquet_multipliers(&floquet, o->multipliers);
     double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0) approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
+        if (c->face[k] >= 0)
+            approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
     o->point = (ric_point){.arclength = stored->arclength, .energy = ric_chain_energy(c) * m->energy_unit,
                            .frequency = TWO_PI / ric_chain_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
-                           .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN, .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN,
+                           .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN,
+                           .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN,
                            .residual = (float)c->residual, .stable = floquet.stable};
     *out = o;
     o = NULL;
@@ -123,7 +126,8 @@ static double quantity(const ric_model *m, const ric_chain *c, const double *u, 
 }
 
 /* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. */
-static bool solve_between(const ric_model *m, ric_chain *c, const double *ua, const double *ub, double fa, double fb, ric_at at, double value, double *u)
+static bool solve_between(const ric_model *m, ric_chain *c, const double *ua, const double *ub, double fa, double fb,
+                          ric_at at, double value, double *u)
 {
     int size = c->n_unknown, iterations;
     double normal[size], du[size], length = 0, xa = 0, xb;
@@ -151,7 +155,8 @@ static bool solve_between(const ric_model *m, ric_chain *c, const double *ua, co
     return true;
 }
 
-static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at, double value, double fa, double fb, ric_orbit **out)
+static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at, double value, double fa,
+                                 double fb, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
     ric_cycle *from = NULL, *to = NULL;
@@ -166,7 +171,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     to->half = from->half;
     to->pure = from->pure;
     to->flip = from->flip;
-    if ((status = ric_cycle_to_chain(m, from, &chain, &ua)) || (status = ric_cycle_to_chain(m, to, &other, &ub))) goto out;
+    if ((status = ric_cycle_to_chain(m, from, &chain, &ua)) || (status = ric_cycle_to_chain(m, to, &other, &ub)))
+        goto out;
     if (!(u = calloc((size_t)chain->n_unknown, sizeof *u))) {
         status = no_memory();
         goto out;
@@ -202,7 +208,9 @@ static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitu
     o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
     o->flights = calloc(1, sizeof *o->flights);
     o->multipliers = calloc(4 * (size_t)m->n, sizeof *o->multipliers);
-    ric_status status = o->state && o->flights && o->multipliers ? ric_atlas_point(a, b->id, i, &o->point, o->state, o->flights) : no_memory();
+    ric_status status = o->state && o->flights && o->multipliers
+                            ? ric_atlas_point(a, b->id, i, &o->point, o->state, o->flights)
+                            : no_memory();
     if (status) {
         orbit_free(o);
         return status;
@@ -224,7 +232,8 @@ static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitu
     return RIC_OK;
 }
 
-static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at, double value, int *n, ric_orbit **list)
+static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at, double value, int *n,
+                              ric_orbit **list)
 {
     *n = 0;
     if (at == RIC_AT_FREQUENCY) {

@@ -5,7 +5,8 @@
 #include "nodes.h"
 #include "status.h"
 
-/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and a mismatch is recomputed. */
+/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and a mismatch is
+ * recomputed. */
 #define PACK_FORMAT 2
 #define SANE 10000000
 
@@ -16,7 +17,8 @@ typedef struct {
 static size_t packed_size(const ric_trace *tr)
 {
     size_t unknowns = (size_t)tr->chain->n_unknown, events = (size_t)tr->n_event + 1;
-    return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) + (size_t)tr->n_point * tr->stride * sizeof(double) +
+    return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) +
+           (size_t)tr->n_point * tr->stride * sizeof(double) +
            events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) + 128;
 }
 
@@ -41,7 +43,8 @@ ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
     const ric_chain *c = tr->chain;
     char *start = malloc(packed_size(tr)), *to = start, why[96] = "";
     if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
-    header h = {PACK_FORMAT, c->start, c->end, c->sigma, c->n_flight, c->parts, tr->n_point, tr->n_event, tr->stop, tr->arrival, tr->end.test};
+    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,    c->n_flight, c->parts,
+                tr->n_point, tr->n_event, tr->stop, tr->arrival, tr->end.test};
     write(&to, &h, sizeof h);
     for (int i = 0; i <= c->n_flight; i++) {
         int32_t face = c->face[i];
@@ -78,7 +81,8 @@ static bool read_event(const char **from, size_t *left, int size, int n_test, ri
     if (test >= n_test) return false;
     e->u = malloc(bytes);
     e->t = malloc(bytes);
-    return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) && take(from, left, e->t, bytes);
+    return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) &&
+           take(from, left, e->t, bytes);
 }
 
 /* The sentence of a stop reason is one of the program's own; the copy in a file only chooses it. */
@@ -93,7 +97,8 @@ static const char *known_sentence(const char *why)
     return "";
 }
 
-ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size, ric_trace **out)
+ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
+                            ric_trace **out)
 {
     const char *from = blob;
     header h;
@@ -105,9 +110,9 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     if (!tr) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     tr->end.test = -1;
     tr->limits = limits;
-    if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE || h.parts < 1 || h.parts > RIC_PARTS_MOST ||
-        (h.parts > 1 && !m->smooth) || h.n_point < 0 ||
-        h.n_point > SANE || h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
+    if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE ||
+        h.parts < 1 || h.parts > RIC_PARTS_MOST || (h.parts > 1 && !m->smooth) || h.n_point < 0 || h.n_point > SANE ||
+        h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
         h.end > RIC_MIRROR_CENTRE || (size_t)h.n_flight * sizeof(int32_t) > size)
         goto damaged;
     if (!(face = calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
@@ -116,7 +121,9 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
         if (!take(&from, &size, &f, sizeof f) || f < -1 || f >= m->n_face) goto damaged;
         face[i] = f;
     }
-    if ((status = ric_chain_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face, &tr->chain))) goto out;
+    if ((status = ric_chain_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face,
+                                   &tr->chain)))
+        goto out;
     uint64_t closed = 0;
     if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
     ric_chain_close(tr->chain, closed);
@@ -133,7 +140,8 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
         tr->n_event = i + 1;
         if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->events[i])) goto damaged;
     }
-    if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->end) || !take(&from, &size, why, sizeof why)) goto damaged;
+    if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->end) || !take(&from, &size, why, sizeof why))
+        goto damaged;
     why[sizeof why - 1] = 0;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;

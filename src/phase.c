@@ -9,7 +9,8 @@
 #include "status.h"
 
 #define SMALL 0.25   /* phases y below which differences of 1, cos y and sin y / y are summed as series */
-#define NO_STIFFNESS 64 /* eigenvalues below this many last digits of the largest, in extended precision, are those of free modes */
+#define NO_STIFFNESS 64 /* eigenvalues below this many last digits of the largest, in extended precision, are those of
+                         * free modes */
 
 struct ric_phases {
     int n_set;
@@ -33,20 +34,26 @@ ric_status ric_phases_create(ric_model *m)
         const ric_face *face = &m->face[f];
         if (!(face->spring > 0)) continue;
         if (f >= RIC_FACES_MAX)
-            return ric_fail(RIC_E_INPUT, "face %d belongs to a contact of law bilinear; this version takes such contacts among the first %d faces "
-                            "only: list them first", f, RIC_FACES_MAX);
+            return ric_fail(RIC_E_INPUT,
+                            "face %d belongs to a contact of law bilinear; this version takes such contacts among the "
+                            "first %d faces only: list them first",
+                            f, RIC_FACES_MAX);
         bool second = f > 0 && m->face[f - 1].contact == face->contact;
         if (second) {
             p->place[f] = p->place[f - 1];
             continue;
         }
         if (++count > RIC_PHASE_CONTACTS)
-            return ric_fail(RIC_E_INPUT, "more than %d contacts have law bilinear; this version takes that many, as each set of closed ones "
-                            "has modes of its own; make some of them rigid", RIC_PHASE_CONTACTS);
+            return ric_fail(
+                RIC_E_INPUT,
+                "more than %d contacts have law bilinear; this version takes that many, as each set of closed ones has "
+                "modes of its own; make some of them rigid",
+                RIC_PHASE_CONTACTS);
         p->place[f] = p->n_set;
         p->n_set *= 3;
     }
-    if (!(p->table = calloc((size_t)p->n_set, sizeof *p->table))) return ric_fail(RIC_E_NOMEM, "no memory for %d phases", p->n_set);
+    if (!(p->table = calloc((size_t)p->n_set, sizeof *p->table)))
+        return ric_fail(RIC_E_NOMEM, "no memory for %d phases", p->n_set);
     return RIC_OK;
 }
 
@@ -90,8 +97,9 @@ static int index_of(const ric_model *m, uint64_t closed)
 
 /* -------------------------------------------------------------------- modes */
 
-/* Eigenvalues of the symmetric A [n * n] on its diagonal, eigenvectors in the rows of V, by cyclic Jacobi rotations (Golub and Van Loan,
- * Matrix Computations, 8.5): stiff springs grade A, and soft modes keep their digits. False: no convergence. */
+/* Eigenvalues of the symmetric A [n * n] on its diagonal, eigenvectors in the rows of V, by cyclic Jacobi rotations
+ * (Golub and Van Loan, Matrix Computations, 8.5): stiff springs grade A, and soft modes keep their digits. False: no
+ * convergence. */
 static bool jacobi(int n, long double *A, long double *V)
 {
     enum { SWEEPS = 64 };
@@ -160,7 +168,8 @@ static bool allocate(ric_phase *p, int n, int n_contact)
 }
 
 /* From eigenvalues `square` (stride n + 1), eigenvectors in the rows of V, and force f. */
-static void fill(const ric_model *m, ric_phase *p, const long double *square, const long double *V, const long double *f)
+static void fill(const ric_model *m, ric_phase *p, const long double *square, const long double *V,
+                 const long double *f)
 {
     int n = p->n;
     long double largest = 0, balance[n], *x = p->exact;
@@ -226,7 +235,8 @@ out:
 ric_status ric_phase_get(const ric_model *m, uint64_t closed, const ric_phase **out)
 {
     *out = NULL;
-    if (!ric_phase_exists(m, closed)) return ric_fail(RIC_E_NUMERIC, "both faces of a contact cannot be closed at one time");
+    if (!ric_phase_exists(m, closed))
+        return ric_fail(RIC_E_NUMERIC, "both faces of a contact cannot be closed at one time");
     _Atomic(ric_phase *) *slot = &m->phases->table[index_of(m, closed)];
     ric_phase *known = atomic_load(slot), *made = NULL;
     if (!known) {
@@ -241,8 +251,8 @@ ric_status ric_phase_get(const ric_model *m, uint64_t closed, const ric_phase **
 
 /* ------------------------------------------------------------------- flight */
 
-/* A = omega (r - rest) is the difference of displacements a thousand times the depth of a contact: taken in doubles it loses as many digits, and
- * they are missing in the velocity that a stiff spring gives back. */
+/* A = omega (r - rest) is the difference of displacements a thousand times the depth of a contact: taken in doubles it
+ * loses as many digits, and they are missing in the velocity that a stiff spring gives back. */
 
 void ric_phase_enter(const ric_phase *p, const double *w, double *z)
 {
@@ -317,7 +327,8 @@ static void turn(const ric_phase *p, int i, double tau, double *co, double *si)
     *si = s + low * c;
 }
 
-void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, const double *w, double *after, double *pull)
+void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, const double *w, double *after,
+                   double *pull)
 {
     int n = p->n;
     double z[2 * n];
@@ -383,7 +394,8 @@ static void ratios(double y, double *h1, double *h2, double *d1, double *d2)
     *d2 = (c - *h2) / y;
 }
 
-double ric_phase_chord(const ric_phase *p, const ric_face *closing, int contact, double tau, const double *w, double *by_w, double *by_tau)
+double ric_phase_chord(const ric_phase *p, const ric_face *closing, int contact, double tau, const double *w,
+                       double *by_w, double *by_tau)
 {
     int n = p->n;
     const double *G = p->G + contact * n;

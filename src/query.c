@@ -9,16 +9,19 @@
 #include "status.h"
 
 #define AT_CUT 1e-6     /* of the length of a segment: a stored point this near to its end is the junction itself */
-#define SAME_ORBIT 1e-7 /* of two stored states and energies, relative to 1 + their size: a junction is solved to rounding */
+#define SAME_ORBIT 1e-7 /* of two stored states and energies, relative to 1 + their size: a junction is solved to
+                         * rounding */
 
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 {
     double once = junction->frequency, slack = 1e-9 * once;
     if (junction->kind != RIC_KIND_MULTIPLICATION || branch->impacts != junction->impacts) return 1;
     if (branch->impacts > 0) return junction->multiple;
-    /* under a power law impacts do not tell; what ends here has left, and of the others the range of frequencies tells */
+    /* under a power law impacts do not tell; what ends here has left, and of the others the range of frequencies
+     * tells */
     if (branch->from == junction->id || branch->to == junction->id) return 1;
-    if (junction->multiple * (once + slack) >= branch->frequency_min && junction->multiple * (once - slack) <= branch->frequency_max)
+    if (junction->multiple * (once + slack) >= branch->frequency_min &&
+        junction->multiple * (once - slack) <= branch->frequency_max)
         return junction->multiple;
     return 1;
 }
@@ -30,7 +33,8 @@ static bool close_to(double a, double b)
 
 static bool same_grazing(int n_state, const ric_junction *a, const ric_junction *b)
 {
-    if (b->kind != RIC_KIND_GRAZING || a->impacts != b->impacts || a->grazings != b->grazings || !close_to(a->energy, b->energy))
+    if (b->kind != RIC_KIND_GRAZING || a->impacts != b->impacts || a->grazings != b->grazings ||
+        !close_to(a->energy, b->energy))
         return false;
     if (a->letters != b->letters) return false;
     for (int i = 0; i < a->letters; i++)
@@ -49,7 +53,8 @@ int ric_junction_twin(const ric_atlas *atlas, const ric_junction *junction, int 
     if (junction->kind != RIC_KIND_GRAZING)
         return 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
-        if (!ric_atlas_junction(atlas, id, &other) && other.multiple == multiple && same_grazing(n_state, junction, &other))
+        if (!ric_atlas_junction(atlas, id, &other) && other.multiple == multiple &&
+            same_grazing(n_state, junction, &other))
             return id;
     return 0;
 }
@@ -66,17 +71,21 @@ const char *ric_duplicate_origin_text(ric_duplicate_origin origin)
     return "unknown";
 }
 
-/* A junction of the branch as the k-duplicate has it; false if the k-duplicate does not: a q-tupling is on those with q | k. */
-static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch, const ric_junction *junction, int k, ric_duplicate_point *out)
+/* A junction of the branch as the k-duplicate has it; false if the k-duplicate does not: a q-tupling is on those with q
+ * | k. */
+static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch, const ric_junction *junction, int k,
+                         ric_duplicate_point *out)
 {
     const int level = ric_junction_level(junction, branch);
     if (k % level)
         return false;
-    const int times = level > 1 ? k : k * junction->multiple, twin = k > 1 ? ric_junction_twin(atlas, junction, times) : 0;
+    const int times = level > 1 ? k : k * junction->multiple,
+              twin = k > 1 ? ric_junction_twin(atlas, junction, times) : 0;
     *out = (ric_duplicate_point){
         .branch = branch->id, .k = k, .junction = twin ? twin : junction->id, .energy = junction->energy,
         .origin = level == 1 ? RIC_DUPLICATE_COPY : level == k ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED,
-        .times = times, .j = level > 1 ? junction->rotation[0] * (k / level) : 0, .frequency = junction->frequency * level / k};
+        .times = times, .j = level > 1 ? junction->rotation[0] * (k / level) : 0,
+        .frequency = junction->frequency * level / k};
     return true;
 }
 
@@ -103,7 +112,8 @@ ric_status ric_duplicate_label(const ric_branch *branch, int k, size_t size, cha
     while (*mark && (isalpha((unsigned char)*mark) || isdigit((unsigned char)*mark)))
         mark++;
     const int head = (int)(mark - label), length = (int)strcspn(mark, "[");
-    const int used = k == 1 ? snprintf(out, size, "%s", label) : snprintf(out, size, "%.*s^{%d%.*s}%s", head, label, k, length, mark, mark + length);
+    const int used = k == 1 ? snprintf(out, size, "%s", label)
+                            : snprintf(out, size, "%.*s^{%d%.*s}%s", head, label, k, length, mark, mark + length);
     if (used < 0 || (size_t)used >= size)
         return ric_fail(RIC_E_RANGE, "a label of %d characters does not fit in %zu", used, size);
     return RIC_OK;
@@ -142,7 +152,8 @@ static ric_status find_cut(const ric_atlas *atlas, const ric_branch *branch, int
     return RIC_OK;
 }
 
-static ric_status measure(const ric_atlas *atlas, const ric_branch *branch, const cut *a, const cut *b, ric_segment *out)
+static ric_status measure(const ric_atlas *atlas, const ric_branch *branch, const cut *a, const cut *b,
+                          ric_segment *out)
 {
     const double margin = AT_CUT * (b->arclength - a->arclength);
     int n = 0, stable = 0, undecided = 0;

@@ -5,18 +5,20 @@
 
 #include "phase.h"
 
-/* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both ends.
- * On an interval of length h the cubic through values and slopes differs from s by at most D4 h^4 / 384 and its slope by at most
- * D4 h^3 sqrt(3) / 216, D4 = sum |g_i| omega_i^4 |w_i| (interpolation error of Hermite's cubic: Birkhoff and Priver,
- * J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can hide.
- * While springs are closed the sinusoids are those of the phase, about its equilibrium (docs/theory.md section 10). A closed face is looked at
- * from the other side: it must stay beyond the clearance d, and what counts is 2 - s / d, which is 1 where it touches. */
+/* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both
+ * ends. On an interval of length h the cubic through values and slopes differs from s by at most D4 h^4 / 384 and its
+ * slope by at most D4 h^3 sqrt(3) / 216, D4 = sum |g_i| omega_i^4 |w_i| (interpolation error of Hermite's cubic:
+ * Birkhoff and Priver, J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can
+ * hide. While springs are closed the sinusoids are those of the phase, about its equilibrium (docs/theory.md section
+ * 10). A closed face is looked at from the other side: it must stay beyond the clearance d, and what counts is 2 - s /
+ * d, which is 1 where it touches. */
 
 #define SLOPE_BOUND 0.008018753738744785 /* sqrt(3) / 216 */
 #define LEVELS 48
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
-#define NO_TIME 1e-12 /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
+#define NO_TIME 1e-12 /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding
+                       * throughout */
 #define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
 
 typedef struct {
@@ -33,7 +35,8 @@ typedef struct {
     bool closed; /* a face of the contact is: only that one counts, the other way round */
     int upper, lower; /* faces, -1 if none */
     double gap;       /* > 0 */
-    bool mirrored;    /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the other */
+    bool mirrored;    /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
+                       * other */
     double D3, D4, tau;
     bool own_start, own_end; /* the flight starts or ends on this contact */
     double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
@@ -78,7 +81,9 @@ static double curvature(const search *q, double t)
 
 static void offer(search *q, double t, double s, int side, bool kink)
 {
-    int face = q->closed ? q->chain->model->face[q->upper].side == -side ? q->upper : -1 : side > 0 ? q->upper : q->lower;
+    int face = q->closed  ? q->chain->model->face[q->upper].side == -side ? q->upper : -1
+               : side > 0 ? q->upper
+                          : q->lower;
     double value = q->closed ? 2 + side * s / q->gap : side * s / q->gap;
     if (face < 0) return;
     if (!q->touches) {
@@ -90,12 +95,13 @@ static void offer(search *q, double t, double s, int side, bool kink)
     q->count++;
 }
 
-/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring: then only a maximum that
- * happens to fall on the impact must not be lost between the flights before and after. */
+/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring:
+ * then only a maximum that happens to fall on the impact must not be lost between the flights before and after. */
 static void offer_impact(search *q, const ric_face *other, sample at)
 {
     bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
-    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau) offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, kink);
+    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau)
+        offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, kink);
 }
 
 static double largest(double a, double b, double c, double d)
@@ -109,7 +115,8 @@ static void polish(search *q, sample l, sample r)
     bool maximum = l.ds > 0;
     sample mid = l;
     for (int i = 0; i < 60 && r.t - l.t > 0; i++) {
-        double curved = i ? curvature(q, mid.t) : 0, t = i ? mid.t - mid.ds / curved : l.t + (r.t - l.t) * l.ds / (l.ds - r.ds);
+        double curved = i ? curvature(q, mid.t) : 0,
+               t = i ? mid.t - mid.ds / curved : l.t + (r.t - l.t) * l.ds / (l.ds - r.ds);
         if (!(t > l.t && t < r.t)) t = (l.t + r.t) / 2;
         if (i && fabs(t - mid.t) <= 1e-16 * q->tau) break;
         double before = mid.t;
@@ -141,21 +148,24 @@ static double towards(const search *q, double a, double b, double c, double d)
     return reach;
 }
 
-/* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one sign change of the slope. */
+/* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one sign change of the
+ * slope. */
 static bool undecided(const search *q, sample l, sample r, bool *single)
 {
     double h = r.t - l.t, slope = 3 * (r.s - l.s) / h - l.ds - r.ds, error = q->D4 * h * h * h;
     double low = fmin(fmin(l.ds, r.ds), slope), high = fmax(fmax(l.ds, r.ds), slope);
     *single = false;
     if (low > error * SLOPE_BOUND || high < -error * SLOPE_BOUND) return false;
-    /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s' itself is off by D3 h^2 / 8 only */
+    /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s' itself is off by D3 h^2
+     * / 8 only */
     double chord = q->D3 * h * h / 8;
     if (fmin(l.ds, r.ds) > chord || fmax(l.ds, r.ds) < -chord) return false;
     /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
     if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
     double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
     if (towards(q, l.s, b1, b2, r.s) + value <= level(q) * (1 + 1e-13)) return false;
-    /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s'' (D4 h^2 / 12) */
+    /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s''
+     * (D4 h^2 / 12) */
     double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
     *single = l.ds * r.ds < 0 && ((d1 > bend && d2 > bend) || (d1 < -bend && d2 < -bend));
     return true;
@@ -193,7 +203,8 @@ static void search_contact(search *q)
     const ric_chain *c = q->chain;
     const ric_model *m = c->model;
     int n = q->n, k = q->flight, last = c->n_flight - 1;
-    const double *w = q->start, *e = q->end, *g = q->g = q->phase ? q->phase->G + q->contact * n : m->g + q->contact * n;
+    const double *w = q->start, *e = q->end,
+                 *g = q->g = q->phase ? q->phase->G + q->contact * n : m->g + q->contact * n;
     q->rest = q->phase ? q->phase->rest[q->contact] : 0;
     sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
     q->D3 = q->D4 = q->bend_start = q->bend_end = 0;
@@ -312,7 +323,8 @@ double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
 
 int ric_reach_all(const ric_chain *chain, const double *u, double threshold, int capacity, ric_touch *touches)
 {
-    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain), .threshold = threshold, .capacity = capacity, .touches = touches};
+    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain), .threshold = threshold,
+                .capacity = capacity, .touches = touches};
     if (chain->model->smooth) return 0;
     search_all(&q, u);
     return q.count;

@@ -40,9 +40,10 @@ static void raise(ric_budgets *b, const ric_region *r)
 ric_budgets ric_region_budgets(const ric_explore_options *o, double energy, double frequency, int multiple)
 {
     ric_budgets budgets = of_study(o);
-    /* without regions branches end at the windows, and only the originals of duplicates lie beyond; families that reach into a window begin below
-     * its lower end */
-    budgets.inside = o->n_region == 0 || (energy <= o->energy[1] && (within(o->frequency, frequency) || within(o->frequency, frequency / multiple)));
+    /* without regions branches end at the windows, and only the originals of duplicates lie beyond; families that reach
+     * into a window begin below its lower end */
+    budgets.inside = o->n_region == 0 || (energy <= o->energy[1] && (within(o->frequency, frequency) ||
+                                                                     within(o->frequency, frequency / multiple)));
     for (int i = 0; i < o->n_region; i++)
         if (holds(&o->region[i], energy, frequency, multiple)) raise(&budgets, &o->region[i]);
     return budgets;
@@ -103,7 +104,8 @@ bool ric_region_multiplies(const ric_explore_options *o, const ric_trace *tr)
 
 bool ric_region_covers(const ric_region *outer, const ric_region *inner)
 {
-    return outer->energy[0] <= inner->energy[0] && outer->energy[1] >= inner->energy[1] && outer->frequency[0] <= inner->frequency[0]
-        && outer->frequency[1] >= inner->frequency[1] && limit_of(outer->depth) >= limit_of(inner->depth) && outer->impacts >= inner->impacts
-        && outer->multiply >= inner->multiply;
+    return outer->energy[0] <= inner->energy[0] && outer->energy[1] >= inner->energy[1] &&
+           outer->frequency[0] <= inner->frequency[0] && outer->frequency[1] >= inner->frequency[1] &&
+           limit_of(outer->depth) >= limit_of(inner->depth) && outer->impacts >= inner->impacts &&
+           outer->multiply >= inner->multiply;
 }

@@ -10,8 +10,8 @@ typedef struct {
     bool inside; /* within the windows of the study, or in a region */
 } ric_budgets;
 
-/* At a junction with this scaled energy, frequency of its orbit in rad/s, and multiple: the largest of the study and of every region that holds
- * it, at its own frequency or at that of the orbit gone through `multiple` times. */
+/* At a junction with this scaled energy, frequency of its orbit in rad/s, and multiple: the largest of the study and of
+ * every region that holds it, at its own frequency or at that of the orbit gone through `multiple` times. */
 ric_budgets ric_region_budgets(const ric_explore_options *options, double energy, double frequency, int multiple);
 /* The largest of all. */
 ric_budgets ric_region_largest(const ric_explore_options *options);

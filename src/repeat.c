@@ -8,12 +8,14 @@
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
-#define NEAR 0.2    /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a repeated one */
+#define NEAR 0.2    /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a
+                     * repeated one */
 #define CLOSE 5e-3  /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
-#define CLOSEST 2e-4 /* where it is given up: along some branches the rotation number changes by all it can within 1e-3 */
+#define CLOSEST 2e-4 /* where it is given up: along some branches the rotation number changes by all it can within
+                      * 1e-3 */
 #define CLOSEST_3 1e-6 /* the same of order 3: the branch passes, and is known to rounding / distance all the way */
-#define FASTEST 2    /* how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts are nearly isometric;
-                      * under a power law it was seen to fall twice as fast */
+#define FASTEST 2    /* how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts
+                      * are nearly isometric; under a power law it was seen to fall twice as fast */
 #define STEPS 8      /* so many steps ahead an orbit of fewer periods is taken into account */
 #define CROSSING 1e-3 /* length of a step over a branch point (event.c): it could reach beyond a node */
 #define REPEATED 1e-7 /* distance below which it is that orbit */
@@ -31,8 +33,8 @@ static bool word_repeats(const ric_chain *c, int step, int sign)
     return true;
 }
 
-/* By its flight times the orbit may be near one that repeats itself after `step` flights, and is none: on a duplicate all along there is
- * nothing ahead. */
+/* By its flight times the orbit may be near one that repeats itself after `step` flights, and is none: on a duplicate
+ * all along there is nothing ahead. */
 static bool may_repeat(const ric_chain *c, const double *u, int step)
 {
     const double *tau = u + c->n_start;
@@ -44,7 +46,8 @@ static bool may_repeat(const ric_chain *c, const double *u, int step)
     return sum <= limit * limit && sum > REPEATED * REPEATED * c->scale * c->scale;
 }
 
-/* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first image. */
+/* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first
+ * image. */
 static double average(ric_chain *c, const double *u, int order, int sign, double *mean)
 {
     int n = 2 * c->n, step = c->n_flight / order;
@@ -83,7 +86,8 @@ static double average_smooth(const ric_chain *c, const double *u, int order, int
     return distance;
 }
 
-/* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for every r from 3 on. */
+/* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for every r from 3
+ * on. */
 static void distances(const ric_chain *c, const double *u, int sign, double *out)
 {
     int n = 2 * c->n;
@@ -101,7 +105,8 @@ static void distances(const ric_chain *c, const double *u, int sign, double *out
     }
 }
 
-/* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and looks for a multiplier of the order. */
+/* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and looks for a multiplier
+ * of the order. */
 static ric_status solve_short(const ric_chain *c, int order, int sign, double *u, bool *found)
 {
     bool smooth = c->model->smooth; /* one flight for all periods */
@@ -152,15 +157,18 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
     ric_chain *c = tr->chain;
     double before[c->n_unknown], now[c->n_unknown];
     bool smooth = c->model->smooth;
-    double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before) : average(c, tr->past.u, order, sign, before);
-    double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now) : average(c, tr->now.u, order, sign, now), scale = c->scale;
+    double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before)
+                       : average(c, tr->past.u, order, sign, before);
+    double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now) : average(c, tr->now.u, order, sign, now),
+           scale = c->scale;
     *found = false;
     if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
     double slope = (d0 - d1) / (tr->now.s - tr->past.s), left = d1 / slope, nearest = d1 / fmax(FASTEST, 2 * slope);
     double x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
     ric_chain_evaluate(c, tr->now.u);
     bool flat = order > 3 && c->smallest < FLAT;
-    /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls faster; and the determinant vanishes there, too */
+    /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls faster; and the
+     * determinant vanishes there, too */
     bool far = left > 2 * *h && !flat;
     if (left < STEPS * *h) *h = fmin(*h, fmax(nearest, left / 4));
     if (nearest < CROSSING * scale && left < STEPS * CROSSING * scale) tr->longest = fmin(tr->longest, *h);
@@ -179,7 +187,8 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
     return RIC_OK;
 }
 
-/* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without events, by its `distances`. */
+/* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without events, by its
+ * `distances`. */
 static bool candidate(const ric_chain *c, const double *u, int r, int sign, const double *distances)
 {
     if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;

@@ -6,8 +6,8 @@
 #include "problem.h"
 
 #define TWO_PI 6.283185307179586477
-/* Modal normal, relative to the whole normal, of a mode whose resonances have to be looked for: they are as wide as its square root, in
- * radians of its phase over a period. Above, the angle between successive tangents shows them. */
+/* Modal normal, relative to the whole normal, of a mode whose resonances have to be looked for: they are as wide as its
+ * square root, in radians of its phase over a period. Above, the angle between successive tangents shows them. */
 #define FAINT 0.1
 
 static int common_divisor(int a, int b)
@@ -64,7 +64,8 @@ int ric_resonance_faint(const ric_model *m, int largest, double shorter, double 
         double a = m->omega[k] * shorter / TWO_PI, b = m->omega[k] * longer / TWO_PI;
         if (!faint(m, k)) continue;
         for (int q = 1; q == 1 || q <= largest; q++)
-            for (double p = floor(a * q) + 1; p < b * q && count < 2; p++) count += common_divisor(q, (int)fmod(p, q)) == 1;
+            for (double p = floor(a * q) + 1; p < b * q && count < 2; p++)
+                count += common_divisor(q, (int)fmod(p, q)) == 1;
     }
     return count;
 }

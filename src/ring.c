@@ -11,13 +11,19 @@
 
 #define TWO_PI 6.283185307179586477
 #define SMALL 1e-8      /* singular values below this part of the largest, */
-#define GAP 1e-3        /* and this part of the next one, belong to the kernel; as for branch points with a plane (depart.c) */
-#define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit: their error, its square, is as large as their rounding */
+#define GAP 1e-3        /* and this part of the next one, belong to the kernel; as for branch points with a plane
+                         * (depart.c) */
+#define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit: their error, its square, is as large
+                         * as their rounding */
 #define TURNS 1e-4      /* the shift, from such differences, is a rotation of its order within this */
-#define RADIUS 1e-3     /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding (trace.c) */
-#define RADII 8         /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is rounding */
-#define BEND 1.0        /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the node behind */
-#define CLEAR 1e3       /* the angular equation must stand out of rounding by this factor: its roots then keep three digits */
+#define RADIUS 1e-3     /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding
+                         * (trace.c) */
+#define RADII 8         /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is
+                         * rounding */
+#define BEND 1.0        /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the
+                         * node behind */
+#define CLEAR 1e3       /* the angular equation must stand out of rounding by this factor: its roots then keep three
+                         * digits */
 #define SAMPLES 12      /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
 #define STALLED 4       /* of the tolerance: what is left where Newton's method stalls, as on branches (trace.c) */
@@ -27,7 +33,8 @@
 typedef struct {
     ric_chain *chain;
     int size, order;
-    int sign;         /* of the state after one period of the map: -1 where the map is over half a period of an S orbit */
+    int sign;         /* of the state after one period of the map: -1 where the map is over half a period of an S
+                       * orbit */
     double *memory;
     double *u0;       /* [size] the orbit gone through r times */
     double *tangent;  /* [size] T, of the branch that is repeated */
@@ -57,16 +64,19 @@ static void ring_free(ring *q)
 
 static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
 {
-    *q = (ring){.order = ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]), .sign = node->cycle->half ? -1 : 1};
+    *q = (ring){.order = ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]),
+                .sign = node->cycle->half ? -1 : 1};
     ric_problem problem = ric_node_problem(node, RIC_SIDE);
     ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
     double *u = NULL;
-    ric_status status = cycle ? ric_cycle_to_chain(m, cycle, &q->chain, &u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_status status = cycle ? ric_cycle_to_chain(m, cycle, &q->chain, &u)
+                              : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     ric_cycle_free(cycle);
     if (status) return status;
     size_t n = (size_t)q->chain->n_unknown, k = n + 2;
     if ((q->memory = calloc(11 * n + n * n + k * k + k, sizeof *q->memory))) {
-        double **const parts[] = {&q->u0, &q->tangent, &q->plane, &q->dual, &q->left, &q->energy, &q->start, &q->J, &q->A, &q->b};
+        double **const parts[] = {&q->u0,     &q->tangent, &q->plane, &q->dual, &q->left,
+                                  &q->energy, &q->start,   &q->J,     &q->A,    &q->b};
         const size_t sizes[] = {n, n, 2 * n, 2 * n, 2 * n, n, 2 * n, n * n, k * k, k};
         double *next = q->memory;
         for (int i = 0; i < 10; next += sizes[i++]) *parts[i] = next;
@@ -100,11 +110,13 @@ static ric_status kernels(ring *q, double *right, double *left)
         }
     free(U);
     free(V);
-    return three ? RIC_OK : ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication without mirror points has not three dimensions");
+    return three ? RIC_OK
+                 : ric_fail(RIC_E_NUMERIC,
+                            "the kernel at a multiplication without mirror points has not three dimensions");
 }
 
-/* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel is
- * perpendicular at the start, is taken away: inner nodes would show it. */
+/* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel
+ * is perpendicular at the start, is taken away: inner nodes would show it. */
 static void shift_smooth(ring *q, const double *v, double *out)
 {
     const ric_model *m = q->chain->model;
@@ -119,7 +131,8 @@ static void shift_smooth(ring *q, const double *v, double *out)
     ric_nodes_along(q->chain, out);
 }
 
-/* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times moved up. */
+/* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times
+ * moved up. */
 static void shift(ring *q, const double *v, double *out)
 {
     ric_chain *c = q->chain;
@@ -147,8 +160,9 @@ static void multiply(const double *A, const double *B, double *out)
         }
 }
 
-/* S [9] is the shift in coordinates of the kernel: false unless S^r = 1 with one fixed direction and a plane that turns. P = mean of the powers
- * of S, which projects on the fixed direction; *cosine of the angle by which the plane turns. */
+/* S [9] is the shift in coordinates of the kernel: false unless S^r = 1 with one fixed direction and a plane that
+ * turns. P = mean of the powers of S, which projects on the fixed direction; *cosine of the angle by which the plane
+ * turns. */
 static bool turns(int order, const double *S, double *P, double *cosine)
 {
     double power[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, next[9], off = 0;
@@ -169,8 +183,8 @@ static void apply(const double *A, const double *v, double *out)
     for (int i = 0; i < 3; i++) out[i] = A[3 * i] * v[0] + A[3 * i + 1] * v[1] + A[3 * i + 2] * v[2];
 }
 
-/* Of the unit vectors of the unknowns the one whose image under A (kernel coordinates) is longest: a choice that does not depend on the basis
- * of the kernel. out [3]: that image, in kernel coordinates. */
+/* Of the unit vectors of the unknowns the one whose image under A (kernel coordinates) is longest: a choice that does
+ * not depend on the basis of the kernel. out [3]: that image, in kernel coordinates. */
 static void longest_image(const ring *q, const double *kernel, const double *A, double *out)
 {
     double most = 0;
@@ -199,7 +213,8 @@ static ric_status split(ring *q, const double *kernel)
         for (int i = 0; i < 3; i++) S[3 * i + j] = ric_dot(n, kernel + i * n, image);
     }
     if (!turns(q->order, S, P, &cosine))
-        return ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication of order %d does not turn with the period", q->order);
+        return ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication of order %d does not turn with the period",
+                        q->order);
     for (int i = 0; i < 9; i++) Q[i] = (i % 4 == 0) - P[i];
     longest_image(q, kernel, P, t);
     longest_image(q, kernel, Q, f[0]);
@@ -225,8 +240,8 @@ static ric_status split(ring *q, const double *kernel)
     return RIC_OK;
 }
 
-/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation, the secant gradient of the energy (section 3),
- * which is w_N + sigma w_0 but for springs. */
+/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation, the secant gradient
+ * of the energy (section 3), which is w_N + sigma w_0 but for springs. */
 static void split_left(ring *q, const double *kernel)
 {
     ric_chain *c = q->chain;
@@ -274,8 +289,8 @@ static ric_status twist(ring *q)
 
 /* -------------------------------------------------------------------- circle */
 
-/* Without an event the phase is free, and the first row keeps corrections across the flow. Orbits on the circle start in the plane across the
- * flow at the node. */
+/* Without an event the phase is free, and the first row keeps corrections across the flow. Orbits on the circle start
+ * in the plane across the flow at the node. */
 static void hold_phase(ring *q, const double *u)
 {
     int n = 2 * q->chain->n;
@@ -290,8 +305,9 @@ static void hold_phase(ring *q, const double *u)
     }
 }
 
-/* The orbit problem with z = h (cos, sin)(angle), an unfolding of the redundant equation and one along M (-sin, cos), whose coefficient *g
- * is minus the angular part of the gradient: n + 2 equations for u [size] and the two coefficients. */
+/* The orbit problem with z = h (cos, sin)(angle), an unfolding of the redundant equation and one along M (-sin, cos),
+ * whose coefficient *g is minus the angular part of the gradient: n + 2 equations for u [size] and the two
+ * coefficients. */
 static bool on_circle(ring *q, double angle, double *u, double *g)
 {
     ric_chain *c = q->chain;
@@ -389,9 +405,10 @@ static circle search(ring *q, double slope[2])
     return result ? result : found == 2 ? CIRCLE_GOOD : CIRCLE_WIDE;
 }
 
-/* Puts the elliptic root first, of two alike the one of smaller energy. With delta = (E - E_0) / (dE/ds), the place on the repeated branch
- * that has the energy of the orbit, the radial derivative of the gradient is -2 nu delta; its product with the angular one, g', both over
- * nu, is the determinant of the Hessian of H at constant energy: positive where the multipliers are on the unit circle. */
+/* Puts the elliptic root first, of two alike the one of smaller energy. With delta = (E - E_0) / (dE/ds), the place on
+ * the repeated branch that has the energy of the orbit, the radial derivative of the gradient is -2 nu delta; its
+ * product with the angular one, g', both over nu, is the determinant of the Hessian of H at constant energy: positive
+ * where the multipliers are on the unit circle. */
 static void sort_roots(ring *q, const double slope[2])
 {
     ric_chain *c = q->chain;
@@ -429,7 +446,8 @@ static double bend(ring *q)
     return most;
 }
 
-/* The radius: wide enough for the angular equation to stand out of rounding, narrow enough for a chord to tell of the curve. */
+/* The radius: wide enough for the angular equation to stand out of rounding, narrow enough for a chord to tell of the
+ * curve. */
 static ric_status choose_radius(ring *q, double slope[2])
 {
     bool wider = false, narrower = false;
@@ -447,8 +465,10 @@ static ric_status choose_radius(ring *q, double slope[2])
             q->radius /= 2;
         } else return RIC_OK;
     }
-    return ric_fail(RIC_E_NUMERIC, "the directions at a multiplication of order %d are lost in rounding on every circle that is narrow enough to speak of "
-                    "directions", q->order);
+    return ric_fail(RIC_E_NUMERIC,
+                    "the directions at a multiplication of order %d are lost in rounding on every circle that is "
+                    "narrow enough to speak of directions",
+                    q->order);
 }
 
 /* An orbit of all r periods, and no shorter one repeated. */
@@ -478,7 +498,9 @@ static ric_status solve(const ric_model *m, const ric_node *node, ring *q)
     sort_roots(q, slope);
     for (int i = 0; i < 2; i++)
         if (!primitive(q, q->start + i * q->size))
-            status = ric_fail(RIC_E_NUMERIC, "what was found beside a multiplication of order %d is an orbit of fewer periods", q->order);
+            status = ric_fail(RIC_E_NUMERIC,
+                              "what was found beside a multiplication of order %d is an orbit of fewer periods",
+                              q->order);
 out:
     free(kernel);
     if (status) ring_free(q);
@@ -487,7 +509,8 @@ out:
 
 /* ----------------------------------------------------------------- interface */
 
-ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain, double **u0, double **t0)
+ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain,
+                           double **u0, double **t0)
 {
     ring q;
     *chain = NULL;
@@ -528,11 +551,13 @@ static double angle_of(const ric_model *m, const ring *q, const ric_cycle *home)
     return atan2(z[1], z[0]);
 }
 
-/* Smallest differences of the angles of `near`, shifted by any number of periods, from the two roots; false if it is no neighbour. The
- * shift turns the plane by whole sectors only in the limit of small circles: one of the images is the orbit that was found, exactly. */
+/* Smallest differences of the angles of `near`, shifted by any number of periods, from the two roots; false if it is no
+ * neighbour. The shift turns the plane by whole sectors only in the limit of small circles: one of the images is the
+ * orbit that was found, exactly. */
 static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_cycle *near, double off[2])
 {
-    ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple), *home = repeated ? ric_cycle_nearest(m, repeated, near, NEIGHBOUR) : NULL;
+    ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple),
+              *home = repeated ? ric_cycle_nearest(m, repeated, near, NEIGHBOUR) : NULL;
     bool turned = q->order > node->multiple; /* each shift is half a period, joined with x -> -x */
     off[0] = off[1] = HUGE_VAL;
     for (int k = 0; home && k < q->order; k++) {

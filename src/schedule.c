@@ -1,4 +1,5 @@
-/* The order of work: which departures lie within the budgets, in what order they are taken, and what is handed to workers ahead of that. */
+/* The order of work: which departures lie within the budgets, in what order they are taken, and what is handed to
+ * workers ahead of that. */
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -12,17 +13,19 @@
 /* `multiple`: of the node, or that of a duplicate of it. */
 static ric_budgets budgets_at(const ric_graph *g, const ric_node *node, int multiple)
 {
-    return ric_region_budgets(g->options, node->energy * g->model->energy_unit, TWO_PI / node->period * g->model->omega_ref, multiple);
+    return ric_region_budgets(g->options, node->energy * g->model->energy_unit,
+                              TWO_PI / node->period * g->model->omega_ref, multiple);
 }
 
-/* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts from a mode, and what goes
- * on beyond a corner, belongs to any. */
+/* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts
+ * from a mode, and what goes on beyond a corner, belongs to any. */
 static bool astray(const ric_graph *g, const ric_node *node, unsigned choice, int multiply)
 {
     const ric_explore_options *o = g->options;
     if (o->n_cascade == 0) return choice != RIC_THROUGH && (node->multiple > multiply || o->base % node->multiple);
     if (node->depth == 0 || node->kind == RIC_KIND_CORNER) return false;
-    return node->depth > o->n_cascade || !ric_node_leaves(node, choice) || node->multiple != o->cascade[node->depth - 1];
+    return node->depth > o->n_cascade || !ric_node_leaves(node, choice) ||
+           node->multiple != o->cascade[node->depth - 1];
 }
 
 static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice, ric_budget *which)
@@ -67,7 +70,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         for (int i = 0; choice == RIC_THROUGH && !crossing && i < g->n_edge; i++) {
             double where;
             /* a branch that ends here has left, it does not pass */
-            if (g->edges[i].from == index || g->edges[i].to == index || !ric_edge_contains(g->model, &g->edges[i], node, &where))
+            if (g->edges[i].from == index || g->edges[i].to == index ||
+                !ric_edge_contains(g->model, &g->edges[i], node, &where))
                 continue;
             d->state = RIC_DEPARTURE_KNOWN;
             return node->kind == RIC_KIND_START ? RIC_OK : ric_edge_attach(&g->edges[i], index, choice, where);
@@ -146,12 +150,15 @@ static open_departure *open_at(ric_graph *g, int first, int depth, int *n)
     }
 }
 
-/* Grazings at `depth` gone through several times are junctions, too: those from which some branch can leave within the budgets. */
+/* Grazings at `depth` gone through several times are junctions, too: those from which some branch can leave within the
+ * budgets. */
 static ric_status list_duplicates(ric_graph *g, int depth)
 {
     for (int i = 0; i < g->n_node; i++) {
         ric_node *node = g->nodes[i];
-        if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded || node->refusal) continue;
+        if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded ||
+            node->refusal)
+            continue;
         node->expanded = true;
         int flown = ric_cycle_impacts(node->springs, node->cycle) - node->n_touch;
         for (int k = 2; k <= g->largest.multiply && k * node->period <= g->limits.period[1]; k++) {
@@ -220,8 +227,8 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
         ric_node_free(node);
         return;
     }
-    *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .deep = g->deep, .largest = g->largest,
-                         .recall = {g->recall.memo, true}};
+    *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .deep = g->deep,
+                         .largest = g->largest, .recall = {g->recall.memo, true}};
     alone->limits.stop = alone->deep.stop = owner_stopped;
     alone->limits.user = alone->deep.user = g;
     for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
@@ -235,13 +242,14 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
 static void offer_one(ric_graph *g, ric_node *node, ric_departure *d)
 {
     bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
-    if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) && !over_budget(g, node, d->choice, &d->budget) &&
-        !ric_graph_followed_before(g, node, d->choice))
+    if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) &&
+        !over_budget(g, node, d->choice, &d->budget) && !ric_graph_followed_before(g, node, d->choice))
         d->job = ric_workers_offer(g->workers, node, d->choice);
 }
 
-/* Of the ways out of one node those with most impacts first: they take longest, and one that is begun last keeps everybody waiting. Across nodes in the
- * order of the owner, who otherwise finds out too late that two of them are the ends of one branch. */
+/* Of the ways out of one node those with most impacts first: they take longest, and one that is begun last keeps
+ * everybody waiting. Across nodes in the order of the owner, who otherwise finds out too late that two of them are the
+ * ends of one branch. */
 static int offer_order(const void *a, const void *b)
 {
     const open_departure *p = a, *q = b;
@@ -253,16 +261,18 @@ static int offer_order(const void *a, const void *b)
 /* What the owner comes to next. */
 static void offer(ric_graph *g, int n, const open_departure *list)
 {
-    open_departure *order = g->workers && n ? malloc((size_t)n * sizeof *order) : NULL; /* without memory nothing is prepared */
+    /* without memory nothing is prepared */
+    open_departure *order = g->workers && n ? malloc((size_t)n * sizeof *order) : NULL;
     if (!order) return;
     memcpy(order, list, (size_t)n * sizeof *order);
     qsort(order, (size_t)n, sizeof *order, offer_order);
-    for (int i = 0; i < n; i++) offer_one(g, g->nodes[order[i].index], &g->nodes[order[i].index]->departures[order[i].place]);
+    for (int i = 0; i < n; i++)
+        offer_one(g, g->nodes[order[i].index], &g->nodes[order[i].index]->departures[order[i].place]);
     free(order);
 }
 
-/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth are followed. Each node is looked
- * at once. */
+/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth
+ * are followed. Each node is looked at once. */
 static void offer_ahead(ric_graph *g, int depth, int limit, int *seen)
 {
     int n;
@@ -284,7 +294,8 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     ric_status status = ric_graph_start(g);
     if (status) return status;
     if (g->model->n_part > 1) {
-        refuse_all(g, "the structure falls into parts that no contact joins: their energies are conserved one by one; study each part alone");
+        refuse_all(g, "the structure falls into parts that no contact joins: their energies are conserved one by one; "
+                      "study each part alone");
         return RIC_OK;
     }
     double saved = 0;
@@ -293,7 +304,8 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         int n = 0, seen = 0;
         bool deeper = false;
         do {
-            /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none is open */
+            /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none
+             * is open */
             if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
             open_departure *list = open_at(g, 0, depth, &n);
             if (g->shuffle) shuffle(g->shuffle, n, list);
@@ -322,7 +334,8 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     g->n_worker = run && run->workers > 1 ? run->workers : 1;
     if (g->n_worker > 1 || g->crew) {
         if ((status = ric_memo_create(&g->recall.memo))) goto out;
-        if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g, &g->workers))) goto out;
+        if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g, &g->workers)))
+            goto out;
     }
     if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo))) goto out;
     status = explore(g, run);

@@ -9,8 +9,10 @@
 #include "status.h"
 
 #define UNSEEN 1e-12    /* part of the largest modal normal of a contact below which a mode is not seen by it */
-#define PANEL 0.5       /* search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for tiny motions */
-#define ROUNDING 1e-13  /* relative change of the unknowns at which Newton's method has converged; its last step is far below */
+#define PANEL 0.5       /* search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for
+                         * tiny motions */
+#define ROUNDING 1e-13  /* relative change of the unknowns at which Newton's method has converged; its last step is far
+                         * below */
 #define RIGHT_ANGLE 1.57079632679489661923
 #define STEEPEST 1.6    /* just beyond grazing, so that Newton's method may pass it on its way */
 #define REPLAY 1e-8     /* the simulator's impacts agree with the orbit within this, and, near a grazing, */
@@ -32,9 +34,13 @@ static ric_status find_modes(ric_section *s, const ric_model *m, const ric_real 
         seen += sees;
     }
     if (seen != 2 || ric_model_n_mode(m) != 2)
-        return ric_fail(RIC_E_INPUT, "the stops see %d modes; the map from impact to impact has a two-dimensional section for 2 only", ric_model_n_mode(m));
+        return ric_fail(
+            RIC_E_INPUT,
+            "the stops see %d modes; the map from impact to impact has a two-dimensional section for 2 only",
+            ric_model_n_mode(m));
     for (int k = 0; k < 2; k++) s->omega[k] = (double)omega[s->mode[k]];
-    if (s->omega[0] == 0 && s->omega[1] == 0) return ric_fail(RIC_E_INPUT, "both modes are free: nothing holds the motion in place");
+    if (s->omega[0] == 0 && s->omega[1] == 0)
+        return ric_fail(RIC_E_INPUT, "both modes are free: nothing holds the motion in place");
     return RIC_OK;
 }
 
@@ -64,7 +70,8 @@ static ric_status make_faces(ric_section *s, const ric_model *m, const ric_real 
         ric_contact contact;
         ric_model_face(m, f, &face->contact, &face->side, &face->mirror);
         ric_model_contact(m, face->contact, &contact);
-        double c0 = (double)c[face->contact * s->n_dof + s->mode[0]], c1 = (double)c[face->contact * s->n_dof + s->mode[1]];
+        double c0 = (double)c[face->contact * s->n_dof + s->mode[0]],
+               c1 = (double)c[face->contact * s->n_dof + s->mode[1]];
         face->norm = hypot(c0, c1);
         face->clearance = contact.clearance / ric_model_length(m);
         face->at = face->side * face->clearance / face->norm;
@@ -74,7 +81,8 @@ static ric_status make_faces(ric_section *s, const ric_model *m, const ric_real 
         face->along[1] = face->normal[0];
         fill_face(s, face);
         if (!isfinite(face->radius[0]))
-            return ric_fail(RIC_E_INPUT, "contact %d does not see the free mode: motions along it have no bound", face->contact + 1);
+            return ric_fail(RIC_E_INPUT, "contact %d does not see the free mode: motions along it have no bound",
+                            face->contact + 1);
     }
     return RIC_OK;
 }
@@ -84,9 +92,11 @@ static ric_status check_laws(const ric_model *m)
     for (int i = 0; i < ric_model_n_contact(m); i++) {
         ric_contact contact;
         ric_model_contact(m, i, &contact);
-        if (contact.law != RIC_LAW_RIGID) return ric_fail(RIC_E_INPUT, "contact %d is no rigid stop; hunting knows rigid stops only", i + 1);
+        if (contact.law != RIC_LAW_RIGID)
+            return ric_fail(RIC_E_INPUT, "contact %d is no rigid stop; hunting knows rigid stops only", i + 1);
     }
-    if (ric_model_restitution(m) != 1) return ric_fail(RIC_E_INPUT, "with losses at impacts there are no families of periodic orbits to hunt for");
+    if (ric_model_restitution(m) != 1)
+        return ric_fail(RIC_E_INPUT, "with losses at impacts there are no families of periodic orbits to hunt for");
     return RIC_OK;
 }
 
@@ -232,9 +242,10 @@ static double rate(const ric_section_face *face, const double *w)
     return face->side * dot(face->normal, w + 2);
 }
 
-/* Zero of the gap (order 0), or of its rate (order 1), between times a and b from w, where it changes sign; divided by the time if the flight
- * starts on the face, which takes that zero away. */
-static double zero_between(const ric_section *s, const ric_section_face *face, const double *w, int order, bool leaving, double a, double b)
+/* Zero of the gap (order 0), or of its rate (order 1), between times a and b from w, where it changes sign; divided by
+ * the time if the flight starts on the face, which takes that zero away. */
+static double zero_between(const ric_section *s, const ric_section_face *face, const double *w, int order, bool leaving,
+                           double a, double b)
 {
     double x = (a + b) / 2, last = b - a, at[4];
     fly(s, w, b, at);
@@ -242,7 +253,8 @@ static double zero_between(const ric_section *s, const ric_section_face *face, c
     for (int k = 0; k < 100 && b - a > 4 * DBL_EPSILON * b; k++) {
         fly(s, w, x, at);
         double g = beyond(face, at), v = rate(face, at), acceleration = 0;
-        for (int i = 0; order && i < 2; i++) acceleration -= face->side * face->normal[i] * s->omega[i] * s->omega[i] * at[i];
+        for (int i = 0; order && i < 2; i++)
+            acceleration -= face->side * face->normal[i] * s->omega[i] * s->omega[i] * at[i];
         double f = order ? v : leaving ? g / x : g, slope = order ? acceleration : leaving ? (v - g / x) / x : v;
         if ((f > 0) == up) b = x;
         else a = x;
@@ -256,7 +268,8 @@ static double zero_between(const ric_section *s, const ric_section_face *face, c
 }
 
 /* Time of the impact on a face within a panel that goes from w to end; infinite if there is none. */
-static double within_panel(const ric_section *s, const ric_section_face *face, const double *w, const double *end, bool leaving)
+static double within_panel(const ric_section *s, const ric_section_face *face, const double *w, const double *end,
+                           bool leaving)
 {
     double h = s->panel, g0 = beyond(face, w), g1 = beyond(face, end), v0 = rate(face, w), v1 = rate(face, end);
     if (g1 > 0) return zero_between(s, face, w, 0, leaving, 0, h);
@@ -268,7 +281,8 @@ static double within_panel(const ric_section *s, const ric_section_face *face, c
     return beyond(face, at) > 0 ? zero_between(s, face, w, 0, false, 0, top) : INFINITY;
 }
 
-bool ric_section_next(const ric_section *s, const double *w, int from, double horizon, double *time, ric_hit *hit, double *after)
+bool ric_section_next(const ric_section *s, const double *w, int from, double horizon, double *time, ric_hit *hit,
+                      double *after)
 {
     double here[4], end[4];
     memcpy(here, w, sizeof here);
@@ -299,8 +313,8 @@ bool ric_section_next(const ric_section *s, const double *w, int from, double ho
 
 /* ------------------------------------------------------------- derivatives */
 
-/* From impact a over its tau to the face of b: gap beyond that face, y and angle there [3], and their derivatives by y, angle of a and by
- * tau [9]. */
+/* From impact a over its tau to the face of b: gap beyond that face, y and angle there [3], and their derivatives by y,
+ * angle of a and by tau [9]. */
 static bool flight_slopes(const ric_section *s, const ric_hit *a, int to, double *value, double *slope)
 {
     const ric_section_face *face = &s->face[a->face], *goal = &s->face[to];
@@ -321,7 +335,8 @@ static bool flight_slopes(const ric_section *s, const ric_hit *a, int to, double
         if (k < 2) fly(s, start, a->tau, push);
         slope[k] = goal->side * dot(goal->normal, push);
         slope[3 + k] = dot(goal->along, push);
-        slope[6 + k] = (v * dot(goal->along, push + 2) - p * goal->side * dot(goal->normal, push + 2)) / (v * v + p * p);
+        slope[6 + k] = (v * dot(goal->along, push + 2) - p * goal->side * dot(goal->normal, push + 2)) /
+                       (v * v + p * p);
     }
     value[0] = beyond(goal, end);
     value[1] = dot(goal->along, end);
@@ -334,7 +349,8 @@ bool ric_section_slope(const ric_section *s, const ric_hit *a, const ric_hit *b,
     double value[3], slope[9];
     if (!flight_slopes(s, a, b->face, value, slope) || !(slope[2] > 0)) return false;
     for (int r = 0; r < 2; r++)
-        for (int k = 0; k < 2; k++) D[2 * r + k] = slope[3 * (r + 1) + k] - slope[3 * (r + 1) + 2] * slope[k] / slope[2];
+        for (int k = 0; k < 2; k++)
+            D[2 * r + k] = slope[3 * (r + 1) + k] - slope[3 * (r + 1) + 2] * slope[k] / slope[2];
     return true;
 }
 
@@ -391,7 +407,8 @@ size_t ric_section_work(int N)
     return (size_t)(3 * N) * (size_t)(3 * N) + (size_t)(3 * N);
 }
 
-/* Residuals r [3N] and their derivatives A [3N * 3N] by y_k, angle_k, tau_k; the largest residual, infinite where there is no motion. */
+/* Residuals r [3N] and their derivatives A [3N * 3N] by y_k, angle_k, tau_k; the largest residual, infinite where there
+ * is no motion. */
 static double assemble(const ric_section *s, int N, bool half, const ric_hit *hits, double *A, double *r)
 {
     int n = 3 * N;
@@ -420,7 +437,8 @@ static double allowed(const ric_section *s, int N, const ric_hit *hits, const do
     for (int tries = 0; tries < 6; tries++, part /= 2) {
         bool good = true;
         for (int k = 0; k < N && good; k++)
-            good = hits[k].tau - part * step[3 * k + 2] > 0 && fabs(hits[k].angle - part * step[3 * k + 1]) < STEEPEST &&
+            good = hits[k].tau - part * step[3 * k + 2] > 0 &&
+                   fabs(hits[k].angle - part * step[3 * k + 1]) < STEEPEST &&
                    ric_section_speed(s, hits[k].face, hits[k].y - part * step[3 * k]) > 0;
         if (good) return part;
     }
@@ -469,7 +487,8 @@ static bool replay_flight(const ric_section *s, const ric_hit *a, const ric_hit 
         full[n + s->mode[i]] = w[2 + i];
     }
     double slack = REPLAY * (1 + a->tau) + NEAR_GRAZING / cos(b->angle), later = a->tau + slack;
-    if (ric_simulator_start_modal(s->sim, NULL, full) || ric_simulator_advance(s->sim, later, &hit, &impact)) return false;
+    if (ric_simulator_start_modal(s->sim, NULL, full) || ric_simulator_advance(s->sim, later, &hit, &impact))
+        return false;
     if (!hit || impact.face != b->face || fabs(impact.time - a->tau) > slack) return false;
     ric_simulator_state_modal(s->sim, NULL, full);
     for (int i = 0; i < 2; i++) {

@@ -1,11 +1,11 @@
 /* The impact-to-impact map at one energy, for structures with two seen modes (docs/theory.md section 11, hunt).
  *
- * A motion of energy E that has just left face f is known by two numbers: y, its place along the face, and the angle of its velocity.
- * With n the unit normal of the face in modal coordinates and e perpendicular to n,
- *     q = at n + y e,   dq/dt = P (sin(angle) e - side cos(angle) n),   P = sqrt(2 (E - V(q))),   V = sum omega_i^2 q_i^2 / 2.
- * The impact turns the normal part round, so that the angle may be taken before or after it, and an impact of no speed, a grazing, is a
- * regular place, |angle| = pi/2. The map preserves the area dy d(P sin(angle)). All of it is made from the frame of the simulator and
- * shares nothing with the chains that solve the orbits of an atlas. */
+ * A motion of energy E that has just left face f is known by two numbers: y, its place along the face, and the angle of
+ * its velocity. With n the unit normal of the face in modal coordinates and e perpendicular to n,
+ *     q = at n + y e,   dq/dt = P (sin(angle) e - side cos(angle) n),   P = sqrt(2 (E - V(q))),   V = sum omega_i^2
+ * q_i^2 / 2. The impact turns the normal part round, so that the angle may be taken before or after it, and an impact
+ * of no speed, a grazing, is a regular place, |angle| = pi/2. The map preserves the area dy d(P sin(angle)). All of it
+ * is made from the frame of the simulator and shares nothing with the chains that solve the orbits of an atlas. */
 #ifndef RIC_SECTION_H
 #define RIC_SECTION_H
 
@@ -16,7 +16,8 @@ typedef struct {
     double normal[2], along[2], at;
     double clearance;          /* at = side * clearance / |c| */
     double norm;               /* |c| */
-    double middle, radius[2];  /* motions on the face: ((y - middle) / radius[0])^2 + (P sin(angle) / radius[1])^2 < 1; radius 0: out of reach */
+    double middle, radius[2];  /* motions on the face: ((y - middle) / radius[0])^2 + (P sin(angle) / radius[1])^2 < 1;
+                                * radius 0: out of reach */
 } ric_section_face;
 
 typedef struct {
@@ -45,14 +46,17 @@ double ric_section_speed(const ric_section *section, int face, double y);
 bool ric_section_state(const ric_section *section, const ric_hit *hit, double *w);
 /* Whether a modal state is on this side of all faces but one (-1: of all). */
 bool ric_section_inside(const ric_section *section, const double *w, int but);
-/* The next impact of a motion w that leaves face `from` (-1: starts in flight), within `horizon`: its time, and what w is right after it.
- * Impacts slower than the search resolves may be missed: what is found here is checked with the simulator. */
-bool ric_section_next(const ric_section *section, const double *w, int from, double horizon, double *time, ric_hit *hit, double *after);
+/* The next impact of a motion w that leaves face `from` (-1: starts in flight), within `horizon`: its time, and what w
+ * is right after it. Impacts slower than the search resolves may be missed: what is found here is checked with the
+ * simulator. */
+bool ric_section_next(const ric_section *section, const double *w, int from, double horizon, double *time, ric_hit *hit,
+                      double *after);
 /* The matrix D [4] of (y, angle) -> (y', angle') over the flight from a to the face of b; false at a grazing. */
 bool ric_section_slope(const ric_section *section, const ric_hit *a, const ric_hit *b, double *D);
 
-/* Newton's method on all impacts of an orbit and all times at once: impact k flies for tau_k onto impact k + 1, the last one onto the first
- * one, mirrored by x -> -x if `half`. hits [N] are moved to the solution; work [ric_section_work(N)]. */
+/* Newton's method on all impacts of an orbit and all times at once: impact k flies for tau_k onto impact k + 1, the
+ * last one onto the first one, mirrored by x -> -x if `half`. hits [N] are moved to the solution; work
+ * [ric_section_work(N)]. */
 bool ric_section_polish(const ric_section *section, int N, bool half, ric_hit *hits, double *work);
 size_t ric_section_work(int N);
 

@@ -1,7 +1,8 @@
-/* One step after another of the smooth flow by Taylor series (smooth.h), for one kind of numbers. This text is included once for each of them, by
- * a file that has defined
+/* One step after another of the smooth flow by Taylor series (smooth.h), for one kind of numbers. This text is included
+ * once for each of them, by a file that has defined
  *
- *     real            the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once; sum_of adds up one
+ *     real            the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once; sum_of
+ * adds up one
  *     ORDER           of the series, and PAD, what lane may read beyond it
  *     EPSILON, ABS    of the numbers
  *
@@ -13,12 +14,14 @@
 
 /* Last terms of the series, relative to the largest coordinate: the terms left out add up to a quarter of it. */
 #define TRUNCATION EPSILON
-/* What the equation of motion may be off by at the end of a step, over ORDER, relative to the largest coordinate: rounding takes the half. */
+/* What the equation of motion may be off by at the end of a step, over ORDER, relative to the largest coordinate:
+ * rounding takes the half. */
 #define DEFECT (4 * EPSILON)
 /* Exponents up to this one show all of themselves within the orders computed. */
 enum { SEEN = ORDER - 3 };
 
-/* Coefficients forwards and backwards, so that a convolution is a product of two stretches of memory: back[ORDER - j] = x[j]. */
+/* Coefficients forwards and backwards, so that a convolution is a product of two stretches of memory: back[ORDER - j] =
+ * x[j]. */
 typedef struct {
     real x[ORDER + PAD], back[ORDER + PAD];
 } numbers;
@@ -88,7 +91,8 @@ static inline void set(numbers *x, int j, real value)
 static inline real extend(powers *p, int j, real s)
 {
     set(&p->power[0], j, s);
-    for (int k = 1; k <= p->count; k++) set(&p->power[k], j, convolve(j, &p->power[p->left[k]], &p->power[p->right[k]]));
+    for (int k = 1; k <= p->count; k++)
+        set(&p->power[k], j, convolve(j, &p->power[p->left[k]], &p->power[p->right[k]]));
     return convolve(j, &p->power[p->count], &p->power[0]);
 }
 
@@ -122,10 +126,10 @@ static double majorant(const real *s, double R)
     return sum;
 }
 
-/* Powers beyond SEEN announce themselves too late: seen from s = 0 the series of s^99 starts at order 99, and the terms computed say nothing
- * of what is left out. Cauchy's bound does: no coefficient of s^m exceeds S(R)^m R^-j. With it the force leaves less than
- * spring |c| S(R)^m h (h/R)^ORDER / (ORDER (1 - h/R)) out of p, m times that of neighbours. The step is the longest that keeps this below
- * TRUNCATION of the size for one of a few R. */
+/* Powers beyond SEEN announce themselves too late: seen from s = 0 the series of s^99 starts at order 99, and the terms
+ * computed say nothing of what is left out. Cauchy's bound does: no coefficient of s^m exceeds S(R)^m R^-j. With it the
+ * force leaves less than spring |c| S(R)^m h (h/R)^ORDER / (ORDER (1 - h/R)) out of p, m times that of neighbours. The
+ * step is the longest that keeps this below TRUNCATION of the size for one of a few R. */
 static double guard(const ric_model *m, int n, int contacts, const powers *p, double size, double h)
 {
     for (int f = 0; f < contacts; f++) {
@@ -135,7 +139,8 @@ static double guard(const ric_model *m, int n, int contacts, const powers *p, do
         for (int i = 0; i < n; i++) widest = larger(widest, fabs(m->c[f * n + i]));
         factor *= widest;
         for (double R = 6 * h; R / 2 > best; R *= 0.7) {
-            double bound = pow(TRUNCATION * size / (factor * (double)power(majorant(p[f].power[0].x, R), exponent)), 1.0 / ORDER);
+            double bound = pow(TRUNCATION * size / (factor * (double)power(majorant(p[f].power[0].x, R), exponent)),
+                               1.0 / ORDER);
             best = fmax(best, R * fmin(bound, 0.5));
         }
         h = fmin(h, best);
@@ -151,9 +156,10 @@ static inline __attribute__((always_inline)) void sum_series(int count, real h, 
         for (int i = 0; i < count; i++) x[i] = coefficients[(size_t)j * count + i] + h * x[i];
 }
 
-/* Largest |dp/dt - force| at h, where the series has come to w. The last term left out grows like t^ORDER: the error that the step leaves in
- * p is h / ORDER times this. */
-static inline __attribute__((always_inline)) double defect(const ric_model *m, int n, int contacts, real h, const real *W, const real *w)
+/* Largest |dp/dt - force| at h, where the series has come to w. The last term left out grows like t^ORDER: the error
+ * that the step leaves in p is h / ORDER times this. */
+static inline __attribute__((always_inline)) double defect(const ric_model *m, int n, int contacts, real h,
+                                                           const real *W, const real *w)
 {
     double off = 0;
     real push[contacts];
@@ -173,8 +179,8 @@ static inline __attribute__((always_inline)) double defect(const ric_model *m, i
 }
 
 /* The step, at most h, and the state w after it. */
-static inline __attribute__((always_inline)) real advance(const ric_model *m, int n, int contacts, const powers *p, real h, int sign, const real *W,
-                                                          real *w)
+static inline __attribute__((always_inline)) real advance(const ric_model *m, int n, int contacts, const powers *p,
+                                                          real h, int sign, const real *W, real *w)
 {
     double size = top_of(2 * n, W), limit = DEFECT * size * ORDER, longest = guard(m, n, contacts, p, size, (double)h);
     if (longest < h) h = longest;
@@ -187,7 +193,8 @@ static inline __attribute__((always_inline)) real advance(const ric_model *m, in
 }
 
 /* Coefficient j + 1 of the state [2n] from coefficient j. */
-static inline __attribute__((always_inline)) void state_order(const ric_model *m, int n, int contacts, int j, powers *p, real *W)
+static inline __attribute__((always_inline)) void state_order(const ric_model *m, int n, int contacts, int j, powers *p,
+                                                              real *W)
 {
     const real *a = W + (size_t)j * 2 * n;
     real *next = W + (size_t)(j + 1) * 2 * n, over = (real)1 / (j + 1);
@@ -204,9 +211,10 @@ static inline __attribute__((always_inline)) void state_order(const ric_model *m
     }
 }
 
-/* The same of the columns [2n * columns], by lanes: d(s^m) = m s^(m - 1) ds. S [contacts][ORDER + 1][columns] collects ds. */
-static inline __attribute__((always_inline)) void column_order(const ric_model *m, int n, int contacts, int columns, int j, const powers *p,
-                                                               lane *A, lane *S)
+/* The same of the columns [2n * columns], by lanes: d(s^m) = m s^(m - 1) ds. S [contacts][ORDER + 1][columns] collects
+ * ds. */
+static inline __attribute__((always_inline)) void column_order(const ric_model *m, int n, int contacts, int columns,
+                                                               int j, const powers *p, lane *A, lane *S)
 {
     int lanes = columns / LANES;
     const lane *now = A + (size_t)j * 2 * n * lanes;
@@ -240,8 +248,8 @@ static inline __attribute__((always_inline)) void column_order(const ric_model *
     }
 }
 
-/* Adds x^2 N N' to S [2n * 2n], where x is the size of the state w and N the inverse of M [2n * 2n]: that is symplectic in (q, p), a = kappa q, so
- * that the blocks of N are those of M transposed. */
+/* Adds x^2 N N' to S [2n * 2n], where x is the size of the state w and N the inverse of M [2n * 2n]: that is symplectic
+ * in (q, p), a = kappa q, so that the blocks of N are those of M transposed. */
 static void gather(const ric_model *m, const real *w, const real *M, double *S)
 {
     int n = m->n, size = 2 * n;
@@ -258,8 +266,8 @@ static void gather(const ric_model *m, const real *w, const real *M, double *S)
         for (int j = 0; j < size; j++) S[i * size + j] += x * x * ric_dot(size, N + i * size, N + j * size);
 }
 
-/* Numbers of workspace for `columns` neighbours; it starts at a multiple of the size of a lane. The powers take an even number of them: what
- * follows is read by lanes. */
+/* Numbers of workspace for `columns` neighbours; it starts at a multiple of the size of a lane. The powers take an even
+ * number of them: what follows is read by lanes. */
 static size_t powers_size(void)
 {
     return (sizeof(powers) + sizeof(lane) - 1) / sizeof(lane) * LANES;
@@ -271,10 +279,10 @@ static size_t series_work(const ric_model *m, int columns)
     return contacts * powers_size() + (ORDER + 1) * (2 * n + contacts) * width;
 }
 
-/* Takes w [2n] and X [2n * columns] through the time tau. S [2n * 2n] may be NULL: where X starts as 1, it gathers the rounding of the steps, over
- * epsilon and squared, taken back to the start. */
-static inline __attribute__((always_inline)) bool fly_series(const ric_model *m, int n, int contacts, int columns, real tau, real *w, real *X,
-                                                             double *S, real *work)
+/* Takes w [2n] and X [2n * columns] through the time tau. S [2n * 2n] may be NULL: where X starts as 1, it gathers the
+ * rounding of the steps, over epsilon and squared, taken back to the start. */
+static inline __attribute__((always_inline)) bool fly_series(const ric_model *m, int n, int contacts, int columns,
+                                                             real tau, real *w, real *X, double *S, real *work)
 {
     powers *p = (powers *)work;
     real *W = work + contacts * powers_size(), *A = W + (size_t)(ORDER + 1) * 2 * n;

@@ -1,4 +1,5 @@
-/* What is left to say once a graph is explored: which departures are known, and which of the ways to a branch counts as taken. */
+/* What is left to say once a graph is explored: which departures are known, and which of the ways to a branch counts as
+ * taken. */
 #include "graph.h"
 
 #include <math.h>
@@ -68,8 +69,9 @@ static bool lists(const ric_edge *e, int node, unsigned choice)
     return false;
 }
 
-/* The branch that passes a junction, if an edge is that branch: one that was followed from elsewhere, or through the junction with nothing on
- * it that showed the junction, does not list it yet. Where two branches of one symmetry cross the edges have said which they are. */
+/* The branch that passes a junction, if an edge is that branch: one that was followed from elsewhere, or through the
+ * junction with nothing on it that showed the junction, does not list it yet. Where two branches of one symmetry cross
+ * the edges have said which they are. */
 static ric_status find_passage(ric_graph *g, int index, ric_departure *d)
 {
     const ric_node *node = g->nodes[index];
@@ -93,7 +95,8 @@ static void set_state(ric_node *node, unsigned choice, ric_departure_state state
         if (node->departures[i].choice == choice) node->departures[i].state = state;
 }
 
-/* Of the ways to an edge the one that is fewest departures from the start; an end before a passage, then the smaller node. */
+/* Of the ways to an edge the one that is fewest departures from the start; an end before a passage, then the smaller
+ * node. */
 static void choose_way(ric_graph *g, const ric_edge *e)
 {
     const ric_passage ends[2] = {{e->from, e->leave, 0}, {e->to, e->arrive, 0}};
@@ -104,7 +107,8 @@ static void choose_way(ric_graph *g, const ric_edge *e)
         if (p->node < 0 || g->nodes[p->node]->n_departure == 0) continue;
         int order = best < 0 ? -1 : g->nodes[p->node]->depth - g->nodes[best]->depth;
         if (order == 0 && i < 2) order = ric_node_order(g->nodes[p->node], g->nodes[best]);
-        if (order == 0 && i >= 2 && best != e->from && best != e->to) order = ric_node_order(g->nodes[p->node], g->nodes[best]);
+        if (order == 0 && i >= 2 && best != e->from && best != e->to)
+            order = ric_node_order(g->nodes[p->node], g->nodes[best]);
         if (order >= 0) continue;
         best = p->node;
         choice = p->choice;

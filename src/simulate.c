@@ -1,21 +1,25 @@
-/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself, and every closing and opening of a spring.
+/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself, and every closing and opening
+ * of a spring.
  *
- * It shares no code with the orbit solver, so that agreement between the two means something (docs/theory.md section 11). It makes its
- * own modal decomposition, K phi = omega^2 M phi with phi' M phi = 1, by Jacobi rotations in extended precision. Flight is closed form
- * from the last impact on: with h = omega tau / 2,
+ * It shares no code with the orbit solver, so that agreement between the two means something (docs/theory.md section
+ * 11). It makes its own modal decomposition, K phi = omega^2 M phi with phi' M phi = 1, by Jacobi rotations in extended
+ * precision. Flight is closed form from the last impact on: with h = omega tau / 2,
  *     q(tau) = q + 2 sin h (cos h p / omega - sin h q),   p(tau) = p cos 2h - omega q sin 2h,
- * which keeps the relative accuracy of q(tau) - q for short times; q + p tau where omega = 0. Impact on face f: p -= (1+eps) (c.p)/(c.c) c.
+ * which keeps the relative accuracy of q(tau) - q for short times; q + p tau where omega = 0. Impact on face f: p -=
+ * (1+eps) (c.p)/(c.c) c.
  *
- * Contacts of law bilinear switch: while faces are closed the structure has K + sum k_f b_f b_f' for its stiffness and the modes of that, and
- * q counts from its equilibrium. A closed face is searched like an open one, with the sign of its gap turned round: it opens where the gap
- * coordinate falls through the clearance. State and acceleration are continuous there.
+ * Contacts of law bilinear switch: while faces are closed the structure has K + sum k_f b_f b_f' for its stiffness and
+ * the modes of that, and q counts from its equilibrium. A closed face is searched like an open one, with the sign of
+ * its gap turned round: it opens where the gap coordinate falls through the clearance. State and acceleration are
+ * continuous there.
  *
- * The next impact is searched with a guarantee. On [a, b], h = b - a, the cubic Hermite interpolant H of a gap g satisfies
- *     |g - H| <= D4 h^4 / 384,  |g' - H'| <= D4 h^3 sqrt(3) / 216,  |g'' - H''| <= D4 h^2 / 12   (Birkhoff and Priver 1967),
- * where D4 = sum |c_i| omega_i^3 sqrt((omega_i q_i)^2 + p_i^2) bounds the fourth derivative for ever. The Bernstein coefficients of H, H', H''
- * bound these in turn. An interval is dropped, or known to be monotone, convex or concave, or is halved.
- * Only a maximum beyond the face by more than rounding is an impact; anything less is a touch, which changes no velocity.
- * Cost: O(n) per evaluation, some dozen evaluations per face and impact. */
+ * The next impact is searched with a guarantee. On [a, b], h = b - a, the cubic Hermite interpolant H of a gap g
+ * satisfies
+ *     |g - H| <= D4 h^4 / 384,  |g' - H'| <= D4 h^3 sqrt(3) / 216,  |g'' - H''| <= D4 h^2 / 12   (Birkhoff and Priver
+ * 1967), where D4 = sum |c_i| omega_i^3 sqrt((omega_i q_i)^2 + p_i^2) bounds the fourth derivative for ever. The
+ * Bernstein coefficients of H, H', H'' bound these in turn. An interval is dropped, or known to be monotone, convex or
+ * concave, or is halved. Only a maximum beyond the face by more than rounding is an impact; anything less is a touch,
+ * which changes no velocity. Cost: O(n) per evaluation, some dozen evaluations per face and impact. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +35,8 @@
 #define ORTHOGONAL 1e-12
 /* Accelerations below this part of their bound have no certain sign. */
 #define STEADY 1e-10
-/* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in a lasting contact. */
+/* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in a lasting
+ * contact. */
 #define CHATTER 1e-6
 
 /* ------------------------------------------------------------------ create */
@@ -44,7 +49,8 @@ static ric_status make_faces(ric_simulator *sim, const ric_model *model)
         ric_status status = ric_model_contact(model, f, &contact);
         if (status) return status;
         if (contact.law == RIC_LAW_POWER)
-            return ric_fail(RIC_E_INPUT, "contact %d has law power; the simulator knows rigid stops and bilinear springs", f + 1);
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d has law power; the simulator knows rigid stops and bilinear springs", f + 1);
         for (int i = 0; i < n; i++) sim->b[f * n + i] = contact.normal[i];
         for (int side = 1; side >= -1; side -= 2) {
             if (contact.sides == (side > 0 ? RIC_SIDES_LOWER : RIC_SIDES_UPPER)) continue;
@@ -122,9 +128,10 @@ void ric_simulator_free(ric_simulator *sim)
 
 /* ------------------------------------------------------------------ events */
 
-/* A face that the flight starts on: moving into it is an impact at once, or a switch; a switch, too, is resting on it under an acceleration
- * into it. On a stop, resting on it under an acceleration into it, or rebounding ever
- * faster (the sum of all flights 2u/a (1 + eps + eps^2 + ...) is over before the acceleration a changes), is a lasting contact. */
+/* A face that the flight starts on: moving into it is an impact at once, or a switch; a switch, too, is resting on it
+ * under an acceleration into it. On a stop, resting on it under an acceleration into it, or rebounding ever
+ * faster (the sum of all flights 2u/a (1 + eps + eps^2 + ...) is over before the acceleration a changes), is a lasting
+ * contact. */
 static ric_status examine_face(ric_simulator *sim, int f)
 {
     const face_t *face = &sim->face[f];
@@ -146,12 +153,17 @@ static ric_status examine_face(ric_simulator *sim, int f)
         return RIC_OK;
     }
     if (fabs(u) <= still)
-        return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
-                        "contact is outside the impact law, so the motion ends here", ric_search_time(sim, 0), f, (double)acceleration);
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
+            "contact is outside the impact law, so the motion ends here",
+            ric_search_time(sim, 0), f, (double)acceleration);
     if (eps < 1 && u <= CHATTER * face->D[1] && face->D[3] * 2 * u / (1 - eps) <= acceleration * acceleration / 2)
-        return ric_fail(RIC_E_NUMERIC, "impacts on face %d pile up before time %.9g (chatter with restitution %g); the structure comes to rest "
-                        "on the stop, which is outside the impact law, so the motion ends here", f,
-                        ric_search_time(sim, 2 * u / acceleration / (1 - eps)), (double)eps);
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "impacts on face %d pile up before time %.9g (chatter with restitution %g); the structure comes to rest on "
+            "the stop, which is outside the impact law, so the motion ends here",
+            f, ric_search_time(sim, 2 * u / acceleration / (1 - eps)), (double)eps);
     return RIC_OK;
 }
 
@@ -178,13 +190,16 @@ static ric_status find_next(ric_simulator *sim, real to)
             sim->next = t;
             sim->next_face = f;
         }
-        if (end <= sim->known) return ric_fail(RIC_E_NUMERIC, "time %.17g is too long for the fastest motion of the structure", (double)to);
+        if (end <= sim->known)
+            return ric_fail(RIC_E_NUMERIC, "time %.17g is too long for the fastest motion of the structure",
+                            (double)to);
         sim->known = open ? end : INFINITY;
     }
     return RIC_OK;
 }
 
-/* Two stops at one instant: only if their normals are orthogonal in M^-1 does the order not matter. A spring that closes has no force yet. */
+/* Two stops at one instant: only if their normals are orthogonal in M^-1 does the order not matter. A spring that
+ * closes has no force yet. */
 static ric_status check_alone(const ric_simulator *sim, int f, real t)
 {
     const face_t *face = &sim->face[f];
@@ -194,8 +209,11 @@ static ric_status check_alone(const ric_simulator *sim, int f, real t)
         real g = ric_search_look(sim, other, t).g[0];
         if (fabs(g) > TOGETHER * other->limit + other->band) continue;
         if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
-        return ric_fail(RIC_E_NUMERIC, "faces %d and %d are met together at time %.9g and one impact changes the speed at the other: the impact "
-                        "law is undefined there, so the motion ends here", f < k ? f : k, f < k ? k : f, ric_search_time(sim, t));
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "faces %d and %d are met together at time %.9g and one impact changes the speed at the other: the impact "
+            "law is undefined there, so the motion ends here",
+            f < k ? f : k, f < k ? k : f, ric_search_time(sim, t));
     }
     return RIC_OK;
 }
@@ -252,7 +270,9 @@ static ric_status toggle(ric_simulator *sim, ric_impact *impact)
     if (status) return status;
     move_state(sim, t);
     if (!face->closed) face->impulse = 0;
-    if (impact) *impact = (ric_impact){ric_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]), (double)face->impulse, face->closed};
+    if (impact)
+        *impact = (ric_impact){ric_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]), (double)face->impulse,
+                               face->closed};
     ric_frame_change(sim, other);
     ric_search_begin(sim);
     return RIC_OK;
@@ -272,8 +292,11 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
     ric_search_look_closely(sim, face, t, g);
     real speed = g[1], change = -(1 + sim->restitution) * speed / face->cc * face->side;
     if (t == 0 && speed <= ROUNDING * face->D[1])
-        return ric_fail(RIC_E_NUMERIC, "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
-                        "ends here", ric_search_time(sim, 0), f);
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
+            "ends here",
+            ric_search_time(sim, 0), f);
     if (impact) *impact = (ric_impact){ric_search_time(sim, t), f, (double)speed, (double)fabs(change), false};
     kink_reach(sim, face, t, change);
     move_state(sim, t);
@@ -307,7 +330,8 @@ static ric_status check_start(const ric_simulator *sim, const double *x, const d
     return RIC_OK;
 }
 
-/* From the modal state of the open frame, with given springs closed or, if none are given, those that it lies beyond. */
+/* From the modal state of the open frame, with given springs closed or, if none are given, those that it lies
+ * beyond. */
 static ric_status start_here(ric_simulator *sim, const bool *given)
 {
     bool closed[sim->n_face + 1];
@@ -317,8 +341,11 @@ static ric_status start_here(ric_simulator *sim, const bool *given)
         real s = face->side * dot(sim->n, face->c, sim->q);
         closed[f] = face->spring > 0 && (given ? given[f] : s > face->limit * (1 + BEYOND));
         if (!(face->spring > 0) && s > face->limit * (1 + BEYOND))
-            return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g: its gap coordinate is %.9g and the stop is at %.9g; start on this "
-                            "side of it", f, (double)(s - face->limit), (double)(face->side * s), (double)(face->side * face->limit));
+            return ric_fail(
+                RIC_E_INPUT,
+                "state: face %d is passed by %.3g: its gap coordinate is %.9g and the stop is at %.9g; start on this "
+                "side of it",
+                f, (double)(s - face->limit), (double)(face->side * s), (double)(face->side * face->limit));
     }
     ric_status status = ric_frame_find(sim, closed, &other);
     if (status) return status;
@@ -435,7 +462,8 @@ void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_rea
     ric_frame_to_modal(sim, sim->open, false, state, w);
 }
 
-ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w, ric_real *after)
+ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w,
+                             ric_real *after)
 {
     int n = sim->n;
     const frame *f;

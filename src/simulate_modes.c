@@ -54,7 +54,8 @@ static void rotate(int n, real *x, real *y, real cosine, real sine)
     }
 }
 
-/* One rotation that clears A[i][j] of a symmetric A kept in full; V collects the eigenvectors as rows (Golub and Van Loan, 8.5). */
+/* One rotation that clears A[i][j] of a symmetric A kept in full; V collects the eigenvectors as rows
+ * (Golub and Van Loan, 8.5). */
 static void clear(int n, int i, int j, real *A, real *V)
 {
     real aij = A[i * n + j], theta = (A[j * n + j] - A[i * n + i]) / (2 * aij);
@@ -78,7 +79,8 @@ static bool jacobi(int n, real *A, real *V)
         bool done = true;
         for (int i = 0; i < n; i++)
             for (int j = i + 1; j < n; j++) {
-                real scale = sqrt(fabs(A[i * n + i] * A[j * n + j])) + LDBL_EPSILON * (fabs(A[i * n + i]) + fabs(A[j * n + j]));
+                real scale = sqrt(fabs(A[i * n + i] * A[j * n + j])) +
+                             LDBL_EPSILON * (fabs(A[i * n + i]) + fabs(A[j * n + j]));
                 if (fabs(A[i * n + j]) <= LDBL_EPSILON * scale) continue;
                 clear(n, i, j, A, V);
                 done = false;
@@ -88,8 +90,8 @@ static bool jacobi(int n, real *A, real *V)
     return false;
 }
 
-/* omega_i of row phi_i in a frame. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K themselves, and no spring
- * holds it. */
+/* omega_i of row phi_i in a frame. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K
+ * themselves, and no spring holds it. */
 static real frequency(const ric_simulator *sim, const bool *closed, const real *phi)
 {
     int n = sim->n;
@@ -135,7 +137,9 @@ static void store_modes(ric_simulator *sim, frame *out, const real *phi)
         const face_t *face = &sim->face[f];
         for (int i = 0; i < n && out->closed[f]; i++) {
             real omega = out->omega[i];
-            if (omega > 0) out->rest[i] += face->spring * face->side * face->limit * out->c[face->contact * n + i] / (omega * omega);
+            if (omega > 0)
+                out->rest[i] += face->spring * face->side * face->limit * out->c[face->contact * n + i] /
+                                (omega * omega);
         }
     }
 }
@@ -174,7 +178,8 @@ static ric_status make_modes(ric_simulator *sim, frame *out)
     transpose(n, A);
     solve_rows(n, L, A);
     if (!jacobi(n, A, V)) {
-        status = ric_fail(RIC_E_NUMERIC, "the modes of the structure did not converge; are mass and stiffness scaled sensibly?");
+        status = ric_fail(RIC_E_NUMERIC,
+                          "the modes of the structure did not converge; are mass and stiffness scaled sensibly?");
         goto out;
     }
     for (int r = 0; r < n; r++) /* rows of V: solve L' x = v */

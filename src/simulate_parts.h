@@ -1,5 +1,5 @@
-/* What the files of the simulator share: simulate.c (events and interface), simulate_modes.c (the modes of each set of closed springs),
- * simulate_search.c (flights, and where a face is met). No other file needs it. */
+/* What the files of the simulator share: simulate.c (events and interface), simulate_modes.c (the modes of each set of
+ * closed springs), simulate_search.c (flights, and where a face is met). No other file needs it. */
 #ifndef RIC_SIMULATE_PARTS_H
 #define RIC_SIMULATE_PARTS_H
 
@@ -13,15 +13,18 @@
 /* Extended where the machine has it, so that the replay of an unstable orbit loses less than its check allows. */
 typedef ric_real real;
 
-/* Asked of a double: compilers ask t <= LDBL_MAX instead, which is infinite for valgrind, whose long double has 64 bits. */
+/* Asked of a double: compilers ask t <= LDBL_MAX instead, which is infinite for valgrind, whose long double has 64
+ * bits. */
 static inline bool is_finite(real t)
 {
     return (double)t < INFINITY;
 }
 
-/* Gaps that differ by less than this part of the sum of the moduli of their modes are equal to a caller, who has doubles. */
+/* Gaps that differ by less than this part of the sum of the moduli of their modes are equal to a caller, who has
+ * doubles. */
 #define ROUNDING (32 * DBL_EPSILON)
-/* A start may be beyond a stop by this part of the clearance: twelve digits of a state typed by hand leave that much. */
+/* A start may be beyond a stop by this part of the clearance: twelve digits of a state typed by hand leave that
+ * much. */
 #define BEYOND 1e-10
 
 typedef struct {
@@ -54,7 +57,8 @@ typedef struct frame {
 } frame;
 
 struct ric_simulator {
-    ric_springs *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing else here is used */
+    ric_springs *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing else
+                           * here is used */
     real *y;
     int n, n_face, n_contact;
     real restitution;
@@ -115,7 +119,8 @@ real ric_search_face(const ric_simulator *sim, const face_t *face, double from, 
 /* g <-> reach, the gap coordinate over the clearance, of open faces. */
 double ric_search_to_reach(const face_t *face, double g);
 void ric_search_scan_reach(ric_simulator *sim, double to);
-/* The start itself is a largest value where the gap coordinate falls from there on, unless the face has just been left. */
+/* The start itself is a largest value where the gap coordinate falls from there on, unless the face has just been
+ * left. */
 void ric_search_start_reach(ric_simulator *sim);
 
 #endif

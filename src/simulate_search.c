@@ -100,7 +100,8 @@ typedef enum { BELOW, RISING, FALLING, CONVEX, CONCAVE, FLAT, UNKNOWN } shape;
 /* What is certain about g on [a, b]; BELOW: g <= level throughout; FLAT: it is a straight line to rounding. */
 static shape classify(const face_t *face, const sample *a, const sample *b, double level)
 {
-    double h = b->t - a->t, D4 = (double)face->D[4], e0 = D4 * h * h * h * h / 384, e1 = D4 * h * h * h * (0.5773502691896258 / 72), e2 = D4 * h * h / 12;
+    double h = b->t - a->t, D4 = (double)face->D[4], e0 = D4 * h * h * h * h / 384,
+           e1 = D4 * h * h * h * (0.5773502691896258 / 72), e2 = D4 * h * h / 12;
     double left = a->g[0] + h * a->g[1] / 3, right = b->g[0] - h * b->g[1] / 3;
     if (fmax(fmax(a->g[0], b->g[0]), fmax(left, right)) + e0 <= level) return BELOW;
     double band = (double)face->band, noise = band / (8 * h);
@@ -114,7 +115,8 @@ static shape classify(const face_t *face, const sample *a, const sample *b, doub
     return e0 + bend <= band / 2 ? FLAT : UNKNOWN;
 }
 
-/* Zero of g (order 0) or g' (order 1) between lo and hi, where it changes sign: Newton's method kept inside a shrinking bracket. */
+/* Zero of g (order 0) or g' (order 1) between lo and hi, where it changes sign: Newton's method kept inside a shrinking
+ * bracket. */
 static sample zero(const ric_simulator *sim, const face_t *face, int order, sample lo, sample hi)
 {
     enum { STEPS = 200 };
@@ -217,7 +219,8 @@ void ric_search_scan_reach(ric_simulator *sim, double to)
         const face_t *face = &sim->face[f];
         double h = ric_search_panel(face);
         sample a = ric_search_look(sim, face, sim->scanned);
-        while (a.t < to && !face->closed && face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
+        while (a.t < to && !face->closed &&
+               face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
             sample b = ric_search_look(sim, face, fmin(to, a.t + h));
             if (b.t <= a.t) break;
             double level = sim->reach * face->limit - face->level, top = highest(sim, face, &a, &b, level);

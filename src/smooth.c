@@ -2,8 +2,9 @@
 
 #include <float.h>
 
-/* With a radius of convergence r and the step h = r EPSILON^(1/ORDER) the cost of a time is ORDER^2 / h, least at ORDER = -ln(EPSILON) / 2 = 18
- * (Jorba and Zou 2005) if only the products counted; what each step costs besides moves it up. */
+/* With a radius of convergence r and the step h = r EPSILON^(1/ORDER) the cost of a time is ORDER^2 / h, least at ORDER
+ * = -ln(EPSILON) / 2 = 18 (Jorba and Zou 2005) if only the products counted; what each step costs besides moves it
+ * up. */
 enum { ORDER = 28, PAD = 4, LANES = 2 };
 #define EPSILON DBL_EPSILON
 #define ABS fabs
@@ -68,7 +69,8 @@ static double loss(int size, double start, double unit, const double *M, const d
         const double *row = M + i * size;
         double sum = 0, own = start * start * ric_dot(size, row, row);
         for (int j = 0; j < size; j++) sum += row[j] * ric_dot(size, S + j * size, row);
-        largest = larger(largest, own + unit * unit * larger(sum, 0)); /* where S is lost in rounding, too, the start is left */
+        /* where S is lost in rounding, too, the start is left */
+        largest = larger(largest, own + unit * unit * larger(sum, 0));
     }
     return sqrt(largest);
 }

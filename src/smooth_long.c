@@ -19,7 +19,8 @@ double ric_smooth_again(const ric_model *m, double tau, const double *w0, double
     int size = 2 * m->n;
     size_t count = (size_t)size * (size_t)size;
     double unit = EPSILON / DBL_EPSILON;
-    real *v = unit < 1 ? malloc(((size_t)size + count + series_work(m, size)) * sizeof *v) : NULL, *X = v ? v + size : NULL;
+    real *v = unit < 1 ? malloc(((size_t)size + count + series_work(m, size)) * sizeof *v) : NULL,
+         *X = v ? v + size : NULL;
     if (!v) return 1;
     for (int i = 0; i < size; i++) v[i] = w0[i];
     for (size_t i = 0; i < count; i++) {

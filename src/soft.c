@@ -7,10 +7,11 @@
 #include "stored.h"
 #include "subset.h"
 
-/* The force of a spring is continuous, so that a family of orbits goes on smoothly through a grazing: with x along the family that does not
- * know of the touches, gap i passes its face by alpha_i x, and the spring, closed for sqrt(8 alpha_i x / |s''|), gives back an impulse of
- * order x^(3/2) only. So beyond the grazing exactly those springs are met for which alpha_i x > 0: one way out on either side, whatever is
- * found at some distance. For stiff springs that distance is short, and a trial step would land on orbits that do not join this one. */
+/* The force of a spring is continuous, so that a family of orbits goes on smoothly through a grazing: with x along the
+ * family that does not know of the touches, gap i passes its face by alpha_i x, and the spring, closed for
+ * sqrt(8 alpha_i x / |s''|), gives back an impulse of order x^(3/2) only. So beyond the grazing exactly those springs
+ * are met for which alpha_i x > 0: one way out on either side, whatever is found at some distance. For stiff springs
+ * that distance is short, and a trial step would land on orbits that do not join this one. */
 
 #define STEP 1e-6      /* of the size of the orbit: difference that gives the slopes alpha */
 #define NO_SLOPE 1e-5  /* of the size of the normal: a slope below it has no certain sign */
@@ -45,9 +46,10 @@ static double time_between(const ric_cycle *c, int first, int place)
     return sum;
 }
 
-/* The slopes along the family without the touches, whose orbit is `regular` and starts at event `first` of the node's cycle. */
-static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_cycle *regular, int first, touch *touches, ric_chain **chain,
-                            double **u, double **t)
+/* The slopes along the family without the touches, whose orbit is `regular` and starts at event `first` of the node's
+ * cycle. */
+static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_cycle *regular, int first,
+                            touch *touches, ric_chain **chain, double **u, double **t)
 {
     int n = m->n;
     double w[2][2 * n];
@@ -65,8 +67,10 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
     ric_chain_evaluate(c, *u);
     h = STEP * c->scale;
     if (!(c->smallest > SIMPLE)) {
-        status = ric_fail(RIC_E_NUMERIC, "the orbit at the grazing is a branch point of the family without the touch; such grazings are not left by "
-                          "this version");
+        status = ric_fail(
+            RIC_E_NUMERIC,
+            "the orbit at the grazing is a branch point of the family without the touch; such grazings are not left by "
+            "this version");
         goto out;
     }
     ric_trace_tangent(c, NULL, *t);
@@ -107,7 +111,8 @@ static bool find_touches(const ric_model *m, const ric_node *node, double *W, to
         memcpy(W + 2 * n * i, all + 2 * n * place, 2 * (size_t)n * sizeof *W);
         ric_flight_rate(m, closed, all + 2 * n * place, rate);
         bool closes = closed >> c->face[place] & 1; /* the first event of the pair does: the gap is open around it */
-        touches[i] = (touch){.alpha = closes ? 1 : -1, .bend = fabs(ric_dot(n, face->c, rate + n)), .w = W + 2 * n * i, .face = c->face[place]};
+        touches[i] = (touch){.alpha = closes ? 1 : -1, .bend = fabs(ric_dot(n, face->c, rate + n)), .w = W + 2 * n * i,
+                             .face = c->face[place]};
     }
     free(all);
     return true;
@@ -140,8 +145,10 @@ static bool is_touch(const ric_model *m, const touch *t, int face, const double 
     return false;
 }
 
-/* To first order only the times of the touches change: a contact grows by sqrt(alpha / |s''|), at the cost of the flights beside it. */
-static bool grow(const ric_model *m, const ric_node *node, const touch *touches, const ric_chain *c, const double *u, double *t0)
+/* To first order only the times of the touches change: a contact grows by sqrt(alpha / |s''|), at the cost of the
+ * flights beside it. */
+static bool grow(const ric_model *m, const ric_node *node, const touch *touches, const ric_chain *c, const double *u,
+                 double *t0)
 {
     int found = 0;
     for (int k = 0; k < c->n_flight; k++) {
@@ -159,24 +166,27 @@ static bool grow(const ric_model *m, const ric_node *node, const touch *touches,
     return found > 0;
 }
 
-static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches, ric_chain *c, const double *u, double *t0, bool *singular)
+static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches, ric_chain *c,
+                            const double *u, double *t0, bool *singular)
 {
     int size = c->n_unknown;
     double kernel[size];
     ric_chain_evaluate(c, u);
-    if (!grow(m, node, touches, c, u, t0)) return ric_fail(RIC_E_NUMERIC, "a touch of a spring is not found in the problem of the departure");
+    if (!grow(m, node, touches, c, u, t0))
+        return ric_fail(RIC_E_NUMERIC, "a touch of a spring is not found in the problem of the departure");
     double norm = sqrt(ric_dot(size, t0, t0));
     *singular = !(c->smallest > SIMPLE);
     for (int i = 0; i < size; i++) t0[i] *= (*singular ? RIC_LEAVING * c->scale : 1) / norm;
     if (*singular) return RIC_OK;
     ric_trace_tangent(c, t0, kernel);
-    if (ric_dot(size, t0, kernel) < ALONG) return ric_fail(RIC_E_NUMERIC, "the departure does not lead into the contact that is kept");
+    if (ric_dot(size, t0, kernel) < ALONG)
+        return ric_fail(RIC_E_NUMERIC, "the departure does not lead into the contact that is kept");
     memcpy(t0, kernel, sizeof kernel);
     return RIC_OK;
 }
 
-static ric_status leave(const ric_model *m, const ric_node *node, unsigned choice, const touch *touches, ric_chain **chain, double **u0, double **t0,
-                        bool *singular)
+static ric_status leave(const ric_model *m, const ric_node *node, unsigned choice, const touch *touches,
+                        ric_chain **chain, double **u0, double **t0, bool *singular)
 {
     ric_cycle *cycle = ric_subset_cycle(m, node, choice);
     ric_status status = cycle ? ric_cycle_to_chain(m, cycle, chain, u0) : no_memory();
@@ -186,7 +196,8 @@ static ric_status leave(const ric_model *m, const ric_node *node, unsigned choic
     return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular) : no_memory();
 }
 
-ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0, double **t0, bool *singular)
+ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0,
+                           double **t0, bool *singular)
 {
     ric_status status = RIC_OK;
     int n = m->n, first = 0, N = node->cycle->N;
@@ -198,7 +209,8 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
     *singular = false;
     for (int i = 0; i < node->n_touch; i++)
         if (!ric_node_soft(node, i))
-            return ric_fail(RIC_E_NUMERIC, "a stop and a spring are touched by one orbit; such grazings are not left by this version");
+            return ric_fail(RIC_E_NUMERIC,
+                            "a stop and a spring are touched by one orbit; such grazings are not left by this version");
     if (!find_touches(m, node, W, touches)) return no_memory();
     for (int i = 0; i < N; i++) keep[i] = true;
     for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;
@@ -209,7 +221,9 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
     }
     for (int i = 0; i < node->n_touch && !status; i++)
         if (fabs(touches[i].alpha) < NO_SLOPE * sqrt(m->face[touches[i].face].cc))
-            status = ric_fail(RIC_E_NUMERIC, "the gap of a touch does not change along the family: whether the spring is met is lost in rounding");
+            status = ric_fail(
+                RIC_E_NUMERIC,
+                "the gap of a touch does not change along the family: whether the spring is met is lost in rounding");
     int side = status ? 0 : side_of(node, touches, choice);
     if (side && choice) status = leave(m, node, choice, touches, chain, u0, t0, singular);
     else if (side && family) {

@@ -13,7 +13,8 @@ enum { HEAD = 7 };
 static size_t cycle_size(const ric_cycle *c)
 {
     size_t states = c->opposite ? 2 : 1;
-    return HEAD * sizeof(int32_t) + sizeof c->closed + (size_t)c->N * (sizeof(int32_t) + sizeof(double)) + states * 2 * (size_t)c->n * sizeof(double);
+    return HEAD * sizeof(int32_t) + sizeof c->closed + (size_t)c->N * (sizeof(int32_t) + sizeof(double)) +
+           states * 2 * (size_t)c->n * sizeof(double);
 }
 
 static void put(char **to, const void *from, size_t size)
@@ -55,7 +56,9 @@ static ric_cycle *get_cycle(const ric_model *m, source *s)
 {
     int32_t head[HEAD] = {0};
     get(s, head, sizeof head);
-    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0 || head[5] > RIC_PARTS_MOST) return NULL;
+    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0 ||
+        head[5] > RIC_PARTS_MOST)
+        return NULL;
     ric_cycle *c = ric_cycle_create(head[0], head[1]);
     if (!c) return NULL;
     c->half = head[2];
@@ -82,7 +85,8 @@ static ric_cycle *get_cycle(const ric_model *m, source *s)
 }
 
 typedef struct {
-    int32_t kind, n_touch, touch[RIC_MAX_TOUCHES], test, multiple, rotation[2], a, b, refusal, mode, mirrors, n_departure, frequency;
+    int32_t kind, n_touch, touch[RIC_MAX_TOUCHES], test, multiple, rotation[2], a, b, refusal, mode, mirrors,
+        n_departure, frequency;
     double energy, period, asked;
 } node_head;
 
@@ -93,10 +97,11 @@ ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size)
     if (!to) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     node_head h;
     memset(&h, 0, sizeof h);
-    h = (node_head){.kind = (int32_t)node->kind, .n_touch = node->n_touch, .test = node->test, .multiple = node->multiple,
-                    .rotation = {node->rotation[0], node->rotation[1]}, .a = node->a, .b = node->b, .refusal = (int32_t)node->refusal,
-                    .mode = node->mode, .mirrors = node->mirrors, .n_departure = node->n_departure, .frequency = node->asked.frequency,
-                    .energy = node->energy, .period = node->period, .asked = node->asked.value};
+    h = (node_head){.kind = (int32_t)node->kind, .n_touch = node->n_touch, .test = node->test,
+                    .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]}, .a = node->a,
+                    .b = node->b, .refusal = (int32_t)node->refusal, .mode = node->mode, .mirrors = node->mirrors,
+                    .n_departure = node->n_departure, .frequency = node->asked.frequency, .energy = node->energy,
+                    .period = node->period, .asked = node->asked.value};
     for (int i = 0; i < node->n_touch; i++) h.touch[i] = node->touch[i];
     put(&to, &h, sizeof h);
     put_cycle(&to, node->cycle);
@@ -181,7 +186,8 @@ static void keep(ric_memo *memo, const char *key, size_t key_size, ric_status st
     free(bytes);
 }
 
-ric_status ric_solve_node(const ric_model *m, ric_recall recall, ric_solve solve, const ric_cycle *cycle, ric_node **out)
+ric_status ric_solve_node(const ric_model *m, ric_recall recall, ric_solve solve, const ric_cycle *cycle,
+                          ric_node **out)
 {
     size_t key_size = 0, size = 0;
     char *key = recall.memo ? make_key(&solve, cycle, &key_size) : NULL;

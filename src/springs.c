@@ -1,9 +1,10 @@
 /* Independent integrator of M x'' + K x + sum_f k_f(b_f . x) b_f = 0 with power-law springs.
  *
- * It shares no code with the orbit solver: no modes, no series, but the extrapolation of Gragg, Bulirsch and Stoer (Hairer, Norsett, Wanner,
- * Solving Ordinary Differential Equations I, II.9 and II.14) on the raw matrices in extended precision. A step H is taken with 2, 4, 6, ...
- * sub-steps of the leap-frog for second-order equations, whose errors are even powers of the sub-step, and extrapolated to none; it is
- * accepted where two neighbours in the table agree to TOLERANCE. */
+ * It shares no code with the orbit solver: no modes, no series, but the extrapolation of Gragg, Bulirsch and Stoer
+ * (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9 and II.14) on the raw matrices in extended
+ * precision. A step H is taken with 2, 4, 6, ... sub-steps of the leap-frog for second-order equations, whose errors
+ * are even powers of the sub-step, and extrapolated to none; it is accepted where two neighbours in the table agree to
+ * TOLERANCE. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +15,8 @@
 #include "status.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 1000000 };
-#define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred roundings of 80 bits */
+#define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred
+                          * roundings of 80 bits */
 #define ROUNDINGS 90     /* or as many of what the machine, or what pretends to be one, has instead */
 
 typedef ric_real real;
@@ -69,7 +71,8 @@ ric_status ric_springs_create(const ric_model *model, ric_springs **out)
 {
     ric_status status = RIC_OK;
     int n = ric_model_n_dof(model), n_contact = ric_model_n_contact(model);
-    size_t nn = (size_t)n * (size_t)n, all = 2 * nn + (size_t)n_contact * ((size_t)n + 1) + (LEVELS + 6) * 2 * (size_t)n;
+    size_t nn = (size_t)n * (size_t)n,
+           all = 2 * nn + (size_t)n_contact * ((size_t)n + 1) + (LEVELS + 6) * 2 * (size_t)n;
     ric_springs *s = calloc(1, sizeof *s);
     *out = NULL;
     if (!s || !(s->L = calloc(all, sizeof *s->L)) || !(s->exponent = calloc((size_t)n_contact, sizeof *s->exponent))) {
@@ -97,7 +100,8 @@ ric_status ric_springs_create(const ric_model *model, ric_springs **out)
         if ((status = ric_model_contact(model, f, &contact))) break;
         for (int i = 0; i < n; i++) s->b[f * n + i] = contact.normal[i];
         s->exponent[f] = contact.exponent;
-        s->factor[f] = contact.length > 0 ? contact.reference * power(s->length / contact.length, contact.exponent) * contact.length / s->length
+        s->factor[f] = contact.length > 0 ? contact.reference * power(s->length / contact.length, contact.exponent) *
+                                                contact.length / s->length
                                           : contact.stiffness * power(s->length, contact.exponent) / s->length;
     }
     if (status) goto out;
@@ -204,7 +208,8 @@ ric_status ric_springs_go(ric_springs *s, ric_real time, ric_real *y)
     if (!(s->step > 0)) s->step = 0.1L;
     for (int k = 0; done < time; k++) {
         real rest = time - done, H = fmin(s->step, rest), kept = s->step, taken = k < MOST_STEPS ? step(s, H, y) : 0;
-        if (!(taken > 0)) return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g", (double)done);
+        if (!(taken > 0))
+            return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g", (double)done);
         if (taken == rest) { /* the last step is as short as what was left */
             s->step = fmax(s->step, kept < rest ? 0 : kept);
             break;

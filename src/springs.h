@@ -1,4 +1,5 @@
-/* Motion under power-law springs, for those who check: from M, K and the contacts alone, in extended precision, by extrapolation. */
+/* Motion under power-law springs, for those who check: from M, K and the contacts alone, in extended precision, by
+ * extrapolation. */
 #ifndef RIC_SPRINGS_H
 #define RIC_SPRINGS_H
 

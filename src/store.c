@@ -17,26 +17,25 @@ enum { WRITER_WAIT = 60000 }; /* ms that a run waits for readers */
 
 /* Floating-point columns carry no type: with REAL the file would keep -0.0 as 0. */
 static const char schema[] =
-    "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT NULL) WITHOUT ROWID;"
-    "CREATE TABLE trace (key TEXT PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL);"
-    "CREATE TABLE branch (id INTEGER PRIMARY KEY, label TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL,"
-    " symmetric INTEGER NOT NULL, reversible INTEGER NOT NULL, mirror TEXT NOT NULL, stable_fraction, points INTEGER NOT NULL,"
-    " energy_min, energy_max, frequency_min, frequency_max, from_junction INTEGER REFERENCES junction,"
-    " to_junction INTEGER REFERENCES junction, stop TEXT NOT NULL, why TEXT NOT NULL, depth INTEGER NOT NULL, mode INTEGER NOT NULL);"
-    "CREATE TABLE branch_junction (branch INTEGER NOT NULL REFERENCES branch, position INTEGER NOT NULL,"
-    " junction INTEGER NOT NULL REFERENCES junction, arclength, PRIMARY KEY (branch, position)) WITHOUT ROWID;"
-    "CREATE TABLE point (branch INTEGER NOT NULL REFERENCES branch, point INTEGER NOT NULL, arclength, energy, frequency, period,"
-    " trace, log_trace, trace_asinh, rotation, stable INTEGER NOT NULL, reach, approach, residual, state BLOB NOT NULL,"
-    " flights BLOB NOT NULL, PRIMARY KEY (branch, point)) WITHOUT ROWID;"
-    "CREATE TABLE junction (id INTEGER PRIMARY KEY, kind TEXT NOT NULL, label TEXT NOT NULL, name TEXT NOT NULL,"
-    " impacts INTEGER NOT NULL, word TEXT NOT NULL, grazings INTEGER NOT NULL, multiple INTEGER NOT NULL,"
-    " rotation_p INTEGER NOT NULL, rotation_q INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT NULL, energy, frequency,"
-    " state BLOB NOT NULL, flights BLOB NOT NULL, taken INTEGER NOT NULL, known INTEGER NOT NULL, inadmissible INTEGER NOT NULL,"
-    " over_budget INTEGER NOT NULL, refused INTEGER NOT NULL, refusal TEXT NOT NULL,"
-    " over_window INTEGER NOT NULL, over_multiply INTEGER NOT NULL, over_impacts INTEGER NOT NULL, over_symmetric INTEGER NOT NULL,"
-    " over_touches INTEGER NOT NULL, over_depth INTEGER NOT NULL);"
-    "CREATE TABLE junction_branch (junction INTEGER NOT NULL REFERENCES junction, branch INTEGER NOT NULL REFERENCES branch,"
-    " PRIMARY KEY (junction, branch)) WITHOUT ROWID;";
+    "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT NULL) WITHOUT ROWID;CREATE TABLE trace (key TEXT "
+    "PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL);CREATE TABLE branch (id INTEGER PRIMARY KEY, "
+    "label TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL, symmetric INTEGER NOT NULL, reversible INTEGER "
+    "NOT NULL, mirror TEXT NOT NULL, stable_fraction, points INTEGER NOT NULL, energy_min, energy_max, frequency_min, "
+    "frequency_max, from_junction INTEGER REFERENCES junction, to_junction INTEGER REFERENCES junction, stop TEXT NOT "
+    "NULL, why TEXT NOT NULL, depth INTEGER NOT NULL, mode INTEGER NOT NULL);CREATE TABLE branch_junction (branch "
+    "INTEGER NOT NULL REFERENCES branch, position INTEGER NOT NULL, junction INTEGER NOT NULL REFERENCES junction, "
+    "arclength, PRIMARY KEY (branch, position)) WITHOUT ROWID;CREATE TABLE point (branch INTEGER NOT NULL REFERENCES "
+    "branch, point INTEGER NOT NULL, arclength, energy, frequency, period, trace, log_trace, trace_asinh, rotation, "
+    "stable INTEGER NOT NULL, reach, approach, residual, state BLOB NOT NULL, flights BLOB NOT NULL, PRIMARY KEY "
+    "(branch, point)) WITHOUT ROWID;CREATE TABLE junction (id INTEGER PRIMARY KEY, kind TEXT NOT NULL, label TEXT NOT "
+    "NULL, name TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL, grazings INTEGER NOT NULL, multiple "
+    "INTEGER NOT NULL, rotation_p INTEGER NOT NULL, rotation_q INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT "
+    "NULL, energy, frequency, state BLOB NOT NULL, flights BLOB NOT NULL, taken INTEGER NOT NULL, known INTEGER NOT "
+    "NULL, inadmissible INTEGER NOT NULL, over_budget INTEGER NOT NULL, refused INTEGER NOT NULL, refusal TEXT NOT "
+    "NULL, over_window INTEGER NOT NULL, over_multiply INTEGER NOT NULL, over_impacts INTEGER NOT NULL, over_symmetric "
+    "INTEGER NOT NULL, over_touches INTEGER NOT NULL, over_depth INTEGER NOT NULL);CREATE TABLE junction_branch "
+    "(junction INTEGER NOT NULL REFERENCES junction, branch INTEGER NOT NULL REFERENCES branch, PRIMARY KEY (junction, "
+    "branch)) WITHOUT ROWID;";
 
 struct ric_store {
     ric_database file;
@@ -48,8 +47,9 @@ struct ric_store {
 
 /* -------------------------------------------------------------------- lock */
 
-/* The lock lies on a file beside the atlas, PATH-lock: closing any descriptor of the atlas itself would end the locks of SQLite.
- * The system releases it when the process ends, however it ends; a file left over by a kill locks nothing. */
+/* The lock lies on a file beside the atlas, PATH-lock: closing any descriptor of the atlas itself would end the locks
+ * of SQLite. The system releases it when the process ends, however it ends; a file left over by a kill locks
+ * nothing. */
 static void sign_lock(int lock)
 {
     char host[65] = "this machine", when[32] = "", text[160];
@@ -78,7 +78,8 @@ static ric_status take_lock(ric_store *store)
         struct stat held, named;
         int lock = open(store->lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (lock < 0)
-            return ric_fail(RIC_E_IO, "%s: cannot write in its folder (%s); choose another file with -o", store->path, strerror(errno));
+            return ric_fail(RIC_E_IO, "%s: cannot write in its folder (%s); choose another file with -o", store->path,
+                            strerror(errno));
         if (flock(lock, LOCK_EX | LOCK_NB)) {
             int reason = errno;
             read_signature(lock, holder, sizeof holder);
@@ -86,12 +87,15 @@ static ric_status take_lock(ric_store *store)
             if (reason == EINTR)
                 continue;
             return reason == EWOULDBLOCK
-                ? ric_fail(RIC_E_BUSY, "%s: in use by another run (%s); wait for its end, or choose another file with -o", store->path,
-                           *holder ? holder : "it did not sign")
-                : ric_fail(RIC_E_IO, "%s: cannot be locked (%s); choose a file on another disk with -o", store->path, strerror(reason));
+                       ? ric_fail(RIC_E_BUSY,
+                                  "%s: in use by another run (%s); wait for its end, or choose another file with -o",
+                                  store->path, *holder ? holder : "it did not sign")
+                       : ric_fail(RIC_E_IO, "%s: cannot be locked (%s); choose a file on another disk with -o",
+                                  store->path, strerror(reason));
         }
         /* A run removes the file when it ends: what is locked here may no longer be what others find. */
-        if (!fstat(lock, &held) && !stat(store->lock_path, &named) && held.st_ino == named.st_ino && held.st_dev == named.st_dev) {
+        if (!fstat(lock, &held) && !stat(store->lock_path, &named) && held.st_ino == named.st_ino &&
+            held.st_dev == named.st_dev) {
             store->lock = lock;
             sign_lock(lock);
             return RIC_OK;
@@ -133,14 +137,16 @@ static ric_status set_up_writer(ric_database file)
 static ric_status create_file(ric_store *store, const ric_study *study, bool exists)
 {
     char numbers[96];
-    ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, WRITER_WAIT, &store->file);
+    ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, WRITER_WAIT,
+                                          &store->file);
     if (!status)
         status = set_up_writer(store->file);
     if (!status)
         status = begin(store->file);
     if (!status)
         status = ric_database_run(store->file, schema);
-    snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID, RIC_FORMAT_VERSION);
+    snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
+             RIC_FORMAT_VERSION);
     if (!status)
         status = ric_database_run(store->file, numbers);
     if (!status)
@@ -174,13 +180,15 @@ static ric_status open_file(ric_store *store, const ric_study *study)
     return status;
 }
 
-/* A power failure can leave a journal that takes the file back to the state before it was made, which is no atlas but an empty file. */
+/* A power failure can leave a journal that takes the file back to the state before it was made, which is no atlas but
+ * an empty file. */
 static ric_status recover(ric_store *store, bool *exists, bool *empty)
 {
     ric_database file = {0};
     char journal[strlen(store->path) + sizeof "-journal"];
     sprintf(journal, "%s-journal", store->path);
-    if (*empty || access(journal, F_OK) || ric_store_check_identity(store->path)) return RIC_OK; /* what is wrong is said later */
+    /* what is wrong is said later */
+    if (*empty || access(journal, F_OK) || ric_store_check_identity(store->path)) return RIC_OK;
     ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &file);
     if (!status) status = ric_database_run(file, "SELECT count(*) FROM sqlite_master");
     sqlite3_close(file.db);
@@ -217,7 +225,8 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     if (!status)
         status = ric_database_prepare(store->file, "SELECT blob, digest FROM trace WHERE key = ?", &store->get);
     if (!status)
-        status = ric_database_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)", &store->put);
+        status = ric_database_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
+                                      &store->put);
 out:
     if (status)
         ric_store_close(store);
@@ -233,7 +242,8 @@ void ric_store_close(ric_store *store)
     sqlite3_finalize(store->get);
     sqlite3_finalize(store->put);
     /* What was put is worth keeping; if the disk refuses, the last commit still stands. */
-    if (store->file.db && !sqlite3_get_autocommit(store->file.db) && sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
+    if (store->file.db && !sqlite3_get_autocommit(store->file.db) &&
+        sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
         roll_back(store->file);
     sqlite3_close(store->file.db);
     release_lock(store);
@@ -272,7 +282,8 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
     if (status)
         return status;
     sqlite3_bind_text(store->put, 1, key, -1, SQLITE_STATIC);
-    int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC) : sqlite3_bind_zeroblob(store->put, 2, 0);
+    int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
+                    : sqlite3_bind_zeroblob(store->put, 2, 0);
     sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(blob, size));
     status = code ? ric_database_fail(store->file, code) : ric_database_step(store->file, store->put, &row);
     sqlite3_clear_bindings(store->put);

@@ -1,4 +1,5 @@
-/* Whether a file is an atlas of ours, whole, and of the model of a study. A foreign, damaged or newer one is refused and left as it is. */
+/* Whether a file is an atlas of ours, whole, and of the model of a study. A foreign, damaged or newer one is refused
+ * and left as it is. */
 #include "store_parts.h"
 
 #include <errno.h>
@@ -18,7 +19,8 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
     if (stat(path, &found))
         return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
     if (!S_ISREG(found.st_mode))
-        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path, S_ISDIR(found.st_mode) ? "a folder" : "a device");
+        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path,
+                        S_ISDIR(found.st_mode) ? "a folder" : "a device");
     *exists = true;
     *empty = found.st_size == 0;
     return RIC_OK;
@@ -37,7 +39,8 @@ static char *immutable_uri(const char *path)
     return uri;
 }
 
-/* Damage is left for the full check to find, because what looks like it may be a transaction that opening the file will undo. */
+/* Damage is left for the full check to find, because what looks like it may be a transaction that opening the file will
+ * undo. */
 ric_status ric_store_check_identity(const char *path)
 {
     ric_database file = {NULL, path};
@@ -61,8 +64,9 @@ ric_status ric_store_check_identity(const char *path)
     else if (application != RIC_APPLICATION_ID)
         status = ric_store_fail_foreign(path);
     else if (version > RIC_FORMAT_VERSION)
-        status = ric_fail(RIC_E_FORMAT, "%s: atlas of format %lld, and ricochet %s knows formats up to %d; use a newer ricochet", path,
-                          (long long)version, ric_version(), RIC_FORMAT_VERSION);
+        status = ric_fail(RIC_E_FORMAT,
+                          "%s: atlas of format %lld, and ricochet %s knows formats up to %d; use a newer ricochet",
+                          path, (long long)version, ric_version(), RIC_FORMAT_VERSION);
     else if (version < 1)
         status = ric_store_fail_damaged(path, "its format has no number");
 out:
@@ -88,7 +92,8 @@ uint64_t ric_store_digest(const void *bytes, size_t n)
     return digest_bytes(digest_start, bytes, n);
 }
 
-/* Eight bytes, the lowest first. A zero leaves its mark by the prime alone; half of all that is digested are numbers that are zero. */
+/* Eight bytes, the lowest first. A zero leaves its mark by the prime alone; half of all that is digested are numbers
+ * that are zero. */
 static uint64_t digest_number(uint64_t digest, uint64_t value)
 {
     const uint64_t p2 = digest_prime * digest_prime, p4 = p2 * p2;
@@ -99,7 +104,8 @@ static uint64_t digest_number(uint64_t digest, uint64_t value)
     return digest;
 }
 
-/* Its type, an integer or the length of a text or blob, and the bits of a real number or the bytes of the text or blob. */
+/* Its type, an integer or the length of a text or blob, and the bits of a real number or the bytes of the text or
+ * blob. */
 static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
 {
     unsigned char type = (unsigned char)sqlite3_column_type(row, column);
@@ -112,7 +118,9 @@ static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
     }
     if (type == SQLITE_FLOAT)
         memcpy(&bits, &(double){sqlite3_column_double(row, column)}, sizeof bits);
-    return digest_number(digest_number(digest, type == SQLITE_INTEGER ? (uint64_t)sqlite3_column_int64(row, column) : 0), bits);
+    return digest_number(digest_number(digest,
+                                       type == SQLITE_INTEGER ? (uint64_t)sqlite3_column_int64(row, column) : 0),
+                         bits);
 }
 
 /* Over every value that a reader may rely on, derived columns included. */
@@ -172,7 +180,8 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
     bool row;
     ric_status status = ric_database_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)", &insert);
     if (!status) {
-        int code = sqlite3_bind_text(insert, 1, key, -1, SQLITE_STATIC) | sqlite3_bind_text(insert, 2, value, -1, SQLITE_STATIC);
+        int code = sqlite3_bind_text(insert, 1, key, -1, SQLITE_STATIC) |
+                   sqlite3_bind_text(insert, 2, value, -1, SQLITE_STATIC);
         status = code ? ric_store_fail_memory() : ric_database_step(file, insert, &row);
     }
     sqlite3_finalize(insert);
@@ -224,8 +233,11 @@ ric_status ric_store_check_contents(ric_database file)
     sqlite3_finalize(query);
     if (status)
         return status;
-    int code = ric_database_ask(file.db, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
-                               "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')", &tables);
+    int code =
+        ric_database_ask(file.db,
+                         "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
+                         "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')",
+                         &tables);
     if (code)
         return ric_database_fail(file, code);
     return tables == 7 ? check_digest(file) : ric_store_fail_damaged(file.path, "a table is missing");
@@ -269,8 +281,10 @@ ric_status ric_store_compare_models(const char *path, const char *stored, const 
     for (;;) {
         size_t n_a = next_token(&stored), n_b = next_token(&given);
         if (!same_token(stored, n_a, given, n_b))
-            return ric_fail(RIC_E_CONFLICT, "%s: the atlas of another model (it has `%.*s` where the study has `%.*s`); "
-                            "choose another file with -o", path, (int)(n_a > 40 ? 40 : n_a), stored, (int)(n_b > 40 ? 40 : n_b), given);
+            return ric_fail(RIC_E_CONFLICT,
+                            "%s: the atlas of another model (it has `%.*s` where the study has `%.*s`); choose another "
+                            "file with -o",
+                            path, (int)(n_a > 40 ? 40 : n_a), stored, (int)(n_b > 40 ? 40 : n_b), given);
         if (!n_a)
             return RIC_OK;
         stored += n_a;
@@ -288,7 +302,8 @@ ric_status ric_store_check_model(ric_database file, const ric_study *study)
     if (!given)
         status = ric_store_fail_memory();
     else
-        status = stored ? ric_store_compare_models(file.path, stored, given) : ric_store_fail_damaged(file.path, "its model is missing");
+        status = stored ? ric_store_compare_models(file.path, stored, given)
+                        : ric_store_fail_damaged(file.path, "its model is missing");
 out:
     free(stored);
     free(given);

@@ -13,16 +13,20 @@ enum {
 };
 
 /* The columns of a row in the order in which store_write.c puts and store_read.c takes them. */
-#define BRANCH_COLUMNS \
-    "id, label, impacts, word, symmetric, reversible, mirror, stable_fraction, points, energy_min, energy_max, frequency_min, " \
+#define BRANCH_COLUMNS                                                                                                 \
+    "id, label, impacts, word, symmetric, reversible, mirror, stable_fraction, points, energy_min, energy_max, "       \
+    "frequency_min, "                                                                                                  \
     "frequency_max, from_junction, to_junction, stop, why, depth, mode"
 #define BRANCH_JUNCTION_COLUMNS "branch, position, junction, arclength"
-#define POINT_COLUMNS \
-    "branch, point, arclength, energy, frequency, trace_asinh, rotation, stable, reach, approach, residual, state, flights, " \
+#define POINT_COLUMNS                                                                                                  \
+    "branch, point, arclength, energy, frequency, trace_asinh, rotation, stable, reach, approach, residual, state, "   \
+    "flights, "                                                                                                        \
     "period, trace, log_trace"
-#define JUNCTION_COLUMNS \
-    "id, kind, label, name, impacts, word, grazings, multiple, rotation_p, rotation_q, a, b, energy, frequency, state, flights, " \
-    "taken, known, inadmissible, over_budget, refused, refusal, over_window, over_multiply, over_impacts, over_symmetric, " \
+#define JUNCTION_COLUMNS                                                                                               \
+    "id, kind, label, name, impacts, word, grazings, multiple, rotation_p, rotation_q, a, b, energy, frequency, "      \
+    "state, flights, "                                                                                                 \
+    "taken, known, inadmissible, over_budget, refused, refusal, over_window, over_multiply, over_impacts, "            \
+    "over_symmetric, "                                                                                                 \
     "over_touches, over_depth"
 #define JUNCTION_BRANCH_COLUMNS "junction, branch"
 
@@ -63,7 +67,8 @@ ric_status ric_store_check_contents(ric_database file);
 /* That the file is of the model of `study`. */
 ric_status ric_store_check_model(ric_database file, const ric_study *study);
 
-/* The model of a study: from the line `model:` to the next top-level key, as a copy; "" if there is none. NULL without memory. */
+/* The model of a study: from the line `model:` to the next top-level key, as a copy; "" if there is none. NULL without
+ * memory. */
 char *ric_store_model_text(const char *study);
 /* 9 and 9.0 are the same model. */
 ric_status ric_store_compare_models(const char *path, const char *stored, const char *given);

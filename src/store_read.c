@@ -12,7 +12,8 @@
 
 enum { READER_WAIT = 60000 }; /* ms that a reader waits for a run that is just writing */
 
-/* Takes the values of one row from left to right. A value of the wrong type, range or size makes the row `wrong`, once and for all. */
+/* Takes the values of one row from left to right. A value of the wrong type, range or size makes the row `wrong`, once
+ * and for all. */
 typedef struct {
     sqlite3_stmt *query;
     int column;
@@ -49,7 +50,9 @@ static int take_id(row_reader *row, int max)
 static char *take_text(row_reader *row)
 {
     int column = row->column++;
-    const char *text = sqlite3_column_type(row->query, column) == SQLITE_TEXT ? (const char *)sqlite3_column_text(row->query, column) : NULL;
+    const char *text = sqlite3_column_type(row->query, column) == SQLITE_TEXT
+                           ? (const char *)sqlite3_column_text(row->query, column)
+                           : NULL;
     char *copy = strdup(text ? text : "");
     row->wrong |= !text;
     row->no_memory |= !copy;
@@ -71,7 +74,8 @@ static int take_choice(row_reader *row, int n, const char *(*text_of)(int))
 static void take_float64s(row_reader *row, size_t n, double *values)
 {
     int column = row->column++;
-    const void *blob = sqlite3_column_type(row->query, column) == SQLITE_BLOB ? sqlite3_column_blob(row->query, column) : NULL;
+    const void *blob = sqlite3_column_type(row->query, column) == SQLITE_BLOB ? sqlite3_column_blob(row->query, column)
+                                                                              : NULL;
     if (values && blob && (size_t)sqlite3_column_bytes(row->query, column) == 8 * n)
         ric_store_take_float64(blob, n, values);
     else
@@ -109,14 +113,20 @@ typedef struct {
     const char *table, *count, *rows;
 } listing;
 
-static const listing branches = {"branch", "SELECT count(*) FROM branch", "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id"};
-static const listing junctions = {"junction", "SELECT count(*) FROM junction", "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id"};
+static const listing branches = {"branch", "SELECT count(*) FROM branch",
+                                 "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id"};
+static const listing junctions = {"junction", "SELECT count(*) FROM junction",
+                                  "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id"};
 static const listing points_of_branches = {"point", "SELECT branch, count(*) FROM point GROUP BY branch",
                                            "SELECT " POINT_COLUMNS " FROM point ORDER BY branch, point"};
-static const listing junctions_of_branches = {"branch_junction", "SELECT branch, count(*) FROM branch_junction GROUP BY branch",
-                                              "SELECT " BRANCH_JUNCTION_COLUMNS " FROM branch_junction ORDER BY branch, position"};
-static const listing branches_of_junctions = {"junction_branch", "SELECT junction, count(*) FROM junction_branch GROUP BY junction",
-                                              "SELECT " JUNCTION_BRANCH_COLUMNS " FROM junction_branch ORDER BY junction, branch"};
+static const listing junctions_of_branches = {"branch_junction",
+                                              "SELECT branch, count(*) FROM branch_junction GROUP BY branch",
+                                              "SELECT " BRANCH_JUNCTION_COLUMNS
+                                              " FROM branch_junction ORDER BY branch, position"};
+static const listing branches_of_junctions = {"junction_branch",
+                                              "SELECT junction, count(*) FROM junction_branch GROUP BY junction",
+                                              "SELECT " JUNCTION_BRANCH_COLUMNS
+                                              " FROM junction_branch ORDER BY junction, branch"};
 
 static ric_status count_rows(ric_database file, const listing *list, int *n)
 {
@@ -144,9 +154,10 @@ static ric_status count_owned(ric_database file, const listing *list, int n_owne
     return status;
 }
 
-/* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or of its owner, whose number is its first value. */
-static ric_status take_rows(ric_database file, const listing *list, int n, const int *counts, void (*take)(row_reader *, int i, ric_atlas *),
-                            ric_atlas *atlas)
+/* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or of its owner, whose
+ * number is its first value. */
+static ric_status take_rows(ric_database file, const listing *list, int n, const int *counts,
+                            void (*take)(row_reader *, int i, ric_atlas *), ric_atlas *atlas)
 {
     row_reader row = {0};
     bool more = true;
@@ -258,7 +269,8 @@ static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int
         if (!record->junctions || !record->junction_at)
             return ric_store_fail_memory();
     }
-    return status ? status : take_rows(file, &junctions_of_branches, atlas->n_branch, counts, take_branch_junction, atlas);
+    return status ? status
+                  : take_rows(file, &junctions_of_branches, atlas->n_branch, counts, take_branch_junction, atlas);
 }
 
 static ric_status read_branches(ric_database file, ric_atlas *atlas, int *counts)
@@ -324,7 +336,8 @@ static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *count
         if (!record->branches)
             return ric_store_fail_memory();
     }
-    return status ? status : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
+    return status ? status
+                  : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
 }
 
 static ric_status read_study(ric_database file, ric_atlas *atlas)

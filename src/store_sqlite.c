@@ -15,12 +15,14 @@ ric_status ric_store_fail_memory(void)
 
 ric_status ric_store_fail_damaged(const char *path, const char *what)
 {
-    return ric_fail(RIC_E_FORMAT, "%s: damaged atlas (%s); restore it from a copy, or remove it and run the study again", path, what);
+    return ric_fail(RIC_E_FORMAT,
+                    "%s: damaged atlas (%s); restore it from a copy, or remove it and run the study again", path, what);
 }
 
 ric_status ric_store_fail_foreign(const char *path)
 {
-    return ric_fail(RIC_E_FORMAT, "%s: not an atlas; name a file made by `ricochet run`, or another file for a new atlas", path);
+    return ric_fail(RIC_E_FORMAT,
+                    "%s: not an atlas; name a file made by `ricochet run`, or another file for a new atlas", path);
 }
 
 ric_status ric_database_fail(ric_database file, int code)
@@ -34,18 +36,24 @@ ric_status ric_database_fail(ric_database file, int code)
     case SQLITE_LOCKED:
         return ric_fail(RIC_E_BUSY, "%s: another program keeps the atlas locked; close it and try again", file.path);
     case SQLITE_FULL:
-        return ric_fail(RIC_E_IO, "%s: disk full; make room and give the same command again, what was done is kept", file.path);
+        return ric_fail(RIC_E_IO, "%s: disk full; make room and give the same command again, what was done is kept",
+                        file.path);
     case SQLITE_READONLY:
         return code == SQLITE_READONLY_ROLLBACK
-            ? ric_fail(RIC_E_IO, "%s: a run was killed while it wrote, and the atlas is read-only; copy it together with "
-                       "the file ending in -journal to a folder that can be written", file.path)
-            : ric_fail(RIC_E_IO, "%s: cannot be written; check its permissions and those of its folder", file.path);
+                   ? ric_fail(RIC_E_IO,
+                              "%s: a run was killed while it wrote, and the atlas is read-only; copy it together with "
+                              "the file ending in -journal to a folder that can be written",
+                              file.path)
+                   : ric_fail(RIC_E_IO, "%s: cannot be written; check its permissions and those of its folder",
+                              file.path);
     case SQLITE_PERM:
     case SQLITE_CANTOPEN:
     case SQLITE_AUTH:
-        return ric_fail(RIC_E_IO, "%s: cannot be opened; check that its folder exists, and the permissions of both", file.path);
+        return ric_fail(RIC_E_IO, "%s: cannot be opened; check that its folder exists, and the permissions of both",
+                        file.path);
     case SQLITE_IOERR:
-        return ric_fail(RIC_E_IO, "%s: cannot be read or written (%s); check the disk", file.path, sqlite3_errstr(code));
+        return ric_fail(RIC_E_IO, "%s: cannot be read or written (%s); check the disk", file.path,
+                        sqlite3_errstr(code));
     case SQLITE_TOOBIG:
         return ric_fail(RIC_E_RANGE, "%s: one record is larger than the file can hold; use a smaller study", file.path);
     default:

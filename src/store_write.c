@@ -34,7 +34,8 @@ static void put_integer(row_writer *row, sqlite3_int64 value)
 static void put_real(row_writer *row, double value)
 {
     ++row->column;
-    row->code |= isnan(value) ? sqlite3_bind_null(row->insert, row->column) : sqlite3_bind_double(row->insert, row->column, value);
+    row->code |= isnan(value) ? sqlite3_bind_null(row->insert, row->column)
+                              : sqlite3_bind_double(row->insert, row->column, value);
 }
 
 /* For columns that are only read by others, who are spared infinities. */

@@ -65,12 +65,14 @@ bool ric_turn_find(const ric_model *m, ric_chain *c, const double *u, const ric_
 ric_cycle *ric_turn_cycle(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t)
 {
     ric_chain_fly(c, u);
-    ric_cycle *raw = ric_cycle_from_chain(c, u), *turned = raw ? ric_cycle_transform(m, raw, t->shift, t->reverse, t->mirror) : NULL;
+    ric_cycle *raw = ric_cycle_from_chain(c, u),
+              *turned = raw ? ric_cycle_transform(m, raw, t->shift, t->reverse, t->mirror) : NULL;
     ric_cycle_free(raw);
     return turned;
 }
 
-ric_status ric_turn_write(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, double *x, double *v, double *flights)
+ric_status ric_turn_write(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, double *x, double *v,
+                          double *flights)
 {
     ric_cycle *cycle = ric_turn_cycle(m, c, u, t);
     if (!cycle) return no_memory();

@@ -44,7 +44,8 @@ static ric_status read_option(const ric_yaml *r, const ric_option *option, const
         return ric_yaml_wrong(r, value, key, "expected a value, found %s", ric_yaml_kind(value));
     for (int i = 0; i < n && i < LONGEST; i++) {
         const ric_yaml_node *part = list ? ric_yaml_item(r, value, i) : value;
-        if (!ric_yaml_is_scalar(part) || (!ric_yaml_is_plain(part) && option->type != RIC_OPTION_MODES && option->type != RIC_OPTION_CASCADE))
+        if (!ric_yaml_is_scalar(part) ||
+            (!ric_yaml_is_plain(part) && option->type != RIC_OPTION_MODES && option->type != RIC_OPTION_CASCADE))
             return ric_yaml_wrong(r, part, key, "expected a plain value, found %s",
                                   ric_yaml_is_scalar(part) ? "quoted text; remove the quotes" : ric_yaml_kind(part));
         texts[i] = ric_yaml_text(part);
@@ -57,7 +58,8 @@ static ric_status read_option(const ric_yaml *r, const ric_option *option, const
 }
 
 /* *start: where the list of modes stands, NULL if it is not given. */
-static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, const ric_yaml_node **start, ric_explore_options *out)
+static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, const ric_yaml_node **start,
+                               ric_explore_options *out)
 {
     enum { MOST = 32 };
     const ric_option *options, *found[MOST];
@@ -82,12 +84,13 @@ static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, con
     return status;
 }
 
-static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int n_dof, const ric_explore_options *options)
+static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int n_dof,
+                              const ric_explore_options *options)
 {
     for (int i = 0; i < options->n_start; i++)
         if (options->start[i] > n_dof)
-            return ric_yaml_wrong(r, start, "explore.start", "there is no mode %d; the structure has modes 1 to %d", options->start[i],
-                                  n_dof);
+            return ric_yaml_wrong(r, start, "explore.start", "there is no mode %d; the structure has modes 1 to %d",
+                                  options->start[i], n_dof);
     return RIC_OK;
 }
 
@@ -99,8 +102,8 @@ static ric_status check_kind(const ric_yaml *r, const ric_yaml_node *value, cons
         if (!strcmp(ric_yaml_text(value), ric_kind_text((ric_kind)kind)))
             return RIC_OK;
     return ric_yaml_wrong(r, value, key,
-                          "'%.40s' is no kind of junction; write start, grazing, corner, extremum, branch-point, multiplication, "
-                          "period-extremum or user", ric_yaml_text(value));
+                          "'%.40s' is no kind of junction; write start, grazing, corner, extremum, branch-point, "
+                          "multiplication, period-extremum or user", ric_yaml_text(value));
 }
 
 static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_name *out)
@@ -112,7 +115,9 @@ static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const c
     for (int i = 0; i < 4 && !status; i++) {
         ric_yaml_join(key, path, keys[i]);
         if (!slots[i].key)
-            status = ric_yaml_wrong(r, map, key, "missing; a name is {name: C1_32, kind: branch-point, energy: 1.9, frequency: 1.4}");
+            status =
+                ric_yaml_wrong(r, map, key,
+                               "missing; a name is {name: C1_32, kind: branch-point, energy: 1.9, frequency: 1.4}");
         else if (i < 2)
             status = ric_yaml_string(r, slots[i].value, key, &texts[i]);
         else
@@ -124,11 +129,12 @@ static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const c
     out->kind = texts[1];
     ric_yaml_join(key, path, "energy");
     if (!status && out->energy < 0)
-        status = ric_yaml_wrong(r, slots[2].value, key, "%.10g is negative; give the scaled energy of the junction", out->energy);
+        status = ric_yaml_wrong(r, slots[2].value, key, "%.10g is negative; give the scaled energy of the junction",
+                                out->energy);
     ric_yaml_join(key, path, "frequency");
     if (!status && out->frequency <= 0)
-        status = ric_yaml_wrong(r, slots[3].value, key, "%.10g is not positive; give the frequency of the junction in rad/s",
-                                out->frequency);
+        status = ric_yaml_wrong(r, slots[3].value, key,
+                                "%.10g is not positive; give the frequency of the junction in rad/s", out->frequency);
     return status;
 }
 
@@ -139,7 +145,8 @@ static ric_status read_names(const ric_yaml *r, const ric_yaml_slot *from, ric_s
         return RIC_OK;
     if (!ric_yaml_is_list(from->value))
         return ric_yaml_wrong(r, from->value, "names",
-                              "expected a list, found %s; write '- {name: C1_32, kind: branch-point, energy: 1.9, frequency: 1.4}'",
+                              "expected a list, found %s; write '- {name: C1_32, kind: branch-point, energy: 1.9, "
+                              "frequency: 1.4}'",
                               ric_yaml_kind(from->value));
     int n = ric_yaml_length(from->value);
     if (n > NAME_MAX_COUNT)
@@ -177,7 +184,8 @@ static ric_explore_options options_of(const ric_region *region)
 
 static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_region *out)
 {
-    ric_explore_options given = options_of(&(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME, .multiply = RIC_REGION_SAME});
+    ric_explore_options given = options_of(&(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME,
+                                                         .multiply = RIC_REGION_SAME});
     ric_yaml_slot slots[REGION_KEYS];
     char key[RIC_KEY_MAX];
     ric_status status = ric_yaml_map(r, map, path, REGION_KEYS, region_keys, slots);
@@ -186,7 +194,8 @@ static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const
         if (slots[i].key)
             status = read_option(r, ric_option_find("explore", region_keys[i]), key, slots[i].value, &given);
         else if (i < 2)
-            status = ric_yaml_wrong(r, map, key, "missing; a region is {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}");
+            status = ric_yaml_wrong(r, map, key,
+                                    "missing; a region is {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}");
     }
     *out = (ric_region){.depth = given.depth, .impacts = given.impacts, .multiply = given.multiply};
     memcpy(out->energy, given.energy, sizeof out->energy);
@@ -200,13 +209,17 @@ static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric
     if (!from->key)
         return RIC_OK;
     if (!ric_yaml_is_list(from->value))
-        return ric_yaml_wrong(r, from->value, "regions", "expected a list, found %s; write '- {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}'",
-                              ric_yaml_kind(from->value));
+        return ric_yaml_wrong(
+            r, from->value, "regions",
+            "expected a list, found %s; write '- {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}'",
+            ric_yaml_kind(from->value));
     int n = ric_yaml_length(from->value);
     if (n > RIC_REGIONS_MAX)
-        return ric_yaml_wrong(r, from->value, "regions", "%d regions; at most %d are read, make some of them one", n, RIC_REGIONS_MAX);
+        return ric_yaml_wrong(r, from->value, "regions", "%d regions; at most %d are read, make some of them one", n,
+                              RIC_REGIONS_MAX);
     if (n > 0 && out->n_cascade > 0)
-        return ric_yaml_wrong(r, from->value, "regions", "explore.cascade says what is departed from, wherever it is; leave out one of the two");
+        return ric_yaml_wrong(r, from->value, "regions",
+                              "explore.cascade says what is departed from, wherever it is; leave out one of the two");
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "regions[%d]", i + 1);
         ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i]);
@@ -226,8 +239,8 @@ static void write_regions(const ric_explore_options *options, FILE *out)
     for (int i = 0; i < options->n_region; i++) {
         const ric_region *region = &options->region[i];
         const ric_explore_options o = options_of(region);
-        const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME, region->impacts != RIC_REGION_SAME,
-                                         region->multiply != RIC_REGION_SAME};
+        const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME,
+                                         region->impacts != RIC_REGION_SAME, region->multiply != RIC_REGION_SAME};
         for (int k = 0; k < REGION_KEYS; k++) {
             if (!given[k])
                 continue;
@@ -271,7 +284,8 @@ static void write_names(const ric_study *study, FILE *out)
     }
 }
 
-/* Text of the study with the explore options as they are now; the rest from `raw`, or from the text there is if raw is NULL. */
+/* Text of the study with the explore options as they are now; the rest from `raw`, or from the text there is if raw is
+ * NULL. */
 static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 {
     ric_buffer written;
@@ -327,8 +341,10 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options)))
         return status;
     if (slots[S_TOLERANCE].key)
-        status = read_option(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value, &study->options);
-    if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options)) || (status = read_names(r, &slots[S_NAMES], study)))
+        status = read_option(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
+                             &study->options);
+    if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options)) ||
+        (status = read_names(r, &slots[S_NAMES], study)))
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
@@ -375,8 +391,8 @@ ric_status ric_study_parse(const char *text, const char *label, const char *base
     size_t size = strlen(text);
     *out = NULL;
     if (size > FILE_MAX)
-        return ric_fail(RIC_E_INPUT, "%.200s: larger than %d MB; put large matrices into Matrix Market files", label ? label : "study",
-                        FILE_MAX >> 20);
+        return ric_fail(RIC_E_INPUT, "%.200s: larger than %d MB; put large matrices into Matrix Market files",
+                        label ? label : "study", FILE_MAX >> 20);
     return parse(text, size, label ? label : "study", base, out);
 }
 
@@ -388,7 +404,8 @@ ric_status ric_study_read(const char *path, ric_study **out)
     *out = NULL;
     ric_status status = ric_file_read(path, FILE_MAX, false, &text, &size);
     if (status == RIC_E_INPUT && access(path, F_OK))
-        status = ric_fail(RIC_E_INPUT, "%.200s: %s; `ricochet new NAME` writes a study to start from", path, strerror(errno));
+        status = ric_fail(RIC_E_INPUT, "%.200s: %s; `ricochet new NAME` writes a study to start from", path,
+                          strerror(errno));
     if (!status && size >= strlen(sqlite) && !memcmp(text, sqlite, strlen(sqlite)))
         status = ric_fail(RIC_E_INPUT, "%.200s: this is an atlas; name the study that it was made from", path);
     if (status)
@@ -407,7 +424,8 @@ out:
     return status;
 }
 
-ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text, const char *label)
+ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text,
+                              const char *label)
 {
     const ric_option *option = ric_option_find(section, key);
     ric_explore_options before = study->options;
@@ -430,7 +448,8 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
     ric_explore_options before = study->options, *o = &study->options;
     int n = 0;
     if (o->n_cascade)
-        return ric_fail(RIC_E_INPUT, "explore.cascade says what is departed from, wherever it is: such a study has no regions");
+        return ric_fail(RIC_E_INPUT,
+                        "explore.cascade says what is departed from, wherever it is: such a study has no regions");
     for (int i = 0; i < o->n_region; i++)
         if (ric_region_covers(&o->region[i], region))
             return RIC_OK;
@@ -440,7 +459,9 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
     o->n_region = n;
     ric_status status = RIC_OK;
     if (n >= RIC_REGIONS_MAX)
-        status = ric_fail(RIC_E_RANGE, "the study has %d regions already, and more are not kept; take a larger region that holds some of them", n);
+        status = ric_fail(
+            RIC_E_RANGE,
+            "the study has %d regions already, and more are not kept; take a larger region that holds some of them", n);
     if (!status) {
         o->region[o->n_region++] = *region;
         status = write_text(study, NULL);

@@ -1,17 +1,21 @@
-/* The study: what to compute, read from YAML and checked before anything is made of it (docs/decisions/0004-study-reader.md). */
+/* The study: what to compute, read from YAML and checked before anything is made of it
+ * (docs/decisions/0004-study-reader.md). */
 #ifndef RIC_STUDY_H
 #define RIC_STUDY_H
 
 #include "ricochet.h"
 
-/* Sets one explore option after reading, as if the study had said `key: text`; the text of the study follows. `label` stands for the
- * place in a message, for example "--max-step". */
-ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text, const char *label);
+/* Sets one explore option after reading, as if the study had said `key: text`; the text of the study follows. `label`
+ * stands for the place in a message, for example "--max-step". */
+ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text,
+                              const char *label);
 
-/* Adds a region with larger budgets; it takes the place of those that ask for no more. RIC_E_RANGE: there are as many as are kept. */
+/* Adds a region with larger budgets; it takes the place of those that ask for no more. RIC_E_RANGE: there are as many
+ * as are kept. */
 ric_status ric_study_add_region(ric_study *study, const ric_region *region);
 
-/* Line of model.restitution in the file it was read from, 0 if it was not given: for the message of a run that needs 1. */
+/* Line of model.restitution in the file it was read from, 0 if it was not given: for the message of a run that needs
+ * 1. */
 size_t ric_study_restitution_line(const ric_study *study);
 
 #endif

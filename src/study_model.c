@@ -16,11 +16,12 @@ enum { CONTACT_MAX = 1000 };
 static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const char *key, int i, int n, double *out)
 {
     if (!ric_yaml_is_list(row))
-        return ric_yaml_wrong(r, row, key, "row %d is %s; a matrix is a list of rows such as [[2, 0], [0, 1]], or {file: M.mtx}", i + 1,
-                              ric_yaml_kind(row));
+        return ric_yaml_wrong(r, row, key,
+                              "row %d is %s; a matrix is a list of rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
+                              i + 1, ric_yaml_kind(row));
     if (ric_yaml_length(row) != n)
-        return ric_yaml_wrong(r, row, key, "row %d has %d entries, but there are %d rows; the matrix must be square", i + 1,
-                              ric_yaml_length(row), n);
+        return ric_yaml_wrong(r, row, key, "row %d has %d entries, but there are %d rows; the matrix must be square",
+                              i + 1, ric_yaml_length(row), n);
     for (int j = 0; j < n; j++) {
         char entry[RIC_KEY_MAX + 32];
         const ric_yaml_node *item = ric_yaml_item(r, row, j);
@@ -97,9 +98,10 @@ static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value,
             double *low = &A[(size_t)i * (size_t)n + (size_t)j], *high = &A[(size_t)j * (size_t)n + (size_t)i];
             const ric_yaml_node *row = ric_yaml_is_list(value) ? ric_yaml_item(r, value, i) : value;
             if (fabs(*low - *high) > SYMMETRY_TOLERANCE * largest)
-                return ric_yaml_wrong(r, row, key,
-                                      "not symmetric: row %d, column %d is %.10g but row %d, column %d is %.10g; make them equal", i + 1,
-                                      j + 1, *low, j + 1, i + 1, *high);
+                return ric_yaml_wrong(
+                    r, row, key,
+                    "not symmetric: row %d, column %d is %.10g but row %d, column %d is %.10g; make them equal", i + 1,
+                    j + 1, *low, j + 1, i + 1, *high);
             *low = *high = *low == *high ? *low : 0.5 * *low + 0.5 * *high;
         }
     return RIC_OK;
@@ -115,10 +117,12 @@ static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, co
     else if (matrix->value->type == YAML_MAPPING_NODE)
         status = read_matrix_file(r, matrix->value, key, &rows, out);
     else
-        return ric_yaml_wrong(r, matrix->value, key, "expected a matrix, found %s; write rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
+        return ric_yaml_wrong(r, matrix->value, key,
+                              "expected a matrix, found %s; write rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
                               ric_yaml_kind(matrix->value));
     if (!status && *n && rows != *n)
-        status = ric_yaml_wrong(r, matrix->key, key, "%d x %d, but the mass matrix is %d x %d; both have one row per displacement", rows,
+        status = ric_yaml_wrong(r, matrix->key, key,
+                                "%d x %d, but the mass matrix is %d x %d; both have one row per displacement", rows,
                                 rows, *n, *n);
     if (!status)
         status = check_symmetric(r, matrix->value, key, rows, *out);
@@ -134,15 +138,19 @@ static const char *const contact_keys[C_COUNT] = {"name", "normal", "clearance",
 static const char *const law_names[] = {"rigid", "bilinear", "power"};
 static const char *const side_names[] = {"both", "upper", "lower"};
 
-static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, const char *key, int n, double *out)
+static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, const char *key,
+                              int n, double *out)
 {
     bool zero = true;
     if (!from->key)
-        return ric_yaml_wrong(r, map, key, "missing; give the list b of %d numbers that makes the gap coordinate s = b.x", n);
+        return ric_yaml_wrong(r, map, key,
+                              "missing; give the list b of %d numbers that makes the gap coordinate s = b.x", n);
     if (!ric_yaml_is_list(from->value))
-        return ric_yaml_wrong(r, from->value, key, "expected a list of %d numbers, found %s", n, ric_yaml_kind(from->value));
+        return ric_yaml_wrong(r, from->value, key, "expected a list of %d numbers, found %s", n,
+                              ric_yaml_kind(from->value));
     if (ric_yaml_length(from->value) != n)
-        return ric_yaml_wrong(r, from->value, key, "%d numbers, but the mass matrix has %d rows; give one number per displacement",
+        return ric_yaml_wrong(r, from->value, key,
+                              "%d numbers, but the mass matrix has %d rows; give one number per displacement",
                               ric_yaml_length(from->value), n);
     for (int j = 0; j < n; j++) {
         ric_status status = ric_yaml_real(r, ric_yaml_item(r, from->value, j), key, &out[j]);
@@ -152,8 +160,8 @@ static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map, const
     }
     if (zero)
         return ric_yaml_wrong(r, from->value, key,
-                              "all zeros, so that no motion closes the gap; name the displacements that do, for example [-1, 1] for x2 - "
-                              "x1");
+                              "all zeros, so that no motion closes the gap; name the displacements that do, for "
+                              "example [-1, 1] for x2 - x1");
     return RIC_OK;
 }
 
@@ -168,19 +176,22 @@ static ric_status read_positive(const ric_yaml *r, const ric_yaml_node *map, con
     return status;
 }
 
-static ric_status read_clearance(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, const char *key, double *out)
+static ric_status read_clearance(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from,
+                                 const char *key, double *out)
 {
     if (!from->key)
         return ric_yaml_wrong(r, map, key, "missing; give the distance d > 0 from rest to the stop");
     ric_status status = ric_yaml_real(r, from->value, key, out);
     if (!status && *out == 0)
         return ric_yaml_wrong(r, from->value, key,
-                              "zero; without a gap every motion impacts at any energy and the linear motions that the exploration starts "
-                              "from do not exist; use a small positive clearance");
+                              "zero; without a gap every motion impacts at any energy and the linear motions that the "
+                              "exploration starts from do not exist; use a small positive clearance");
     if (!status && *out < 0)
         return ric_yaml_wrong(r, from->value, key,
-                              "%.10g is negative, a preloaded stop: the structure at rest would be beyond it and its equilibrium is not "
-                              "that of K; measure x from the true equilibrium and give a (small) positive clearance", *out);
+                              "%.10g is negative, a preloaded stop: the structure at rest would be beyond it and its "
+                              "equilibrium is not that of K; measure x from the true equilibrium and give a (small) "
+                              "positive clearance",
+                              *out);
     return status;
 }
 
@@ -190,7 +201,8 @@ static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, 
     static const bool allowed[][C_COUNT] = {
         {[C_NAME] = 1, [C_NORMAL] = 1, [C_CLEARANCE] = 1, [C_SIDES] = 1, [C_LAW] = 1},
         {[C_NAME] = 1, [C_NORMAL] = 1, [C_CLEARANCE] = 1, [C_SIDES] = 1, [C_LAW] = 1, [C_STIFFNESS] = 1},
-        {[C_NAME] = 1, [C_NORMAL] = 1, [C_LAW] = 1, [C_EXPONENT] = 1, [C_STIFFNESS] = 1, [C_LENGTH] = 1, [C_REFERENCE] = 1},
+        {[C_NAME] = 1, [C_NORMAL] = 1, [C_LAW] = 1, [C_EXPONENT] = 1, [C_STIFFNESS] = 1, [C_LENGTH] = 1,
+         [C_REFERENCE] = 1},
     };
     static const char *const takes[] = {"normal, clearance and sides", "normal, clearance, sides and stiffness",
                                         "normal, exponent, and stiffness or length with reference"};
@@ -198,7 +210,8 @@ static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, 
     for (int i = 0; i < C_COUNT; i++)
         if (slots[i].key && !allowed[law][i]) {
             ric_yaml_join(key, path, contact_keys[i]);
-            return ric_yaml_wrong(r, slots[i].key, key, "not a key of law %s, which takes %s; remove it or change the law", law_names[law],
+            return ric_yaml_wrong(r, slots[i].key, key,
+                                  "not a key of law %s, which takes %s; remove it or change the law", law_names[law],
                                   takes[law]);
         }
     return RIC_OK;
@@ -211,22 +224,26 @@ static ric_status read_power(const ric_yaml *r, const ric_yaml_node *map, const 
     double exponent = 0;
     ric_status status;
     ric_yaml_join(key, path, "exponent");
-    if ((status = read_positive(r, map, &slots[C_EXPONENT], key, "the power m of the force, odd and at least 3", &exponent)))
+    if ((status = read_positive(r, map, &slots[C_EXPONENT], key, "the power m of the force, odd and at least 3",
+                                &exponent)))
         return status;
     if (exponent == 1)
         return ric_yaml_wrong(r, slots[C_EXPONENT].value, key,
                               "1 is a linear spring; add it to the stiffness matrix, or give an odd m of at least 3");
     if (fmod(exponent, 2) != 1 || exponent > 99)
-        return ric_yaml_wrong(r, slots[C_EXPONENT].value, key,
-                              "%.10g is not an odd whole number from 3 to 99; an even power does not restore on both sides", exponent);
+        return ric_yaml_wrong(
+            r, slots[C_EXPONENT].value, key,
+            "%.10g is not an odd whole number from 3 to 99; an even power does not restore on both sides", exponent);
     out->exponent = (int)exponent;
     const ric_yaml_slot *stiffness = &slots[C_STIFFNESS], *length = &slots[C_LENGTH], *reference = &slots[C_REFERENCE];
     ric_yaml_join(key, path, "stiffness");
     if (stiffness->key && (length->key || reference->key))
         return ric_yaml_wrong(r, stiffness->key, key,
-                              "given together with length or reference; give stiffness k_c, or length d with reference k");
+                              "given together with length or reference; give stiffness k_c, or length d with reference "
+                              "k");
     if (stiffness->key || (!length->key && !reference->key))
-        return read_positive(r, map, stiffness, key, "k_c of the force -k_c s^m (or length with reference)", &out->stiffness);
+        return read_positive(r, map, stiffness, key, "k_c of the force -k_c s^m (or length with reference)",
+                             &out->stiffness);
     ric_yaml_join(key, path, "length");
     if ((status = read_positive(r, map, length, key, "d of the force -k d (s/d)^m, beside reference k", &out->length)))
         return status;
@@ -281,25 +298,28 @@ static ric_status check_laws(const ric_yaml *r, const ric_yaml_node *list, const
         snprintf(key, sizeof key, "model.contacts[%d].law", i + 1);
         if ((raw->contacts[i].law == RIC_LAW_POWER) != (raw->contacts[0].law == RIC_LAW_POWER))
             return ric_yaml_wrong(r, ric_yaml_item(r, list, i), key,
-                                  "%s beside %s of contact 1; a power law acts all the time and is not computed beside contacts that open "
-                                  "and close; give all contacts law power, or none (rigid and bilinear go together)",
+                                  "%s beside %s of contact 1; a power law acts all the time and is not computed beside "
+                                  "contacts that open and close; give all contacts law power, or none (rigid and "
+                                  "bilinear go together)",
                                   law_names[raw->contacts[i].law], law_names[raw->contacts[0].law]);
     }
     return RIC_OK;
 }
 
-static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, ric_raw_model *raw)
+static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from,
+                                ric_raw_model *raw)
 {
     char key[RIC_KEY_MAX];
     if (!from->key)
         return ric_yaml_wrong(r, map, "model.contacts", "missing; give a list with normal and clearance of each stop");
     if (!ric_yaml_is_list(from->value))
-        return ric_yaml_wrong(r, from->value, "model.contacts", "expected a list, found %s; start each contact with '- '",
-                              ric_yaml_kind(from->value));
+        return ric_yaml_wrong(r, from->value, "model.contacts",
+                              "expected a list, found %s; start each contact with '- '", ric_yaml_kind(from->value));
     int n = ric_yaml_length(from->value);
     if (n < 1 || n > CONTACT_MAX)
-        return ric_yaml_wrong(r, from->value, "model.contacts", "%d contacts; there must be 1 to %d, without any the structure is linear",
-                              n, CONTACT_MAX);
+        return ric_yaml_wrong(r, from->value, "model.contacts",
+                              "%d contacts; there must be 1 to %d, without any the structure is linear", n,
+                              CONTACT_MAX);
     raw->contacts = calloc((size_t)n, sizeof *raw->contacts);
     if (!raw->contacts)
         return ric_yaml_no_memory(r);
@@ -330,12 +350,13 @@ void ric_raw_model_free(ric_raw_model *raw)
 }
 
 /* What the model itself finds (eigenvalues) is said with the line of the key it is about. */
-static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, const ric_yaml_slot *slots, const ric_raw_model *raw,
-                               ric_model **out)
+static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, const ric_yaml_slot *slots,
+                               const ric_raw_model *raw, ric_model **out)
 {
     static const char *const words[] = {"mass", "stiffness"};
     char why[600];
-    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts, raw->restitution, out);
+    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts,
+                                         raw->restitution, out);
     if (status != RIC_E_INPUT)
         return status;
     snprintf(why, sizeof why, "%s", ric_detail());
@@ -353,9 +374,11 @@ ric_status ric_raw_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_
     if (status)
         return status;
     if (!slots[M_MASS].key)
-        return ric_yaml_wrong(r, from->key, "model.mass", "missing; give rows such as [[2, 0], [0, 1]], or {file: M.mtx}");
+        return ric_yaml_wrong(r, from->key, "model.mass",
+                              "missing; give rows such as [[2, 0], [0, 1]], or {file: M.mtx}");
     if (!slots[M_STIFFNESS].key)
-        return ric_yaml_wrong(r, from->key, "model.stiffness", "missing; give rows such as [[9, -1], [-1, 1]], or {file: K.mtx}");
+        return ric_yaml_wrong(r, from->key, "model.stiffness",
+                              "missing; give rows such as [[9, -1], [-1, 1]], or {file: K.mtx}");
     if ((status = read_matrix(r, &slots[M_MASS], "model.mass", &n, &raw->mass)))
         return status;
     raw->n = n;
@@ -369,8 +392,8 @@ ric_status ric_raw_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_
     if (restitution && (status = ric_yaml_real(r, restitution, "model.restitution", &raw->restitution)))
         return status;
     if (raw->restitution < 0 || raw->restitution > 1)
-        return ric_yaml_wrong(r, restitution, "model.restitution", "%.10g is out of range; give a number in [0, 1], 1 for an atlas",
-                              raw->restitution);
+        return ric_yaml_wrong(r, restitution, "model.restitution",
+                              "%.10g is out of range; give a number in [0, 1], 1 for an atlas", raw->restitution);
     return create_model(r, from->key, slots, raw, out);
 }
 

@@ -1,4 +1,5 @@
-/* What the files of the study share: its YAML with lines and keys, and its model as it is written there. No other file needs it. */
+/* What the files of the study share: its YAML with lines and keys, and its model as it is written there. No other file
+ * needs it. */
 #ifndef RIC_STUDY_PARTS_H
 #define RIC_STUDY_PARTS_H
 
@@ -56,7 +57,8 @@ ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const ch
 /* *out is allocated; the text has no NUL inside (a quoted "\0" may try). */
 ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const char *key, char **out);
 /* The index of one of n words; *out stays when the key is not given. */
-ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const char *key, int n, const char *const *names, int *out);
+ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const char *key, int n,
+                           const char *const *names, int *out);
 
 /* Double-quoted YAML: what is not plainly printable is escaped, so that any text comes back as it was. */
 void ric_yaml_write(const char *text, FILE *out);

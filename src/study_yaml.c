@@ -95,9 +95,10 @@ static ric_status check_bytes(const ric_yaml *r, const char *text, size_t size)
 static ric_status parser_failed(const ric_yaml *r, const yaml_parser_t *parser)
 {
     if (parser->error == YAML_MEMORY_ERROR || !parser->problem) return ric_yaml_no_memory(r);
-    return wrong_at(r, parser->problem_mark.line + 1, "syntax", "%s%s%s; check indentation, brackets and colons near column %zu",
-                    parser->context ? parser->context : "", parser->context ? ", " : "",
-                    parser->problem, parser->problem_mark.column + 1);
+    return wrong_at(r, parser->problem_mark.line + 1, "syntax",
+                    "%s%s%s; check indentation, brackets and colons near column %zu",
+                    parser->context ? parser->context : "", parser->context ? ", " : "", parser->problem,
+                    parser->problem_mark.column + 1);
 }
 
 typedef struct {
@@ -122,9 +123,11 @@ static ric_status count_event(const ric_yaml *r, const yaml_event_t *event, tall
     if (t->depth > DEPTH_MAX)
         return wrong_at(r, line, "syntax", "nested more than %d levels deep; a study needs six", DEPTH_MAX);
     if (t->anchors > ANCHOR_MAX)
-        return wrong_at(r, line, "syntax", "more than %d anchors (&) and aliases (*); write the values out", ANCHOR_MAX);
+        return wrong_at(r, line, "syntax", "more than %d anchors (&) and aliases (*); write the values out",
+                        ANCHOR_MAX);
     if (t->nodes > NODE_MAX)
-        return wrong_at(r, line, "syntax", "more than %d values; put large matrices into Matrix Market files", NODE_MAX);
+        return wrong_at(r, line, "syntax", "more than %d values; put large matrices into Matrix Market files",
+                        NODE_MAX);
     if (t->documents > 1)
         return wrong_at(r, line, "syntax", "a second document starts here; one file holds one study");
     return RIC_OK;
@@ -263,7 +266,8 @@ void ric_yaml_join(char out[RIC_KEY_MAX], const char *path, const char *key)
     snprintf(out, RIC_KEY_MAX, "%.60s%s%.32s", path, path[0] ? "." : "", key);
 }
 
-static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const char *path, int n, const char *const *keys)
+static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const char *path, int n,
+                              const char *const *keys)
 {
     char full[RIC_KEY_MAX], all[300] = "";
     const char *closest = NULL;
@@ -286,7 +290,8 @@ static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const
     return ric_yaml_wrong(r, key, full, "unknown key; the keys here are %s", all);
 }
 
-ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n, const char *const *keys, ric_yaml_slot *slots)
+ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n, const char *const *keys,
+                        ric_yaml_slot *slots)
 {
     memset(slots, 0, (size_t)n * sizeof *slots);
     if (map->type != YAML_MAPPING_NODE)
@@ -304,7 +309,8 @@ ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char 
             return unknown_key(r, key, path, n, keys);
         ric_yaml_join(full, path, keys[i]);
         if (slots[i].key)
-            return ric_yaml_wrong(r, key, full, "given twice, first in line %zu; keep one of the two", slots[i].key->start_mark.line + 1);
+            return ric_yaml_wrong(r, key, full, "given twice, first in line %zu; keep one of the two",
+                                  slots[i].key->start_mark.line + 1);
         slots[i] = (ric_yaml_slot){key, at(r, pair->value)};
     }
     return RIC_OK;
@@ -315,17 +321,20 @@ ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const ch
     if (!ric_yaml_is_scalar(value))
         return ric_yaml_wrong(r, value, key, "expected a number, found %s", ric_yaml_kind(value));
     if (!ric_yaml_is_plain(value))
-        return ric_yaml_wrong(r, value, key, "expected a number, found the quoted text '%.40s'; remove the quotes", ric_yaml_text(value));
+        return ric_yaml_wrong(r, value, key, "expected a number, found the quoted text '%.40s'; remove the quotes",
+                              ric_yaml_text(value));
     switch (ric_text_real(ric_yaml_text(value), out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
     case RIC_TEXT_NOT_FINITE: return ric_yaml_wrong(r, value, key,
-                                                    "'%.40s' is not finite; NaN and infinities have no meaning here, give a number",
+                                                    "'%.40s' is not finite; NaN and infinities have no meaning here, "
+                                                    "give a number",
                                                     ric_yaml_text(value));
     case RIC_TEXT_NO_NUMBER: break;
     }
     if (!ric_yaml_text(value)[0])
         return ric_yaml_wrong(r, value, key, "no value; give a number");
-    return ric_yaml_wrong(r, value, key, "'%.40s' is not a number; write it in decimal, for example 0.5 or 2.5e-3", ric_yaml_text(value));
+    return ric_yaml_wrong(r, value, key, "'%.40s' is not a number; write it in decimal, for example 0.5 or 2.5e-3",
+                          ric_yaml_text(value));
 }
 
 ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const char *key, char **out)
@@ -333,12 +342,14 @@ ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const 
     if (!ric_yaml_is_scalar(value))
         return ric_yaml_wrong(r, value, key, "expected a text, found %s", ric_yaml_kind(value));
     if (value->data.scalar.length > STRING_MAX || strlen(ric_yaml_text(value)) != value->data.scalar.length)
-        return ric_yaml_wrong(r, value, key, "the text is longer than %d bytes or has a zero byte inside; shorten it", STRING_MAX);
+        return ric_yaml_wrong(r, value, key, "the text is longer than %d bytes or has a zero byte inside; shorten it",
+                              STRING_MAX);
     *out = strdup(ric_yaml_text(value));
     return *out ? RIC_OK : ric_yaml_no_memory(r);
 }
 
-ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const char *key, int n, const char *const *names, int *out)
+ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const char *key, int n,
+                           const char *const *names, int *out)
 {
     char all[100] = "";
     if (!from->key)
@@ -352,7 +363,8 @@ ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const c
         snprintf(all + used, sizeof all - used, "%s%s", i == 0 ? "" : i + 1 == n ? " or " : ", ", names[i]);
     }
     if (!ric_yaml_is_scalar(from->value))
-        return ric_yaml_wrong(r, from->value, key, "expected a word, found %s; write %s", ric_yaml_kind(from->value), all);
+        return ric_yaml_wrong(r, from->value, key, "expected a word, found %s; write %s", ric_yaml_kind(from->value),
+                              all);
     return ric_yaml_wrong(r, from->value, key, "'%.40s' is not known; write %s", ric_yaml_text(from->value), all);
 }
 

@@ -58,21 +58,26 @@ out:
 
 /* ------------------------------------------------------------------ classes */
 
-/* An operation on the orbit gone through `multiple` times: element 0 identity, 1 half period, 2 reversal, 3 both, then `shift` periods. */
+/* An operation on the orbit gone through `multiple` times: element 0 identity, 1 half period, 2 reversal, 3 both, then
+ * `shift` periods. */
 typedef struct { int element, shift; } operation;
 
 static bool exists(const ric_cycle *c, int element)
 {
-    return element == 0 || (element == 1 && c->half) || (element == 2 && c->pure >= 0) || (element == 3 && c->flip >= 0);
+    return element == 0 || (element == 1 && c->half) || (element == 2 && c->pure >= 0) ||
+           (element == 3 && c->flip >= 0);
 }
 
 static int image(const ric_node *node, operation o, int i)
 {
     const ric_cycle *c = node->cycle;
     int N = c->N, all = N * node->multiple, shift = o.shift * N;
-    /* at a corner, and at the touch of a spring, a bit stands for an event and the next one, which a reversal exchanges */
+    /* at a corner, and at the touch of a spring, a bit stands for an event and the next one, which a reversal
+     * exchanges */
     int next = node->kind == RIC_KIND_CORNER || node->springs >> c->face[i % N] & 1;
-    int out = o.element == 0 ? i + shift : o.element == 1 ? i + N / 2 + shift : (o.element == 2 ? c->pure : c->flip) + shift - i - next;
+    int out = o.element == 0   ? i + shift
+              : o.element == 1 ? i + N / 2 + shift
+                               : (o.element == 2 ? c->pure : c->flip) + shift - i - next;
     return (out % all + all) % all;
 }
 
@@ -132,7 +137,8 @@ static unsigned char *permutations(const ric_node *node, int *n)
     return table;
 }
 
-/* Whether a choice is the smallest of its class and, on a duplicate, no repetition of a shorter one: the first operations are shifts. */
+/* Whether a choice is the smallest of its class and, on a duplicate, no repetition of a shorter one: the first
+ * operations are shifts. */
 static bool is_listed(const ric_node *node, const unsigned char *table, int n, unsigned choice)
 {
     int bits = node->n_touch * node->multiple;
@@ -161,7 +167,8 @@ static bool add(ric_node *node, int *capacity, ric_departure departure)
 bool ric_subset_list(ric_node *node)
 {
     int n, capacity = 0;
-    if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET, .budget = RIC_BUDGET_TOUCHES});
+    if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET,
+                                                                   .budget = RIC_BUDGET_TOUCHES});
     unsigned char *table = permutations(node, &n);
     bool good = table;
     for (unsigned choice = 0; good && choice < 1u << (node->n_touch * node->multiple); choice++)
@@ -172,7 +179,8 @@ bool ric_subset_list(ric_node *node)
 
 /* ------------------------------------------------------------------- orbits */
 
-/* Without its touches of one-sided walls the orbit may be its own mirror image, which with them it is not (theory section 2). */
+/* Without its touches of one-sided walls the orbit may be its own mirror image, which with them it is not
+ * (theory section 2). */
 static bool frees_mirror(const ric_model *m, const ric_cycle *whole, const bool *keep)
 {
     bool touched = false;
@@ -231,7 +239,8 @@ int ric_subset_choice(const ric_model *m, const ric_node *node, const ric_cycle 
     if (full && kept && whole && full->N == all && ric_cycle_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
-            int i = bit / p * N + node->touch[bit % p], j = reverse ? ((shift - i) % all + all) % all : (shift + i) % all;
+            int i = bit / p * N + node->touch[bit % p],
+                j = reverse ? ((shift - i) % all + all) % all : (shift + i) % all;
             if (kept[j]) choice |= 1u << bit;
         }
         result = (int)class_of(node, choice);

@@ -1,19 +1,21 @@
-/* Ways out of a grazing or a corner: subsets of the touches that stay as impacts, or of the pairs of impacts whose order is exchanged, up to
- * the symmetries of the orbit; at a duplicate, of the orbit gone through several times (docs/theory.md section 8). Bit j * p + i of a choice
- * stands for touch (or pair) i of p in the j-th time through. */
+/* Ways out of a grazing or a corner: subsets of the touches that stay as impacts, or of the pairs of impacts whose
+ * order is exchanged, up to the symmetries of the orbit; at a duplicate, of the orbit gone through several times
+ * (docs/theory.md section 8). Bit j * p + i of a choice stands for touch (or pair) i of p in the j-th time through. */
 #ifndef RIC_SUBSET_H
 #define RIC_SUBSET_H
 
 #include "node.h"
 
-/* All gaps that touch in flight become impacts of no speed; kept [allocated, may be NULL] marks those that were impacts before. */
+/* All gaps that touch in flight become impacts of no speed; kept [allocated, may be NULL] marks those that were impacts
+ * before. */
 ric_cycle *ric_subset_touches(const ric_model *model, const ric_cycle *cycle, bool **kept);
 
-/* Lists one departure for every class of choices. Those of a duplicate that repeat themselves after fewer periods belong to fewer and are
- * left out. With too many touches there is a single one, over budget. False: no memory. */
+/* Lists one departure for every class of choices. Those of a duplicate that repeat themselves after fewer periods
+ * belong to fewer and are left out. With too many touches there is a single one, over budget. False: no memory. */
 bool ric_subset_list(ric_node *node);
 
-/* The orbit as the branch that leaves by `choice` sees it, with the symmetries that are left; NULL with no impact left, or no memory. */
+/* The orbit as the branch that leaves by `choice` sees it, with the symmetries that are left; NULL with no impact left,
+ * or no memory. */
 ric_cycle *ric_subset_cycle(const ric_model *model, const ric_node *node, unsigned choice);
 
 /* Which choice a branch is whose end orbit is `cycle`; -1 if none fits. */

@@ -12,27 +12,33 @@
 #define TWO_PI 6.283185307179586477
 #define STEP_ANGLE 0.08      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
 #define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
-#define GIVEN 1e-6           /* drift of a step that ends at a solved point: the first one from a singular start may, and is no guess */
+#define GIVEN 1e-6           /* drift of a step that ends at a solved point: the first one from a singular start may,
+                              * and is no guess */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
 #define SOFT_STEP 0.1        /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 1e-3      /* of the largest step */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
-#define LOST 2.5e-10         /* a fourth of the largest residual of an orbit: where more is rounding, nothing is known of it */
-#define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
+#define LOST 2.5e-10         /* a fourth of the largest residual of an orbit: where more is rounding, nothing is known
+                              * of it */
+#define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a
+                              * stored start */
 #define MEASURED 4           /* safety of a measured error */
 #define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8            /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
 #define ON_OTHER 1e-9        /* of the size: an orbit this near to one with more symmetry is that one */
-#define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
+#define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from
+                              * there (event.c) */
 #define MARGIN 1e-11         /* margins that count as rounding */
 #define BORDER 5e-13         /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define AT_LOWEST 1e-9       /* relative: a start this near to the lower end of the energy window lies on it */
-#define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to rounding / time */
+#define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the
+                              * orbit is known to rounding / time */
 
-ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step, int max_points)
+ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step,
+                            int max_points)
 {
     double lowest = m->smooth && energy[0] < RIC_LINEAR_ENERGY ? RIC_LINEAR_ENERGY : energy[0];
     double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
@@ -60,18 +66,21 @@ double ric_trace_tolerance(const ric_chain *c)
     return rounding(c) + DBL_EPSILON * c->grain;
 }
 
-/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves / pivot, towards the other
- * branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once more. */
+/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves /
+ * pivot, towards the other branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once
+ * more. */
 double ric_trace_blur(const ric_chain *c, int test)
 {
     double kernel = rounding(c) / c->smallest * (1 + FLOOR / c->smallest);
     return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
 }
 
-bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du, int *iterations)
+bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du,
+                       int *iterations)
 {
     int size = c->n_unknown;
-    double floor = FLOOR * of_flights(c), last = HUGE_VAL, kernel[size]; /* with springs most displacements are met better than they may be */
+    /* with springs most displacements are met better than they may be */
+    double floor = FLOOR * of_flights(c), last = HUGE_VAL, kernel[size];
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
         ric_chain_evaluate(c, u);
@@ -127,8 +136,9 @@ static double smallest_touch(const ric_chain *c, const double *u)
     return least;
 }
 
-/* Flights between different contacts; between mirror points in flight there is no such thing. Two impacts on one contact cannot come
- * together without losing their speed, which ends a branch; a ghost goes on without, so that there all flights count. */
+/* Flights between different contacts; between mirror points in flight there is no such thing. Two impacts on one
+ * contact cannot come together without losing their speed, which ends a branch; a ghost goes on without, so that there
+ * all flights count. */
 static double smallest_flight(const ric_chain *c, const double *u, bool ghost)
 {
     const ric_model *m = c->model;
@@ -154,7 +164,8 @@ static void sort_pairs(int n_pair, const double *rho, double *out)
 {
     for (int i = 0; i < n_pair; i++) {
         int place = i;
-        for (; place > 0 && out[2 * place - 2] > rho[2 * i]; place--) memcpy(out + 2 * place, out + 2 * place - 2, 2 * sizeof *out);
+        for (; place > 0 && out[2 * place - 2] > rho[2 * i]; place--)
+            memcpy(out + 2 * place, out + 2 * place - 2, 2 * sizeof *out);
         memcpy(out + 2 * place, rho + 2 * i, 2 * sizeof *out);
     }
 }
@@ -188,17 +199,20 @@ static double definite(double value, double error)
     return fabs(value) > error ? value : 0;
 }
 
-/* Below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)). The orbit is known to
- * rounding / pivot at every impact alike, and moves the factors of the map, whose kicks go with 1 / speed, by that much. Where this bound
- * leaves the sign open although it is not the one expected, the error is measured: unknowns moved by more than they are uncertain, twice
- * this way and that. The tests are the determinants over their size, which grows without bound near a grazing and with instability. */
+/* Below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)).
+ * The orbit is known to rounding / pivot at every impact alike, and moves the factors of the map, whose kicks go with 1
+ * / speed, by that much. Where this bound leaves the sign open although it is not the one expected, the error is
+ * measured: unknowns moved by more than they are uncertain, twice this way and that. The tests are the determinants
+ * over their size, which grows without bound near a grazing and with instability. */
 static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
 {
     ric_chain *c = tr->chain;
     int size = c->n_unknown;
-    double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest, move = rounding(c) * c->scale * (1 + 1 / c->smallest);
+    double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest,
+           move = rounding(c) * c->scale * (1 + 1 / c->smallest);
     const ric_floquet *f = &tr->floquet;
-    double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0}, size_of[3];
+    double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0},
+           size_of[3];
     const double most[3] = {f->size_a, f->size_b, f->size_d};
     bool open = false;
     for (int i = 0; i < 3; i++) {
@@ -212,7 +226,8 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
     if (!open || !isfinite(move)) return RIC_OK;
     for (unsigned way = 1; way <= 2; way++) {
         unsigned bits = way * 2654435769u;
-        for (int i = 0; i < size; i++, bits = bits * 1664525u + 1013904223u) tr->guess[i] = p->u[i] + (bits >> 31 ? move : -move);
+        for (int i = 0; i < size; i++, bits = bits * 1664525u + 1013904223u)
+            tr->guess[i] = p->u[i] + (bits >> 31 ? move : -move);
         ric_chain_fly(c, tr->guess);
         ric_status status = ric_floquet_compute(c, &tr->floquet);
         if (status) return status;
@@ -250,8 +265,9 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_E_MIN] = energy - tr->lowest;
     F[RIC_TEST_F_MAX] = time - lim->period[0];
     F[RIC_TEST_F_MIN] = lim->period[1] - time;
-    p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit, .frequency = TWO_PI / time * m->omega_ref,
-                         .trace = tr->floquet.trace_asinh, .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
+    p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit,
+                         .frequency = TWO_PI / time * m->omega_ref, .trace = tr->floquet.trace_asinh,
+                         .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
                          .approach = closing < HUGE_VAL ? closing * m->omega_ref : NAN, .residual = (float)c->residual,
                          .stable = tr->floquet.stable};
     return keep_definite(tr, p, approach);
@@ -291,7 +307,8 @@ ric_status ric_trace_keep(ric_trace *tr, const ric_station *p)
 
 /* -------------------------------------------------------------------- start */
 
-ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore, const ric_limits *limits, ric_trace **out)
+ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
+                            const ric_limits *limits, ric_trace **out)
 {
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
@@ -321,8 +338,8 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     if ((status = ric_floquet_create(chain->n, &tr->floquet))) goto out;
     memcpy(tr->now.u, u0, size * sizeof *u0);
     ric_chain_evaluate(chain, u0);
-    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the caller's. The smallest pivot
-     * does not always show it */
+    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the
+     * caller's. The smallest pivot does not always show it */
     bool regular = chain->smallest > BRANCH_POINT && !(ignore & RIC_SINGULAR_START);
     if (regular && !ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
         status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
@@ -331,16 +348,20 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
     if (regular) sign = ric_trace_tangent(chain, t0, tr->now.t);
     for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
-    if (ric_chain_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1; /* families that reach into the window begin below it */
+    /* families that reach into the window begin below it */
+    if (ric_chain_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
     if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
     for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->longest = HUGE_VAL;
     tr->step_max = limits->max_step * chain->scale;
-    tr->step = regular ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale) : ignore & RIC_SINGULAR_START ? norm : RIC_LEAVING * chain->scale;
-    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays short of the extrema that
-     * follow at the inverse of the stiffness, the square of the frequency (theory section 10) */
+    tr->step = regular                       ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale)
+               : ignore & RIC_SINGULAR_START ? norm
+                                             : RIC_LEAVING * chain->scale;
+    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays
+     * short of the extrema that follow at the inverse of the stiffness, the square of the frequency
+     * (theory section 10) */
     if (chain->fastest > 0 && ignore & 1u << RIC_TEST_REACH)
         tr->step = fmin(tr->step, SOFT_STEP / (1 + chain->fastest * chain->fastest) * chain->scale);
     if ((status = ric_trace_keep(tr, &tr->now))) goto out;
@@ -378,8 +399,9 @@ void ric_trace_free(ric_trace *tr)
 
 /* --------------------------------------------------------------------- step */
 
-/* Without an event to start from the phase of an orbit is free, and the corrector leaves it as it is. Whatever a chord had along the flow the
- * cubic below would multiply by five at every step, until no step is short enough: a prediction goes across the flow. */
+/* Without an event to start from the phase of an orbit is free, and the corrector leaves it as it is. Whatever a chord
+ * had along the flow the cubic below would multiply by five at every step, until no step is short enough: a prediction
+ * goes across the flow. */
 static void across_flow(const ric_trace *tr, double *u)
 {
     const ric_chain *c = tr->chain;
@@ -402,12 +424,14 @@ static void predict(const ric_trace *tr, double h, double *u)
         for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
         return;
     }
-    double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a, d = (x * x * x - x * x) * H;
+    double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a,
+           d = (x * x * x - x * x) * H;
     for (int i = 0; i < size; i++) u[i] = a * u1[i] + b * t1[i] + c * u0[i] + d * t0[i];
     across_flow(tr, u);
 }
 
-/* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no convergence. */
+/* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no
+ * convergence. */
 static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, int *iterations, double *orientation)
 {
     ric_chain *c = tr->chain;
@@ -430,20 +454,22 @@ static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, in
     return true;
 }
 
-/* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their sign twice do not show
- * it. The period between the two points is that of the cubic through both. */
+/* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their
+ * sign twice do not show it. The period between the two points is that of the cubic through both. */
 static bool crowded(const ric_trace *tr, double h)
 {
     const ric_chain *c = tr->chain;
     const ric_station *a = &tr->now, *b = &tr->next;
-    double T[2] = {ric_chain_time(c, a->u), ric_chain_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0, H = b->s - a->s;
+    double T[2] = {ric_chain_time(c, a->u), ric_chain_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0,
+           H = b->s - a->s;
     if (tr->limits->ghost || h < ALIKE * c->scale) return false;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
         slope[0] += c->multiple * a->t[k];
         slope[1] += c->multiple * b->t[k];
     }
     for (int i = 0; i <= PERIODS; i++) {
-        double x = (double)i / PERIODS, y = x * x * (3 - 2 * x), t = T[0] + (T[1] - T[0]) * y + H * x * (1 - x) * (slope[0] * (1 - x) - slope[1] * x);
+        double x = (double)i / PERIODS, y = x * x * (3 - 2 * x),
+               t = T[0] + (T[1] - T[0]) * y + H * x * (1 - x) * (slope[0] * (1 - x) - slope[1] * x);
         low = fmin(low, t);
         high = fmax(high, t);
     }
@@ -461,8 +487,9 @@ static void adapt(ric_trace *tr, double h, double angle, int iterations)
     tr->after = 0;
 }
 
-/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out on the right side,
- * and not stay at zero: contacts that stay together, or impacts that stay without speed, are no branch. */
+/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out
+ * on the right side, and not stay at zero: contacts that stay together, or impacts that stay without speed, are no
+ * branch. */
 static bool margins_hold(const ric_station *p, unsigned ignored)
 {
     static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
@@ -480,7 +507,8 @@ static void swap_stations(ric_trace *tr)
     tr->has_past = true;
 }
 
-/* The two halves of the period of an orbit between two mirror points of one kind are images of each other: then its branch is another one. */
+/* The two halves of the period of an orbit between two mirror points of one kind are images of each other: then its
+ * branch is another one. */
 static bool symmetric_after_all(const ric_chain *c)
 {
     int n = c->n;
@@ -490,12 +518,15 @@ static bool symmetric_after_all(const ric_chain *c)
     return off < ON_OTHER * c->scale;
 }
 
-/* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips over to it. The bordered
- * determinant tells: its zero ahead, by the secant, is approached by steps that leave some of the way. */
+/* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips
+ * over to it. The bordered determinant tells: its zero ahead, by the secant, is approached by steps that leave some of
+ * the way. */
 static double before_crossing(const ric_trace *tr, double h)
 {
     double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET], least = LAST_STEP * tr->chain->scale;
-    if (!tr->chain->model->smooth || !tr->has_past || tr->ignore || !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) || h <= least) return h;
+    if (!tr->chain->model->smooth || !tr->has_past || tr->ignore || !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) ||
+        h <= least)
+        return h;
     double x = (tr->now.s - tr->past.s) * f1 / (f0 - f1);
     return fmin(h, fmax(x / 3, least));
 }
@@ -558,8 +589,10 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     for (int i = 0; i < RIC_N_TEST; i++)
         if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
     if (!tr->limits->ghost && !margins_hold(&tr->next, tr->ignore))
-        return ric_fail(RIC_E_NUMERIC, "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
-                        tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
+            tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
     tr->ignore = 0;
     tr->approaches = 0;
     if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
@@ -573,7 +606,8 @@ ric_status ric_trace_run(ric_trace *tr)
     ric_status status = RIC_OK;
     for (int step = 0; !done && !status; step++) {
         status = ric_trace_advance(tr, &done);
-        if (step % 32 == 31 && tr->limits->stop && tr->limits->stop(tr->limits->user)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+        if (step % 32 == 31 && tr->limits->stop && tr->limits->stop(tr->limits->user))
+            return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     }
     return status;
 }

@@ -1,4 +1,5 @@
-/* Following one branch from one end to the other (docs/theory.md section 7): predict, correct, look for events, adapt. */
+/* Following one branch from one end to the other (docs/theory.md section 7): predict, correct, look for events,
+ * adapt. */
 #ifndef RIC_TRACE_H
 #define RIC_TRACE_H
 
@@ -26,15 +27,18 @@ enum {
     RIC_TEST_F_MIN,
     RIC_N_TEST,        /* and beyond it, one for every resonance of the trace, and then for all that is asked for */
 };
-#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is; t0 is the first step */
-#define RIC_LEAVING 1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
+#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is;
+                                               * t0 is the first step */
+#define RIC_LEAVING 1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are
+                          * rounding */
 
 /* One solved point of a branch. */
 typedef struct {
     double s;
     double *u, *t;       /* [n_unknown] unknowns and unit tangent */
     double test[RIC_N_TEST];
-    double factor[3];    /* the factors A, B, D of the map over what they are at most: smooth, but next to nothing beside a grazing */
+    double factor[3];    /* the factors A, B, D of the map over what they are at most: smooth, but next to nothing
+                          * beside a grazing */
     double hidden[3];    /* below it the sign of their tests is lost in rounding */
     double *own;         /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
@@ -59,11 +63,13 @@ typedef struct {
     void *user;
 } ric_limits;
 
-/* Scaled energy at which branches of law power start, if their window reaches that low: there they leave the linear modes. */
+/* Scaled energy at which branches of law power start, if their window reaches that low: there they leave the linear
+ * modes. */
 #define RIC_LINEAR_ENERGY 1e-6
 
 /* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
-ric_limits ric_trace_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step, int max_points);
+ric_limits ric_trace_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step,
+                            int max_points);
 
 typedef struct {
     ric_chain *chain;    /* owned */
@@ -79,7 +85,8 @@ typedef struct {
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
     double longest;      /* step that still keeps before an orbit of fewer periods that lies ahead */
     int approaches;      /* attempts to place this step over a crossing */
-    bool avoided;        /* another branch comes near ahead, and does not cross: the zero that the bordered determinant heads for is none */
+    bool avoided;        /* another branch comes near ahead, and does not cross: the zero that the bordered determinant
+                          * heads for is none */
     unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
     double *du, *guess, *start_u, *start_t;
     /* what was found */
@@ -96,9 +103,10 @@ typedef struct {
     long evaluations;
 } ric_trace;
 
-/* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the kernel there, but for a
- * singular start). */
-ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore, const ric_limits *limits, ric_trace **out);
+/* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the
+ * kernel there, but for a singular start). */
+ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
+                            const ric_limits *limits, ric_trace **out);
 void ric_trace_free(ric_trace *trace);
 
 /* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
@@ -119,15 +127,20 @@ const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
 /* Stores a point of the branch. */
 ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
 
-/* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True when converged. */
-bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target, double *du, int *iterations);
+/* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True
+ * when converged. */
+bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target,
+                       double *du, int *iterations);
 /* Residual that counts as rounding for a chain. */
 double ric_trace_tolerance(const ric_chain *chain);
-/* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over the smallest pivot. */
+/* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over
+ * the smallest pivot. */
 double ric_trace_blur(const ric_chain *chain, int test);
-/* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation sign. */
+/* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation
+ * sign. */
 double ric_trace_tangent(const ric_chain *chain, const double *along, double *t);
-/* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent station->t. */
+/* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent
+ * station->t. */
 ric_status ric_trace_examine(ric_trace *trace, ric_station *station, double orientation);
 
 #endif

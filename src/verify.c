@@ -1,23 +1,24 @@
 /* Replays a stored orbit with the simulator (docs/theory.md section 11).
  *
- * Expected chain: the stored state, flown in closed form for the stored flight times and reflected at the faces of the word, in the
- * simulator's modal frame. Both steps are isometries of the energy norm |w|^2 = sum p_i^2 + omega_i^2 q_i^2, so that the chain stays exact
- * however unstable the orbit is. Flight by flight the simulator starts from the chain and has to find the next face, its time and the
- * state behind it; then it runs over a whole period without help.
+ * Expected chain: the stored state, flown in closed form for the stored flight times and reflected at the faces of the
+ * word, in the simulator's modal frame. Both steps are isometries of the energy norm |w|^2 = sum p_i^2 + omega_i^2
+ * q_i^2, so that the chain stays exact however unstable the orbit is. Flight by flight the simulator starts from the
+ * chain and has to find the next face, its time and the state behind it; then it runs over a whole period without help.
  *
- * What the return may lose is measured by the largest multiplier, from variational columns that are flown here: at an impact, with
- * dt = -(c.dq) / (c.p) and R = I - 2 c c' / (c.c),
+ * What the return may lose is measured by the largest multiplier, from variational columns that are flown here: at an
+ * impact, with dt = -(c.dq) / (c.p) and R = I - 2 c c' / (c.c),
  *     dq <- R dq,   dp <- R dp + dt 2 (c.omega^2 q) / (c.c) c        (saltation: Aizerman and Gantmakher 1958).
- * The last digit of the stored doubles may be multiplied beyond what the check allows, so the orbit is first polished: Newton's method on
- * w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. The residual of the stored orbit counts as an error
- * of its flights.
+ * The last digit of the stored doubles may be multiplied beyond what the check allows, so the orbit is first polished:
+ * Newton's method on w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. The residual
+ * of the stored orbit counts as an error of its flights.
  *
- * A spring that is met closes and opens: the flight in between is flown with the simulator's own modes of the stiffened structure, state and
- * accelerations are continuous at both ends, and variational columns go on unchanged. A contact of no length, as the end of a branch has it, is a
- * touch and left out.
+ * A spring that is met closes and opens: the flight in between is flown with the simulator's own modes of the stiffened
+ * structure, state and accelerations are continuous at both ends, and variational columns go on unchanged. A contact of
+ * no length, as the end of a branch has it, is a touch and left out.
  *
- * A touch is no impact: where the orbit grazes, the rounding of the state may make it strike with a speed of sqrt(rounding). The replay then
- * goes on as if the face had not been there. Only there, and where impacts are nearly as slow, times are weighed by the speed. */
+ * A touch is no impact: where the orbit grazes, the rounding of the state may make it strike with a speed of
+ * sqrt(rounding). The replay then goes on as if the face had not been there. Only there, and where impacts are nearly
+ * as slow, times are weighed by the speed. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -37,7 +38,8 @@
 #define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-#define LAST_DIGITS 1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of their phases */
+#define LAST_DIGITS 1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of
+                           * their phases */
 
 /* -------------------------------------------------------------------- setup */
 
@@ -75,7 +77,8 @@ static ric_status allocate(replay *r)
     r->store = calloc(3 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
     r->stored = calloc(4 * n + f, sizeof *r->stored);
     r->face = calloc((size_t)r->n_face + 1, sizeof *r->face);
-    if (!r->store || !r->stored || !r->face) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
+    if (!r->store || !r->stored || !r->face)
+        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
     r->state = r->stored;
     r->x = r->state + 2 * n;
     r->flights = r->x + 2 * n;
@@ -88,7 +91,8 @@ static ric_status allocate(replay *r)
     return RIC_OK;
 }
 
-/* The springs in each flight from the letters: those that the word opens before it closes them are closed at its start. */
+/* The springs in each flight from the letters: those that the word opens before it closes them are closed at its
+ * start. */
 static void find_closed(replay *r)
 {
     int N = r->n_flight, F = r->n_face;
@@ -114,7 +118,8 @@ static ric_status load_events(replay *r)
     for (int f = 0; f < r->n_face; f++) springs |= r->face[f].spring > 0;
     r->event = calloc((size_t)letters + 1, sizeof *r->event);
     if (springs) r->closed = calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
-    if (!r->event || (springs && !r->closed)) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
+    if (!r->event || (springs && !r->closed))
+        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
     for (int k = 0; k < letters; k++) {
         int letter = r->branch.word[k];
         bool good = letter >= 0 && letter < (springs ? 2 : 1) * r->n_face;
@@ -153,7 +158,8 @@ static void drop_touches(replay *r)
     size_t F = (size_t)r->n_face;
     for (int k = 0; k < r->n_event; k++) {
         int N = r->n_event, next = (k + 1) % N;
-        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || r->tau[k] > NO_LENGTH * r->period) continue;
+        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || r->tau[k] > NO_LENGTH * r->period)
+            continue;
         if (N > 2 && (k == 0 || next == 0)) {
             start_later(r);
             k = -1;
@@ -202,7 +208,10 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
 
 static ric_status start_at(replay *r, int k, const real *w, real time)
 {
-    ric_status status = ric_simulator_start_modal(r->sim, r->closed ? r->closed + (size_t)(k % r->n_flight) * (size_t)r->n_face : NULL, w);
+    ric_status status = ric_simulator_start_modal(r->sim,
+                                                  r->closed ? r->closed + (size_t)(k % r->n_flight) * (size_t)r->n_face
+                                                            : NULL,
+                                                  w);
     r->offset = time;
     if (status != RIC_E_INPUT) return status;
     r->check->faces_agree = false; /* beyond a stop: a finding, not a mistake of the caller */
@@ -217,15 +226,16 @@ typedef struct {
     int touches;
 } event;
 
-/* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that the simulator can tell
- * them apart. */
+/* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that
+ * the simulator can tell them apart. */
 static bool only_touched(const replay *r, bool far, real *wait)
 {
     *wait = 0;
     for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
         real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n), fall = 0;
-        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * ric_replay_fastest(r, face)) continue;
+        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * ric_replay_fastest(r, face))
+            continue;
         for (int i = 0; i < r->n; i++) fall += face->side * face->c[i] * r->omega[i] * r->omega[i] * r->w[i];
         if (speed > TOUCH * ric_replay_fastest(r, face) || fall <= 0) return false;
         *wait = fmax(*wait, fmax(3 * fabs(speed) / fall, far ? sqrt(2 * CLOSED * face->limit / fall) : 0));
@@ -233,8 +243,8 @@ static bool only_touched(const replay *r, bool far, real *wait)
     return *wait > 0;
 }
 
-/* Flies on from a touch in closed form, its impulse undone, until the gap is open again. The simulator cannot do so where two faces are
- * touched together: it sees impacts that disturb each other, however slow. */
+/* Flies on from a touch in closed form, its impulse undone, until the gap is open again. The simulator cannot do so
+ * where two faces are touched together: it sees impacts that disturb each other, however slow. */
 static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, event *e)
 {
     real wait;
@@ -252,7 +262,8 @@ static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, e
     return e->time < end ? start_at(r, k, r->w, e->time) : RIC_OK;
 }
 
-/* Whether a hit is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight k, due at time `due`. */
+/* Whether a hit is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight k, due
+ * at time `due`. */
 static bool is_impact(const replay *r, const ric_impact *impact, real time, int k, real due)
 {
     const face_t *face = &r->face[impact->face];
@@ -261,7 +272,8 @@ static bool is_impact(const replay *r, const ric_impact *impact, real time, int 
            fabs(fabs(impact->approach) - r->speed[k + 1]) <= r->speed[k + 1] / 2;
 }
 
-/* Runs to the next impact, at most to time `end`, and passes touches; flight k ends at time `due`. r->w is the state there. */
+/* Runs to the next impact, at most to time `end`, and passes touches; flight k ends at time `due`. r->w is the state
+ * there. */
 static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
 {
     *e = (event){.time = r->offset};
@@ -310,7 +322,8 @@ static bool orthogonal(const replay *r, const face_t *f, const face_t *g)
     return fabs(ric_replay_dot(r->n, f->c, g->c)) <= 1e-12 * sqrt(f->cc * g->cc);
 }
 
-/* Whether another face closes at state w together with `face` and their impacts do not commute: the simulator is right to refuse. */
+/* Whether another face closes at state w together with `face` and their impacts do not commute: the simulator is right
+ * to refuse. */
 static bool at_corner(const replay *r, const face_t *face, const real *w)
 {
     for (int f = 0; f < r->n_face; f++) {
@@ -322,14 +335,15 @@ static bool at_corner(const replay *r, const face_t *face, const real *w)
     return false;
 }
 
-/* At a corner that is passed two impacts with orthogonal normals fall on one instant and their order says nothing. Where the simulator has
- * struck the other face first, r->w becomes the state behind the expected one. */
+/* At a corner that is passed two impacts with orthogonal normals fall on one instant and their order says nothing.
+ * Where the simulator has struck the other face first, r->w becomes the state behind the expected one. */
 static void accept_order(const replay *r, int k, event *e)
 {
     const face_t *expected = ric_replay_end_face(r, k), *struck = e->hit ? &r->face[e->face] : NULL;
     if (!struck || !expected || struck == expected) return;
     if (!(struck->spring > 0 && expected->spring > 0) && !orthogonal(r, struck, expected)) return;
-    bool closing = (ric_replay_opens(r, k) ? -1 : 1) * expected->side * ric_replay_dot(r->n, expected->c, r->w + r->n) > 0;
+    bool closing = (ric_replay_opens(r, k) ? -1 : 1) * expected->side * ric_replay_dot(r->n, expected->c, r->w + r->n) >
+                   0;
     if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > CLOSED * expected->limit) return;
     ric_replay_reflect(r, struck, r->w);
     ric_replay_reflect(r, expected, r->w);
@@ -337,9 +351,10 @@ static void accept_order(const replay *r, int k, event *e)
     e->face = (int)(expected - r->face);
 }
 
-/* State and time at the end of flight k against the chain, states at the same time. What a slow impact leaves uncertain is its time, and
- * with it the pull that it turns round; a touch in the word turns a speed round that is none. Struck at the speed v, it is early or late by the
- * rounding of the gap over v, like any slow impact: the stored doubles alone leave 1e-9 at 1e-7. */
+/* State and time at the end of flight k against the chain, states at the same time. What a slow impact leaves uncertain
+ * is its time, and with it the pull that it turns round; a touch in the word turns a speed round that is none. Struck
+ * at the speed v, it is early or late by the rounding of the gap over v, like any slow impact: the stored doubles alone
+ * leave 1e-9 at 1e-7. */
 static void compare_end(replay *r, int k, real time)
 {
     const real *expected = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
@@ -355,7 +370,8 @@ static void compare_end(replay *r, int k, real time)
         error = fmax(0, error - 3 * late * ric_replay_rate(r, k + 1, expected));
         late *= speed / slow;
     }
-    ric_replay_worsen(&r->check->flight_error, fmax(ric_replay_part(late, fmax(r->tau[k], r->period / r->n_flight)), ric_replay_part(error, r->norm)));
+    ric_replay_worsen(&r->check->flight_error, fmax(ric_replay_part(late, fmax(r->tau[k], r->period / r->n_flight)),
+                                                    ric_replay_part(error, r->norm)));
 }
 
 /* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. */
@@ -403,8 +419,8 @@ static ric_status check_linear(replay *r)
     return RIC_OK;
 }
 
-/* Whether more than two switches of springs fall on one instant around flight k, as the end of a branch may have it: their order says nothing,
- * and a contact of no length among them may be met or not. */
+/* Whether more than two switches of springs fall on one instant around flight k, as the end of a branch may have it:
+ * their order says nothing, and a contact of no length among them may be met or not. */
 static bool gathered(const replay *r, int k)
 {
     int N = r->n_flight, zeros = 0;
@@ -426,7 +442,9 @@ static ric_status check_flights(replay *r)
         status = start_at(r, k, r->chain + (size_t)k * 2 * (size_t)r->n, 0);
         if (status || !r->check->faces_agree) break;
         bool spring = ric_replay_end_face(r, k) && ric_replay_end_face(r, k)->spring > 0;
-        status = !ric_replay_end_face(r, k) ? check_linear(r) : !spring && ric_replay_is_touch(r, k) ? check_touch(r, k) : check_impact(r, k);
+        status = !ric_replay_end_face(r, k)             ? check_linear(r)
+                 : !spring && ric_replay_is_touch(r, k) ? check_touch(r, k)
+                                                        : check_impact(r, k);
         check_energy(r);
     }
     return status;
@@ -434,8 +452,8 @@ static ric_status check_flights(replay *r)
 
 /* ------------------------------------------------------------------- return */
 
-/* Whether an impact is so slow that an error of the state, relative to its norm, decides if it takes place: at speed v the gap goes
- * v^2 / 2 pull beyond its face. Then the return is no linear function of the error. */
+/* Whether an impact is so slow that an error of the state, relative to its norm, decides if it takes place: at speed v
+ * the gap goes v^2 / 2 pull beyond its face. Then the return is no linear function of the error. */
 static bool may_miss(const replay *r, real error)
 {
     int n = r->n;
@@ -443,21 +461,23 @@ static bool may_miss(const replay *r, real error)
         const face_t *face = ric_replay_end_face(r, k);
         const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
         real pull = 0, speed = r->speed[k + 1];
-        if (!face || face->spring > 0 || speed <= BLUNT * ric_replay_fastest(r, face)) continue; /* a touch may be struck or not */
+        /* a touch may be struck or not */
+        if (!face || face->spring > 0 || speed <= BLUNT * ric_replay_fastest(r, face)) continue;
         for (int i = 0; i < n; i++) pull += face->c[i] * r->omega[i] * r->omega[i] * w[i];
         if (speed * speed < MISS * 2 * fabs(pull) * error * r->norm) return true;
     }
     return false;
 }
 
-/* What the simulator's own rounding grows to over a period: the phase omega tau of a flight is known to its last digit, which moves the state
- * by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than the multiplier says. At a branch point
- * the orbit cannot be polished across the branches: what is left open there, if it is no more than the last digits of the stored
- * doubles, grows likewise. */
+/* What the simulator's own rounding grows to over a period: the phase omega tau of a flight is known to its last digit,
+ * which moves the state by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than
+ * the multiplier says. At a branch point the orbit cannot be polished across the branches: what is left open there, if
+ * it is no more than the last digits of the stored doubles, grows likewise. */
 static real rounding_returned(const replay *r)
 {
     real way = 1;
-    for (int k = 0; k < r->n_flight; k++) way = fmax(way, ric_replay_rate(r, k, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
+    for (int k = 0; k < r->n_flight; k++)
+        way = fmax(way, ric_replay_rate(r, k, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
     real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
     if (open > LAST_DIGITS) open = 0;
     real error = 32 * LDBL_EPSILON * way + open;
@@ -469,8 +489,8 @@ static double allowed(const ric_check *check)
     return RETURN * fmax(1, AMPLIFIED * check->condition);
 }
 
-/* Where the multiplier alone asks more than the simulator's rounding can give, that amplification is what the return is divided by; where
- * even this leaves nothing to compare, there is no return error. */
+/* Where the multiplier alone asks more than the simulator's rounding can give, that amplification is what the return is
+ * divided by; where even this leaves nothing to compare, there is no return error. */
 static void allow_rounding(replay *r)
 {
     ric_check *check = r->check;
@@ -492,7 +512,8 @@ static ric_status check_return(replay *r)
     real due = 0, mean = r->period / r->n_flight;
     ric_status status = start_at(r, 0, r->chain, 0);
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
-        bool linear = r->n_event == 0, touch = linear || (ric_replay_is_touch(r, k) && !(ric_replay_end_face(r, k)->spring > 0));
+        bool linear = r->n_event == 0,
+             touch = linear || (ric_replay_is_touch(r, k) && !(ric_replay_end_face(r, k)->spring > 0));
         real late = linear ? 0 : touch ? fmin(LATE * mean, r->tau[(k + 1) % r->n_flight] / 2) : LATE * mean;
         due += r->tau[k];
         status = run_to_impact(r, k, due, due + late, &e);
@@ -501,9 +522,12 @@ static ric_status check_return(replay *r)
     if (status || !r->check->faces_agree) return status;
     accept_order(r, r->n_flight - 1, &e);
     const face_t *last = ric_replay_end_face(r, r->n_flight - 1);
-    if (!e.hit) ric_replay_fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w); /* a touch at the end: the state of that time */
-    else if (last && last->spring > 0) ric_replay_fly(r, r->n_flight, due - e.time, r->w, r->w); /* so too at a spring: met slowly, its time is uncertain */
-    r->check->return_error = e.refused && r->corner ? NAN : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);
+    /* a touch at the end: the state of that time */
+    if (!e.hit) ric_replay_fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w);
+    /* so too at a spring: met slowly, its time is uncertain */
+    else if (last && last->spring > 0) ric_replay_fly(r, r->n_flight, due - e.time, r->w, r->w);
+    r->check->return_error = e.refused && r->corner ? NAN
+                                                    : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);
     allow_rounding(r);
     check_energy(r);
     return RIC_OK;
@@ -515,7 +539,8 @@ static bool passes(const ric_check *check)
            (isnan(check->return_error) || check->return_error <= allowed(check));
 }
 
-/* A linear motion that grazes: the equations of its word are singular in the speeds, and there is nothing unstable to polish. */
+/* A linear motion that grazes: the equations of its word are singular in the speeds, and there is nothing unstable to
+ * polish. */
 static bool only_touches(const replay *r)
 {
     for (int k = 0; k < r->n_flight; k++)

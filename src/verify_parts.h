@@ -1,5 +1,5 @@
-/* What the files of the replay share: verify.c (flights, return, verdict), verify_motion.c (the expected chain), verify_polish.c (multipliers, and the
- * orbit solved to the last digit). No other file needs it. */
+/* What the files of the replay share: verify.c (flights, return, verdict), verify_motion.c (the expected chain),
+ * verify_polish.c (multipliers, and the orbit solved to the last digit). No other file needs it. */
 #ifndef RIC_VERIFY_PARTS_H
 #define RIC_VERIFY_PARTS_H
 
@@ -70,9 +70,11 @@ void ric_replay_make_chain(replay *r);
 double ric_replay_part(real error, real of);
 void ric_replay_worsen(double *worst, double error);
 
-/* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy, which has the same eigenvalues. */
+/* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy, which has the same
+ * eigenvalues. */
 ric_status ric_replay_condition(replay *r);
-/* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another orbit. */
+/* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another
+ * orbit. */
 ric_status ric_replay_polish(replay *r);
 
 #endif

@@ -1,4 +1,5 @@
-/* What a period makes of a small error, and the stored orbit solved to the last digit before it is replayed (verify.c). */
+/* What a period makes of a small error, and the stored orbit solved to the last digit before it is replayed
+ * (verify.c). */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,10 +12,11 @@
 #include "verify_parts.h"
 
 #define SAME 1e-8      /* polishing stays within this of the stored orbit, relative */
-#define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to the polishing */
+#define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to
+                        * the polishing */
 
-/* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow the gap. Returns the
- * gap's derivative before the reflection. */
+/* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow
+ * the gap. Returns the gap's derivative before the reflection. */
 static real fly_column(const replay *r, int k, bool stretch, real *column)
 {
     int n = r->n;
@@ -31,7 +33,8 @@ static real fly_column(const replay *r, int k, bool stretch, real *column)
     real force[n];
     ric_replay_accelerations(r, k, w, force);
     for (int i = 0; i < n; i++) {
-        real omega = r->omega[i], a = column[i], p = column[n + i], cosine = r->closed ? 1 : trig[i], sine = r->closed ? 0 : trig[n + i];
+        real omega = r->omega[i], a = column[i], p = column[n + i], cosine = r->closed ? 1 : trig[i],
+             sine = r->closed ? 0 : trig[n + i];
         column[i] = omega > 0 ? a * cosine + p * sine : a + r->kappa[i] * t * p;
         column[n + i] = omega > 0 ? p * cosine - a * sine : p;
         cq += face->c[i] * column[i] / r->kappa[i];
@@ -88,7 +91,8 @@ ric_status ric_replay_condition(replay *r)
     }
     for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
     if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1))) {
-        status = ric_fail(RIC_E_NUMERIC, "the multipliers of branch %d, point %d could not be computed", r->check->branch, r->check->point);
+        status = ric_fail(RIC_E_NUMERIC, "the multipliers of branch %d, point %d could not be computed",
+                          r->check->branch, r->check->point);
         goto out;
     }
     for (int i = 0; i < m; i++) largest = fmax(largest, hypot(re[i], im[i]));
@@ -105,7 +109,8 @@ out:
 static void residuals(const replay *r, double *F)
 {
     int n = r->n, N = r->n_flight;
-    for (int k = 0; k < N; k++) F[k] = (double)ric_replay_gap(r, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)n);
+    for (int k = 0; k < N; k++)
+        F[k] = (double)ric_replay_gap(r, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)n);
     for (int i = 0; i < n; i++) {
         const real *first = r->chain, *last = r->chain + (size_t)N * 2 * (size_t)n;
         F[N + i] = (double)(r->kappa[i] * (last[i] - first[i]));
@@ -113,7 +118,8 @@ static void residuals(const replay *r, double *F)
     }
 }
 
-/* Column of the derivatives of the residuals along a column that starts behind flight k - 1 (k = 0: the initial state). */
+/* Column of the derivatives of the residuals along a column that starts behind flight k - 1
+ * (k = 0: the initial state). */
 static void carry_column(const replay *r, int k, int j, int m, real *column, double *J)
 {
     int N = r->n_flight;
@@ -147,8 +153,9 @@ static void jacobian(const replay *r, real *column, double *J)
     }
 }
 
-/* Divides the rows of J [m * m] and F by the norms of the rows, and the columns of the N flight times by theirs: a time then counts as
- * much as the way that it is flown, singular values compare like with like, and the shortest correction is one of the state. */
+/* Divides the rows of J [m * m] and F by the norms of the rows, and the columns of the N flight times by theirs: a time
+ * then counts as much as the way that it is flown, singular values compare like with like, and the shortest correction
+ * is one of the state. */
 static void equilibrate(int m, int N, double *J, double *F, double *columns)
 {
     for (int i = 0; i < m; i++) {
@@ -169,17 +176,22 @@ static void equilibrate(int m, int N, double *J, double *F, double *columns)
 /* Largest relative residual of the stored orbit: gaps over clearances, closure over the state. */
 static double largest_residual(const replay *r)
 {
-    double largest = ric_replay_part(ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain), r->norm);
+    double largest = ric_replay_part(ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n,
+                                                         r->chain),
+                                     r->norm);
     for (int k = 0; k < r->n_flight; k++) {
         const face_t *face = ric_replay_end_face(r, k);
-        ric_replay_worsen(&largest, (double)(fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) / face->limit));
+        ric_replay_worsen(&largest,
+                          (double)(fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) /
+                                   face->limit));
     }
     return largest;
 }
 
-/* Through a row of stiff springs even the rounding of extended precision grows beyond what is compared. There every flight starts from a state
- * of its own, chain[k], and what it ends with, ends[k], is joined to the next by Newton's method: the breaks between them are carried to the
- * residuals (condensing: Bock and Plitt 1984), so that its equations remain those of one chain. */
+/* Through a row of stiff springs even the rounding of extended precision grows beyond what is compared. There every
+ * flight starts from a state of its own, chain[k], and what it ends with, ends[k], is joined to the next by Newton's
+ * method: the breaks between them are carried to the residuals (condensing: Bock and Plitt 1984), so that its equations
+ * remain those of one chain. */
 static void fly_apart(replay *r, real *ends)
 {
     size_t step = 2 * (size_t)r->n;
@@ -238,7 +250,8 @@ static void correct_apart(replay *r, const double *F, real *ends, real *column)
     fly_apart(r, ends);
 }
 
-/* Where springs alone are met: between a stop and the next event the time of a flight would have to go through the impact. */
+/* Where springs alone are met: between a stop and the next event the time of a flight would have to go through the
+ * impact. */
 static bool goes_apart(const replay *r)
 {
     bool springs = r->closed;
@@ -246,7 +259,8 @@ static bool goes_apart(const replay *r)
     return springs;
 }
 
-/* How far polishing has moved the flight times, relative to a mean flight. What a slow contact of a spring leaves uncertain is its time. */
+/* How far polishing has moved the flight times, relative to a mean flight. What a slow contact of a spring leaves
+ * uncertain is its time. */
 static real times_moved(const replay *r, const real *kept, bool weighed)
 {
     real moved = 0;
@@ -255,7 +269,8 @@ static real times_moved(const replay *r, const real *kept, bool weighed)
         real late = fabs(r->tau[k] - kept[k]), least = 1;
         for (int end = 0; weighed && end < 2; end++) {
             int last = (k + N - end) % N; /* end = 1: the flight whose end is the start of this one */
-            least = fmin(least, fabs(r->speed[last + 1]) / (SLOW * ric_replay_fastest(r, ric_replay_end_face(r, last))));
+            least = fmin(least,
+                         fabs(r->speed[last + 1]) / (SLOW * ric_replay_fastest(r, ric_replay_end_face(r, last))));
         }
         moved = fmax(moved, least * late / (r->period / N));
     }
@@ -268,8 +283,10 @@ ric_status ric_replay_polish(replay *r)
     ric_status status = RIC_OK;
     int n = r->n, N = r->n_flight, m = N + 2 * n, rank;
     size_t size = (size_t)m * (size_t)m;
-    double *J = calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL, *columns = J ? values + m : NULL;
-    real *column = calloc(4 * (size_t)n + (size_t)m + 2 * (size_t)n * (size_t)N, sizeof *column), *kept = column ? column + 4 * n : NULL, moved = 0;
+    double *J = calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL,
+           *columns = J ? values + m : NULL;
+    real *column = calloc(4 * (size_t)n + (size_t)m + 2 * (size_t)n * (size_t)N, sizeof *column),
+         *kept = column ? column + 4 * n : NULL, moved = 0;
     real *ends = column ? kept + m : NULL;
     bool apart = goes_apart(r);
     if (!J || !column) {
@@ -287,7 +304,8 @@ ric_status ric_replay_polish(replay *r)
         else residuals(r, F);
         equilibrate(m, N, J, F, columns);
         if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, m, 1, J, m, F, 1, values, REGULAR, &rank))) {
-            status = ric_fail(RIC_E_NUMERIC, "branch %d, point %d could not be polished", r->check->branch, r->check->point);
+            status = ric_fail(RIC_E_NUMERIC, "branch %d, point %d could not be polished", r->check->branch,
+                              r->check->point);
             goto out;
         }
         for (int j = 0; j < m; j++) F[j] *= columns[j];
@@ -304,9 +322,11 @@ ric_status ric_replay_polish(replay *r)
     }
     real aside = ric_replay_distance(r, r->chain, kept + N) / r->norm;
     moved = fmax(times_moved(r, kept, false), aside);
-    /* through stiff springs the residual may be the rounding of the stored displacements times their stiffness, and beside a branch point the
-     * correction is rounding over the distance from it: the orbit is right if either is small */
-    ric_replay_worsen(&r->check->flight_error, r->closed ? fmin(left_open, (double)fmax(times_moved(r, kept, true), aside)) : left_open);
+    /* through stiff springs the residual may be the rounding of the stored displacements times their stiffness, and
+     * beside a branch point the correction is rounding over the distance from it: the orbit is right if either is
+     * small */
+    ric_replay_worsen(&r->check->flight_error,
+                      r->closed ? fmin(left_open, (double)fmax(times_moved(r, kept, true), aside)) : left_open);
     if (moved <= SAME) goto out;
     memcpy(r->tau, kept, (size_t)N * sizeof *kept);
     memcpy(r->chain, kept + N, 2 * (size_t)n * sizeof *kept);

@@ -1,10 +1,12 @@
-/* A stored orbit under power-law springs is integrated over its period from the raw matrices (springs.h), and has to return.
+/* A stored orbit under power-law springs is integrated over its period from the raw matrices (springs.h), and has to
+ * return.
  *
- * What the return may lose is measured: neighbours at a small distance on both sides give the matrix of a period, whose largest multiplier is
- * the condition. The last digits of the stored doubles come back multiplied by its norm, which may be much more than its multipliers. Where that
- * is beyond STEEP an orbit that does not return is polished: the period is cut into parts, each with a start of its own, and Newton's method
- * closes them all, by the shortest correction. How far that moves the stored start counts as an error of the flight, and what is left between
- * the parts as one of the return. */
+ * What the return may lose is measured: neighbours at a small distance on both sides give the matrix of a period, whose
+ * largest multiplier is the condition. The last digits of the stored doubles come back multiplied by its norm, which
+ * may be much more than its multipliers. Where that is beyond STEEP an orbit that does not return is polished: the
+ * period is cut into parts, each with a start of its own, and Newton's method closes them all, by the shortest
+ * correction. How far that moves the stored start counts as an error of the flight, and what is left between the parts
+ * as one of the return. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +33,8 @@ typedef struct {
     int n, parts;        /* of 2 n_dof coordinates; of the period */
     real period, size[2]; /* largest displacement and velocity of the start */
     real *start, *end;   /* [parts * n] of every part */
-    double *M, *rate;    /* [parts * n * n] and [parts * n]: derivatives of the ends by the starts and by the period, in units of size */
+    double *M, *rate;    /* [parts * n * n] and [parts * n]: derivatives of the ends by the starts and by the period, in
+                          * units of size */
     double *stored;      /* [n + 1] */
 } replay;
 
@@ -61,7 +64,8 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     int n = r->n = 2 * ric_model_n_dof(model);
-    if (!(r->stored = calloc((size_t)n + 1, sizeof *r->stored))) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
+    if (!(r->stored = calloc((size_t)n + 1, sizeof *r->stored)))
+        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
     if ((status = divide(r, 1))) return status;
     if ((status = ric_atlas_point(atlas, branch, point, at, r->stored, r->stored + n))) return status;
     r->period = r->stored[n];
@@ -128,11 +132,13 @@ static ric_status differentiate(replay *r, int j)
     real brief = 1e-6L * r->period;
     memcpy(ahead, r->end + n * j, sizeof ahead);
     ric_status status = ric_springs_go(r->springs, brief, ahead);
-    for (int i = 0; i < n; i++) rate[i] = (double)((ahead[i] - r->end[n * j + i]) / brief * r->period / r->parts / unit(r, i));
+    for (int i = 0; i < n; i++)
+        rate[i] = (double)((ahead[i] - r->end[n * j + i]) / brief * r->period / r->parts / unit(r, i));
     return status;
 }
 
-/* All parts; *condition, the modulus of the largest multiplier, and *growth, by which errors may return larger in any direction. */
+/* All parts; *condition, the modulus of the largest multiplier, and *growth, by which errors may return larger in any
+ * direction. */
 static ric_status differentiate_all(replay *r, double *condition, double *growth)
 {
     int n = r->n;
@@ -161,9 +167,9 @@ static ric_status differentiate_all(replay *r, double *condition, double *growth
     return RIC_OK;
 }
 
-/* One step, [.. M_j .. -1 .. rate_j] (starts, period) = - gaps, the starts of the parts following one another round the orbit: of all that close
- * them that which is nearest to what is stored, the first start and the period, where a shift of the others costs next to nothing: else it would
- * go some way along the branch to meet them. A, F: workspace. */
+/* One step, [.. M_j .. -1 .. rate_j] (starts, period) = - gaps, the starts of the parts following one another round the
+ * orbit: of all that close them that which is nearest to what is stored, the first start and the period, where a shift
+ * of the others costs next to nothing: else it would go some way along the branch to meet them. A, F: workspace. */
 static ric_status correct(replay *r, double *A, double *F, double *values)
 {
     int n = r->n, rows = n * r->parts, columns = rows + 1, rank;
@@ -232,7 +238,8 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     if ((status = differentiate_all(&r, &out->condition, &growth))) goto out;
     if (growth > STEEP && gap(&r) > RETURN * fmax(1, AMPLIFIED * out->condition)) {
         if ((status = polish(&r, &out->condition))) goto out;
-        for (int i = 0; i < r.n; i++) out->flight_error = fmax(out->flight_error, (double)(fabsl(r.start[i] - r.stored[i]) / unit(&r, i)));
+        for (int i = 0; i < r.n; i++)
+            out->flight_error = fmax(out->flight_error, (double)(fabsl(r.start[i] - r.stored[i]) / unit(&r, i)));
     }
     double amplified = fmax(1, AMPLIFIED * out->condition);
     out->return_error = gap(&r);

@@ -87,7 +87,9 @@ ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_worke
     pthread_cond_init(&w->finished, NULL);
     for (; w->n_thread < n; w->n_thread++)
         if (pthread_create(&w->threads[w->n_thread], NULL, serve, w)) {
-            ric_status status = ric_fail(RIC_E_NOMEM, "the system gives no more than %d threads; run with fewer workers", w->n_thread);
+            ric_status status = ric_fail(RIC_E_NOMEM,
+                                         "the system gives no more than %d threads; run with fewer workers",
+                                         w->n_thread);
             ric_workers_free(w);
             return status;
         }
@@ -165,7 +167,8 @@ static void doze(ric_workers *w)
     pthread_cond_timedwait(&w->finished, &w->lock, &until);
 }
 
-/* Without threads the owner works itself: on what is asked for, or on others while that is in hand elsewhere. With the lock held. */
+/* Without threads the owner works itself: on what is asked for, or on others while that is in hand elsewhere. With the
+ * lock held. */
 static void help(ric_workers *w, int number)
 {
     withdraw(w, &w->jobs[number - 1]);
@@ -260,7 +263,8 @@ ric_status ric_parallel(int n, int count, ric_status (*each)(void *user, int i),
     pthread_t *threads = calloc((size_t)n, sizeof *threads);
     int started = 0;
     pthread_mutex_init(&l.lock, NULL);
-    while (threads && started < n - 1 && !pthread_create(&threads[started], NULL, turn, &l)) started++; /* fewer do as well */
+    /* fewer do as well */
+    while (threads && started < n - 1 && !pthread_create(&threads[started], NULL, turn, &l)) started++;
     turn(&l);
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
     pthread_mutex_destroy(&l.lock);

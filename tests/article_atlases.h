@@ -15,7 +15,8 @@
 
 #include "explored.h"
 
-/* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of grazings with many touches. */
+/* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of grazings with many
+ * touches. */
 enum { ELEMENTARY, DUPLICATES, LOOP, TRIPLE, CHATTER, BACKBONE, PATH, TONGUES, LOCAL, CASCADE, N_EXPLORED };
 static struct {
     const char *name, *explore;
@@ -27,13 +28,15 @@ static struct {
     {"triple", "{start: [2], energy: [0, 60], frequency: [0.715, 40], impacts: 8, multiply: 4, depth: 3}", NULL},
     {"chatter", "{start: [2], energy: [0, 1500], frequency: [1.5, 100], impacts: 24, multiply: 12, depth: 2}", NULL},
     {"backbone", "{start: [1], energy: [0, 200], frequency: [0.92, 10], impacts: 8, multiply: 9, depth: 1}", NULL},
-    {"path", "{start: [1], energy: [0, 10000], frequency: [0.9, 80], impacts: 22, multiply: 1, depth: 0, symmetric: true}", NULL},
+    {"path",
+     "{start: [1], energy: [0, 10000], frequency: [0.9, 80], impacts: 22, multiply: 1, depth: 0, symmetric: true}",
+     NULL},
     {"tongues", "{start: [1], energy: [0, 2000], frequency: [0.9, 10], impacts: 16, multiply: 1, depth: 0}", NULL},
     {"local", "{start: [2], energy: [0, 100], frequency: [0.82, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
     {"cascade", "{start: [2], energy: [0, 60], frequency: [0.83, 10], impacts: 12, multiply: 4, depth: 3}", NULL},
 };
-/* Those in which nothing is multiplied beyond the second mode's duplicates: what they contain does not grow with the kinds of
- * families that the program can follow. */
+/* Those in which nothing is multiplied beyond the second mode's duplicates: what they contain does not grow with the
+ * kinds of families that the program can follow. */
 static const int settled[] = {ELEMENTARY, DUPLICATES, PATH, TONGUES};
 enum { N_SETTLED = sizeof settled / sizeof *settled };
 
@@ -75,7 +78,8 @@ static bool near(double a, double b)
     return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
 }
 
-/* The article's points with the numbers of the independent prototypes (relative accuracy 1e-9). Names in small letters are ours. */
+/* The article's points with the numbers of the independent prototypes (relative accuracy 1e-9). Names in small letters
+ * are ours. */
 typedef struct {
     const char *name;
     ric_kind kind;
@@ -161,7 +165,8 @@ static int between(int which, const char *label, int one, int two)
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas_of(which)); id++) {
         ric_branch b = branch(which, id);
-        bool fits = ((one < 0 || b.from == one) && (two < 0 || b.to == two)) || ((two < 0 || b.from == two) && (one < 0 || b.to == one));
+        bool fits = ((one < 0 || b.from == one) && (two < 0 || b.to == two)) ||
+                    ((two < 0 || b.from == two) && (one < 0 || b.to == one));
         if (!fits || strcmp(b.label, label)) continue;
         if (found) return 0;
         found = id;
@@ -198,8 +203,8 @@ static double place_on(int which, int b, int id)
     return point(which, b, row.from == id ? 0 : row.n_point - 1).arclength;
 }
 
-/* Stability of the points strictly between two places of a branch: yes, no, or -1 if there are both or none. Undecided points, at the
- * ends of a segment, do not count. */
+/* Stability of the points strictly between two places of a branch: yes, no, or -1 if there are both or none. Undecided
+ * points, at the ends of a segment, do not count. */
 static int stable_between(int which, int b, int one, int two)
 {
     double low = place_on(which, b, one), high = place_on(which, b, two), swap = low;
@@ -207,7 +212,8 @@ static int stable_between(int which, int b, int one, int two)
     if (low > high) low = high, high = swap;
     for (int i = 0; i < branch(which, b).n_point; i++) {
         ric_point p = point(which, b, i);
-        if (p.arclength > low && p.arclength < high && p.stable != RIC_STABLE_UNDECIDED) n[p.stable == RIC_STABLE_YES]++;
+        if (p.arclength > low && p.arclength < high && p.stable != RIC_STABLE_UNDECIDED)
+            n[p.stable == RIC_STABLE_YES]++;
     }
     return n[0] && n[1] ? -1 : n[1] ? 1 : n[0] ? 0 : -1;
 }
@@ -226,7 +232,8 @@ static int inner(int which, int b, ric_kind kind, int *ids, int room)
     return n;
 }
 
-/* The q-fold orbit's own end of a family: number of branches with an end at the multiplication or passing it as q times its word. */
+/* The q-fold orbit's own end of a family: number of branches with an end at the multiplication or passing it as q times
+ * its word. */
 static int families(int which, int id, int *ids, int room)
 {
     int n = 0;
@@ -239,12 +246,14 @@ static int families(int which, int id, int *ids, int room)
     return n;
 }
 
-/* Number of branches on the shortest way from one junction to another, -1 if there is none; their labels in order. S branches count only
- * if `symmetric`, A branches only if `asymmetric`, and the branch `barred` never. Ends and interior junctions join alike. */
+/* Number of branches on the shortest way from one junction to another, -1 if there is none; their labels in order. S
+ * branches count only if `symmetric`, A branches only if `asymmetric`, and the branch `barred` never. Ends and interior
+ * junctions join alike. */
 static int hops(int which, int from, int to, bool symmetric, bool asymmetric, int barred, char *labels, size_t size)
 {
     int n = ric_atlas_n_junction(atlas_of(which)), first = 0, last = 0, steps = 0, by[64];
-    int *queue = calloc((size_t)n + 1, sizeof *queue), *before = calloc((size_t)n + 1, sizeof *before), *via = calloc((size_t)n + 1, sizeof *via);
+    int *queue = calloc((size_t)n + 1, sizeof *queue), *before = calloc((size_t)n + 1, sizeof *before),
+        *via = calloc((size_t)n + 1, sizeof *via);
     queue[last++] = from;
     before[from] = -1;
     while (first < last && queue[first] != to) {

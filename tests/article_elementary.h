@@ -1,11 +1,12 @@
-/* What sections 2.3, 2.4 and 3.1 of the article state, as far as it can be looked up in an atlas (table in test_article.c). */
+/* What sections 2.3, 2.4 and 3.1 of the article state, as far as it can be looked up in an atlas
+ * (table in test_article.c). */
 #ifndef ARTICLE_ELEMENTARY_H
 #define ARTICLE_ELEMENTARY_H
 
 #include "article_atlases.h"
 
-/* A check computes what there is, says it with digits, and compares: as the article states, otherwise in exactly the manner that the
- * table describes, or neither, which is a failure. Nothing but the computed atlas decides. */
+/* A check computes what there is, says it with digits, and compares: as the article states, otherwise in exactly the
+ * manner that the table describes, or neither, which is a failure. Nothing but the computed atlas decides. */
 typedef enum { AS_STATED, OTHERWISE, NEITHER } verdict;
 typedef struct {
     char text[2048];
@@ -38,7 +39,8 @@ static void say_junction(finding *f, int which, int id)
 
 /* --------------------------------------------------------------- 2.3 forms */
 
-/* One redundant equation, solutions are curves: the two sides of a point next to it lie on the same branch, so the kernel is a line. */
+/* One redundant equation, solutions are curves: the two sides of a point next to it lie on the same branch, so the
+ * kernel is a line. */
 static verdict solutions_form_curves(finding *f, const char *arg)
 {
     int n = 0, thick = 0;
@@ -52,7 +54,8 @@ static verdict solutions_form_curves(finding *f, const char *arg)
     }
     for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++)
         for (int i = 0; i < branch(ELEMENTARY, id).n_point; i++) thick += !(point(ELEMENTARY, id, i).residual < 1e-12);
-    say(f, "%d branches, all of them curves, their orbits with residuals below 1e-12: %s", ric_atlas_n_branch(atlas_of(ELEMENTARY)), thick ? "no" : "yes");
+    say(f, "%d branches, all of them curves, their orbits with residuals below 1e-12: %s",
+        ric_atlas_n_branch(atlas_of(ELEMENTARY)), thick ? "no" : "yes");
     return stated(n > 0 && !thick);
 }
 
@@ -236,14 +239,16 @@ static verdict extrema_do_not_branch(finding *f, const char *arg)
             double s = place_on(which[k], b.id, id), before = 0, after = 0;
             for (int i = 0; i < b.n_point; i++) {
                 ric_point p = point(which[k], b.id, i);
-                double over = p.trace - asinh(1); /* its own point, and those that are undecided, are within 1e-9 of it */
+                double over = p.trace - asinh(1); /* its own point, and those that are undecided, are within 1e-9 of
+                                                   * it */
                 if (fabs(over) < 1e-9) continue;
                 if (p.arclength < s) before = over;
                 else if (after == 0) after = over;
             }
             turning += before * after < 0;
         }
-    say(f, "%d extrema with a label, b = 1 and one branch at all but %d of them; the trace passes 2 at %d", n, wrong, turning);
+    say(f, "%d extrema with a label, b = 1 and one branch at all but %d of them; the trace passes 2 at %d", n, wrong,
+        turning);
     return stated(n > 10 && !wrong && turning == n);
 }
 
@@ -262,10 +267,12 @@ static verdict branch_points_have_two(finding *f, const char *arg)
     return stated(n > 10 && !wrong);
 }
 
-/* Four curves in the unknowns (z0, beta, T): the duplicate and, as a family leaves with q = 3, the same S6 begun at impact 0, 2 or 4. */
+/* Four curves in the unknowns (z0, beta, T): the duplicate and, as a family leaves with q = 3, the same S6 begun at
+ * impact 0, 2 or 4. */
 static verdict four_curves_at_c33(finding *f, const char *arg)
 {
-    int id = at(ELEMENTARY, "C1_33"), b = between(ELEMENTARY, "S6[010101]", at(ELEMENTARY, "G1_4,2"), at(ELEMENTARY, "G1_2,4")), starts = 1;
+    int id = at(ELEMENTARY, "C1_33"),
+        b = between(ELEMENTARY, "S6[010101]", at(ELEMENTARY, "G1_4,2"), at(ELEMENTARY, "G1_2,4")), starts = 1;
     ric_junction j = junction(ELEMENTARY, id);
     double flights[6], state[4];
     ric_point p;
@@ -276,7 +283,9 @@ static verdict four_curves_at_c33(finding *f, const char *arg)
         for (int i = 0; i < 6; i++) apart = fmax(apart, fabs(flights[i] - flights[(i + shift) % 6]));
         starts += apart > 1e-3;
     }
-    say(f, "a = %d, b = %d; one family S6[010101] that passes, in %d ways of choosing the first impact, and the duplicate", j.a, j.b, starts);
+    say(f,
+        "a = %d, b = %d; one family S6[010101] that passes, in %d ways of choosing the first impact, and the duplicate",
+        j.a, j.b, starts);
     return stated(j.a == 3 && j.b == 3 && starts == 3 && j.n_branch == 2 && passes(branch(ELEMENTARY, b), id));
 }
 
@@ -303,7 +312,8 @@ static verdict parameters_as_printed(finding *f, const char *arg)
     assert_int_equal(ric_model_frequencies(m, omega), RIC_OK);
     ric_model_free(m);
     assert_int_equal(ric_model_frequencies(ric_atlas_model(atlas_of(ELEMENTARY)), right), RIC_OK);
-    say(f, "m_2 = 2 gives omega_1 %.5g, omega_2 %.5g; m_2 = 1 gives %.5g and %.5g", omega[0], omega[1], right[0], right[1]);
+    say(f, "m_2 = 2 gives omega_1 %.5g, omega_2 %.5g; m_2 = 1 gives %.5g and %.5g", omega[0], omega[1], right[0],
+        right[1]);
     if (fabs(omega[0] - 0.9287) < 5e-5 && fabs(omega[1] - 2.1535) < 5e-5) return AS_STATED;
     return fabs(right[0] - 0.9287) < 5e-5 && fabs(right[1] - 2.1535) < 5e-5 ? OTHERWISE : NEITHER;
 }
@@ -323,7 +333,8 @@ static verdict only_modes_at_low_energy(finding *f, const char *arg)
         }
     bool from_zero = branch(ELEMENTARY, between(ELEMENTARY, "S0+", -1, -1)).energy_min == 0 &&
                      branch(ELEMENTARY, between(ELEMENTARY, "S0-", -1, -1)).energy_min == 0;
-    say(f, "both modes start at E 0; least energy with impacts: %.9g on %s; no stop is reached below 0.5", least, label);
+    say(f, "both modes start at E 0; least energy with impacts: %.9g on %s; no stop is reached below 0.5", least,
+        label);
     return stated(from_zero && least > 0.5);
 }
 
@@ -346,7 +357,8 @@ static verdict two_candidates_one_admissible(finding *f, const char *arg)
         int id = at(ELEMENTARY, i ? "G2_0,2" : "G1_0,2");
         ric_junction j = junction(ELEMENTARY, id);
         int s2 = leaving(ELEMENTARY, id, i ? "S2-[01]" : "S2+[01]", NULL), a1 = leaving(ELEMENTARY, id, "A1[0]", NULL);
-        say(f, "%s%s: S0, %d S2[01], %d A1[0], %d candidate inadmissible", i ? "; " : "", i ? "G2_0,2" : "G1_0,2", s2, a1, j.departures.inadmissible);
+        say(f, "%s%s: S0, %d S2[01], %d A1[0], %d candidate inadmissible", i ? "; " : "", i ? "G2_0,2" : "G1_0,2", s2,
+            a1, j.departures.inadmissible);
         right = right && j.n_branch == 2 && s2 == 1 && a1 == 0 && j.departures.inadmissible == 1;
     }
     return stated(right);
@@ -362,8 +374,11 @@ static verdict half_periods(finding *f, const char *arg)
         ric_point p;
         if (leaving(ELEMENTARY, id, i ? "S2-[01]" : "S2+[01]", &b) != 1) return NEITHER;
         ric_branch row = branch(ELEMENTARY, b);
-        assert_int_equal(ric_atlas_point(atlas_of(ELEMENTARY), b, row.from == id ? 0 : row.n_point - 1, &p, NULL, flights), RIC_OK);
-        say(f, "%s%s: flights %.9g and %.9g of T", i ? "; " : "", row.label, flights[0] * p.frequency / (2 * M_PI), flights[1] * p.frequency / (2 * M_PI));
+        assert_int_equal(ric_atlas_point(atlas_of(ELEMENTARY), b, row.from == id ? 0 : row.n_point - 1, &p, NULL,
+                                         flights),
+                         RIC_OK);
+        say(f, "%s%s: flights %.9g and %.9g of T", i ? "; " : "", row.label, flights[0] * p.frequency / (2 * M_PI),
+            flights[1] * p.frequency / (2 * M_PI));
         right = right && row.symmetric && near(flights[0], flights[1]) && near(2 * flights[0] * p.frequency, 2 * M_PI);
     }
     return stated(right);
@@ -381,7 +396,8 @@ static verdict s2_minus_begins(finding *f, const char *arg)
     double end = place_on(CHATTER, b, c);
     for (int i = 1; i < branch(CHATTER, b).n_point && point(CHATTER, b, i).arclength < end; i++, n++)
         falls += point(CHATTER, b, i).energy < point(CHATTER, b, i - 1).energy;
-    say(f, "energy falls all the way: %s; stable: %s; to ", falls == n ? "yes" : "no", stable_between(CHATTER, b, g, c) ? "in part" : "no");
+    say(f, "energy falls all the way: %s; stable: %s; to ", falls == n ? "yes" : "no",
+        stable_between(CHATTER, b, g, c) ? "in part" : "no");
     say_junction(f, CHATTER, c);
     return stated(n > 3 && falls == n && stable_between(CHATTER, b, g, c) == 0);
 }
@@ -392,13 +408,16 @@ static verdict s2_minus_goes_on(finding *f, const char *arg)
     (void)arg;
     ric_branch row = branch(CHATTER, b);
     double s = place_on(CHATTER, b, c);
-    for (int i = 0; i < row.n_junction; i++) others += junction(CHATTER, row.junctions[i]).multiple == 1 && row.junctions[i] != c;
+    for (int i = 0; i < row.n_junction; i++)
+        others += junction(CHATTER, row.junctions[i]).multiple == 1 && row.junctions[i] != c;
     for (int i = 0; i < row.n_point; i++) {
         ric_point p = point(CHATTER, b, i);
         unstable += p.arclength > s && p.stable == RIC_STABLE_NO;
     }
-    say(f, "stable up to E %.6g, omega %.6g, the end of the window; junctions of the original on the way: %d", row.energy_max, row.frequency_max, others);
-    return stated(row.stop == RIC_STOP_WINDOW && !others && !unstable && near(row.energy_min, junction(CHATTER, c).energy));
+    say(f, "stable up to E %.6g, omega %.6g, the end of the window; junctions of the original on the way: %d",
+        row.energy_max, row.frequency_max, others);
+    return stated(row.stop == RIC_STOP_WINDOW && !others && !unstable &&
+                  near(row.energy_min, junction(CHATTER, c).energy));
 }
 
 /* arg: "LABEL|END|END|A|B|yes": the branch with these ends (- : the window) is stable, or not, between A and B. */
@@ -406,12 +425,17 @@ static verdict segment_stable(finding *f, const char *arg)
 {
     char label[32], end[2][32], mark[2][32], want[8];
     int id[2], b;
-    assert_int_equal(sscanf(arg, "%31[^|]|%31[^|]|%31[^|]|%31[^|]|%31[^|]|%7s", label, end[0], end[1], mark[0], mark[1], want), 6);
+    assert_int_equal(sscanf(arg, "%31[^|]|%31[^|]|%31[^|]|%31[^|]|%31[^|]|%7s", label, end[0], end[1], mark[0], mark[1],
+                            want),
+                     6);
     for (int i = 0; i < 2; i++) id[i] = end[i][0] == '-' ? 0 : at(ELEMENTARY, end[i]);
     b = between(ELEMENTARY, label, id[0], id[1]);
     if (!b) return NEITHER;
     int stable = stable_between(ELEMENTARY, b, at(ELEMENTARY, mark[0]), at(ELEMENTARY, mark[1]));
-    say(f, "%s between %s and %s: %s, E %.9g to %.9g", label, mark[0], mark[1], stable == 1 ? "stable" : stable == 0 ? "unstable" : "both",
+    say(f, "%s between %s and %s: %s, E %.9g to %.9g", label, mark[0], mark[1],
+        stable == 1   ? "stable"
+        : stable == 0 ? "unstable"
+                      : "both",
         junction(ELEMENTARY, at(ELEMENTARY, mark[0])).energy, junction(ELEMENTARY, at(ELEMENTARY, mark[1])).energy);
     return stated(stable == (want[0] == 'y'));
 }
@@ -444,8 +468,8 @@ static verdict horizontal(finding *f, const char *arg)
     int b = between(ELEMENTARY, label, at(ELEMENTARY, end[0]), at(ELEMENTARY, end[1]));
     if (!b) return NEITHER;
     ric_branch row = branch(ELEMENTARY, b);
-    say(f, "%s from E %.9g to %.9g: omega %.9g, constant to %s", label, row.energy_min, row.energy_max, row.frequency_min,
-        row.frequency_max - row.frequency_min < 1e-12 ? "1e-12" : "less than 1e-12");
+    say(f, "%s from E %.9g to %.9g: omega %.9g, constant to %s", label, row.energy_min, row.energy_max,
+        row.frequency_min, row.frequency_max - row.frequency_min < 1e-12 ? "1e-12" : "less than 1e-12");
     return stated(row.frequency_max - row.frequency_min < 1e-12);
 }
 
@@ -455,7 +479,8 @@ static verdict a2_restores_stability(finding *f, const char *arg)
     (void)arg;
     if (!b) return NEITHER;
     int stable = stable_between(ELEMENTARY, b, at(ELEMENTARY, "C1_32"), at(ELEMENTARY, "G1_2,2"));
-    say(f, "A2[01], symmetric: %s, stable: %s", branch(ELEMENTARY, b).symmetric ? "yes" : "no", stable == 1 ? "from end to end" : "not everywhere");
+    say(f, "A2[01], symmetric: %s, stable: %s", branch(ELEMENTARY, b).symmetric ? "yes" : "no",
+        stable == 1 ? "from end to end" : "not everywhere");
     return stated(!branch(ELEMENTARY, b).symmetric && stable == 1);
 }
 
@@ -463,14 +488,15 @@ static verdict a2_restores_stability(finding *f, const char *arg)
 
 static verdict seven_forms(finding *f, const char *arg)
 {
-    static const char *const form[7] = {"S2+[01]", "S6[010101]", "A5[00101]", "A3[001]", "A4[0101]", "S4[0011]", "A4[0001]"};
+    static const char *const form[7] = {"S2+[01]",  "S6[010101]", "A5[00101]", "A3[001]",
+                                        "A4[0101]", "S4[0011]",   "A4[0001]"};
     int id = at(ELEMENTARY, "G1_2,4"), once = 0;
     ric_junction j = junction(ELEMENTARY, id);
     ric_departures d = j.departures;
     (void)arg;
     for (int i = 0; i < 7; i++) once += leaving(ELEMENTARY, id, form[i], NULL) == 1;
-    say(f, "%d candidates up to symmetry of 2^%d subsets, %d inadmissible; %d of the 7 forms leave once", d.taken + d.known + d.inadmissible,
-        j.grazings, d.inadmissible, once);
+    say(f, "%d candidates up to symmetry of 2^%d subsets, %d inadmissible; %d of the 7 forms leave once",
+        d.taken + d.known + d.inadmissible, j.grazings, d.inadmissible, once);
     return stated(d.taken + d.known == 7 && !d.inadmissible && once == 7 && j.n_branch == 7 && j.grazings == 4);
 }
 
@@ -494,15 +520,21 @@ static verdict s6_stable_part(finding *f, const char *arg)
     double most = 0;
     for (int i = 0; i < branch(ELEMENTARY, b).n_point; i++) {
         ric_point p = point(ELEMENTARY, b, i);
-        if (p.arclength > place_on(ELEMENTARY, b, c33) && p.arclength < place_on(ELEMENTARY, b, low)) most = fmax(most, 2 * sinh(p.trace) - 2);
+        if (p.arclength > place_on(ELEMENTARY, b, c33) && p.arclength < place_on(ELEMENTARY, b, low))
+            most = fmax(most, 2 * sinh(p.trace) - 2);
     }
-    say(f, "stable from E %.10g down to the minimum %.10g: %s; from there to C1_33 at %.10g: %s", junction(ELEMENTARY, c32).energy,
-        junction(ELEMENTARY, low).energy, inside == 1 ? "yes" : "no", junction(ELEMENTARY, c33).energy,
-        beyond == 1 ? "stable" : beyond == 0 ? "unstable" : "not decided");
+    say(f, "stable from E %.10g down to the minimum %.10g: %s; from there to C1_33 at %.10g: %s",
+        junction(ELEMENTARY, c32).energy, junction(ELEMENTARY, low).energy, inside == 1 ? "yes" : "no",
+        junction(ELEMENTARY, c33).energy,
+        beyond == 1   ? "stable"
+        : beyond == 0 ? "unstable"
+                      : "not decided");
     if (inside == 1 && beyond == 1) return AS_STATED;
-    return inside == 1 && beyond == 0 && most > 0 && most < 4e-9 && stable_between(ELEMENTARY, b, at(ELEMENTARY, "G1_2,4"), c32) == 0 &&
+    return inside == 1 && beyond == 0 && most > 0 && most < 4e-9 &&
+                   stable_between(ELEMENTARY, b, at(ELEMENTARY, "G1_2,4"), c32) == 0 &&
                    stable_between(ELEMENTARY, b, c33, at(ELEMENTARY, "G1_4,2")) == 0
-               ? OTHERWISE : NEITHER;
+               ? OTHERWISE
+               : NEITHER;
 }
 
 static verdict s4_changes_at_c2_32(finding *f, const char *arg)
@@ -510,9 +542,17 @@ static verdict s4_changes_at_c2_32(finding *f, const char *arg)
     int b = between(ELEMENTARY, "S4[0011]", at(ELEMENTARY, "G1_4,2"), 0), c = at(ELEMENTARY, "C2_32");
     (void)arg;
     if (!b) return NEITHER;
-    int before = stable_between(ELEMENTARY, b, at(ELEMENTARY, "G1_4,2"), c), after = stable_between(ELEMENTARY, b, c, at(ELEMENTARY, "C3_31"));
-    say(f, "%s from G1_4,2 to C2_32 at E %.9g, %s from there to C3_31 at E %.9g", before == 1 ? "stable" : before == 0 ? "unstable" : "both",
-        junction(ELEMENTARY, c).energy, after == 1 ? "stable" : after == 0 ? "unstable" : "both", junction(ELEMENTARY, at(ELEMENTARY, "C3_31")).energy);
+    int before = stable_between(ELEMENTARY, b, at(ELEMENTARY, "G1_4,2"), c),
+        after = stable_between(ELEMENTARY, b, c, at(ELEMENTARY, "C3_31"));
+    say(f, "%s from G1_4,2 to C2_32 at E %.9g, %s from there to C3_31 at E %.9g",
+        before == 1   ? "stable"
+        : before == 0 ? "unstable"
+                      : "both",
+        junction(ELEMENTARY, c).energy,
+        after == 1   ? "stable"
+        : after == 0 ? "unstable"
+                     : "both",
+        junction(ELEMENTARY, at(ELEMENTARY, "C3_31")).energy);
     return stated(before >= 0 && after == 1 - before);
 }
 

@@ -1,4 +1,5 @@
-/* What the article states about the symmetric path, tongues, loops and duplicates: the end of section 3.1 and section 3.2. */
+/* What the article states about the symmetric path, tongues, loops and duplicates: the end of section 3.1 and section
+ * 3.2. */
 #ifndef ARTICLE_FRACTALS_H
 #define ARTICLE_FRACTALS_H
 
@@ -54,10 +55,11 @@ static verdict chattering_ends(finding *f, const char *arg)
     for (int k = 3; k <= 9; k += 2) {
         int b = reversible_branch(CHATTER, chattering(k));
         if (!b || branch(CHATTER, b).stop != RIC_STOP_JUNCTION) return NEITHER;
-        ric_junction one = junction(CHATTER, branch(CHATTER, b).from), two = junction(CHATTER, branch(CHATTER, b).to), swap = one;
+        ric_junction one = junction(CHATTER, branch(CHATTER, b).from), two = junction(CHATTER, branch(CHATTER, b).to),
+                     swap = one;
         if (one.grazings > two.grazings) one = two, two = swap;
-        say(f, "%s%s: G_%d,%d (%.6g, %.7g), G_%d,%d (%.6g, %.7g)", k > 3 ? "; " : "", chattering(k), one.impacts, one.grazings, one.energy,
-            one.frequency, two.impacts, two.grazings, two.energy, two.frequency);
+        say(f, "%s%s: G_%d,%d (%.6g, %.7g), G_%d,%d (%.6g, %.7g)", k > 3 ? "; " : "", chattering(k), one.impacts,
+            one.grazings, one.energy, one.frequency, two.impacts, two.grazings, two.energy, two.frequency);
         ends = ends && one.impacts == 2 * k - 2 && one.grazings == 2 && two.impacts == 2 * k - 4 && two.grazings == 4;
         order[(k - 3) / 2] = one.frequency > two.frequency;
     }
@@ -72,9 +74,11 @@ static double lowest(int which, int b)
     for (int i = 1; i < n - 1; i++)
         if (point(which, b, i).energy < point(which, b, least).energy) least = i;
     ric_point q = point(which, b, least), p = q, r = q;
-    for (int i = least; i >= 0 && q.arclength - p.arclength < 1e-4; i--) p = point(which, b, i); /* junctions may have points closely beside */
+    /* junctions may have points closely beside */
+    for (int i = least; i >= 0 && q.arclength - p.arclength < 1e-4; i--) p = point(which, b, i);
     for (int i = least; i < n && r.arclength - q.arclength < 1e-4; i++) r = point(which, b, i);
-    double h = q.arclength - p.arclength, k = r.arclength - q.arclength, left = (q.energy - p.energy) / h, right = (r.energy - q.energy) / k;
+    double h = q.arclength - p.arclength, k = r.arclength - q.arclength, left = (q.energy - p.energy) / h,
+           right = (r.energy - q.energy) / k;
     double curvature = (right - left) / (h + k), slope = (left * k + right * h) / (h + k); /* at the middle point */
     return q.energy - slope * slope / (4 * curvature);
 }
@@ -84,7 +88,8 @@ static bool chattering_point(int k, int *b, int *c33, int *end)
 {
     int low[2];
     *b = reversible_branch(CHATTER, chattering(k));
-    if (!*b || multiplications(CHATTER, s2_minus(), k - 1, k, c33) != 1 || !passes(branch(CHATTER, *b), *c33)) return false;
+    if (!*b || multiplications(CHATTER, s2_minus(), k - 1, k, c33) != 1 || !passes(branch(CHATTER, *b), *c33))
+        return false;
     int n = inner(CHATTER, *b, RIC_KIND_EXTREMUM, low, 2);
     *end = n ? low[0] : *c33;
     return n <= 1;
@@ -98,7 +103,8 @@ static verdict chattering_minimum(finding *f, const char *arg)
     for (int k = 3; k <= 9; k += 2) {
         int b, c33, end;
         if (!chattering_point(k, &b, &c33, &end)) return NEITHER;
-        double energy = junction(CHATTER, c33).energy, gap = energy - (end == c33 ? lowest(CHATTER, b) : junction(CHATTER, end).energy);
+        double energy = junction(CHATTER, c33).energy,
+               gap = energy - (end == c33 ? lowest(CHATTER, b) : junction(CHATTER, end).energy);
         same[(k - 3) / 2] = end == c33 && fabs(gap) < 1e-8 * energy;
         say(f, "%sk = %d: C_33 at E %.9g, ", k > 3 ? "; " : "", k, energy);
         if (same[(k - 3) / 2]) say(f, "the minimum");
@@ -114,11 +120,14 @@ static verdict chattering_stable(finding *f, const char *arg)
     (void)arg;
     for (int k = 3; k <= 9; k += 2) {
         int b, c33, end, c32[2];
-        if (!chattering_point(k, &b, &c33, &end) || inner(CHATTER, b, RIC_KIND_BRANCH_POINT, c32, 2) != 1) return NEITHER;
+        if (!chattering_point(k, &b, &c33, &end) || inner(CHATTER, b, RIC_KIND_BRANCH_POINT, c32, 2) != 1)
+            return NEITHER;
         ric_branch row = branch(CHATTER, b);
         bool first = place_on(CHATTER, b, c32[0]) < place_on(CHATTER, b, end);
-        say(f, "%sk = %d: from E %.9g to %.9g", k > 3 ? "; " : "stable for ", k, junction(CHATTER, c32[0]).energy, junction(CHATTER, end).energy);
-        right = right && stable_between(CHATTER, b, c32[0], end) == 1 && stable_between(CHATTER, b, first ? row.from : row.to, c32[0]) == 0 &&
+        say(f, "%sk = %d: from E %.9g to %.9g", k > 3 ? "; " : "stable for ", k, junction(CHATTER, c32[0]).energy,
+            junction(CHATTER, end).energy);
+        right = right && stable_between(CHATTER, b, c32[0], end) == 1 &&
+                stable_between(CHATTER, b, first ? row.from : row.to, c32[0]) == 0 &&
                 stable_between(CHATTER, b, end, first ? row.to : row.from) == 0;
     }
     return stated(right);
@@ -180,10 +189,12 @@ static verdict sticking_bridges(finding *f, const char *arg)
     bool right = true;
     (void)arg;
     for (int j = 2; j <= 5; j++) {
-        int b, c[3], bridge = 0, before = j == 2 ? between(PATH, "S2+[01]", -1, -1) : reversible_branch(PATH, sticking(j - 1));
+        int b, c[3], bridge = 0,
+                     before = j == 2 ? between(PATH, "S2+[01]", -1, -1) : reversible_branch(PATH, sticking(j - 1));
         if (!sticking_points(j, &b, c) || !before || leaving(PATH, c[0], sticking(j), &bridge) != 1) return NEITHER;
         ric_junction end = junction(PATH, far_end(PATH, bridge, c[0]));
-        say(f, "%sj = %d: to G_%d,%d at E %.7g, an end of %s", j > 2 ? "; " : "", j, end.impacts, end.grazings, end.energy, branch(PATH, before).label);
+        say(f, "%sj = %d: to G_%d,%d at E %.7g, an end of %s", j > 2 ? "; " : "", j, end.impacts, end.grazings,
+            end.energy, branch(PATH, before).label);
         right = right && branch(PATH, bridge).symmetric && ends_at(branch(PATH, before), end.id);
     }
     return stated(right);
@@ -201,7 +212,8 @@ static verdict sticking_third_point(finding *f, const char *arg)
         int n = 0;
         for (int id = 1; id <= ric_atlas_n_junction(atlas_of(TONGUES)); id++) { /* the path has no A branches */
             ric_junction t = junction(TONGUES, id);
-            if (t.kind == RIC_KIND_BRANCH_POINT && near(t.energy, p.energy) && near(t.frequency, p.frequency)) n += leaving(TONGUES, id, side[j - 2], &last);
+            if (t.kind == RIC_KIND_BRANCH_POINT && near(t.energy, p.energy) && near(t.frequency, p.frequency))
+                n += leaving(TONGUES, id, side[j - 2], &last);
         }
         say(f, "%s%s at E %.7g", j > 2 ? "; " : "", side[j - 2], p.energy);
         right = right && n == 1 && !branch(TONGUES, last).symmetric;
@@ -228,7 +240,8 @@ static verdict sticking_below(finding *f, const char *arg)
 /* From each branch of the series to the next over S branches, without going back through S2. */
 static verdict path_order(finding *f, const char *arg)
 {
-    const char *order[7] = {chattering(3), "S4[0011]", chattering(5), "S6[000111]", chattering(7), "S8[00001111]", chattering(9)};
+    const char *order[7] = {chattering(3), "S4[0011]",     chattering(5), "S6[000111]",
+                            chattering(7), "S8[00001111]", chattering(9)};
     bool right = true;
     (void)arg;
     for (int i = 0; i < 6; i++) {
@@ -237,7 +250,8 @@ static verdict path_order(finding *f, const char *arg)
         if (!a || !b) return NEITHER;
         ric_branch one = branch(PATH, a), two = branch(PATH, b);
         for (int k = 0; k < 4; k++) {
-            int n = hops(PATH, k & 1 ? one.to : one.from, k & 2 ? two.to : two.from, true, false, 0, labels, sizeof labels);
+            int n = hops(PATH, k & 1 ? one.to : one.from, k & 2 ? two.to : two.from, true, false, 0, labels,
+                         sizeof labels);
             if (n < 0 || n >= least) continue;
             least = n;
             snprintf(best, sizeof best, "%s", labels);
@@ -257,7 +271,8 @@ static verdict path_converges(finding *f, const char *arg)
     for (int j = 1; j <= 5; j++) { /* the ends of highest energy */
         ric_branch b = branch(PATH, j == 1 ? between(PATH, "S2+[01]", -1, -1) : reversible_branch(PATH, sticking(j)));
         ric_junction end = junction(PATH, b.to);
-        say(f, "%sE %.6g: %.5f", j > 1 ? ", " : "omega - omega_0 where S2+, S4, S6, S8, S10 end: ", end.energy, end.frequency - locked);
+        say(f, "%sE %.6g: %.5f", j > 1 ? ", " : "omega - omega_0 where S2+, S4, S6, S8, S10 end: ", end.energy,
+            end.frequency - locked);
         right = right && end.energy > energy && fabs(end.frequency - locked) < away;
         energy = end.energy, away = fabs(end.frequency - locked);
     }
@@ -280,7 +295,10 @@ static verdict even_is_asymmetric(finding *f, const char *arg)
         }
         wrong += count != (q % 2 ? 1 : 2);
     }
-    say(f, "(q, p) = (2, 1), (3, 2) .. (12, 11): one S family each for odd q, two A families each for even q, %d in all, %d otherwise", n, wrong);
+    say(f,
+        "(q, p) = (2, 1), (3, 2) .. (12, 11): one S family each for odd q, two A families each for even q, %d in all, "
+        "%d otherwise",
+        n, wrong);
     return stated(n == 17 && !wrong);
 }
 
@@ -299,7 +317,8 @@ static int energy_sides(int which, int b, int id)
     return side[0] | side[1];
 }
 
-/* The stored points verify, and the first of them have the period claimed: q times that of S2-, p / q turns of its multipliers. */
+/* The stored points verify, and the first of them have the period claimed: q times that of S2-, p / q turns of its
+ * multipliers. */
 static bool member_is_right(int which, int b, int id)
 {
     double nearest = INFINITY;
@@ -309,12 +328,14 @@ static bool member_is_right(int which, int b, int id)
         if (ric_verify_point(atlas_of(which), b, 1 + k * (row.n_point - 3) / 2, &check)) fail_msg("%s", ric_detail());
         if (!check.passed) return false;
     }
-    for (int k = 0; k < row.n_point; k++) nearest = fmin(nearest, fabs(point(which, b, k).frequency / junction(which, id).frequency - 1));
+    for (int k = 0; k < row.n_point; k++)
+        nearest = fmin(nearest, fabs(point(which, b, k).frequency / junction(which, id).frequency - 1));
     return row.reversible && nearest < 1e-4;
 }
 
-/* arg: "ATLAS q p families". Two families have mirror points of their own and lie on one side in energy; a single one passes. That of q = 3
- * is on both sides; for q >= 5 it is on one side: its halves are the elliptic and the hyperbolic family. */
+/* arg: "ATLAS q p families". Two families have mirror points of their own and lie on one side in energy; a single one
+ * passes. That of q = 3 is on both sides; for q >= 5 it is on one side: its halves are the elliptic and the hyperbolic
+ * family. */
 static verdict leave_s2_minus(finding *f, const char *arg)
 {
     int q, p, want, list[8], id = 0;
@@ -351,7 +372,8 @@ static verdict all_duplicates_meet(finding *f, const char *arg)
         if (multiplications(CHATTER, s2_minus(), q - 1, q, &id) != 1) return NEITHER;
         ric_junction j = junction(CHATTER, id);
         say(f, "%s %.6g", q > 2 ? "," : "", j.frequency);
-        right = right && j.frequency > locked && j.frequency < omega[1] && j.departures.taken + j.departures.known > 1 && j.a == 3;
+        right = right && j.frequency > locked && j.frequency < omega[1] &&
+                j.departures.taken + j.departures.known > 1 && j.a == 3;
         c32 = c32 && j.b == 2;
     }
     say(f, " for k = 2..12, a = 3, b = %d", c32 ? 2 : 3);
@@ -362,7 +384,9 @@ static verdict all_duplicates_meet(finding *f, const char *arg)
 static int on_duplicate(char whose, int k, int *originals)
 {
     int which = whose == '-' ? CHATTER : whose == '+' ? BACKBONE : LOOP, n = 0;
-    int b = whose == '-' ? s2_minus() : whose == '+' ? between(BACKBONE, "S2+[01]", -1, -1) : between(LOOP, "A1[0]", at(LOOP, "G1_0,4"), -1);
+    int b = whose == '-'   ? s2_minus()
+            : whose == '+' ? between(BACKBONE, "S2+[01]", -1, -1)
+                           : between(LOOP, "A1[0]", at(LOOP, "G1_0,4"), -1);
     *originals = 0;
     for (int q = 2; q <= k; q++)
         for (int p = 1; p < q && k % q == 0; p++) {
@@ -420,8 +444,8 @@ static verdict ghosts_of_a1(finding *f, const char *arg)
         }
     }
     ric_ghosts_free(n, ghosts);
-    say(f, "rotation number up to %.6f on the branch; beyond its grazing it passes 1/3 %s and 1/2 %s", most, passed[0] ? "as a ghost" : "never",
-        passed[1] ? "as a ghost" : "never");
+    say(f, "rotation number up to %.6f on the branch; beyond its grazing it passes 1/3 %s and 1/2 %s", most,
+        passed[0] ? "as a ghost" : "never", passed[1] ? "as a ghost" : "never");
     return stated(most < 1.0 / 3 && passed[0] > 0 && passed[1] > 0);
 }
 
@@ -446,7 +470,8 @@ static verdict only_on_stable_parts(finding *f, const char *arg)
                 wrong += !beside;
             }
         }
-    say(f, "multiplications of the branches with one and two impacts that are not in or beside a stable part: %d", wrong);
+    say(f, "multiplications of the branches with one and two impacts that are not in or beside a stable part: %d",
+        wrong);
     return stated(n > 100 && !wrong);
 }
 

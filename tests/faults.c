@@ -5,7 +5,8 @@
  *   FAULT_POWER=K   at the K-th writing call the power fails: every file is as it was when it was last synchronised
  *   FAULT_COUNT=F   at the end the numbers of both kinds of calls are written to the file F
  *
- * Only what the program itself and the libraries it calls ask for counts. Of a file that was never synchronised nothing is left. */
+ * Only what the program itself and the libraries it calls ask for counts. Of a file that was never synchronised nothing
+ * is left. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -59,7 +60,8 @@ __attribute__((destructor)) static void end(void)
 {
     char text[64];
     if (!count_file) return;
-    int file = open(count_file, O_WRONLY | O_CREAT | O_TRUNC, 0666), size = snprintf(text, sizeof text, "%ld %ld\n", n_alloc, n_disk);
+    int file = open(count_file, O_WRONLY | O_CREAT | O_TRUNC, 0666),
+        size = snprintf(text, sizeof text, "%ld %ld\n", n_alloc, n_disk);
     if (file < 0 || real_write(file, text, (size_t)size) != size) abort();
 }
 

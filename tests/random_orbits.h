@@ -8,8 +8,8 @@
 #include "graph.h"
 #include "random_models.h"
 
-/* Contacts on both sides, so that centres exist, or with `any_side` on both, the upper or the lower one only; `floating`: one frequency is
- * zero. */
+/* Contacts on both sides, so that centres exist, or with `any_side` on both, the upper or the lower one only;
+ * `floating`: one frequency is zero. */
 static inline ric_model *random_structure_of(uint64_t seed, int n, int n_contact, bool floating, bool any_side)
 {
     static const ric_sides sides[3] = {RIC_SIDES_BOTH, RIC_SIDES_UPPER, RIC_SIDES_LOWER};
@@ -24,15 +24,22 @@ static inline ric_model *random_structure_of(uint64_t seed, int n, int n_contact
         contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2)};
         contacts[f].sides = any_side ? sides[below(3)] : RIC_SIDES_BOTH;
     }
-    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model)) fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
+    if (ric_model_create(n, M, K, n_contact, contacts, 1, &model))
+        fail_msg("seed %llu: %s", (unsigned long long)seed, ric_detail());
     return model;
 }
 
 /* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
 enum { N_FORM = 11 };
 
-static inline ric_mirror form_start(int form) { return form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3); }
-static inline ric_mirror form_end(int form) { return form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3); }
+static inline ric_mirror form_start(int form)
+{
+    return form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) % 3);
+}
+static inline ric_mirror form_end(int form)
+{
+    return form < 2 ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + (form - 2) / 3);
+}
 
 /* Faces [n_flight + 1] of a random word in the form given. */
 static inline void random_word(const ric_model *m, int form, int n_flight, int *face)
@@ -46,16 +53,19 @@ static inline void random_word(const ric_model *m, int form, int n_flight, int *
 }
 
 /* A chain over such a word, with random unknowns; those of the start block up to `size`. */
-static inline ric_chain *random_chain_over(const ric_model *m, int form, int n_flight, const int *face, double size, double *u)
+static inline ric_chain *random_chain_over(const ric_model *m, int form, int n_flight, const int *face, double size,
+                                           double *u)
 {
     ric_chain *chain = NULL;
-    assert_int_equal(ric_chain_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face, &chain), RIC_OK);
+    assert_int_equal(ric_chain_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face, &chain),
+                     RIC_OK);
     for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-size, size);
     for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
     return chain;
 }
 
-/* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here. NULL: none found. */
+/* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here.
+ * NULL: none found. */
 static inline ric_chain *random_orbit(const ric_model *m, int form, int n_flight, double *u)
 {
     int face[n_flight + 1], iterations;
@@ -64,7 +74,8 @@ static inline ric_chain *random_orbit(const ric_model *m, int form, int n_flight
         ric_chain *chain = random_chain_over(m, form, n_flight, face, 3, u);
         double du[chain->n_unknown];
         bool found = ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
-        for (int i = 0; i < chain->n_unknown; i++) found = found && fabs(u[i]) < 20 && (i < chain->n_start || u[i] > 0.05);
+        for (int i = 0; i < chain->n_unknown; i++)
+            found = found && fabs(u[i]) < 20 && (i < chain->n_start || u[i] > 0.05);
         ric_chain_fly(chain, u);
         if (found) return chain;
         ric_chain_free(chain);

@@ -1,5 +1,5 @@
-/* Models, motions in closed form and a simulator for the tests of the simulator and of the verification. The closed forms are computed
- * from ric_model_modes, which the simulator does not use. */
+/* Models, motions in closed form and a simulator for the tests of the simulator and of the verification. The closed
+ * forms are computed from ric_model_modes, which the simulator does not use. */
 #ifndef SIMULATED_MODELS_H
 #define SIMULATED_MODELS_H
 
@@ -23,10 +23,12 @@ static const double PI = 3.14159265358979323846;
 static inline void check_close(double a, double b, double tolerance, const char *what)
 {
     double error = fabs(a - b) / fmax(1e-300, fmax(fabs(a), fabs(b)));
-    if (!(error <= tolerance)) fail_msg("%s: %.17g against %.17g, relative difference %.3g > %.3g", what, a, b, error, tolerance);
+    if (!(error <= tolerance))
+        fail_msg("%s: %.17g against %.17g, relative difference %.3g > %.3g", what, a, b, error, tolerance);
 }
 
-static inline ric_model *make(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts, double restitution)
+static inline ric_model *make(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts,
+                              double restitution)
 {
     ric_model *model = NULL;
     if (ric_model_create(n, M, K, n_contact, contacts, restitution, &model)) fail_msg("%s", ric_detail());
@@ -57,7 +59,8 @@ static inline ric_model *make_random(uint64_t seed, int n, int n_contact, double
     random_definite(n, n, 0.1 * n, K);
     for (int f = 0; f < n_contact; f++) {
         for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .sides = f % 3 == 2 ? RIC_SIDES_UPPER : RIC_SIDES_BOTH};
+        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2),
+                                    .sides = f % 3 == 2 ? RIC_SIDES_UPPER : RIC_SIDES_BOTH};
     }
     return make(n, M, K, n_contact, contacts, restitution);
 }
@@ -166,7 +169,8 @@ static inline double length(int n, const double *x)
     return sqrt(sum);
 }
 
-/* S2[01]: q_i = -J c_i sin(omega_i (t - h/2)) / (omega_i cos(omega_i h/2)), J sum c_i^2 tan(omega_i h/2) / omega_i = d, h = pi / omega. */
+/* S2[01]: q_i = -J c_i sin(omega_i (t - h/2)) / (omega_i cos(omega_i h/2)), J sum c_i^2 tan(omega_i h/2) / omega_i = d,
+ * h = pi / omega. */
 static inline bool s2_orbit(const modal *m, double h, double *x, double *v)
 {
     double q[MAX_N], p[MAX_N], sum = 0;

@@ -58,7 +58,8 @@ static inline ric_study *study_of(const char *text)
 /* Any double that is a number or the one NaN; now and then a zero with a sign, an infinity, a denormal. */
 static inline double random_double(void)
 {
-    static const double special[] = {0.0, -0.0, INFINITY, -INFINITY, 5e-324, -1e308, 1.0, -7.0, 1e15, 9007199254740993.0};
+    static const double special[] = {0.0,    -0.0, INFINITY, -INFINITY, 5e-324,
+                                     -1e308, 1.0,  -7.0,     1e15,      9007199254740993.0};
     double value;
     uint64_t bits = random_bits();
     if (below(8) == 0)
@@ -81,8 +82,9 @@ static inline void fill_points(ric_branch_record *branch, int n_dof)
     branch->points = calloc((size_t)branch->row.n_point + 1, branch->stride * sizeof(double));
     for (int i = 0; i < branch->row.n_point; i++) {
         double *at = branch->points + (size_t)i * branch->stride;
-        ric_point point = {random_double(), random_double(), random_double(), random_double(), random_double(), random_double(),
-                           random_double(), (float)(below(1000) * 1e-16), below(3)};
+        ric_point point = {random_double(), random_double(), random_double(), random_double(),
+                           random_double(), random_double(), random_double(), (float)(below(1000) * 1e-16),
+                           below(3)};
         for (size_t k = 0; k < branch->stride; k++)
             at[k] = random_double();
         memcpy(at, &point, sizeof point);
@@ -108,12 +110,12 @@ static inline ric_branch_record random_branch(int id, int n_junction, const ric_
         branch.junction_at[i] = random_double();
     }
     branch.row = (ric_branch){
-        .id = id, .label = branch.label, .impacts = n, .letters = n, .word = branch.word, .symmetric = below(2), .reversible = below(2),
-        .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25, .n_point = below(30), .energy_min = random_double(),
-        .energy_max = random_double(), .frequency_min = random_double(), .frequency_max = random_double(),
-        .from = below(n_junction + 1), .to = below(n_junction + 1), .stop = (ric_stop)below(6), .why = branch.why,
-        .n_junction = n_inner, .junctions = branch.junctions, .junction_at = branch.junction_at, .depth = below(9),
-        .mode = below(ric_model_n_dof(model) + 1)};
+        .id = id, .label = branch.label, .impacts = n, .letters = n, .word = branch.word, .symmetric = below(2),
+        .reversible = below(2), .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25, .n_point = below(30),
+        .energy_min = random_double(), .energy_max = random_double(), .frequency_min = random_double(),
+        .frequency_max = random_double(), .from = below(n_junction + 1), .to = below(n_junction + 1),
+        .stop = (ric_stop)below(6), .why = branch.why, .n_junction = n_inner, .junctions = branch.junctions,
+        .junction_at = branch.junction_at, .depth = below(9), .mode = below(ric_model_n_dof(model) + 1)};
     fill_points(&branch, ric_model_n_dof(model));
     return branch;
 }
@@ -138,11 +140,12 @@ static inline ric_junction_record random_junction(int id, int n_branch, const ri
         if (below(3) == 0)
             junction.branches[n_at++] = i;
     junction.row = (ric_junction){
-        .id = id, .kind = (ric_kind)below(8), .label = junction.label, .name = junction.name, .impacts = n, .letters = n, .word = junction.word,
-        .grazings = below(7), .multiple = 1 + below(6), .rotation = {below(5), below(6)}, .a = below(4),
-        .b = below(4), .energy = random_double(), .frequency = random_double(), .state = junction.state,
-        .flights = junction.flights, .n_branch = n_at, .branches = junction.branches,
-        .departures = {below(9), below(9), below(9), below(9), below(9)}, .refusal = junction.refusal};
+        .id = id, .kind = (ric_kind)below(8), .label = junction.label, .name = junction.name, .impacts = n,
+        .letters = n, .word = junction.word, .grazings = below(7), .multiple = 1 + below(6),
+        .rotation = {below(5), below(6)}, .a = below(4), .b = below(4), .energy = random_double(),
+        .frequency = random_double(), .state = junction.state, .flights = junction.flights, .n_branch = n_at,
+        .branches = junction.branches, .departures = {below(9), below(9), below(9), below(9), below(9)},
+        .refusal = junction.refusal};
     return junction;
 }
 
@@ -190,12 +193,14 @@ static inline bool same_branch(const ric_branch_record *left, const ric_branch_r
 {
     const ric_branch *a = &left->row, *b = &right->row;
     bool same = a->id == b->id && !strcmp(a->label, b->label) && a->impacts == b->impacts &&
-        !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) && a->symmetric == b->symmetric &&
-        a->reversible == b->reversible && !strcmp(a->mirror, b->mirror) && same_bits(a->stable_fraction, b->stable_fraction) &&
-        a->n_point == b->n_point && same_bits(a->energy_min, b->energy_min) && same_bits(a->energy_max, b->energy_max) &&
-        same_bits(a->frequency_min, b->frequency_min) && same_bits(a->frequency_max, b->frequency_max) && a->from == b->from &&
-        a->to == b->to && a->stop == b->stop && !strcmp(a->why, b->why) && a->n_junction == b->n_junction &&
-        a->depth == b->depth && a->mode == b->mode && same_points(left, right);
+                !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) && a->symmetric == b->symmetric &&
+                a->reversible == b->reversible && !strcmp(a->mirror, b->mirror) &&
+                same_bits(a->stable_fraction, b->stable_fraction) && a->n_point == b->n_point &&
+                same_bits(a->energy_min, b->energy_min) && same_bits(a->energy_max, b->energy_max) &&
+                same_bits(a->frequency_min, b->frequency_min) && same_bits(a->frequency_max, b->frequency_max) &&
+                a->from == b->from && a->to == b->to && a->stop == b->stop && !strcmp(a->why, b->why) &&
+                a->n_junction == b->n_junction && a->depth == b->depth && a->mode == b->mode &&
+                same_points(left, right);
     for (int i = 0; same && i < a->n_junction; i++)
         same = a->junctions[i] == b->junctions[i] && same_bits(a->junction_at[i], b->junction_at[i]);
     return same;
@@ -205,10 +210,11 @@ static inline bool same_junction(const ric_junction *a, const ric_junction *b, i
 {
     int n_flight = a->impacts ? a->impacts : 1;
     bool same = a->id == b->id && a->kind == b->kind && !strcmp(a->label, b->label) && !strcmp(a->name, b->name) &&
-        a->impacts == b->impacts && !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) && a->grazings == b->grazings &&
-        a->multiple == b->multiple && a->rotation[0] == b->rotation[0] && a->rotation[1] == b->rotation[1] && a->a == b->a &&
-        a->b == b->b && same_bits(a->energy, b->energy) && same_bits(a->frequency, b->frequency) && a->n_branch == b->n_branch &&
-        !memcmp(&a->departures, &b->departures, sizeof a->departures) && !strcmp(a->refusal, b->refusal);
+                a->impacts == b->impacts && !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) &&
+                a->grazings == b->grazings && a->multiple == b->multiple && a->rotation[0] == b->rotation[0] &&
+                a->rotation[1] == b->rotation[1] && a->a == b->a && a->b == b->b && same_bits(a->energy, b->energy) &&
+                same_bits(a->frequency, b->frequency) && a->n_branch == b->n_branch &&
+                !memcmp(&a->departures, &b->departures, sizeof a->departures) && !strcmp(a->refusal, b->refusal);
     for (int i = 0; same && i < 2 * n_dof; i++)
         same = same_bits(a->state[i], b->state[i]);
     for (int i = 0; same && i < n_flight; i++)
@@ -220,8 +226,8 @@ static inline bool same_junction(const ric_junction *a, const ric_junction *b, i
 
 static inline bool same_atlas(const ric_atlas *a, const ric_atlas *b)
 {
-    bool same = !strcmp(ric_study_text(a->study), ric_study_text(b->study)) && a->finished == b->finished && a->n_unplaced == b->n_unplaced &&
-        a->n_branch == b->n_branch && a->n_junction == b->n_junction;
+    bool same = !strcmp(ric_study_text(a->study), ric_study_text(b->study)) && a->finished == b->finished &&
+                a->n_unplaced == b->n_unplaced && a->n_branch == b->n_branch && a->n_junction == b->n_junction;
     for (int i = 0; same && i < a->n_branch; i++)
         same = same_branch(&a->branches[i], &b->branches[i]);
     for (int i = 0; same && i < a->n_junction; i++)

@@ -1,5 +1,5 @@
-/* What section 3.3 of the article states about the two masses with power-law springs, looked up in atlases for n = 3, 7 and 21. Each entry
- * computes what there is, says it with digits, and compares. */
+/* What section 3.3 of the article states about the two masses with power-law springs, looked up in atlases for n = 3, 7
+ * and 21. Each entry computes what there is, says it with digits, and compares. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,8 +21,8 @@ static int explore_all(void **state)
     for (int i = 0; i < N_ATLAS; i++) {
         char text[700];
         snprintf(text, sizeof text,
-                 "title: section 3.3\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], "
-                 "law: power, exponent: %d, length: 1, reference: 1}]}\n"
+                 "title: section 3.3\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: "
+                 "[{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}\n"
                  "explore: {energy: [0, %g], frequency: [0.1, 10], multiply: %d, depth: 1}\n",
                  exponent_of[i], i == CUBIC ? 3000. : 1000., i == CUBIC ? 8 : 2);
         atlases[i] = explore_text(text);
@@ -59,7 +59,8 @@ static int find(int which, const ric_branch *b, int from, ric_kind kind)
 {
     for (int i = from + 1; i < b->n_junction; i++) {
         ric_junction j = junction_at(which, b, i);
-        bool wanted = kind != RIC_KIND_MULTIPLICATION || (j.multiple == 3 && ric_junction_level(&j, b) == 1); /* one that the path goes through */
+        /* one that the path goes through */
+        bool wanted = kind != RIC_KIND_MULTIPLICATION || (j.multiple == 3 && ric_junction_level(&j, b) == 1);
         if (j.kind == kind && wanted) return i;
     }
     return -1;
@@ -77,7 +78,8 @@ static path path_of(int which)
     p.c32 = find(which, &p.b, -1, RIC_KIND_BRANCH_POINT);
     p.c33 = find(which, &p.b, p.c32, RIC_KIND_MULTIPLICATION);
     for (int i = p.c33 - 1; i <= p.c33 + 1; i++) /* the turning lies close by, on one side or the other */
-        if (junction_at(which, &p.b, i).kind == RIC_KIND_EXTREMUM && fabs(junction_at(which, &p.b, i).energy / junction_at(which, &p.b, p.c33).energy - 1) < 1e-4)
+        if (junction_at(which, &p.b, i).kind == RIC_KIND_EXTREMUM &&
+            fabs(junction_at(which, &p.b, i).energy / junction_at(which, &p.b, p.c33).energy - 1) < 1e-4)
             p.fold = i;
     int top = find(which, &p.b, p.fold > p.c33 ? p.fold : p.c33, RIC_KIND_EXTREMUM);
     p.c31 = top < 0 ? -1 : find(which, &p.b, top, RIC_KIND_EXTREMUM);
@@ -85,7 +87,8 @@ static path path_of(int which)
     return p;
 }
 
-/* Stability of the points of a branch strictly between two arclengths: 1 all stable, 0 all unstable, -1 mixed or none. */
+/* Stability of the points of a branch strictly between two arclengths: 1 all stable, 0 all unstable, -1 mixed or
+ * none. */
 static int stable_between(int which, const ric_branch *b, double from, double to)
 {
     int yes = 0, no = 0;
@@ -119,10 +122,22 @@ static bool labelled(int which, int place, int a, int b, char *found, size_t siz
     return j.a == a && j.b == b;
 }
 
-static bool c32_inherited(int which, char *found, size_t size) { return labelled(which, path_of(which).c32, 3, 2, found, size); }
-static bool c33_inherited(int which, char *found, size_t size) { return labelled(which, path_of(which).c33, 3, 3, found, size); }
-static bool c31_inherited(int which, char *found, size_t size) { return labelled(which, path_of(which).c31, 3, 1, found, size); }
-static bool last_inherited(int which, char *found, size_t size) { return labelled(which, path_of(which).last, 3, 2, found, size); }
+static bool c32_inherited(int which, char *found, size_t size)
+{
+    return labelled(which, path_of(which).c32, 3, 2, found, size);
+}
+static bool c33_inherited(int which, char *found, size_t size)
+{
+    return labelled(which, path_of(which).c33, 3, 3, found, size);
+}
+static bool c31_inherited(int which, char *found, size_t size)
+{
+    return labelled(which, path_of(which).c31, 3, 1, found, size);
+}
+static bool last_inherited(int which, char *found, size_t size)
+{
+    return labelled(which, path_of(which).last, 3, 2, found, size);
+}
 
 /* The turning at C33 divides the path: the part next to it that is stable. */
 static void beside_turning(int which, int *before, int *after, double *lower_before)
@@ -140,7 +155,8 @@ static bool stable_is(int which, bool first, char *found, size_t size)
     int before, after;
     double lower;
     beside_turning(which, &before, &after, &lower);
-    snprintf(found, size, "before: %s, after: %s", before == 1 ? "stable" : "unstable", after == 1 ? "stable" : "unstable");
+    snprintf(found, size, "before: %s, after: %s", before == 1 ? "stable" : "unstable",
+             after == 1 ? "stable" : "unstable");
     return before == (first ? 1 : 0) && after == (first ? 0 : 1);
 }
 
@@ -159,8 +175,8 @@ static bool stable_at_lower_frequency(int which, char *found, size_t size)
     int before, after;
     double lower_before;
     beside_turning(which, &before, &after, &lower_before);
-    snprintf(found, size, "the part %s the turning is at the lower frequency and %s", lower_before ? "before" : "behind",
-             (lower_before ? before : after) == 1 ? "stable" : "unstable");
+    snprintf(found, size, "the part %s the turning is at the lower frequency and %s",
+             lower_before ? "before" : "behind", (lower_before ? before : after) == 1 ? "stable" : "unstable");
     return (lower_before ? before : after) == 1 && (lower_before ? after : before) == 0;
 }
 
@@ -175,9 +191,10 @@ static bool more_energy_less_frequency(int which, char *found, size_t size)
         energy[i] = j.energy;
         frequency[i] = j.frequency;
     }
-    snprintf(found, size, "C33 at E %.6g, %.6g, %.6g and omega %.6g, %.6g, %.6g", energy[0], energy[1], energy[2], frequency[0], frequency[1],
-             frequency[2]);
-    return energy[0] > energy[1] && energy[1] > energy[2] && energy[2] > 3.8487 && frequency[0] < frequency[1] && frequency[1] < frequency[2];
+    snprintf(found, size, "C33 at E %.6g, %.6g, %.6g and omega %.6g, %.6g, %.6g", energy[0], energy[1], energy[2],
+             frequency[0], frequency[1], frequency[2]);
+    return energy[0] > energy[1] && energy[1] > energy[2] && energy[2] > 3.8487 && frequency[0] < frequency[1] &&
+           frequency[1] < frequency[2];
 }
 
 /* The first branch point goes towards that of the stops, E 1.9013, omega 1.3820. */
@@ -255,7 +272,8 @@ static bool seven_on_segment(int which, char *found, size_t size)
     path p = path_of(which);
     int point = find(which, &p.b, p.c32, RIC_KIND_BRANCH_POINT), extremum = find(which, &p.b, point, RIC_KIND_EXTREMUM);
     int n = point < 0 || extremum < 0 ? -1 : eighths(&p.b, point, extremum);
-    snprintf(found, size, "%d between omega %.5g and %.5g", n, junction_at(which, &p.b, point).frequency, junction_at(which, &p.b, extremum).frequency);
+    snprintf(found, size, "%d between omega %.5g and %.5g", n, junction_at(which, &p.b, point).frequency,
+             junction_at(which, &p.b, extremum).frequency);
     return n == 7;
 }
 
@@ -263,7 +281,8 @@ static bool none_behind_c33(int which, char *found, size_t size)
 {
     path p = path_of(which);
     int extremum = find(which, &p.b, p.fold, RIC_KIND_EXTREMUM), n = eighths(&p.b, p.fold, extremum);
-    snprintf(found, size, "%d between omega %.5g and %.5g", n, junction_at(which, &p.b, p.fold).frequency, junction_at(which, &p.b, extremum).frequency);
+    snprintf(found, size, "%d between omega %.5g and %.5g", n, junction_at(which, &p.b, p.fold).frequency,
+             junction_at(which, &p.b, extremum).frequency);
     return n == 0;
 }
 
@@ -271,7 +290,8 @@ static bool none_behind_c33(int which, char *found, size_t size)
 static bool nothing_grazes(int which, char *found, size_t size)
 {
     int count = 0;
-    for (int id = 1; id <= ric_atlas_n_junction(atlases[which]); id++) count += junction_of(atlases[which], id).kind == RIC_KIND_GRAZING;
+    for (int id = 1; id <= ric_atlas_n_junction(atlases[which]); id++)
+        count += junction_of(atlases[which], id).kind == RIC_KIND_GRAZING;
     snprintf(found, size, "%d grazings, with stops there are some", count);
     return count == 0;
 }

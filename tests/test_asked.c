@@ -85,8 +85,10 @@ static void every_passage_is_a_junction(void **state)
         for (int k = 0; k < 10; k++) {
             double value = asked[k / 5][k % 5];
             ric_branch b = branch_of(atlas, id);
-            int found = isnan(value) ? 0 : count_users(atlas, &b, k / 5, value), passed = isnan(value) ? 0 : count_passages(atlas, id, k / 5, value);
-            if (found != passed) fail_msg("%d %s: %g is passed %d times and found %d times", id, b.label, value, passed, found);
+            int found = isnan(value) ? 0 : count_users(atlas, &b, k / 5, value),
+                passed = isnan(value) ? 0 : count_passages(atlas, id, k / 5, value);
+            if (found != passed)
+                fail_msg("%d %s: %g is passed %d times and found %d times", id, b.label, value, passed, found);
             sum += found;
             most = found > most ? found : most;
         }
@@ -108,7 +110,8 @@ static void every_passage_is_a_junction(void **state)
     ric_atlas_free(atlas);
 }
 
-/* c_i^2 = (8 - 3 L) / (11 - 4 L) at L = omega_i^2, the zeros of 2 L^2 - 11 L + 8 = det(K - L M); energy of S2[01] at omega. */
+/* c_i^2 = (8 - 3 L) / (11 - 4 L) at L = omega_i^2, the zeros of 2 L^2 - 11 L + 8 = det(K - L M); energy of S2[01] at
+ * omega. */
 static double s2_energy(double omega)
 {
     double top = 0, F = 0;
@@ -129,7 +132,8 @@ static void those_of_two_impacts_have_a_closed_form(void **state)
         ric_junction j = junction_of(atlas, id);
         if (j.kind != RIC_KIND_USER || j.impacts != 2) continue;
         double closed = s2_energy(j.frequency);
-        if (!(fabs(j.energy / closed - 1) < 1e-12)) fail_msg("%s: omega %.17g, E %.17g, closed form %.17g", j.label, j.frequency, j.energy, closed);
+        if (!(fabs(j.energy / closed - 1) < 1e-12))
+            fail_msg("%s: omega %.17g, E %.17g, closed form %.17g", j.label, j.frequency, j.energy, closed);
         count++;
     }
     assert_int_equal(count, 9); /* seven on S2+, the lowest energy twice, and two on S2- */
@@ -146,7 +150,8 @@ static void they_do_not_depend_on_the_step(void **state)
         assert_int_equal(ric_atlas_n_junction(usual), ric_atlas_n_junction(atlas));
         for (int id = 1; id <= ric_atlas_n_junction(usual); id++) {
             ric_junction a = junction_of(usual, id), b = junction_of(atlas, id);
-            bool same = a.kind == b.kind && fabs(a.energy / b.energy - 1) < 1e-12 && fabs(a.frequency / b.frequency - 1) < 1e-12;
+            bool same = a.kind == b.kind && fabs(a.energy / b.energy - 1) < 1e-12 &&
+                        fabs(a.frequency / b.frequency - 1) < 1e-12;
             for (int k = 0; k < 4 && a.kind == RIC_KIND_USER; k++) same = same && fabs(a.state[k] - b.state[k]) < 1e-11;
             if (!same || strcmp(a.label, b.label)) fail_msg("step %g: %s becomes %s", steps[i], a.label, b.label);
         }
@@ -155,7 +160,8 @@ static void they_do_not_depend_on_the_step(void **state)
     ric_atlas_free(usual);
 }
 
-/* A value close to an extremum is passed on both sides of it, in one step, however large; on its other side it is not met. */
+/* A value close to an extremum is passed on both sides of it, in one step, however large; on its other side it is not
+ * met. */
 static void both_sides_of_an_extremum(void **state)
 {
     (void)state;
@@ -169,13 +175,15 @@ static void both_sides_of_an_extremum(void **state)
                 ric_branch b = branch_of(atlas, find_branch(atlas, "S2+[01]"));
                 /* from 0.6016 down to the extremum and up */
                 int found = count_users(atlas, &b, false, value);
-                if (found != (side > 0 ? 2 : 0)) fail_msg("step %g: extremum %+d 1e-%d: %d passages", step, side, digits, found);
+                if (found != (side > 0 ? 2 : 0))
+                    fail_msg("step %g: extremum %+d 1e-%d: %d passages", step, side, digits, found);
                 ric_atlas_free(atlas);
             }
 }
 
-/* S6 passes its minimum 3.8486931745366952 and the threefold S2- at 3.8487372168924985 within one short step, where equations cannot be
- * solved: values around both are found on either side of the minimum, on S6 to rounding over the distance. */
+/* S6 passes its minimum 3.8486931745366952 and the threefold S2- at 3.8487372168924985 within one short step, where
+ * equations cannot be solved: values around both are found on either side of the minimum, on S6 to rounding over the
+ * distance. */
 static void beside_a_branch_point(void **state)
 {
     (void)state;
@@ -190,10 +198,12 @@ static void beside_a_branch_point(void **state)
     strcat(options, "]");
     for (double step = 0.01; step < 1; step *= 1.7) {
         ric_atlas *atlas = explore(options, step, NULL);
-        ric_branch s2 = branch_of(atlas, find_branch(atlas, "S2-[01]")), s6 = branch_of(atlas, find_branch(atlas, "S6[010101]"));
+        ric_branch s2 = branch_of(atlas, find_branch(atlas, "S2-[01]")),
+                   s6 = branch_of(atlas, find_branch(atlas, "S6[010101]"));
         for (int i = 0; i < N; i++) {
             int on_s2 = count_users(atlas, &s2, false, value[i]), on_s6 = count_near(atlas, &s6, false, value[i], 1e-9);
-            if (on_s2 != 1 || on_s6 != 2) fail_msg("step %g: E %.17g (part %g): %d on S2-, %d on S6", step, value[i], parts[i], on_s2, on_s6);
+            if (on_s2 != 1 || on_s6 != 2)
+                fail_msg("step %g: E %.17g (part %g): %d on S2-, %d on S6", step, value[i], parts[i], on_s2, on_s6);
         }
         ric_atlas_free(atlas);
     }
@@ -211,7 +221,8 @@ static void linear_modes_pass_energies_only(void **state)
             ric_junction j = junction_of(atlas, b.junctions[k]);
             double energy = ric_model_energy(ric_atlas_model(atlas), j.state, j.state + 2);
             assert_true(j.kind == RIC_KIND_USER && j.energy == (k ? 1 : 0.3) && j.impacts == 0);
-            assert_true(fabs(energy / j.energy - 1) < 1e-14 && fabs(b.junction_at[k] * b.frequency_min - sqrt(2 * j.energy)) < 1e-14);
+            assert_true(fabs(energy / j.energy - 1) < 1e-14 &&
+                        fabs(b.junction_at[k] * b.frequency_min - sqrt(2 * j.energy)) < 1e-14);
             assert_true(fabs(j.flights[0] * j.frequency - 2 * PI) < 1e-14 && j.frequency == b.frequency_min);
             assert_true(j.n_branch == 1 && j.branches[0] == b.id);
         }
@@ -228,7 +239,8 @@ static void a_horizontal_branch_passes_nothing(void **state)
         double value = BRANCH_POINT * (1 + off * 2e-16);
         snprintf(options, sizeof options, "depth: 2, at_frequency: [%.17g]", value);
         ric_atlas *atlas = explore(options, 0, NULL);
-        ric_branch a2 = branch_of(atlas, find_branch(atlas, "A2[01]")), s2 = branch_of(atlas, find_branch(atlas, "S2+[01]"));
+        ric_branch a2 = branch_of(atlas, find_branch(atlas, "A2[01]")),
+                   s2 = branch_of(atlas, find_branch(atlas, "S2+[01]"));
         assert_int_equal(count_users(atlas, &a2, true, value), 0);
         assert_int_equal(count_users(atlas, &s2, true, value), 1);
         ric_atlas_free(atlas);
@@ -243,7 +255,8 @@ static void an_atlas_is_extended(void **state)
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/a", folder);
     ric_atlas *whole = explore("depth: 2, " MANY, 0, NULL);
-    static const char *const options[] = {"depth: 2", "depth: 2, at_energy: [10]", "depth: 2, " MANY, "depth: 2, " MANY};
+    static const char *const options[] = {"depth: 2", "depth: 2, at_energy: [10]", "depth: 2, " MANY,
+                                          "depth: 2, " MANY};
     for (int i = 0; i < 4; i++) {
         char text[1000];
         ric_study *study = NULL;
@@ -254,7 +267,8 @@ static void an_atlas_is_extended(void **state)
         assert_int_equal(ric_store_write(store, atlas), RIC_OK);
         for (int id = 1; i >= 2 && id <= ric_atlas_n_junction(whole); id++) {
             ric_junction a = junction_of(whole, id), b = junction_of(atlas, id);
-            assert_true(a.kind == b.kind && a.energy == b.energy && a.frequency == b.frequency && !strcmp(a.label, b.label));
+            assert_true(a.kind == b.kind && a.energy == b.energy && a.frequency == b.frequency &&
+                        !strcmp(a.label, b.label));
         }
         if (i >= 2) assert_int_equal(ric_atlas_n_junction(whole), ric_atlas_n_junction(atlas));
         ric_atlas_free(atlas);

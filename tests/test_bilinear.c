@@ -1,5 +1,5 @@
-/* Phases of contacts of law bilinear against dense exponentials and energy, and the simulator against phases flown one after the other:
- * the simulator makes modes of its own and shares no code with them. */
+/* Phases of contacts of law bilinear against dense exponentials and energy, and the simulator against phases flown one
+ * after the other: the simulator makes modes of its own and shares no code with them. */
 #include <float.h>
 
 #include "simulated_models.h"
@@ -23,8 +23,10 @@ static ric_model *make_soft(unsigned seed, int n, int n_contact, int rigid, doub
         for (int j = 0; j < n; j++) normals[i * n + j] = uniform(-1, 1);
         normals[i * n + below(n)] += 1;
         bool soft = i >= rigid;
-        contacts[i] = (ric_contact){.normal = normals + i * n, .clearance = uniform(0.5, 1.5), .sides = i % 3 == 2 ? RIC_SIDES_UPPER : RIC_SIDES_BOTH,
-                                    .law = soft ? RIC_LAW_BILINEAR : RIC_LAW_RIGID, .stiffness = soft ? pow(10, uniform(0, stiffest)) : 0};
+        contacts[i] = (ric_contact){.normal = normals + i * n, .clearance = uniform(0.5, 1.5),
+                                    .sides = i % 3 == 2 ? RIC_SIDES_UPPER : RIC_SIDES_BOTH,
+                                    .law = soft ? RIC_LAW_BILINEAR : RIC_LAW_RIGID,
+                                    .stiffness = soft ? pow(10, uniform(0, stiffest)) : 0};
     }
     return make(n, M, K, n_contact, contacts, 1);
 }
@@ -58,7 +60,8 @@ static void exponential(int size, long double tau, long double *A)
         for (int r = 0; r < size; r++)
             for (int c = 0; c < size; c++) {
                 long double s = 0;
-                for (int i = 0; i < size; i++) s += squares ? sum[r * size + i] * sum[i * size + c] : A[r * size + i] * term[i * size + c] / j;
+                for (int i = 0; i < size; i++)
+                    s += squares ? sum[r * size + i] * sum[i * size + c] : A[r * size + i] * term[i * size + c] / j;
                 next[r * size + c] = s;
             }
         for (int i = 0; i < size * size; i++) sum[i] = squares ? next[i] : sum[i] + next[i];
@@ -114,7 +117,8 @@ static void flights(void **state)
                 long double exact = A[i * (2 * m->n + 1) + 2 * m->n];
                 for (int j = 0; j < 2 * m->n; j++) exact += A[i * (2 * m->n + 1) + j] * w[j];
                 assert_true(fabs(back[i] - w[i]) <= 1e-13 * size * fast);
-                if (!(fabs(after[i] - (double)exact) <= 1e-13 * size * fast)) fail_msg("seed %u set %d: off by %g", seed, (int)set, after[i] - (double)exact);
+                if (!(fabs(after[i] - (double)exact) <= 1e-13 * size * fast))
+                    fail_msg("seed %u set %d: off by %g", seed, (int)set, after[i] - (double)exact);
                 for (int j = 0; j < 2 * m->n; j++)
                     assert_true(fabs(D[i * 2 * m->n + j] - (double)A[i * (2 * m->n + 1) + j]) <= 1e-12 * fast);
             }
@@ -123,8 +127,8 @@ static void flights(void **state)
     }
 }
 
-/* Deviations go through the springs of the simulator as they are, however small beside the equilibrium there: 1e-40 of one is 1e-40 of its
- * image to the last digits. */
+/* Deviations go through the springs of the simulator as they are, however small beside the equilibrium there: 1e-40 of
+ * one is 1e-40 of its image to the last digits. */
 static void deviations(void **state)
 {
     (void)state;
@@ -177,7 +181,8 @@ static void energies(void **state)
     }
 }
 
-/* The divided difference: against the difference itself, its limit ds/dt, the series against the formula, and derivatives. */
+/* The divided difference: against the difference itself, its limit ds/dt, the series against the formula, and
+ * derivatives. */
 static void chords(void **state)
 {
     (void)state;
@@ -193,19 +198,24 @@ static void chords(void **state)
             ric_flight_rate(m, set, w, f);
             const ric_face *face = &m->face[m->n_face - 1];
             double largest = norm_of(m->n, face->g) * norm_of(size, w) * fast;
-            assert_true(fabs(ric_phase_chord(phase, NULL, face->contact, 0, w, NULL, NULL) - ric_gap(m->n, face, f)) <= 1e-13 * largest);
+            assert_true(fabs(ric_phase_chord(phase, NULL, face->contact, 0, w, NULL, NULL) - ric_gap(m->n, face, f)) <=
+                        1e-13 * largest);
             for (int i = 0; i < 60; i++) {
-                double tau = (i % 2 ? -1 : 1) * pow(10, -9 + i / 6.0) / fast, value = ric_phase_chord(phase, NULL, face->contact, tau, w, row, &slope);
+                double tau = (i % 2 ? -1 : 1) * pow(10, -9 + i / 6.0) / fast,
+                       value = ric_phase_chord(phase, NULL, face->contact, tau, w, row, &slope);
                 ric_phase_fly(phase, NULL, tau, w, after, NULL);
                 double plain = (ric_gap(m->n, face, after) - ric_gap(m->n, face, w)) / tau;
-                if (fabs(tau) * fast > 0.01 && fabs(plain - value) > 1e-11 * largest) fail_msg("seed %u tau %g: %g against %g", seed, tau, value, plain);
-                double h = 1e-5 / fast, d = ric_phase_chord(phase, NULL, face->contact, tau + h, w, NULL, NULL) - ric_phase_chord(phase, NULL, face->contact, tau - h, w, NULL, NULL);
+                if (fabs(tau) * fast > 0.01 && fabs(plain - value) > 1e-11 * largest)
+                    fail_msg("seed %u tau %g: %g against %g", seed, tau, value, plain);
+                double h = 1e-5 / fast, d = ric_phase_chord(phase, NULL, face->contact, tau + h, w, NULL, NULL) -
+                                            ric_phase_chord(phase, NULL, face->contact, tau - h, w, NULL, NULL);
                 assert_true(fabs(d / (2 * h) - slope) <= 1e-7 * largest * fast);
                 for (int j = 0; j < size; j++) { /* affine in w */
                     double moved[MAX_W];
                     memcpy(moved, w, sizeof moved);
                     moved[j] += 0.5;
-                    assert_true(fabs(ric_phase_chord(phase, NULL, face->contact, tau, moved, NULL, NULL) - value - row[j] / 2) <= 1e-12 * largest);
+                    assert_true(fabs(ric_phase_chord(phase, NULL, face->contact, tau, moved, NULL, NULL) - value -
+                                     row[j] / 2) <= 1e-12 * largest);
                 }
             }
         }
@@ -228,8 +238,8 @@ static void sets(void **state)
 
 /* ---------------------------------------------------------------- simulator */
 
-/* Between events of the simulator the state flies in the phase that its openings and closings say; at every event a face is met. Several
- * faces are closed at once in some of the runs, and there are stops among the contacts. */
+/* Between events of the simulator the state flies in the phase that its openings and closings say; at every event a
+ * face is met. Several faces are closed at once in some of the runs, and there are stops among the contacts. */
 static void replay(void **state)
 {
     (void)state;
@@ -254,7 +264,8 @@ static void replay(void **state)
             const ric_face *face = &m->face[impact.face];
             assert_int_equal(ric_phase_get(m, set, &phase), RIC_OK);
             ric_phase_fly(phase, NULL, (impact.time - time) * m->omega_ref, w, w, NULL);
-            if (fabs(ric_gap(n, face, w) - face->gap) > 1e-9) fail_msg("seed %u event %d: %g off the face", 300 + seed, event, ric_gap(n, face, w) - face->gap);
+            if (fabs(ric_gap(n, face, w) - face->gap) > 1e-9)
+                fail_msg("seed %u event %d: %g off the face", 300 + seed, event, ric_gap(n, face, w) - face->gap);
             double speed = face->side * ric_dot(n, face->c, w + n) * m->omega_ref;
             assert_true(fabs(speed - impact.approach) <= 1e-8 * (1 + fabs(speed)));
             if (face->spring > 0) {
@@ -282,8 +293,9 @@ static void replay(void **state)
     assert_true(most >= 3 && switches > 1000 && impacts > 200);
 }
 
-/* One mass that meets a spring slowly: the acceleration behind it, -cos(W tau) - W v sin(W tau) per unit of clearance, W^2 = 1 + ks, is known to
- * extended precision times the stiffness, although the depth of the contact is within the last digits of the displacement. */
+/* One mass that meets a spring slowly: the acceleration behind it, -cos(W tau) - W v sin(W tau) per unit of clearance,
+ * W^2 = 1 + ks, is known to extended precision times the stiffness, although the depth of the contact is within the
+ * last digits of the displacement. */
 static void accelerations(void **state)
 {
     (void)state;
@@ -312,7 +324,8 @@ static void one_mass(void **state)
         ric_contact contact = {.normal = &normal, .clearance = 1, .law = RIC_LAW_BILINEAR, .stiffness = ks};
         ric_model *model = make(1, &m, &k, 1, &contact, 1);
         ric_simulator *sim = simulator(model);
-        double omega = sqrt(k / m), closed = sqrt((k + ks) / m), rest = ks / (k + ks), v = sqrt(v0 * v0 - omega * omega);
+        double omega = sqrt(k / m), closed = sqrt((k + ks) / m), rest = ks / (k + ks),
+               v = sqrt(v0 * v0 - omega * omega);
         double tau = asin(omega / v0) / omega, sigma = 2 * (PI / 2 - atan((1 - rest) * closed / v)) / closed;
         ric_impact impact;
         start(sim, &x, &v0);
@@ -323,8 +336,17 @@ static void one_mass(void **state)
             assert_int_equal(impact.face, j / 2 % 2);
             assert_int_equal(impact.opens, j % 2);
             /* what the spring takes: all that changes the momentum but for the structure's own k x */
-            if (impact.opens) check_close(impact.impulse, 2 * m * v - k * (rest * sigma + 2 * ((1 - rest) * sin(closed * sigma / 2) + v / closed * (1 - cos(closed * sigma / 2))) / closed * 0 +
-                                          ((1 - rest) * sin(closed * sigma) + v / closed * (1 - cos(closed * sigma))) / closed), 1e-11, "impulse");
+            if (impact.opens)
+                check_close(impact.impulse,
+                            2 * m * v -
+                                k * (rest * sigma +
+                                     2 *
+                                         ((1 - rest) * sin(closed * sigma / 2) +
+                                          v / closed * (1 - cos(closed * sigma / 2))) /
+                                         closed * 0 +
+                                     ((1 - rest) * sin(closed * sigma) + v / closed * (1 - cos(closed * sigma))) /
+                                         closed),
+                            1e-11, "impulse");
         }
         ric_simulator_free(sim);
         ric_model_free(model);
@@ -362,8 +384,9 @@ static void starts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(flights), cmocka_unit_test(deviations), cmocka_unit_test(energies), cmocka_unit_test(chords), cmocka_unit_test(sets),
-        cmocka_unit_test(accelerations), cmocka_unit_test(one_mass), cmocka_unit_test(starts), cmocka_unit_test(replay),
+        cmocka_unit_test(flights),  cmocka_unit_test(deviations), cmocka_unit_test(energies),
+        cmocka_unit_test(chords),   cmocka_unit_test(sets),       cmocka_unit_test(accelerations),
+        cmocka_unit_test(one_mass), cmocka_unit_test(starts),     cmocka_unit_test(replay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

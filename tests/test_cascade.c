@@ -1,5 +1,5 @@
-/* Cascades of period multiplications: the constant of area-preserving doublings, the article's path in F_1^8, long orbits and their accuracy,
- * the kernel of long chains against the dense one, and all of it with a cubic spring. */
+/* Cascades of period multiplications: the constant of area-preserving doublings, the article's path in F_1^8, long
+ * orbits and their accuracy, the kernel of long chains against the dense one, and all of it with a cubic spring. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,8 +23,9 @@ static const char *const article =
 
 /* The cubic spring of section 3.3: both backbones and nothing else, and the same with what leaves them by doubling. */
 static const char *const cubic =
-    "title: t\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: power, exponent: 3, length: 1, "
-    "reference: 1}]}\nexplore: {energy: [0, 880], frequency: [0.2, 10], multiply: %d, depth: %d}\n";
+    "title: t\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: power, "
+    "exponent: 3, length: 1, reference: 1}]}\nexplore: {energy: [0, 880], frequency: [0.2, 10], multiply: %d, depth: "
+    "%d}\n";
 
 /* Only S2- and what leaves it by 3. */
 static const char *const article_with_s6 =
@@ -46,7 +47,8 @@ static int find_branch(const ric_atlas *atlas, const char *label)
     return 0;
 }
 
-static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, const int *multiple, const int *rotation, bool to_end)
+static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, const int *multiple, const int *rotation,
+                           bool to_end)
 {
     ric_cascade *cascade = NULL;
     const ric_cascade_options options = {.n = n, .multiple = multiple, .rotation = rotation, .to_end = to_end};
@@ -119,7 +121,8 @@ static void path_of_the_article(void **state)
         if (i < 2 && fabs(s.energy / energy[i] - 1) > 1e-10) fail_msg("step %d: energy %.14g", i, s.energy);
         assert_true((i == 0) == (s.n_point == 0));
     }
-    /* the last family starts with the displacements of the orbit that it leaves, each four times, and ends at the frequency of the end */
+    /* the last family starts with the displacements of the orbit that it leaves, each four times, and ends at the
+     * frequency of the end */
     double x[48 * 2], first[48 * 2];
     ric_point point;
     assert_int_equal(ric_cascade_impacts(cascade, 3), 48);
@@ -143,7 +146,8 @@ static ric_atlas *explore_cubic(int multiply, int depth)
     return explore_text(text);
 }
 
-/* Sum of the multipliers of the orbit of a step, from motions of the simulator beside it: 2 for the flow and the energy, 2 cos(2 pi p / q). */
+/* Sum of the multipliers of the orbit of a step, from motions of the simulator beside it: 2 for the flow and the
+ * energy, 2 cos(2 pi p / q). */
 static void check_multipliers(const ric_model *m, const ric_cascade_step *s)
 {
     enum { SIZE = 4 };
@@ -165,7 +169,8 @@ static void check_multipliers(const ric_model *m, const ric_cascade_step *s)
             ric_simulator_free(sim);
         }
     double expected = 2 + 2 * cos(2 * acos(-1) * s->rotation[0] / s->multiple);
-    if (!(fabs(trace - expected) < 1e-5)) fail_msg("%d/%d at energy %.9g: multipliers add up to %.9g", s->rotation[0], s->multiple, s->energy, trace);
+    if (!(fabs(trace - expected) < 1e-5))
+        fail_msg("%d/%d at energy %.9g: multipliers add up to %.9g", s->rotation[0], s->multiple, s->energy, trace);
 }
 
 static void doublings_of_a_cubic_spring(void **state)
@@ -177,8 +182,10 @@ static void doublings_of_a_cubic_spring(void **state)
     assert_int_equal(ric_cascade_length(cascade), 7);
     for (int i = 0; i < 7; i++) {
         ric_cascade_step s = step_of(cascade, i);
-        if (s.impacts != 0 || s.letters != 0 || s.symmetric != (i == 0)) fail_msg("doubling %d: %d impacts", i, s.impacts);
-        if (!(s.residual < 1e-12 && s.return_error < 1e-9)) fail_msg("doubling %d: residual %g, returns to %g", i, s.residual, s.return_error);
+        if (s.impacts != 0 || s.letters != 0 || s.symmetric != (i == 0))
+            fail_msg("doubling %d: %d impacts", i, s.impacts);
+        if (!(s.residual < 1e-12 && s.return_error < 1e-9))
+            fail_msg("doubling %d: residual %g, returns to %g", i, s.residual, s.return_error);
         if (i >= 3 && fabs(s.ratio - DELTA) > 2 * pow(0.2, i - 3)) fail_msg("doubling %d: ratio %.7f", i, s.ratio);
         assert_true(fabs(s.flights[0] * s.frequency / (2 * acos(-1)) - 1) < 1e-13);
         if (i < 4) check_multipliers(ric_atlas_model(atlas), &s);
@@ -187,7 +194,8 @@ static void doublings_of_a_cubic_spring(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Fig. 29: from the out-of-phase mode by 3, 2 and 4. Displacements are taken once in a period of that mode, and those of x2 start at 0. */
+/* Fig. 29: from the out-of-phase mode by 3, 2 and 4. Displacements are taken once in a period of that mode, and those
+ * of x2 start at 0. */
 static void path_at_n_3(void **state)
 {
     (void)state;
@@ -213,13 +221,14 @@ static void path_at_n_3(void **state)
     for (int k = 0; k < 3; k++) assert_true(fabs(x[2 * k + 1]) < 1e-9); /* three times round S- from its centre */
     assert_int_equal(ric_cascade_point(cascade, 3, 0, &point, x), RIC_OK);
     for (int k = 0; k < 24; k++)
-        for (int i = 0; i < 2; i++) assert_true(fabs(x[2 * k + i] - x[2 * ((k + 6) % 24) + i]) < 1e-6 * (1 + fabs(x[2 * k + i])));
+        for (int i = 0; i < 2; i++)
+            assert_true(fabs(x[2 * k + i] - x[2 * ((k + 6) % 24) + i]) < 1e-6 * (1 + fabs(x[2 * k + i])));
     ric_cascade_free(cascade);
     ric_atlas_free(atlas);
 }
 
-/* The elementary structure is inherited (Fig. 24, 25): F_1^1 is the in-phase path with its bridge, F_2^1 the other backbone, and F_2^2 the closed
- * loop that leaves its doublings. */
+/* The elementary structure is inherited (Fig. 24, 25): F_1^1 is the in-phase path with its bridge, F_2^1 the other
+ * backbone, and F_2^2 the closed loop that leaves its doublings. */
 static void bases_of_a_cubic_spring(void **state)
 {
     (void)state;
@@ -236,7 +245,8 @@ static void bases_of_a_cubic_spring(void **state)
             assert_int_equal(base.n_branch, 2);
             assert_int_equal(branch_of(atlas, base.branches[0]).mode, 1);
             ric_branch bridge = branch_of(atlas, base.branches[1]);
-            assert_true(fabs(bridge.energy_min / 2.764187897 - 1) < 1e-9 && fabs(bridge.energy_max / 490.609515779 - 1) < 1e-9);
+            assert_true(fabs(bridge.energy_min / 2.764187897 - 1) < 1e-9 &&
+                        fabs(bridge.energy_max / 490.609515779 - 1) < 1e-9);
         }
         if (base.j == 1 && base.mode == 2) {
             assert_int_equal(base.n_branch, 1);
@@ -283,15 +293,18 @@ static void guided_run(void **state)
     int twelve = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
-        if (b.impacts != 0 && b.impacts != 1 && b.impacts != 2 && b.impacts != 6 && b.impacts != 12) fail_msg("%s", b.label);
-        if (b.depth != (b.impacts == 12 ? 3 : b.impacts == 6 ? 2 : b.impacts ? 1 : 0)) fail_msg("%s at depth %d", b.label, b.depth);
+        if (b.impacts != 0 && b.impacts != 1 && b.impacts != 2 && b.impacts != 6 && b.impacts != 12)
+            fail_msg("%s", b.label);
+        if (b.depth != (b.impacts == 12 ? 3 : b.impacts == 6 ? 2 : b.impacts ? 1 : 0))
+            fail_msg("%s at depth %d", b.label, b.depth);
         twelve += b.impacts == 12;
     }
     assert_true(twelve >= 2);
     ric_atlas_free(atlas);
 }
 
-/* The plane that the structured factorisation gives is that of the dense singular value decomposition, at a multiplication of every form. */
+/* The plane that the structured factorisation gives is that of the dense singular value decomposition, at a
+ * multiplication of every form. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -314,7 +327,8 @@ static void kernels_agree(void **state)
             ric_cycle *repeated = ric_problem_cycle(orbit, &problems[k]);
             assert_int_equal(ric_cycle_to_chain(m, repeated, &c, &u), RIC_OK);
             int size = c->n_unknown;
-            double *J = calloc((size_t)(c->n_flight + 2 * c->n + 2) * size, sizeof *J), *plane = calloc(2 * (size_t)size, sizeof *plane);
+            double *J = calloc((size_t)(c->n_flight + 2 * c->n + 2) * size, sizeof *J),
+                   *plane = calloc(2 * (size_t)size, sizeof *plane);
             ric_chain_evaluate(c, u);
             assert_true(ric_chain_plane(c, plane, &second));
             if (!(second < 1e-7)) fail_msg("step %d, problem %d: second singular value %g", i, k, second);
@@ -323,7 +337,8 @@ static void kernels_agree(void **state)
                 for (int r = 0; r < rows; r++) {
                     double sum = 0;
                     for (int j = 0; j < size; j++) sum += J[r * size + j] * plane[v * size + j];
-                    if (!(fabs(sum) < 1e-6)) fail_msg("step %d, problem %d: row %d of vector %d is %g", i, k, r, v, sum);
+                    if (!(fabs(sum) < 1e-6))
+                        fail_msg("step %d, problem %d: row %d of vector %d is %g", i, k, r, v, sum);
                 }
             double aa = 0, ab = 0, bb = 0;
             for (int j = 0; j < size; j++) {
@@ -347,9 +362,11 @@ static void kernels_agree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doublings_converge),  cmocka_unit_test(long_orbits_keep_their_digits), cmocka_unit_test(path_of_the_article),
-        cmocka_unit_test(doublings_of_a_cubic_spring), cmocka_unit_test(path_at_n_3), cmocka_unit_test(bases_of_a_cubic_spring),
-        cmocka_unit_test(requests_are_checked), cmocka_unit_test(guided_run), cmocka_unit_test(kernels_agree),
+        cmocka_unit_test(doublings_converge),   cmocka_unit_test(long_orbits_keep_their_digits),
+        cmocka_unit_test(path_of_the_article),  cmocka_unit_test(doublings_of_a_cubic_spring),
+        cmocka_unit_test(path_at_n_3),          cmocka_unit_test(bases_of_a_cubic_spring),
+        cmocka_unit_test(requests_are_checked), cmocka_unit_test(guided_run),
+        cmocka_unit_test(kernels_agree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

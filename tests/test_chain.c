@@ -1,4 +1,5 @@
-/* The orbit problem: its Jacobian against differences, its structured solve against a dense one, its cost, its residual. */
+/* The orbit problem: its Jacobian against differences, its structured solve against a dense one, its cost, its
+ * residual. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -49,7 +50,8 @@ static void over_random_chains(check_chain *check)
                 char where[80];
                 ric_model *m = random_structure_of(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3, false);
                 ric_chain *chain = random_chain(m, form, 1 + below(MAX_FLIGHT), u);
-                snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
+                snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
+                         form, chain->n_flight);
                 check(chain, u, where);
                 ric_chain_free(chain);
                 ric_model_free(m);
@@ -90,8 +92,9 @@ static void jacobian_by_differences(void **state)
 
 /* --------------------------------------------------- structured and dense LQ */
 
-/* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma w_0 (without the positions of zero
- * modes), to which the closure is perpendicular for any u. A [rows * unknowns], r [rows]. */
+/* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma w_0
+ * (without the positions of zero modes), to which the closure is perpendicular for any u. A [rows * unknowns], r
+ * [rows]. */
 static int dense_equations(ric_chain *chain, const double *u, double *A, double *r)
 {
     double J[MAX_SIZE * MAX_SIZE], all[MAX_SIZE], h[2 * MAX_N], E[4 * MAX_N * MAX_N];
@@ -136,7 +139,8 @@ static int ill_conditioned, compared;
 
 static void check_step(ric_chain *chain, const double *u, const char *where)
 {
-    double A[MAX_SIZE * MAX_SIZE], copy[MAX_SIZE * MAX_SIZE], b[MAX_SIZE] = {0}, r[MAX_SIZE], sv[MAX_SIZE], V[MAX_SIZE * MAX_SIZE];
+    double A[MAX_SIZE * MAX_SIZE], copy[MAX_SIZE * MAX_SIZE], b[MAX_SIZE] = {0}, r[MAX_SIZE], sv[MAX_SIZE],
+                                                              V[MAX_SIZE * MAX_SIZE];
     double newton[MAX_SIZE], kernel[MAX_SIZE], both[MAX_SIZE], super[MAX_SIZE], one[1];
     int unknowns = chain->n_unknown, rows = dense_equations(chain, u, A, r);
     assert_int_equal(rows, unknowns - 1);
@@ -145,7 +149,9 @@ static void check_step(ric_chain *chain, const double *u, const char *where)
     memcpy(copy, A, (size_t)(rows * unknowns) * sizeof *A);
     assert_int_equal(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, unknowns, 1, copy, unknowns, b, 1, sv, 1e-14, &rank), 0);
     memcpy(copy, A, (size_t)(rows * unknowns) * sizeof *A);
-    assert_int_equal(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, unknowns, copy, unknowns, sv, one, 1, V, unknowns, super), 0);
+    assert_int_equal(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, unknowns, copy, unknowns, sv, one, 1, V, unknowns,
+                                    super),
+                     0);
     double condition = sv[0] / sv[rows - 1], tolerance = 1e-10 * fmax(1, condition / 1e4);
     const double *z = V + rows * unknowns;
 
@@ -165,9 +171,11 @@ static void check_step(ric_chain *chain, const double *u, const char *where)
         norm += kernel[i] * kernel[i];
     }
     if (!(distance(unknowns, newton, b, 1) <= tolerance * sqrt(size)))
-        fail_msg("%s: step off by %.3g of %.3g, condition %.3g", where, distance(unknowns, newton, b, 1), sqrt(size), condition);
+        fail_msg("%s: step off by %.3g of %.3g, condition %.3g", where, distance(unknowns, newton, b, 1), sqrt(size),
+                 condition);
     if (!(distance(unknowns, kernel, z, inner < 0 ? -1 : 1) <= tolerance) || fabs(norm - 1) > 1e-13 * unknowns)
-        fail_msg("%s: kernel off by %.3g, norm %.17g, condition %.3g", where, distance(unknowns, kernel, z, inner < 0 ? -1 : 1), sqrt(norm), condition);
+        fail_msg("%s: kernel off by %.3g, norm %.17g, condition %.3g", where,
+                 distance(unknowns, kernel, z, inner < 0 ? -1 : 1), sqrt(norm), condition);
     for (int i = 0; i < unknowns; i++) newton[i] += 0.7 * kernel[i];
     assert_true(distance(unknowns, both, newton, 1) <= 1e-13 * (1 + sqrt(size)) * fmax(1, condition));
 }
@@ -199,7 +207,8 @@ static void check_determinant(ric_chain *chain, const double *u, const char *whe
 {
     double v[MAX_SIZE], first = 0;
     for (int i = 0; i < 20; i++) {
-        for (int j = 0; j < chain->n_unknown; j++) v[j] = j < chain->n_start ? uniform(-1, 1) : u[j] + uniform(-0.3, 0.6);
+        for (int j = 0; j < chain->n_unknown; j++)
+            v[j] = j < chain->n_start ? uniform(-1, 1) : u[j] + uniform(-0.3, 0.6);
         double sign = bordered_sign(chain, v) * (chain->end_det < 0 ? -1 : 1);
         if (first == 0) first = sign;
         if (sign != first) fail_msg("%s: the sign of the bordered determinant does not follow (sample %d)", where, i);
@@ -227,7 +236,8 @@ static void check_scalars(ric_chain *chain, const double *u, const char *where)
         energy[side] = ric_chain_energy(chain);
     }
     ric_chain_fly(chain, u);
-    double slope = ric_chain_energy_slope(chain, du); /* E is a quadratic form of the start block: central differences are exact */
+    double slope = ric_chain_energy_slope(chain, du); /* E is a quadratic form of the start block: central differences
+                                                       * are exact */
     if (fabs(slope - (energy[1] - energy[0]) / (2 * h)) > 1e-10 * (1 + fabs(energy[0])))
         fail_msg("%s: dE %.12g against %.12g", where, slope, (energy[1] - energy[0]) / (2 * h));
     for (int i = 0; i < n; i++) {
@@ -242,7 +252,8 @@ static void check_scalars(ric_chain *chain, const double *u, const char *where)
             double a = chain->model->omega[i] > 0 ? w[i] : 0;
             now += (a * a + w[n + i] * w[n + i]) / 2;
         }
-        if (fabs(now - sum) > 1e-13 * (1 + sum) * (k + 1)) fail_msg("%s: energy %.15g after flight %d, %.15g before", where, now, k, sum);
+        if (fabs(now - sum) > 1e-13 * (1 + sum) * (k + 1))
+            fail_msg("%s: energy %.15g after flight %d, %.15g before", where, now, k, sum);
     }
     double time = 0;
     for (int i = chain->n_start; i < unknowns; i++) time += u[i];
@@ -267,7 +278,8 @@ static double seconds(void)
 /* Seconds of one Newton iteration: the fastest of many. */
 static double time_iteration(const ric_model *m, int form, int n_flight)
 {
-    double *u = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *u), *du = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *du), best = HUGE_VAL;
+    double *u = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *u),
+           *du = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *du), best = HUGE_VAL;
     assert_non_null(u);
     assert_non_null(du);
     ric_chain *chain = random_chain(m, form, n_flight, u);
@@ -328,9 +340,11 @@ static void residual_of_points(void **state)
         if (!trace || !trace->chain) continue;
         double tolerance = ric_trace_tolerance(trace->chain);
         for (int i = 0; i < trace->n_point; i++, points++) {
-            const double *row = trace->points + (size_t)i * trace->stride, *u = row + sizeof(ric_point) / sizeof(double);
+            const double *row = trace->points + (size_t)i * trace->stride,
+                         *u = row + sizeof(ric_point) / sizeof(double);
             double again = residual_at(trace->chain, u);
-            if (!(again <= tolerance)) fail_msg("branch %d, point %d: residual %.3g above %.3g", e, i, again, tolerance);
+            if (!(again <= tolerance))
+                fail_msg("branch %d, point %d: residual %.3g above %.3g", e, i, again, tolerance);
             assert_true(((const ric_point *)row)->residual <= tolerance * (1 + 1e-6));
         }
     }
@@ -340,7 +354,8 @@ static void residual_of_points(void **state)
     ric_study_free(study);
 }
 
-/* The same chain with every flight as a matrix: springs of no stiffness change nothing but the path through the code. */
+/* The same chain with every flight as a matrix: springs of no stiffness change nothing but the path through the
+ * code. */
 static void check_dense(ric_chain *chain, const double *u, const char *where)
 {
     ric_model soft = *chain->model;
@@ -348,7 +363,9 @@ static void check_dense(ric_chain *chain, const double *u, const char *where)
     soft.springs = soft.smooth = true;
     soft.spring = springs;
     ric_chain *dense = NULL;
-    assert_int_equal(ric_chain_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face, &dense), RIC_OK);
+    assert_int_equal(ric_chain_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
+                                      &dense),
+                     RIC_OK);
     ric_chain_evaluate(chain, u);
     ric_chain_evaluate(dense, u);
     ric_chain_step(chain, true, 0, step);
@@ -357,7 +374,8 @@ static void check_dense(ric_chain *chain, const double *u, const char *where)
     ric_chain_step(dense, false, 1, dense_kernel);
     double size = 1 + largest(chain->n_unknown, step), rounding = 1e-12 / fmin(1, chain->smallest);
     if (!(distance(chain->n_unknown, step, dense_step, 1) <= rounding * size)) fail_msg("%s: steps differ", where);
-    if (!(fmin(distance(chain->n_unknown, kernel, dense_kernel, 1), distance(chain->n_unknown, kernel, dense_kernel, -1)) <= rounding))
+    if (!(fmin(distance(chain->n_unknown, kernel, dense_kernel, 1),
+               distance(chain->n_unknown, kernel, dense_kernel, -1)) <= rounding))
         fail_msg("%s: kernels differ", where);
     assert_true(fabs(chain->residual - dense->residual) <= 1e-13);
     ric_chain_free(dense);
@@ -369,8 +387,8 @@ static void matrices_of_flights(void **state)
     over_random_chains(check_dense);
 }
 
-/* Newton from a disturbed orbit, in either form, ends at rounding level. S2[01] in closed form: centre to impact over a quarter,
- * a velocity and one flight; the same orbit in the general form over the half and the whole period. */
+/* Newton from a disturbed orbit, in either form, ends at rounding level. S2[01] in closed form: centre to impact over a
+ * quarter, a velocity and one flight; the same orbit in the general form over the half and the whole period. */
 static void residual_of_corrected(void **state)
 {
     (void)state;
@@ -378,8 +396,10 @@ static void residual_of_corrected(void **state)
     for (uint64_t seed = 1; seed <= 60; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1, false, false);
-        double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE], v[MAX_SIZE], du[MAX_SIZE];
-        /* p_i = J c_i / (2 cos(omega_i tau)) at the centre: the impact takes it to its image; s = sum c_i p_i tan / omega = gap */
+        double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE], v[MAX_SIZE],
+               du[MAX_SIZE];
+        /* p_i = J c_i / (2 cos(omega_i tau)) at the centre: the impact takes it to its image; s = sum c_i p_i tan /
+         * omega = gap */
         int faces[3] = {-1, 0, -1}, iterations;
         for (int i = 0; i < n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * tau) / m->omega[i];
         for (int i = 0; i < n; i++) u[i] = m->face[0].gap / sum * m->c[i] / cos(m->omega[i] * tau);
@@ -387,7 +407,8 @@ static void residual_of_corrected(void **state)
         ric_chain *chain = NULL;
         assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
         ric_chain_evaluate(chain, u);
-        if (!(chain->residual <= 1e-13)) fail_msg("seed %llu: closed form has residual %.3g", (unsigned long long)seed, chain->residual);
+        if (!(chain->residual <= 1e-13))
+            fail_msg("seed %llu: closed form has residual %.3g", (unsigned long long)seed, chain->residual);
         for (int i = 0; i <= n; i++) v[i] = u[i] * (1 + uniform(-1e-5, 1e-5));
         assert_true(ric_trace_correct(chain, v, NULL, NULL, 0, du, &iterations));
         if (!(chain->residual <= ric_trace_tolerance(chain)))
@@ -397,7 +418,8 @@ static void residual_of_corrected(void **state)
             int flights = sigma < 0 ? 1 : 2, word[3] = {0, 1, 0};
             double start[MAX_SIZE];
             ric_chain *whole = NULL;
-            assert_int_equal(ric_chain_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma, flights, word, &whole), RIC_OK);
+            assert_int_equal(ric_chain_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma, flights, word, &whole),
+                             RIC_OK);
             for (int i = 0; i < n; i++) {
                 start[i] = chain->w[2 * n + i];
                 start[n + i] = -chain->before[i];
@@ -405,7 +427,8 @@ static void residual_of_corrected(void **state)
             for (int i = 0; i < flights; i++) start[2 * n + i] = 2 * v[n];
             for (int i = 0; i < whole->n_unknown; i++) start[i] *= 1 + uniform(-1e-6, 1e-6);
             assert_true(ric_trace_correct(whole, start, NULL, NULL, 0, du, &iterations));
-            if (!(whole->residual <= ric_trace_tolerance(whole)) || !(residual_at(whole, start) <= 2 * ric_trace_tolerance(whole)))
+            if (!(whole->residual <= ric_trace_tolerance(whole)) ||
+                !(residual_at(whole, start) <= 2 * ric_trace_tolerance(whole)))
                 fail_msg("seed %llu, sigma %d: residual %.3g", (unsigned long long)seed, sigma, whole->residual);
             ric_chain_free(whole);
         }
@@ -418,9 +441,10 @@ static void residual_of_corrected(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(jacobian_by_differences), cmocka_unit_test(step_against_dense), cmocka_unit_test(determinant_sign),
-        cmocka_unit_test(scalars),                 cmocka_unit_test(cost_is_linear),     cmocka_unit_test(residual_of_points),
-        cmocka_unit_test(residual_of_corrected), cmocka_unit_test(matrices_of_flights),
+        cmocka_unit_test(jacobian_by_differences), cmocka_unit_test(step_against_dense),
+        cmocka_unit_test(determinant_sign),        cmocka_unit_test(scalars),
+        cmocka_unit_test(cost_is_linear),          cmocka_unit_test(residual_of_points),
+        cmocka_unit_test(residual_of_corrected),   cmocka_unit_test(matrices_of_flights),
     };
     return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
 }

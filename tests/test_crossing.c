@@ -1,7 +1,7 @@
-/* Branch points where two branches of one symmetry cross: both are found, and which is which does not depend on where one comes from.
- * A structure that is its own image under the exchange of left and right, of which the program knows nothing, has many: one branch is
- * its own image, the other one breaks the symmetry. With one mass a little larger the branches do not cross, they pass each other, and no
- * step may lead from one to the other. */
+/* Branch points where two branches of one symmetry cross: both are found, and which is which does not depend on where
+ * one comes from. A structure that is its own image under the exchange of left and right, of which the program knows
+ * nothing, has many: one branch is its own image, the other one breaks the symmetry. With one mass a little larger the
+ * branches do not cross, they pass each other, and no step may lead from one to the other. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,8 @@ static const double PI = 3.14159265358979323846;
 /* Two equal masses on equal springs, joined by a third; each has a wall on its outer side. */
 static const char study_text[] =
     "model:\n  mass: [[HEAVY, 0], [0, MASS]]\n  stiffness: [[STIFF, -JOIN], [-JOIN, STIFF]]\n  contacts:\n"
-    "    - {normal: [1, 0], clearance: 1, sides: upper, law: rigid}\n    - {normal: [0, -1], clearance: 1, sides: upper, law: rigid}\n"
+    "    - {normal: [1, 0], clearance: 1, sides: upper, law: rigid}\n    - {normal: [0, -1], clearance: 1, sides: "
+    "upper, law: rigid}\n"
     "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n";
 
 /* Left and right exchanged: x1 -> -x2, x2 -> -x1, and the walls. */
@@ -58,8 +59,8 @@ static ric_cycle *leave(const ric_graph *g, const ric_node *node, unsigned choic
     ric_trace *tr = NULL;
     ric_limits limits = g->limits;
     limits.max_points = at + 1;
-    if (ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore) || ric_trace_create(chain, u0, t0, ignore, &limits, &tr) ||
-        ric_trace_run(tr))
+    if (ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore) ||
+        ric_trace_create(chain, u0, t0, ignore, &limits, &tr) || ric_trace_run(tr))
         fail_msg("choice %u, side %d at E %.9g: %s", choice, side, node->energy, ric_detail());
     assert_true(tr->n_point > at);
     const double *point = tr->points + (size_t)at * tr->stride, *u = point + sizeof(ric_point) / sizeof(double);
@@ -76,8 +77,8 @@ static ric_cycle *leave(const ric_graph *g, const ric_node *node, unsigned choic
     return cycle;
 }
 
-/* The one branch keeps the symmetry, the other one breaks it: both sides of the node are images, of one energy but for the square of the
- * step, 1e-3, as the exchange is no isometry of the unknowns. */
+/* The one branch keeps the symmetry, the other one breaks it: both sides of the node are images, of one energy but for
+ * the square of the step, 1e-3, as the exchange is no isometry of the unknowns. */
 static bool check_node(const ric_graph *g, const ric_node *node)
 {
     double energy[2];
@@ -90,16 +91,22 @@ static bool check_node(const ric_graph *g, const ric_node *node)
             image = own_image(g->model, cycle) && image;
             ric_cycle_free(cycle);
         }
-        if (image != (choice == RIC_THROUGH)) fail_msg("THROUGH is not the branch along which the energy changes at E %.9g", node->energy);
+        if (image != (choice == RIC_THROUGH))
+            fail_msg("THROUGH is not the branch along which the energy changes at E %.9g", node->energy);
         kept += image;
         broken += !image;
-        if (!image && fabs(energy[0] - energy[1]) > 1e-6 * energy[0]) fail_msg("energies %.12g and %.12g on both sides", energy[0], energy[1]);
+        if (!image && fabs(energy[0] - energy[1]) > 1e-6 * energy[0])
+            fail_msg("energies %.12g and %.12g on both sides", energy[0], energy[1]);
     }
-    if (kept != 1 || broken != 1) fail_msg("%d branches that keep the symmetry and %d that break it at E %.9g", kept, broken, node->energy);
+    if (kept != 1 || broken != 1)
+        fail_msg("%d branches that keep the symmetry and %d that break it at E %.9g", kept, broken, node->energy);
     return true;
 }
 
-static const double numbers[][3] = {{1.641, 4.983, 3.79}, {0.586, 5.021, 3.802}, {1.862, 5.238, 3.244}, {1.648, 5.866, 2.957}};
+static const double numbers[][3] = {{1.641, 4.983, 3.79},
+                                    {0.586, 5.021, 3.802},
+                                    {1.862, 5.238, 3.244},
+                                    {1.648, 5.866, 2.957}};
 
 /* Structure i, with the left mass 1 + more times the right one. */
 static void write_study(int i, double more, char *out)
@@ -136,7 +143,8 @@ static void left_and_right(void **state)
         ric_study *study = NULL;
         ric_graph *g = explore(i, 0, &study);
         for (int k = 0; k < g->n_node; k++)
-            if (g->nodes[k]->kind == RIC_KIND_BRANCH_POINT && g->nodes[k]->test == RIC_TEST_DET) checked += check_node(g, g->nodes[k]);
+            if (g->nodes[k]->kind == RIC_KIND_BRANCH_POINT && g->nodes[k]->test == RIC_TEST_DET)
+                checked += check_node(g, g->nodes[k]);
         ric_graph_free(g);
         ric_study_free(study);
     }
@@ -178,10 +186,13 @@ static void gaps(void **state)
         }
         for (int k = 0; k < g->n_node; k++) {
             const ric_node *node = g->nodes[k];
-            if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET || !own_image(m[0], node->cycle)) continue;
-            double none = gap_in(m[0], node->cycle, m[0]), first = gap_in(m[0], node->cycle, m[1]), second = gap_in(m[0], node->cycle, m[2]);
+            if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET || !own_image(m[0], node->cycle))
+                continue;
+            double none = gap_in(m[0], node->cycle, m[0]), first = gap_in(m[0], node->cycle, m[1]),
+                   second = gap_in(m[0], node->cycle, m[2]);
             if (!(none < 1e-13)) fail_msg("%g between two branches that cross at E %.9g", none, node->energy);
-            if (!(first > 1e-8 && fabs(first / second / 10 - 1) < 0.01)) fail_msg("%g and %g at E %.9g", first, second, node->energy);
+            if (!(first > 1e-8 && fabs(first / second / 10 - 1) < 0.01))
+                fail_msg("%g and %g at E %.9g", first, second, node->energy);
             checked++;
         }
         ric_graph_free(g);
@@ -201,14 +212,18 @@ static void nearly_left_and_right(void **state)
         ric_atlas *atlas[3];
         for (int k = 0; k < 3; k++) {
             atlas[k] = explore_text_with(text, NULL, steps[k]);
-            for (int id = 1; id <= ric_atlas_n_branch(atlas[k]); id++) assert_true(branch_of(atlas[k], id).stop != RIC_STOP_FAILED);
-            if (ric_atlas_n_branch(atlas[0]) != ric_atlas_n_branch(atlas[k]) || ric_atlas_n_junction(atlas[0]) != ric_atlas_n_junction(atlas[k]))
-                fail_msg("%g: %d branches and %d junctions with step %g, not %d and %d", more[i], ric_atlas_n_branch(atlas[k]),
-                         ric_atlas_n_junction(atlas[k]), steps[k], ric_atlas_n_branch(atlas[0]), ric_atlas_n_junction(atlas[0]));
+            for (int id = 1; id <= ric_atlas_n_branch(atlas[k]); id++)
+                assert_true(branch_of(atlas[k], id).stop != RIC_STOP_FAILED);
+            if (ric_atlas_n_branch(atlas[0]) != ric_atlas_n_branch(atlas[k]) ||
+                ric_atlas_n_junction(atlas[0]) != ric_atlas_n_junction(atlas[k]))
+                fail_msg("%g: %d branches and %d junctions with step %g, not %d and %d", more[i],
+                         ric_atlas_n_branch(atlas[k]), ric_atlas_n_junction(atlas[k]), steps[k],
+                         ric_atlas_n_branch(atlas[0]), ric_atlas_n_junction(atlas[0]));
             for (int id = 1; id <= ric_atlas_n_junction(atlas[k]); id++) {
                 ric_junction a = junction_of(atlas[0], id), b = junction_of(atlas[k], id);
                 if (a.kind != b.kind || fabs(a.energy - b.energy) > 1e-9 * a.energy || a.n_branch != b.n_branch)
-                    fail_msg("%g: %s at E %.12g becomes %s at E %.12g with step %g", more[i], a.label, a.energy, b.label, b.energy, steps[k]);
+                    fail_msg("%g: %s at E %.12g becomes %s at E %.12g with step %g", more[i], a.label, a.energy,
+                             b.label, b.energy, steps[k]);
             }
         }
         for (int k = 0; k < 3; k++) ric_atlas_free(atlas[k]);
@@ -238,19 +253,24 @@ static double resonance_above(const ric_model *m, int mode)
     return first;
 }
 
-/* S2[01] of the second mode of a beam turns at the first resonance of a mode with a modal normal of 3.5e-5, within 1e-7 of its frequency: its energy
- * rises there to 5e13. With longer steps the branch seems to go on through it and through others. */
+/* S2[01] of the second mode of a beam turns at the first resonance of a mode with a modal normal of 3.5e-5, within 1e-7
+ * of its frequency: its energy rises there to 5e13. With longer steps the branch seems to go on through it and through
+ * others. */
 static void faint_modes(void **state)
 {
     (void)state;
-    static const char text[] = "model:\n  mass: {file: examples/beam-lumped/M.mtx}\n  stiffness: {file: examples/beam-lumped/K.mtx}\n  contacts:\n"
-                               "    - {normal: [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1], clearance: 1, sides: both, law: rigid}\n"
-                               "explore: {start: [2], energy: [0, 100], frequency: [0.2, 20], impacts: 2, multiply: 1, depth: 1}\n";
+    static const char text[] = "model:\n  mass: {file: examples/beam-lumped/M.mtx}\n"
+                               "  stiffness: {file: examples/beam-lumped/K.mtx}\n  contacts:\n"
+                               "    - {normal: [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1], clearance: 1, sides: both, "
+                               "law: rigid}\n"
+                               "explore: {start: [2], energy: [0, 100], frequency: [0.2, 20], impacts: 2, multiply: 1, "
+                               "depth: 1}\n";
     static const double steps[] = {0.01, 0.0207, 0.0886, 0.3, 1};
     ric_study *study = NULL;
     if (ric_study_parse(text, "beam", ".", &study)) fail_msg("%s", ric_detail());
     const ric_model *m = ric_study_model(study);
-    double end = resonance_above(m, 1), l = m->omega[1] + 0.1 * (end - m->omega[1]), r = end * (1 - 1e-9), ratio = 0.6180339887498949;
+    double end = resonance_above(m, 1), l = m->omega[1] + 0.1 * (end - m->omega[1]), r = end * (1 - 1e-9),
+           ratio = 0.6180339887498949;
     for (int i = 0; i < 100; i++) {
         double x = r - ratio * (r - l), y = l + ratio * (r - l);
         if (s2_energy(m, x) > s2_energy(m, y)) l = x;
@@ -260,7 +280,9 @@ static void faint_modes(void **state)
     assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 + 1e-9)), 2 * PI / (end * (1 - 1e-9))), 1);
     assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 - 1e-9)), 2 * PI / (end * (1 - 2e-9))), 0);
     assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * 1.1), 2 * PI / end), 2);
-    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / m->omega[0] * (1 - 1e-9), 2 * PI / m->omega[0] * (1 + 1e-9)), 0); /* one that is not faint */
+    /* one that is not faint */
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / m->omega[0] * (1 - 1e-9), 2 * PI / m->omega[0] * (1 + 1e-9)),
+                     0);
     for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
         ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
         int extrema = 0;
@@ -268,7 +290,8 @@ static void faint_modes(void **state)
             ric_branch b = branch_of(atlas, id);
             if (b.impacts == 0) continue;
             if (b.stop != RIC_STOP_WINDOW || fabs(b.frequency_max - end * m->omega_ref) > 1e-7 * b.frequency_max)
-                fail_msg("step %g: the branch goes to omega %.12g, not %.12g", steps[k], b.frequency_max, end * m->omega_ref);
+                fail_msg("step %g: the branch goes to omega %.12g, not %.12g", steps[k], b.frequency_max,
+                         end * m->omega_ref);
         }
         for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
             ric_junction j = junction_of(atlas, id);
@@ -283,11 +306,13 @@ static void faint_modes(void **state)
     ric_study_free(study);
 }
 
-/* Four faint modes whose resonances lie within one step, and change the sign of each factor of the map four times: every one is a branch point. */
+/* Four faint modes whose resonances lie within one step, and change the sign of each factor of the map four times:
+ * every one is a branch point. */
 static void faint_modes_together(void **state)
 {
     (void)state;
-    static const double steps[] = {0.01, 0.03, 0.1, 0.3, 1}, at[] = {1.02, 1.0204, 1.0208, 1.0212}; /* 40 times that is a frequency */
+    /* 40 times that is a frequency */
+    static const double steps[] = {0.01, 0.03, 0.1, 0.3, 1}, at[] = {1.02, 1.0204, 1.0208, 1.0212};
     char text[2048], mass[512] = "", stiffness[512] = "";
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
@@ -295,16 +320,19 @@ static void faint_modes_together(void **state)
             sprintf(mass + strlen(mass), "%s%d%s", j ? ", " : "[", i == j, j < 5 ? "" : i < 5 ? "], " : "]");
             sprintf(stiffness + strlen(stiffness), "%s%.17g%s", j ? ", " : "[", k, j < 5 ? "" : i < 5 ? "], " : "]");
         }
-    snprintf(text, sizeof text, "model:\n  mass: [%s]\n  stiffness: [%s]\n  contacts:\n"
+    snprintf(text, sizeof text,
+             "model:\n  mass: [%s]\n  stiffness: [%s]\n  contacts:\n"
              "    - {normal: [1, 0.7, 0.003, 0.003, 0.003, 0.003], clearance: 1, sides: both, law: rigid}\n"
-             "explore: {start: [1], energy: [0, 50], frequency: [0.2, 20], impacts: 2, multiply: 1, depth: 1}\n", mass, stiffness);
+             "explore: {start: [1], energy: [0, 50], frequency: [0.2, 20], impacts: 2, multiply: 1, depth: 1}\n",
+             mass, stiffness);
     for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
         ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
         int found = 0;
         for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
             ric_junction j = junction_of(atlas, id);
             if (j.kind != RIC_KIND_BRANCH_POINT) continue;
-            if (found == 4 || fabs(j.frequency - at[found]) > 1e-8) fail_msg("step %g: %s at omega %.12g", steps[k], j.label, j.frequency);
+            if (found == 4 || fabs(j.frequency - at[found]) > 1e-8)
+                fail_msg("step %g: %s at omega %.12g", steps[k], j.label, j.frequency);
             found++;
         }
         if (found != 4) fail_msg("step %g: %d branch points", steps[k], found);
@@ -314,7 +342,8 @@ static void faint_modes_together(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right), cmocka_unit_test(gaps), cmocka_unit_test(nearly_left_and_right),
-                                       cmocka_unit_test(faint_modes), cmocka_unit_test(faint_modes_together)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right), cmocka_unit_test(gaps),
+                                       cmocka_unit_test(nearly_left_and_right), cmocka_unit_test(faint_modes),
+                                       cmocka_unit_test(faint_modes_together)};
     return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Closed orbits: from a chain and back in every form, the group that acts on them, symmetries, canonical form, dropped touches. */
+/* Closed orbits: from a chain and back in every form, the group that acts on them, symmetries, canonical form, dropped
+ * touches. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,7 +35,8 @@ static void over_random_orbits(check_orbit *check)
                 ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
                 if (cycle && primitive(m, cycle)) {
                     found[form]++;
-                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
+                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
+                             form, chain->n_flight);
                     check(m, chain, u, cycle, where);
                 }
                 ric_cycle_free(cycle);
@@ -67,18 +69,22 @@ static void check_round_trip(const ric_model *m, ric_chain *chain, const double 
     bool reverse, mirror;
     assert_int_equal(ric_cycle_to_chain(m, cycle, &back, &v), RIC_OK);
     ric_chain_fly(back, v);
-    if (!same_form(chain, back)) fail_msg("%s: comes back as %d-%d sigma %d", where, back->start, back->end, back->sigma);
+    if (!same_form(chain, back))
+        fail_msg("%s: comes back as %d-%d sigma %d", where, back->start, back->end, back->sigma);
     if (!(back->residual <= 1e-12)) fail_msg("%s: residual %.3g after the round trip", where, back->residual);
     double T = ric_chain_time(chain, u), E = ric_chain_energy(chain);
     assert_true(fabs(ric_chain_time(back, v) - T) <= 1e-12 * T && fabs(ric_cycle_period(cycle) - T) <= 1e-12 * T);
-    assert_true(fabs(ric_chain_energy(back) - E) <= 1e-12 * (1 + E) && fabs(ric_cycle_energy(m, cycle) - E) <= 1e-12 * (1 + E));
+    assert_true(fabs(ric_chain_energy(back) - E) <= 1e-12 * (1 + E) &&
+                fabs(ric_cycle_energy(m, cycle) - E) <= 1e-12 * (1 + E));
     ric_cycle *again = ric_cycle_from_chain(back, v);
     assert_non_null(again);
-    if (!ric_cycle_match(m, cycle, again, 1e-11, &shift, &reverse, &mirror)) fail_msg("%s: another orbit comes back", where);
+    if (!ric_cycle_match(m, cycle, again, 1e-11, &shift, &reverse, &mirror))
+        fail_msg("%s: another orbit comes back", where);
     ric_cycle *image = ric_cycle_transform(m, again, shift, reverse, mirror);
     check_distance(cycle, image, where, "matched image");
     if (image->half != cycle->half || image->pure != cycle->pure || image->flip != cycle->flip)
-        fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure, cycle->flip, image->half, image->pure, image->flip);
+        fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure, cycle->flip, image->half,
+                 image->pure, image->flip);
     /* impacts per period: those of the chain, each as often as the form repeats it */
     for (int k = 0; k <= chain->n_flight; k++) {
         if (chain->face[k] < 0) continue;
@@ -109,7 +115,8 @@ static void check_states(const ric_model *m, ric_chain *chain, const double *u, 
     for (int k = 0; k < cycle->N; k++) {
         ric_cycle *moved = ric_cycle_transform(m, cycle, k, false, false);
         for (int i = 0; i < 2 * m->n; i++)
-            if (!(fabs(moved->w[i] - W[2 * m->n * k + i]) <= 1e-12 * 40)) fail_msg("%s: state after impact %d", where, k);
+            if (!(fabs(moved->w[i] - W[2 * m->n * k + i]) <= 1e-12 * 40))
+                fail_msg("%s: state after impact %d", where, k);
         const ric_face *f = &m->face[cycle->face[k]];
         double s = 0;
         for (int i = 0; i < m->n; i++) s += f->g[i] * W[2 * m->n * k + i];
@@ -149,7 +156,10 @@ static void check_group(const ric_model *m, ric_chain *chain, const double *u, r
             int place = kind == 0 ? first->pure : kind == 1 ? first->flip : first->half ? N / 2 : -1;
             if (place < 0) continue;
             ric_cycle *image = ric_cycle_transform(m, first, place, kind < 2, kind > 0);
-            check_distance(first, image, where, kind == 0 ? "reversal" : kind == 1 ? "reversal with mirror" : "half period");
+            check_distance(first, image, where,
+                           kind == 0   ? "reversal"
+                           : kind == 1 ? "reversal with mirror"
+                                       : "half period");
             ric_cycle_free(image);
         }
         ric_cycle_free(first);
@@ -186,9 +196,12 @@ static void check_symmetries(const ric_model *m, ric_chain *chain, const double 
     found->half = false;
     found->pure = found->flip = -1;
     int q = ric_cycle_find_symmetries(m, found, 1e-10);
-    bool lost = (cycle->half && !found->half) || (cycle->pure >= 0 && found->pure < 0) || (cycle->flip >= 0 && found->flip < 0);
+    bool lost = (cycle->half && !found->half) || (cycle->pure >= 0 && found->pure < 0) ||
+                (cycle->flip >= 0 && found->flip < 0);
     assert_int_equal(q, 1);
-    if (lost) fail_msg("%s: symmetries %d %d %d, found %d %d %d", where, cycle->half, cycle->pure, cycle->flip, found->half, found->pure, found->flip);
+    if (lost)
+        fail_msg("%s: symmetries %d %d %d, found %d %d %d", where, cycle->half, cycle->pure, cycle->flip, found->half,
+                 found->pure, found->flip);
     if (chain->start != RIC_MIRROR_NONE)
         assert_true((cycle->pure < 0 || cycle->pure == found->pure) && (cycle->flip < 0 || cycle->flip == found->flip));
     /* a repeated orbit is recognised and cut back */
@@ -235,14 +248,17 @@ static void check_canonical(const ric_model *m, ric_chain *chain, const double *
             check_distance(canonical, again, where, "canonical form of an image");
             if (canonical->half != again->half || canonical->pure != again->pure || canonical->flip != again->flip)
                 fail_msg("%s: canonical forms with other symmetries", where);
-            if (!ric_cycle_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror)) fail_msg("%s: an image is not recognised", where);
+            if (!ric_cycle_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror))
+                fail_msg("%s: an image is not recognised", where);
             if (!ric_cycle_alike(m, cycle, image)) fail_msg("%s: an image has another word", where);
             /* with one letter exchanged: words are alike if their canonical forms are one */
             int other[4 * MAX_FLIGHT + 2];
             image->face[s] = (image->face[s] + 1) % m->n_face;
             assert_int_equal(ric_word_canonical(m, image->N, image->face, true, other), RIC_OK);
             bool equal = !memcmp(word, other, (size_t)cycle->N * sizeof *word);
-            if (ric_cycle_alike(m, cycle, image) != equal) fail_msg("%s: words that are %s", where, equal ? "images of each other are told apart" : "none are taken for images");
+            if (ric_cycle_alike(m, cycle, image) != equal)
+                fail_msg("%s: words that are %s", where,
+                         equal ? "images of each other are told apart" : "none are taken for images");
             ric_cycle_free(image);
             ric_cycle_free(again);
         }
@@ -275,7 +291,8 @@ static void check_keep(const ric_model *m, const ric_cycle *cycle, const int *to
         double *u = NULL, T = ric_cycle_period(cycle), E = ric_cycle_energy(m, cycle);
         assert_non_null(out);
         assert_int_equal(out->N, kept);
-        assert_true(fabs(ric_cycle_period(out) - T) <= 1e-12 * T && fabs(ric_cycle_energy(m, out) - E) <= 1e-11 * (1 + E));
+        assert_true(fabs(ric_cycle_period(out) - T) <= 1e-12 * T &&
+                    fabs(ric_cycle_energy(m, out) - E) <= 1e-11 * (1 + E));
         for (int i = 0, j = 0; i < cycle->N; i++)
             if (keep[i]) assert_int_equal(out->face[j++], cycle->face[i]);
         assert_int_equal(ric_cycle_to_chain(m, out, &chain, &u), RIC_OK);
@@ -284,8 +301,8 @@ static void check_keep(const ric_model *m, const ric_cycle *cycle, const int *to
         ric_cycle *found = ric_cycle_copy(out);
         int q = ric_cycle_find_symmetries(m, found, 1e-7);
         if (q == 1 && (found->half != out->half || found->pure != out->pure || found->flip != out->flip))
-            fail_msg("%s, choice %u: symmetries %d %d %d, found %d %d %d", where, choice, out->half, out->pure, out->flip,
-                     found->half, found->pure, found->flip);
+            fail_msg("%s, choice %u: symmetries %d %d %d, found %d %d %d", where, choice, out->half, out->pure,
+                     out->flip, found->half, found->pure, found->flip);
         ric_cycle_free(found);
         ric_cycle_free(out);
         ric_chain_free(chain);
@@ -331,8 +348,12 @@ static void touches_are_dropped(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),           cmocka_unit_test(states_close_up),        cmocka_unit_test(transforms_are_a_group),
-        cmocka_unit_test(symmetries_are_found), cmocka_unit_test(canonical_is_invariant), cmocka_unit_test(touches_are_dropped),
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(states_close_up),
+        cmocka_unit_test(transforms_are_a_group),
+        cmocka_unit_test(symmetries_are_found),
+        cmocka_unit_test(canonical_is_invariant),
+        cmocka_unit_test(touches_are_dropped),
     };
     return cmocka_run_group_tests_name("cycle", tests, NULL, NULL);
 }

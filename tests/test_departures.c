@@ -1,5 +1,6 @@
-/* The departures of every junction add up: as many candidates as subsets of touches, or as the theory has it, counted here from the orbit of
- * the junction alone; and every one that counts as taken or known is a branch of the atlas that is there. */
+/* The departures of every junction add up: as many candidates as subsets of touches, or as the theory has it, counted
+ * here from the orbit of the junction alone; and every one that counts as taken or known is a branch of the atlas that
+ * is there. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,8 +21,8 @@ enum { MAX_BITS = 16, MAX_GROUP = 4096, MAX_TEXT = 1024 };
 
 /* -------------------------------------------------------------- candidates */
 
-/* Which impact of `c` the first one of its image is, for every operation that maps the orbit to itself: shifts, then run backwards, mirrored or
- * not. Found by carrying each out, not from the symmetries that the program has noted. */
+/* Which impact of `c` the first one of its image is, for every operation that maps the orbit to itself: shifts, then
+ * run backwards, mirrored or not. Found by carrying each out, not from the symmetries that the program has noted. */
 typedef struct { int shift; bool reverse; } operation;
 
 static int group_of(const ric_model *m, const ric_cycle *c, operation *group)
@@ -41,8 +42,8 @@ static int group_of(const ric_model *m, const ric_cycle *c, operation *group)
     return n;
 }
 
-/* The number of subsets of the touches of a grazing gone through k times, up to the symmetries of that orbit, without those that are a shorter
- * orbit gone through several times. */
+/* The number of subsets of the touches of a grazing gone through k times, up to the symmetries of that orbit, without
+ * those that are a shorter orbit gone through several times. */
 static int count_subsets(const ric_model *m, const ric_node *node)
 {
     static operation group[MAX_GROUP];
@@ -74,8 +75,8 @@ static int count_subsets(const ric_model *m, const ric_node *node)
     return count;
 }
 
-/* Section 8: what a multiplication of order r is left by, besides the branch that passes. In a structure that lacks the symmetry x -> -x of
- * the orbit, two families that would be images of each other are two. */
+/* Section 8: what a multiplication of order r is left by, besides the branch that passes. In a structure that lacks the
+ * symmetry x -> -x of the orbit, two families that would be images of each other are two. */
 static int count_families(const ric_model *m, const ric_node *node)
 {
     const ric_cycle *c = node->cycle;
@@ -84,7 +85,8 @@ static int count_families(const ric_model *m, const ric_node *node)
     if (order == 2) return 1;
     if (order == 3) return 1;
     if (!m->symmetric && c->half && c->pure >= 0 && p % 2 && q % 2 == 0) return 3;
-    return order % 2 && reversible ? 1 : 2; /* of odd order one curve passes; without mirror points its halves are two branches */
+    return order % 2 && reversible ? 1 : 2; /* of odd order one curve passes; without mirror points its halves are two
+                                             * branches */
 }
 
 static int count_candidates(const ric_model *m, const ric_node *node)
@@ -111,7 +113,8 @@ static int count_ends(const ric_graph *g, int node, unsigned choice)
 {
     int n = 0;
     for (int i = 0; i < g->n_edge; i++)
-        n += (g->edges[i].from == node && g->edges[i].leave == choice) + (g->edges[i].to == node && g->edges[i].arrive == choice);
+        n += (g->edges[i].from == node && g->edges[i].leave == choice) +
+             (g->edges[i].to == node && g->edges[i].arrive == choice);
     return n;
 }
 
@@ -123,7 +126,8 @@ static int count_passing(const ric_graph *g, int node, bool aside)
     for (int i = 0; i < g->n_edge; i++)
         for (int k = 0; k < g->edges[i].n_inner; k++) {
             if (g->edges[i].inner[k].node != node) continue;
-            ric_cycle *cycle = ric_trace_cycle(g->edges[i].trace, g->edges[i].trace->points + sizeof(ric_point) / sizeof(double));
+            ric_cycle *cycle = ric_trace_cycle(g->edges[i].trace,
+                                               g->edges[i].trace->points + sizeof(ric_point) / sizeof(double));
             bool less = (c->half && !cycle->half) || (c->flip >= 0 && cycle->flip < 0);
             n += (cycle->N > c->N || less) == aside;
             ric_cycle_free(cycle);
@@ -139,12 +143,13 @@ static const char *state_text(ric_departure_state state)
 
 static int failures;
 
-static void report(const ric_graph *g, int i, const char *name, const char *what, unsigned choice, int wanted, int found)
+static void report(const ric_graph *g, int i, const char *name, const char *what, unsigned choice, int wanted,
+                   int found)
 {
     const ric_node *node = g->nodes[i];
-    fprintf(stderr, "%s: %s at E %.10g, %d impacts, %d touches, multiple %d (%d/%d), depth %d: %s %u: %d, not %d\n", name, ric_kind_text(node->kind),
-            node->energy * g->model->energy_unit, node->cycle->N, node->n_touch, node->multiple, node->rotation[0], node->rotation[1], node->depth,
-            what, choice, found, wanted);
+    fprintf(stderr, "%s: %s at E %.10g, %d impacts, %d touches, multiple %d (%d/%d), depth %d: %s %u: %d, not %d\n",
+            name, ric_kind_text(node->kind), node->energy * g->model->energy_unit, node->cycle->N, node->n_touch,
+            node->multiple, node->rotation[0], node->rotation[1], node->depth, what, choice, found, wanted);
     failures++;
 }
 
@@ -152,13 +157,17 @@ static void check_node(const ric_graph *g, int i, const char *name)
 {
     const ric_node *node = g->nodes[i];
     int candidates = count_candidates(g->model, node), crossing = 0, crossed = 0;
-    if (candidates >= 0 && node->n_departure != candidates) report(g, i, name, "candidates", 0, candidates, node->n_departure);
+    if (candidates >= 0 && node->n_departure != candidates)
+        report(g, i, name, "candidates", 0, candidates, node->n_departure);
     for (int k = 0; k < node->n_departure; k++) {
         const ric_departure *d = &node->departures[k];
         int wanted = there(d), found;
-        if (d->state == RIC_DEPARTURE_OPEN || d->state == RIC_DEPARTURE_LATER) report(g, i, name, state_text(d->state), d->choice, 0, 1);
-        if (d->state == RIC_DEPARTURE_REFUSED && !d->why) report(g, i, name, "refused without a reason", d->choice, 0, 1);
-        if (node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, d->choice) == 0) continue; /* the linear mode is no edge */
+        if (d->state == RIC_DEPARTURE_OPEN || d->state == RIC_DEPARTURE_LATER)
+            report(g, i, name, state_text(d->state), d->choice, 0, 1);
+        if (d->state == RIC_DEPARTURE_REFUSED && !d->why)
+            report(g, i, name, "refused without a reason", d->choice, 0, 1);
+        /* the linear mode is no edge */
+        if (node->kind == RIC_KIND_GRAZING && ric_node_impacts(node, d->choice) == 0) continue;
         if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) { /* both pass */
             crossing += wanted;
             crossed = count_passing(g, i, false);
@@ -172,7 +181,8 @@ static void check_node(const ric_graph *g, int i, const char *name)
     if (crossing != crossed) report(g, i, name, "branches that cross", 0, crossing, crossed);
 }
 
-/* The rows of the atlas say the same: the sum, and the branches that a junction names are those that name the junction. */
+/* The rows of the atlas say the same: the sum, and the branches that a junction names are those that name the
+ * junction. */
 static void check_rows(const ric_atlas *atlas, const char *name)
 {
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
@@ -190,7 +200,8 @@ static void check_rows(const ric_atlas *atlas, const char *name)
             for (int i = 0; i < b.n_junction; i++) meets |= b.junctions[i] == id;
             known += meets;
         }
-        if (named != j.n_branch || known != j.n_branch) fail_msg("%s: junction %d names %d branches, %d name it", name, id, j.n_branch, named);
+        if (named != j.n_branch || known != j.n_branch)
+            fail_msg("%s: junction %d names %d branches, %d name it", name, id, j.n_branch, named);
     }
 }
 
@@ -199,16 +210,19 @@ static void check_modes(const ric_graph *g, const ric_atlas *atlas, const char *
 {
     for (int i = 0; i < g->n_node; i++) {
         const ric_node *node = g->nodes[i];
-        if (node->kind != RIC_KIND_GRAZING || node->n_touch < node->cycle->N || node->multiple > 1 || node->refusal) continue;
+        if (node->kind != RIC_KIND_GRAZING || node->n_touch < node->cycle->N || node->multiple > 1 || node->refusal)
+            continue;
         assert_true(node->mode >= 0);
         for (int k = 0; k < node->n_departure; k++) {
             int rows = 0;
             if (ric_node_impacts(node, node->departures[k].choice)) continue;
             for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
                 ric_branch b = branch_of(atlas, id);
-                rows += b.impacts == 0 && b.mode == g->model->mode[node->mode] + 1 && b.to && junction_of(atlas, b.to).impacts == 0;
+                rows += b.impacts == 0 && b.mode == g->model->mode[node->mode] + 1 && b.to &&
+                        junction_of(atlas, b.to).impacts == 0;
             }
-            if (rows != there(&node->departures[k])) report(g, i, name, "linear modes", 0, there(&node->departures[k]), rows);
+            if (rows != there(&node->departures[k]))
+                report(g, i, name, "linear modes", 0, there(&node->departures[k]), rows);
         }
     }
 }
@@ -229,7 +243,8 @@ static void check_study(const ric_study *study, const char *name)
         said += n;
     }
     if (ric_atlas_n_unplaced(atlas) != unplaced || said != unplaced)
-        fail_msg("%s: %d events without a junction, the atlas counts %d, its branches %d", name, unplaced, ric_atlas_n_unplaced(atlas), said);
+        fail_msg("%s: %d events without a junction, the atlas counts %d, its branches %d", name, unplaced,
+                 ric_atlas_n_unplaced(atlas), said);
     check_modes(g, atlas, name);
     check_rows(atlas, name);
     ric_atlas_free(atlas);
@@ -250,8 +265,9 @@ static void check_text(const char *model, const char *options)
 
 static void examples(void **state)
 {
-    static const char *const names[] = {"elementary", "symmetric-path", "three-masses", "two-walls",  "corner",     "symmetric-chain",
-                                        "loose-mass", "free-pair",      "beam-midspan", "fractal-base", "cascade"};
+    static const char *const names[] = {"elementary",   "symmetric-path",  "three-masses", "two-walls",
+                                        "corner",       "symmetric-chain", "loose-mass",   "free-pair",
+                                        "beam-midspan", "fractal-base",    "cascade"};
     (void)state;
     failures = 0;
     for (size_t i = 0; i < sizeof names / sizeof *names; i += (size_t)every()) {
@@ -278,7 +294,8 @@ static void multiplications(void **state)
     assert_int_equal(failures, 0);
 }
 
-static const char three[] = "model:\n  mass: [[1.5, 0, 0], [0, 1, 0], [0, 0, 0.8]]\n  stiffness: [[5, -1, 0], [-1, 3, -2], [0, -2, 5]]\n  contacts:\n"
+static const char three[] = "model:\n  mass: [[1.5, 0, 0], [0, 1, 0], [0, 0, 0.8]]\n"
+                            "  stiffness: [[5, -1, 0], [-1, 3, -2], [0, -2, 5]]\n  contacts:\n"
                             "    - {normal: [1, 0, 0], clearance: 1, sides: upper, law: rigid}\n"
                             "    - {normal: [0, -1, 1], clearance: 0.7, sides: both, law: rigid}\n";
 
@@ -287,7 +304,8 @@ static void three_modes(void **state)
     (void)state;
     failures = 0;
     check_text(three, "energy: [0, 20], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 2");
-    check_text("model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], [-2, 5, -3], [0, -3, 7]]\n  contacts:\n"
+    check_text("model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], [-2, 5, -3], [0, -3, "
+               "7]]\n  contacts:\n"
                "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n",
                "energy: [0, 50], frequency: [0.1, 30], impacts: 8, multiply: 4, depth: 3");
     assert_int_equal(failures, 0);
@@ -302,7 +320,9 @@ static void one_start(void **state)
         for (int mode = 1; mode <= 2; mode++)
             for (int multiply = 1; multiply <= 3; multiply += 2) {
                 char options[128];
-                snprintf(options, sizeof options, "start: [%d], energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: %d, depth: %d", mode, multiply, depth);
+                snprintf(options, sizeof options,
+                         "start: [%d], energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: %d, depth: %d",
+                         mode, multiply, depth);
                 if (multiply == 1 || depth) check_text(two, options);
             }
     assert_int_equal(failures, 0);
@@ -310,6 +330,7 @@ static void one_start(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications), cmocka_unit_test(three_modes), cmocka_unit_test(one_start)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications),
+                                       cmocka_unit_test(three_modes), cmocka_unit_test(one_start)};
     return cmocka_run_group_tests_name("departures", tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Floquet multipliers: two forms of one orbit, differences of the simulator's motion, determinants, growth near a grazing. */
+/* Floquet multipliers: two forms of one orbit, differences of the simulator's motion, determinants, growth near a
+ * grazing. */
 #include <complex.h>
 #include <math.h>
 #include <setjmp.h>
@@ -47,7 +48,8 @@ static void coefficients(const ric_floquet *f, double *e)
         for (int j = i + 1; j > 0; j--) p[j] += p[j - 1] * (f->rho[2 * i] + I * f->rho[2 * i + 1]);
     for (int j = 1; j <= k; j++) {
         e[j - 1] = creal(p[j]);
-        if (fabs(cimag(p[j])) > 1e-9 * (1 + cabs(p[j]))) fail_msg("rho are not pairs of conjugates: e_%d has %.3g i", j, cimag(p[j]));
+        if (fabs(cimag(p[j])) > 1e-9 * (1 + cabs(p[j])))
+            fail_msg("rho are not pairs of conjugates: e_%d has %.3g i", j, cimag(p[j]));
     }
 }
 
@@ -88,17 +90,21 @@ static void compare(const ric_floquet *a, const ric_floquet *b, const char *wher
     compared++;
     coefficients(a, x);
     coefficients(b, y);
-    double size = fmax(size_of(a), size_of(b)), tolerance = 4 * (a->error + b->error) + 1e-10 * size; /* and the orbits' own rounding */
+    /* and the orbits' own rounding */
+    double size = fmax(size_of(a), size_of(b)), tolerance = 4 * (a->error + b->error) + 1e-10 * size;
     for (int i = 0; i < a->n_pair; i++, tolerance *= 2 * size)
         if (!(fabs(x[i] - y[i]) <= tolerance))
-            fail_msg("%s: coefficient %d of rho: %.15g and %.15g, error %.3g allowed", where, i + 1, x[i], y[i], tolerance);
+            fail_msg("%s: coefficient %d of rho: %.15g and %.15g, error %.3g allowed", where, i + 1, x[i], y[i],
+                     tolerance);
     if (a->stable != RIC_STABLE_UNDECIDED && b->stable != RIC_STABLE_UNDECIDED && a->stable != b->stable)
-        fail_msg("%s: stable %d and %d, rho %.15g %.15g and %.15g %.15g", where, a->stable, b->stable, a->rho[0], a->rho[1], b->rho[0], b->rho[1]);
+        fail_msg("%s: stable %d and %d, rho %.15g %.15g and %.15g %.15g", where, a->stable, b->stable, a->rho[0],
+                 a->rho[1], b->rho[0], b->rho[1]);
     if (a->n_pair != 1) {
         assert_true(isnan(a->trace_asinh) && isnan(a->rotation) && isnan(b->trace_asinh) && isnan(b->rotation));
         return;
     }
-    assert_true(fabs(sinh(a->trace_asinh) * 2 - a->rho[0]) <= 1e-12 * (1 + fabs(a->rho[0])) * (1 + fabs(a->trace_asinh)));
+    assert_true(fabs(sinh(a->trace_asinh) * 2 - a->rho[0]) <=
+                1e-12 * (1 + fabs(a->rho[0])) * (1 + fabs(a->trace_asinh)));
     if (fabs(a->rho[0]) < 2 - 2 * a->error && fabs(b->rho[0]) < 2 - 2 * b->error) {
         double off = fabs(a->rotation - b->rotation), slope = 2 * PI * sqrt(4 - a->rho[0] * a->rho[0]);
         if (!(fmin(off, 1 - off) <= 4 * (a->error + b->error) / slope + 1e-12))
@@ -125,7 +131,8 @@ static void check_determinants(const ric_chain *chain, const ric_floquet *f, con
     for (int i = 0; i < k; i++) product *= f->rho[2 * i] + I * f->rho[2 * i + 1] + 2;
     double tolerance = 8 * off + 8 * k * f->error * pow(size_of(f) + 2, k - 1) + 1e-12 * cabs(product);
     if (!(fabs(full - creal(product)) <= tolerance))
-        fail_msg("%s: prod (rho + 2) = %.15g, from determinants %.15g, error %.3g allowed", where, creal(product), full, tolerance);
+        fail_msg("%s: prod (rho + 2) = %.15g, from determinants %.15g, error %.3g allowed", where, creal(product), full,
+                 tolerance);
 }
 
 static void forms_agree(void **state)
@@ -140,10 +147,12 @@ static void forms_agree(void **state)
             for (int trial = 0; trial < 16; trial += every()) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 ric_model *m = random_structure_of(seed, n, 1 + trial % 2, trial % 8 == 7, false);
-                ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u); /* at least one impact in every form */
+                /* at least one impact in every form */
+                ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
                 ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
                 if (cycle && slowest(chain) > 1e-3 && primitive(m, cycle)) {
-                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n, form, chain->n_flight);
+                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
+                             form, chain->n_flight);
                     ric_chain *general = general_form(m, cycle, false, &v);
                     ric_floquet a = multipliers(chain, u), b = multipliers(general, v);
                     compare(&a, &b, where);
@@ -177,10 +186,12 @@ static const char *const studies[] = {
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n"
     "explore: {energy: [0, 90], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 3}\n",
     "model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1.5]]\n  stiffness: [[9, -1, 0], [-1, 2.3, -1.3], [0, -1.3, 1.3]]\n"
-    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 60], frequency: [0.2, 10], impacts: 4, multiply: 1, depth: 2}\n",
+    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 60], frequency: [0.2, 10], impacts: 4, "
+    "multiply: 1, depth: 2}\n",
     "model:\n  mass: [[1, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 0.8, 0], [0, 0, 0, 1]]\n"
     "  stiffness: [[3, -1, 0, 0], [-1, 2.4, -1.4, 0], [0, -1.4, 2.1, -0.7], [0, 0, -0.7, 0.9]]\n"
-    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 40], frequency: [0.1, 10], impacts: 4, multiply: 1, depth: 2}\n",
+    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 40], frequency: [0.1, 10], impacts: 4, "
+    "multiply: 1, depth: 2}\n",
 };
 
 /* Motion from (x, v) for `time` seconds, in place. */
@@ -194,8 +205,8 @@ static void simulate(ric_simulator *sim, int n, double time, double *x, double *
     ric_simulator_state(sim, NULL, x, v);
 }
 
-/* Derivative of the state (x, v) after one period with respect to the state in the middle of the longest flight: differences of fourth
- * order. M [2n * 2n]. */
+/* Derivative of the state (x, v) after one period with respect to the state in the middle of the longest flight:
+ * differences of fourth order. M [2n * 2n]. */
 static void differenced_monodromy(const ric_model *m, const ric_cycle *cycle, double *M)
 {
     static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
@@ -267,7 +278,8 @@ static bool check_monodromy(const ric_model *m, const ric_cycle *cycle, const ri
             sum += creal(power == 1 ? rho : power == 2 ? rho * rho - 2 : rho * rho * rho - 3 * rho);
         }
         if (!(fabs(trace - sum) <= 1e-5 * pow(2 * n * top, power - 1) * top))
-            fail_msg("%s: trace of M^%d is %.10g + 2 by differences, %.10g + 2 from rho; largest entry %.3g", where, power, trace, sum, top);
+            fail_msg("%s: trace of M^%d is %.10g + 2 by differences, %.10g + 2 from rho; largest entry %.3g", where,
+                     power, trace, sum, top);
         multiply(2 * n, M, P, Q);
         memcpy(P, Q, sizeof Q);
     }
@@ -290,7 +302,8 @@ static void simulator_agrees(void **state)
             ric_trace *trace = graph->edges[e].trace;
             if (!trace) continue;
             for (int i = 0; i < trace->n_point; i += 3) {
-                const double *at = trace->points + (size_t)i * trace->stride, *u = at + sizeof(ric_point) / sizeof(double);
+                const double *at = trace->points + (size_t)i * trace->stride,
+                             *u = at + sizeof(ric_point) / sizeof(double);
                 const ric_point *row = (const ric_point *)at;
                 if (row->approach < 0.1 || row->reach > 0.97) continue;
                 ric_floquet f = multipliers(trace->chain, u);
@@ -301,14 +314,16 @@ static void simulator_agrees(void **state)
                     if (check_monodromy(m, cycle, &f, where)) {
                         done++;
                         stable += f.stable == RIC_STABLE_YES;
-                        for (int k = 1; k < trace->chain->n_flight; k++) inner += trace->chain->face[k] >= 0; /* saltation counts */
+                        /* saltation counts */
+                        for (int k = 1; k < trace->chain->n_flight; k++) inner += trace->chain->face[k] >= 0;
                     } else skipped++;
                     ric_cycle_free(cycle);
                 }
                 ric_floquet_release(&f);
             }
         }
-        print_message("# n = %d: %d orbits, %d stable, %d inner impacts, %d left out\n", m->n, done, stable, inner, skipped);
+        print_message("# n = %d: %d orbits, %d stable, %d inner impacts, %d left out\n", m->n, done, stable, inner,
+                      skipped);
         assert_true(done >= 10 && stable >= 3 && inner >= 3 && skipped <= done / 4);
         ric_graph_free(graph);
         ric_study_free(study);
@@ -324,20 +339,24 @@ static int count_bits(unsigned x)
     return bits;
 }
 
-/* From the stored end of a branch inwards: tau2 grows like one over the speed to the power of the touches kept as impacts. */
+/* From the stored end of a branch inwards: tau2 grows like one over the speed to the power of the touches kept as
+ * impacts. */
 static bool check_growth(const ric_trace *trace, bool far, int power, const char *where)
 {
     ric_chain *c = ric_chain_copy(trace->chain);
     int size = c->n_unknown, last = trace->n_point - 1, steps;
     const double *end = trace->points + (size_t)(far ? last : 0) * trace->stride + sizeof(ric_point) / sizeof(double);
-    const double *next = trace->points + (size_t)(far ? last - 1 : 1) * trace->stride + sizeof(ric_point) / sizeof(double);
+    const double *next = trace->points + (size_t)(far ? last - 1 : 1) * trace->stride +
+                         sizeof(ric_point) / sizeof(double);
     double t[size], u[size], du[size], before[2] = {0, 0};
     for (int i = 0; i < size; i++) t[i] = next[i] - end[i];
     ric_chain_evaluate(c, end);
     memcpy(u, t, sizeof u);
     ric_trace_tangent(c, u, t);
     ric_floquet at = multipliers(c, end); /* the very end: speeds at rounding level */
-    if (isnan(at.trace_asinh)) fail_msg("%s: the trace is NaN at the grazing itself, speed %.3g, form %d-%d", where, slowest(c), c->start, c->end);
+    if (isnan(at.trace_asinh))
+        fail_msg("%s: the trace is NaN at the grazing itself, speed %.3g, form %d-%d", where, slowest(c), c->start,
+                 c->end);
     if (!(fabs(slowest(c)) < 1e-7)) fail_msg("%s: slowest impact at the grazing %.3g", where, slowest(c));
     ric_floquet_release(&at);
     for (int k = 3; k <= 7; k++) {
@@ -378,7 +397,8 @@ static void growth_near_grazing(void **state)
             int power = count_bits(choice);
             if (power == 0) continue;
             char where[64];
-            snprintf(where, sizeof where, "branch %d at E %.6g, %d touches", e, graph->nodes[node]->energy * graph->model->energy_unit, power);
+            snprintf(where, sizeof where, "branch %d at E %.6g, %d touches", e,
+                     graph->nodes[node]->energy * graph->model->energy_unit, power);
             if (check_growth(edge->trace, far, power, where)) seen[power]++;
         }
     }
@@ -413,9 +433,10 @@ static void no_overflow(void **state)
                 ric_chain *many = general_form(m, longer, false, &w);
                 ric_floquet b = multipliers(many, w);
                 double expected = k * acosh(fabs(a.rho[0]) / 2), relative = a.error / fabs(a.rho[0]) + 1e-9;
-                if (!(fabs(fabs(b.trace_asinh) - expected) <= 1e-6 * expected + 4 * k * relative) || (b.trace_asinh > 0) != (a.rho[0] > 0))
-                    fail_msg("seed %llu: %d times around: log of tau2 %.12g, expected %.12g (sign of tau2 once: %g)", (unsigned long long)seed, k,
-                             b.trace_asinh, expected, copysign(1, a.rho[0]));
+                if (!(fabs(fabs(b.trace_asinh) - expected) <= 1e-6 * expected + 4 * k * relative) ||
+                    (b.trace_asinh > 0) != (a.rho[0] > 0))
+                    fail_msg("seed %llu: %d times around: log of tau2 %.12g, expected %.12g (sign of tau2 once: %g)",
+                             (unsigned long long)seed, k, b.trace_asinh, expected, copysign(1, a.rho[0]));
                 assert_int_equal(b.stable, RIC_STABLE_NO);
                 done++;
                 ric_floquet_release(&b);
@@ -438,7 +459,10 @@ static void no_overflow(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(forms_agree), cmocka_unit_test(simulator_agrees), cmocka_unit_test(growth_near_grazing), cmocka_unit_test(no_overflow),
+        cmocka_unit_test(forms_agree),
+        cmocka_unit_test(simulator_agrees),
+        cmocka_unit_test(growth_near_grazing),
+        cmocka_unit_test(no_overflow),
     };
     return cmocka_run_group_tests_name("floquet", tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* The hunt: its map against the simulator, differences and area, its orbits against closed forms, and both ways against atlases. */
+/* The hunt: its map against the simulator, differences and area, its orbits against closed forms, and both ways against
+ * atlases. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -94,7 +95,8 @@ static void map_has_its_slopes(const ric_section *s)
         double D[4];
         if (!random_hit(s, &a) || !follow(s, &a, &b) || fabs(b.angle) > 1.2) continue;
         assert_true(ric_section_slope(s, &a, &b, D));
-        assert_float_equal((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1, 1e-9 * (1 + fabs(D[0] * D[3])));
+        assert_float_equal((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1,
+                           1e-9 * (1 + fabs(D[0] * D[3])));
         for (int k = 0; k < 2; k++) {
             bool good = true;
             for (int side = 0; side < 2; side++) {
@@ -133,16 +135,26 @@ static void test_map(void **state)
 /* Three seen modes, losses, springs: each refused with a message of its own. */
 static void test_refusals(void **state)
 {
-    static const struct { const char *text, *message; } cases[] = {
-        {"title: t\nmodel:\n  mass: [[1,0,0],[0,1,0],[0,0,1]]\n  stiffness: [[2,-1,0],[-1,2,-1],[0,-1,2]]\n  contacts:\n"
-         "    - {normal: [1, 0, 0], clearance: 1.0, law: rigid}\n", "see 3 modes"},
-        {"title: t\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n    - {normal: [1], clearance: 1.0, law: rigid}\n", "see 1 modes"},
-        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  restitution: 0.9\n  contacts:\n"
-         "    - {normal: [-1, 1], clearance: 1.0, law: rigid}\n", "losses"},
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"title: t\nmodel:\n  mass: [[1,0,0],[0,1,0],[0,0,1]]\n  stiffness: [[2,-1,0],[-1,2,-1],[0,-1,2]]\n"
+         "  contacts:\n"
+         "    - {normal: [1, 0, 0], clearance: 1.0, law: rigid}\n",
+         "see 3 modes"},
+        {"title: t\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n    - {normal: [1], clearance: 1.0, law: "
+         "rigid}\n",
+         "see 1 modes"},
+        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  restitution: 0.9\n"
+         "  contacts:\n"
+         "    - {normal: [-1, 1], clearance: 1.0, law: rigid}\n",
+         "losses"},
         {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-         "    - {normal: [-1, 1], clearance: 1.0, law: bilinear, stiffness: 10}\n", "rigid"},
+         "    - {normal: [-1, 1], clearance: 1.0, law: bilinear, stiffness: 10}\n",
+         "rigid"},
         {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-         "    - {normal: [-1, 1], law: power, exponent: 3, stiffness: 10}\n", "rigid"},
+         "    - {normal: [-1, 1], law: power, exponent: 3, stiffness: 10}\n",
+         "rigid"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -206,14 +218,17 @@ static void test_closed_forms(void **state)
     ric_study_free(study);
 }
 
-/* Two searches that have nothing in common come to the same orbits, and all but the most unstable are found by random starts alone. */
+/* Two searches that have nothing in common come to the same orbits, and all but the most unstable are found by random
+ * starts alone. */
 static void test_two_ways(void **state)
 {
     ric_study *study = parse(TWO_MASSES);
-    ric_hunt *rows = hunt(ric_study_model(study), 5, 4, 31, 40, 0), *random = hunt(ric_study_model(study), 5, 4, 31, 0, 60000);
+    ric_hunt *rows = hunt(ric_study_model(study), 5, 4, 31, 40, 0),
+             *random = hunt(ric_study_model(study), 5, 4, 31, 0, 60000);
     int common = 0;
     (void)state;
-    for (int i = 0; i < random->n; i++) common += ric_hunt_find(rows, random->prey[i].N, random->prey[i].hits, 1e-8) >= 0;
+    for (int i = 0; i < random->n; i++)
+        common += ric_hunt_find(rows, random->prey[i].N, random->prey[i].hits, 1e-8) >= 0;
     assert_int_equal(common, random->n);
     assert_int_equal(common, rows->n);
     assert_true(rows->n >= 10);
@@ -243,7 +258,8 @@ static ric_comparison *compare(ric_hunt *h, const ric_atlas *atlas)
     if (ric_hunt_compare(h, atlas, &c)) fail_msg("%s", ric_detail());
     for (int i = 0; i < h->n; i++)
         if (c->findings[i].state == RIC_PREY_UNEXPLAINED)
-            fail_msg("E %g: an orbit of %d impacts and period %.12g is not explained: %s", h->options.energy, h->prey[i].N, h->prey[i].period, c->findings[i].why);
+            fail_msg("E %g: an orbit of %d impacts and period %.12g is not explained: %s", h->options.energy,
+                     h->prey[i].N, h->prey[i].period, c->findings[i].why);
     return c;
 }
 
@@ -251,13 +267,14 @@ static ric_comparison *compare(ric_hunt *h, const ric_atlas *atlas)
 static void test_article(void **state)
 {
     static const double energies[] = {0.7, 1.5, 2.5, 5, 12};
-    ric_atlas *atlas = explore_text(TWO_MASSES "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 10, multiply: 4, depth: 0}\n");
+    ric_atlas *atlas = explore_text(
+        TWO_MASSES "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 10, multiply: 4, depth: 0}\n");
     (void)state;
     for (int e = 0; e < 5; e++) {
         ric_hunt *h = hunt(ric_atlas_model(atlas), energies[e], 6, 2 * PI / 0.2, 12, 20000);
         ric_comparison *c = compare(h, atlas);
-        print_message("E %g: %d of %d found again, %d found in all, %d beyond budgets, %d isolated\n", energies[e], c->n_again, c->n_atlas, h->n,
-                      count(h, c, RIC_PREY_BUDGET), count(h, c, RIC_PREY_ISOLATED));
+        print_message("E %g: %d of %d found again, %d found in all, %d beyond budgets, %d isolated\n", energies[e],
+                      c->n_again, c->n_atlas, h->n, count(h, c, RIC_PREY_BUDGET), count(h, c, RIC_PREY_ISOLATED));
         assert_true(c->n_atlas >= 10);
         assert_true(c->n_again >= 0.95 * c->n_atlas);
         assert_int_equal(c->n_atlas - c->n_again, c->n_missed);
@@ -267,10 +284,12 @@ static void test_article(void **state)
     ric_atlas_free(atlas);
 }
 
-/* An atlas of small depth lacks what lies beyond it, and the reason is named; said to have left everything, it would be at fault. */
+/* An atlas of small depth lacks what lies beyond it, and the reason is named; said to have left everything, it would be
+ * at fault. */
 static void test_fault(void **state)
 {
-    ric_atlas *atlas = explore_text(TWO_MASSES "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}\n");
+    ric_atlas *atlas = explore_text(
+        TWO_MASSES "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}\n");
     ric_hunt *h = hunt(ric_atlas_model(atlas), 1.5, 4, 2 * PI / 0.2, 12, 20000);
     ric_comparison *c = compare(h, atlas);
     (void)state;
@@ -312,8 +331,13 @@ static void test_other_structures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_map),         cmocka_unit_test(test_refusals), cmocka_unit_test(test_closed_forms), cmocka_unit_test(test_two_ways),
-        cmocka_unit_test(test_article),     cmocka_unit_test(test_fault),    cmocka_unit_test(test_other_structures),
+        cmocka_unit_test(test_map),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_closed_forms),
+        cmocka_unit_test(test_two_ways),
+        cmocka_unit_test(test_article),
+        cmocka_unit_test(test_fault),
+        cmocka_unit_test(test_other_structures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

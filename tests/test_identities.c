@@ -1,8 +1,9 @@
-/* Junctions and backbones of random models against closed forms, from M and K by code that shares nothing with the solver.
+/* Junctions and backbones of random models against closed forms, from M and K by code that shares nothing with the
+ * solver.
  *
  * One two-sided contact, clearance d, c_i = phi_i . b, tau = pi / omega the flight of S2[01]. Between its impacts
- *   s(t) / d = sum(c_i^2 sin(omega_i t) / (omega_i cos(omega_i tau/2))) / F,  F = sum(c_i^2 tan(omega_i tau/2) / omega_i),  |t| < tau/2,
- * and E / d^2 = sum(c_i^2 sec^2(omega_i tau/2)) / (2 F^2). */
+ *   s(t) / d = sum(c_i^2 sin(omega_i t) / (omega_i cos(omega_i tau/2))) / F,  F = sum(c_i^2 tan(omega_i tau/2) /
+ * omega_i),  |t| < tau/2, and E / d^2 = sum(c_i^2 sec^2(omega_i tau/2)) / (2 F^2). */
 #include <complex.h>
 #include <math.h>
 #include <setjmp.h>
@@ -84,7 +85,8 @@ static structure random_structure(uint64_t seed, int n)
         s.clearance = uniform(0.3, 3);
         solve_modes(&s);
         bool good = true;
-        for (int i = 0; i < n; i++) good = good && fabs(s.c[i]) > 0.02 && (i == 0 || s.omega[i] > 1.01 * s.omega[i - 1]);
+        for (int i = 0; i < n; i++)
+            good = good && fabs(s.c[i]) > 0.02 && (i == 0 || s.omega[i] > 1.01 * s.omega[i - 1]);
         if (good) return s;
     }
 }
@@ -94,29 +96,35 @@ static int print_matrix(char *out, size_t size, const char *key, int n, const do
     int used = snprintf(out, size, "  %s: [", key);
     for (int i = 0; i < n; i++) {
         used += snprintf(out + used, size - (size_t)used, "%s[", i ? ", " : "");
-        for (int j = 0; j < n; j++) used += snprintf(out + used, size - (size_t)used, "%s%.17g", j ? ", " : "", A[i * n + j]);
+        for (int j = 0; j < n; j++)
+            used += snprintf(out + used, size - (size_t)used, "%s%.17g", j ? ", " : "", A[i * n + j]);
         used += snprintf(out + used, size - (size_t)used, "]");
     }
     return used + snprintf(out + used, size - (size_t)used, "]\n");
 }
 
-static ric_atlas *explore(const structure *s, const char *sides, double energy, double slowest, double fastest, int impacts, int depth)
+static ric_atlas *explore(const structure *s, const char *sides, double energy, double slowest, double fastest,
+                          int impacts, int depth)
 {
     static char text[16384];
     size_t size = sizeof text;
     int used = snprintf(text, size, "model:\n");
     used += print_matrix(text + used, size - (size_t)used, "mass", s->n, s->M);
     used += print_matrix(text + used, size - (size_t)used, "stiffness", s->n, s->K);
-    used += snprintf(text + used, size - (size_t)used, "  contacts:\n    - {clearance: %.17g, sides: %s, normal: [", s->clearance, sides);
-    for (int i = 0; i < s->n; i++) used += snprintf(text + used, size - (size_t)used, "%s%.17g", i ? ", " : "", s->b[i]);
-    snprintf(text + used, size - (size_t)used, "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, multiply: 2, depth: %d}\n", energy,
-             slowest, fastest, impacts, depth);
+    used += snprintf(text + used, size - (size_t)used, "  contacts:\n    - {clearance: %.17g, sides: %s, normal: [",
+                     s->clearance, sides);
+    for (int i = 0; i < s->n; i++)
+        used += snprintf(text + used, size - (size_t)used, "%s%.17g", i ? ", " : "", s->b[i]);
+    snprintf(text + used, size - (size_t)used,
+             "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, multiply: 2, depth: %d}\n",
+             energy, slowest, fastest, impacts, depth);
     return explore_text(text);
 }
 
 /* ------------------------------------------------------------- closed forms */
 
-/* Energy of S2[01] at frequency omega; analytic in omega, so that an imaginary step gives its derivative without cancellation. */
+/* Energy of S2[01] at frequency omega; analytic in omega, so that an imaginary step gives its derivative without
+ * cancellation. */
 static double complex s2_energy(const structure *s, double complex omega)
 {
     double complex top = 0, F = 0;
@@ -164,13 +172,13 @@ static void check_energy(closed_form *E, const structure *s, double omega, doubl
 {
     double closed = creal(E(s, omega)), allowed = 1e-12 * conditioning(E, s, omega);
     if (!(fabs(energy - closed) <= allowed * fabs(closed)))
-        fail_msg("%s: omega %.15g: E %.15g, closed form %.15g, off by %.3g of %.3g allowed", where, omega, energy, closed,
-                 fabs(energy - closed) / closed, allowed);
+        fail_msg("%s: omega %.15g: E %.15g, closed form %.15g, off by %.3g of %.3g allowed", where, omega, energy,
+                 closed, fabs(energy - closed) / closed, allowed);
 }
 
-/* Branch points of S2[01], T = 2 pi / omega, and the derivative over omega. kind 0: impulses of different size, equal flights,
- * sum (c_i^2 / omega_i) cot(omega_i T/4) = 0. Kind 1: equal impulses, different flights: sum K' = 0 of the impulse form must have a free
- * second time, K''(T/2) = 0 or sum c_i^2 omega_i / sin(omega_i T/2) = 0. */
+/* Branch points of S2[01], T = 2 pi / omega, and the derivative over omega. kind 0: impulses of different size, equal
+ * flights, sum (c_i^2 / omega_i) cot(omega_i T/4) = 0. Kind 1: equal impulses, different flights: sum K' = 0 of the
+ * impulse form must have a free second time, K''(T/2) = 0 or sum c_i^2 omega_i / sin(omega_i T/2) = 0. */
 static double branching(const structure *s, int kind, double omega, double *slope)
 {
     double sum = 0, d = 0;
@@ -254,12 +262,14 @@ static void check_linear(const structure *s, const ric_junction *j, const char *
     for (int i = 0; i < s->n; i++) {
         double E = s->omega[i] * s->omega[i] / (2 * s->c[i] * s->c[i]);
         if (fabs(j->frequency - s->omega[i]) > 1e-9 * s->omega[i]) continue;
-        if (!(fabs(j->energy - E) <= 1e-12 * E)) fail_msg("%s: linear grazing of mode %d at %.15g, not %.15g", where, i + 1, j->energy, E);
+        if (!(fabs(j->energy - E) <= 1e-12 * E))
+            fail_msg("%s: linear grazing of mode %d at %.15g, not %.15g", where, i + 1, j->energy, E);
         count->linear++;
     }
 }
 
-static void check_s2_junction(const structure *s, const ric_branch *b, const ric_junction *j, const char *where, tally *count)
+static void check_s2_junction(const structure *s, const ric_branch *b, const ric_junction *j, const char *where,
+                              tally *count)
 {
     double omega = j->frequency, slope;
     int touches;
@@ -269,7 +279,8 @@ static void check_s2_junction(const structure *s, const ric_branch *b, const ric
     if (j->kind == RIC_KIND_EXTREMUM) {
         double h = 1e-5 * omega, E1 = slope_of(s2_energy, s, omega);
         double E2 = (slope_of(s2_energy, s, omega + h) - slope_of(s2_energy, s, omega - h)) / (2 * h);
-        if (!(fabs(E1 / E2) <= 1e-10 * omega)) fail_msg("%s: extremum of E at omega %.15g, off by %.3g", where, omega, E1 / E2);
+        if (!(fabs(E1 / E2) <= 1e-10 * omega))
+            fail_msg("%s: extremum of E at omega %.15g, off by %.3g", where, omega, E1 / E2);
         assert_true(j->a == 3 && j->b == 1);
         count->extrema++;
     } else if (j->kind == RIC_KIND_BRANCH_POINT && has(b->n_junction, b->junctions, j->id)) {
@@ -284,13 +295,16 @@ static void check_s2_junction(const structure *s, const ric_branch *b, const ric
         count->branch_points[off[1] < off[0]]++;
     } else if (j->kind == RIC_KIND_GRAZING) {
         double reach = s2_reach(s, omega, &touches);
-        if (!(fabs(reach - 1) <= 1e-10)) fail_msg("%s: grazing at omega %.15g, but the gap opens to %.15g", where, omega, reach);
-        if (j->grazings != 2 * touches) fail_msg("%s: grazing at omega %.15g with p = %d, %d touches a flight", where, omega, j->grazings, touches);
+        if (!(fabs(reach - 1) <= 1e-10))
+            fail_msg("%s: grazing at omega %.15g, but the gap opens to %.15g", where, omega, reach);
+        if (j->grazings != 2 * touches)
+            fail_msg("%s: grazing at omega %.15g with p = %d, %d touches a flight", where, omega, j->grazings, touches);
         count->grazings++;
     }
 }
 
-/* Zeros of dE/domega (kind -1) or of a branching equation strictly between two frequencies, from the closed forms; poles do not count. */
+/* Zeros of dE/domega (kind -1) or of a branching equation strictly between two frequencies, from the closed forms;
+ * poles do not count. */
 static int count_zeros(const structure *s, int kind, double lo, double hi)
 {
     int steps = 6000, zeros = 0;
@@ -305,7 +319,8 @@ static int count_zeros(const structure *s, int kind, double lo, double hi)
     return zeros;
 }
 
-static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ric_branch *b, const char *where, tally *count)
+static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ric_branch *b, const char *where,
+                            tally *count)
 {
     int extrema = 0, branch_points = 0, touches;
     for (int i = 0; i < b->n_point; i++) {
@@ -316,10 +331,12 @@ static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ri
         for (int k = 0; k < s->n; k++) linear = linear || fabs(p.frequency / s->omega[k] - 1) < 1e-6;
         if (linear) continue;
         check_energy(s2_energy, s, p.frequency, p.energy, where);
-        assert_true(fabs(flights[0] - PI / p.frequency) <= 1e-13 * flights[0] && fabs(flights[1] - flights[0]) <= 1e-13 * flights[0]);
+        assert_true(fabs(flights[0] - PI / p.frequency) <= 1e-13 * flights[0] &&
+                    fabs(flights[1] - flights[0]) <= 1e-13 * flights[0]);
         if (s->n == 2) {
             double reach = s2_reach(s, p.frequency, &touches), stored = isnan(p.reach) ? 0 : p.reach;
-            if (!(fabs(reach - stored) <= 1e-9)) fail_msg("%s: omega %.15g: reach %.12g, closed form %.12g", where, p.frequency, p.reach, reach);
+            if (!(fabs(reach - stored) <= 1e-9))
+                fail_msg("%s: omega %.15g: reach %.12g, closed form %.12g", where, p.frequency, p.reach, reach);
         }
         count->points++;
     }
@@ -340,8 +357,10 @@ static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ri
     /* none is missed: omega grows along a backbone */
     int expected = count_zeros(s, -1, b->frequency_min, b->frequency_max);
     if (extrema != expected) fail_msg("%s: %d extrema, %d zeros of dE/domega", where, extrema, expected);
-    expected = count_zeros(s, 0, b->frequency_min, b->frequency_max) + count_zeros(s, 1, b->frequency_min, b->frequency_max);
-    if (branch_points != expected) fail_msg("%s: %d branch points, %d zeros of the branching equation", where, branch_points, expected);
+    expected = count_zeros(s, 0, b->frequency_min, b->frequency_max) +
+               count_zeros(s, 1, b->frequency_min, b->frequency_max);
+    if (branch_points != expected)
+        fail_msg("%s: %d branch points, %d zeros of the branching equation", where, branch_points, expected);
 }
 
 static void junctions_of_two_masses(void **state)
@@ -359,7 +378,8 @@ static void junctions_of_two_masses(void **state)
             snprintf(where, sizeof where, "seed %llu, junction %d %s", (unsigned long long)seed, id, j.label);
             if (j.impacts == 0 && j.kind == RIC_KIND_GRAZING && j.multiple == 1) check_linear(&s, &j, where, &count);
         }
-        if (count.linear - linear != 2) fail_msg("seed %llu: %d linear grazings", (unsigned long long)seed, count.linear - linear);
+        if (count.linear - linear != 2)
+            fail_msg("seed %llu: %d linear grazings", (unsigned long long)seed, count.linear - linear);
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
             ric_branch b;
             char where[80];
@@ -370,9 +390,11 @@ static void junctions_of_two_masses(void **state)
         }
         ric_atlas_free(atlas);
     }
-    print_message("# %d extrema, %d + %d branch points, %d grazings of S2, %d linear grazings, %d points\n", count.extrema,
-                  count.branch_points[0], count.branch_points[1], count.grazings, count.linear, count.points);
-    assert_true(count.extrema >= 20 && count.branch_points[0] >= 5 && count.branch_points[1] >= 1 && count.grazings >= 5 && count.linear == 40);
+    print_message("# %d extrema, %d + %d branch points, %d grazings of S2, %d linear grazings, %d points\n",
+                  count.extrema, count.branch_points[0], count.branch_points[1], count.grazings, count.linear,
+                  count.points);
+    assert_true(count.extrema >= 20 && count.branch_points[0] >= 5 && count.branch_points[1] >= 1 &&
+                count.grazings >= 5 && count.linear == 40);
 }
 
 /* -------------------------------------------------------- backbones, n = 1..12 */
@@ -392,14 +414,16 @@ static void backbones(void **state)
             for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
                 ric_junction j;
                 assert_int_equal(ric_atlas_junction(atlas, id, &j), RIC_OK);
-                if (j.impacts == 0 && j.kind == RIC_KIND_GRAZING && j.multiple == 1) check_linear(&s, &j, "backbones", &count);
+                if (j.impacts == 0 && j.kind == RIC_KIND_GRAZING && j.multiple == 1)
+                    check_linear(&s, &j, "backbones", &count);
             }
             assert_int_equal(count.linear - linear, n);
             for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
                 ric_branch b;
                 char where[80];
                 assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
-                snprintf(where, sizeof where, "seed %llu, n = %d, branch %d %s", (unsigned long long)seed, n, id, b.label);
+                snprintf(where, sizeof where, "seed %llu, n = %d, branch %d %s", (unsigned long long)seed, n, id,
+                         b.label);
                 if (b.stop == RIC_STOP_FAILED) fail_msg("%s: %s", where, b.why);
                 if (!is_s2(&b)) continue;
                 check_s2_branch(&s, atlas, &b, where, &count);
@@ -408,8 +432,8 @@ static void backbones(void **state)
             if (backbones < 1) fail_msg("seed %llu, n = %d: no backbone", (unsigned long long)seed, n);
             ric_atlas_free(atlas);
         }
-    print_message("# %d points, %d extrema, %d + %d branch points, %d grazings\n", count.points, count.extrema, count.branch_points[0],
-                  count.branch_points[1], count.grazings);
+    print_message("# %d points, %d extrema, %d + %d branch points, %d grazings\n", count.points, count.extrema,
+                  count.branch_points[0], count.branch_points[1], count.grazings);
     assert_true(count.points > 500);
 }
 
@@ -424,20 +448,25 @@ static void one_mass(void **state)
             structure s = random_structure(seed, 1);
             double E0 = s.omega[0] * s.omega[0] / (2 * s.c[0] * s.c[0]);
             ric_atlas *atlas = explore(&s, sides[sided], 50 * E0, 0.1 * s.omega[0], 20 * s.omega[0], 12, 5);
-            if (ric_atlas_n_branch(atlas) != 2) fail_msg("seed %llu, %s: %d branches", (unsigned long long)seed, sides[sided], ric_atlas_n_branch(atlas));
+            if (ric_atlas_n_branch(atlas) != 2)
+                fail_msg("seed %llu, %s: %d branches", (unsigned long long)seed, sides[sided],
+                         ric_atlas_n_branch(atlas));
             ric_branch b;
             assert_int_equal(ric_atlas_branch(atlas, 1, &b), RIC_OK);
             assert_true(!strncmp(b.label, "S0", 2) && b.impacts == 0 && b.n_junction == 0);
             assert_int_equal(ric_atlas_branch(atlas, 2, &b), RIC_OK);
-            if (strncmp(b.label, sided ? "A1" : "S2", 2) || b.impacts != (sided ? 1 : 2)) fail_msg("seed %llu, %s: %s", (unsigned long long)seed, sides[sided], b.label);
+            if (strncmp(b.label, sided ? "A1" : "S2", 2) || b.impacts != (sided ? 1 : 2))
+                fail_msg("seed %llu, %s: %s", (unsigned long long)seed, sides[sided], b.label);
             if (b.stop != RIC_STOP_WINDOW || b.n_junction)
-                fail_msg("seed %llu, %s: %s stops: %s (%s), passes %d", (unsigned long long)seed, sides[sided], b.label, ric_stop_text(b.stop), b.why, b.n_junction);
+                fail_msg("seed %llu, %s: %s stops: %s (%s), passes %d", (unsigned long long)seed, sides[sided], b.label,
+                         ric_stop_text(b.stop), b.why, b.n_junction);
             for (int i = 0; i < b.n_point; i++) {
                 ric_point p;
                 double x[2], tau[2];
                 assert_int_equal(ric_atlas_point(atlas, 2, i, &p, x, tau), RIC_OK);
                 assert_int_equal(p.stable, RIC_STABLE_YES);
-                if (fabs(p.frequency / s.omega[0] - 1) > 1e-6) check_energy(sided ? a1_energy : s2_energy, &s, p.frequency, p.energy, sides[sided]);
+                if (fabs(p.frequency / s.omega[0] - 1) > 1e-6)
+                    check_energy(sided ? a1_energy : s2_energy, &s, p.frequency, p.energy, sides[sided]);
             }
             int singles = 0;
             for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
@@ -491,7 +520,10 @@ static void one_sided(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(junctions_of_two_masses), cmocka_unit_test(backbones), cmocka_unit_test(one_mass), cmocka_unit_test(one_sided),
+        cmocka_unit_test(junctions_of_two_masses),
+        cmocka_unit_test(backbones),
+        cmocka_unit_test(one_mass),
+        cmocka_unit_test(one_sided),
     };
     return cmocka_run_group_tests_name("identities", tests, NULL, NULL);
 }

@@ -1,10 +1,12 @@
-/* Orbits of explored atlases against the impulse form, a second formulation that shares only the modes, which are computed here.
+/* Orbits of explored atlases against the impulse form, a second formulation that shares only the modes, which are
+ * computed here.
  *
- * An orbit of period T with momenta J_k exchanged along the normals b_k at times t_k is q_i(t) = sum_k J_k c_ki G_i(t - t_k),
- * G_i(s) = cos(omega_i (s - T/2)) / (2 omega_i sin(omega_i T/2)) for 0 <= s < T. With K_fg = sum_i c_fi c_gi G_i:
- *   sum_k J_k K(t_j - t_k) = +-d_j               every impact is on its face
+ * An orbit of period T with momenta J_k exchanged along the normals b_k at times t_k is q_i(t) = sum_k J_k c_ki
+ * G_i(t - t_k), G_i(s) = cos(omega_i (s - T/2)) / (2 omega_i sin(omega_i T/2)) for 0 <= s < T. With K_fg = sum_i c_fi
+ * c_gi G_i:   sum_k J_k K(t_j - t_k) = +-d_j               every impact is on its face
  *   sum_{k != j} J_k K'(t_j - t_k) = 0           the speed turns round
- * For z(t+T/2) = -z(t) the same over half a period h = T/2 with G_i(s) = sin(omega_i (s - h/2)) / (2 omega_i cos(omega_i h/2)). */
+ * For z(t+T/2) = -z(t) the same over half a period h = T/2 with G_i(s) = sin(omega_i (s - h/2)) /
+ * (2 omega_i cos(omega_i h/2)). */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -58,7 +60,8 @@ typedef struct {
     double T, t[MAX_IMPACT], J[MAX_IMPACT], r[MAX_IMPACT];
 } impulses;
 
-/* Times and impulses along an orbit, flown in modal coordinates from the state after impact 0 with the flight times given. */
+/* Times and impulses along an orbit, flown in modal coordinates from the state after impact 0 with the flight times
+ * given. */
 static impulses collect(const modes *m, int N, const int *word, const double *state, const double *flights)
 {
     impulses out = {.N = N};
@@ -81,7 +84,8 @@ static impulses collect(const modes *m, int N, const int *word, const double *st
         assert_int_equal(ric_model_contact(m->model, f, &contact), RIC_OK);
         double speed = 0;
         for (int i = 0; i < n; i++) {
-            double co = cos(m->omega[i] * flights[k]), si = sin(m->omega[i] * flights[k]), a = q[i], b = p[i] / m->omega[i];
+            double co = cos(m->omega[i] * flights[k]), si = sin(m->omega[i] * flights[k]), a = q[i],
+                   b = p[i] / m->omega[i];
             q[i] = a * co + b * si;
             p[i] = m->omega[i] * (b * co - a * si);
             speed += m->c[f * n + i] * p[i];
@@ -97,10 +101,11 @@ static impulses collect(const modes *m, int N, const int *word, const double *st
     return out;
 }
 
-/* The two equations of impact j with kernels of period T (sign 1), or of half a period h = T that changes sign (sign -1).
- * *scale, *slope_scale: what a relative error of 1 in the flight times and impulses would make of each sum. */
-static void equations(const modes *m, const impulses *o, int N, double T, int sign, int j, double *gap, double *scale, double *slope,
-                      double *slope_scale)
+/* The two equations of impact j with kernels of period T (sign 1), or of half a period h = T that changes sign
+ * (sign -1). *scale, *slope_scale: what a relative error of 1 in the flight times and impulses would make of each
+ * sum. */
+static void equations(const modes *m, const impulses *o, int N, double T, int sign, int j, double *gap, double *scale,
+                      double *slope, double *slope_scale)
 {
     *gap = *scale = *slope = *slope_scale = 0;
     for (int k = 0; k < N; k++) {
@@ -111,8 +116,10 @@ static void equations(const modes *m, const impulses *o, int N, double T, int si
         }
         for (int i = 0; i < m->n; i++) {
             double w = m->omega[i], x = w * (s - T / 2), denominator = sign > 0 ? sin(w * T / 2) : cos(w * T / 2);
-            double factor = turn * o->J[k] * m->c[o->contact[j] * m->n + i] * m->c[o->contact[k] * m->n + i] / (2 * denominator);
-            double G = sign > 0 ? cos(x) : sin(x), D = sign > 0 ? -sin(x) : cos(x), spread = 1 + w * T * (1 + 1 / fabs(denominator));
+            double factor = turn * o->J[k] * m->c[o->contact[j] * m->n + i] * m->c[o->contact[k] * m->n + i] /
+                            (2 * denominator);
+            double G = sign > 0 ? cos(x) : sin(x), D = sign > 0 ? -sin(x) : cos(x),
+                   spread = 1 + w * T * (1 + 1 / fabs(denominator));
             *gap += factor * G / w;
             *scale += fabs(factor) / w * spread;
             *slope_scale += fabs(factor) * spread;
@@ -134,9 +141,11 @@ static void check_orbit(const modes *m, const impulses *o, bool symmetric, const
             equations(m, o, N, T, form ? -1 : 1, j, &gap, &scale, &slope, &slope_scale);
             if (!(scale < 1e9)) return; /* next to a linear grazing: 0/0 */
             if (!(fabs(gap - o->r[j]) <= 1e-11 * (1 + scale)))
-                fail_msg("%s, form %d: impact %d: gap %.15g, not %.15g, condition %.3g", where, form, j, gap, o->r[j], scale);
+                fail_msg("%s, form %d: impact %d: gap %.15g, not %.15g, condition %.3g", where, form, j, gap, o->r[j],
+                         scale);
             if (!(fabs(slope) <= 1e-11 * (1 + slope_scale)))
-                fail_msg("%s, form %d: impact %d: sum of J K' = %.3g, condition %.3g", where, form, j, slope, slope_scale);
+                fail_msg("%s, form %d: impact %d: sum of J K' = %.3g, condition %.3g", where, form, j, slope,
+                         slope_scale);
             worst = fmax(worst, fmax(fabs(gap - o->r[j]) / (1 + scale), fabs(slope) / (1 + slope_scale)));
         }
     }
@@ -144,7 +153,8 @@ static void check_orbit(const modes *m, const impulses *o, bool symmetric, const
 }
 
 /* Impulses that the simulator reports over one period of a stable orbit. */
-static int check_simulator(const ric_model *model, const impulses *o, const int *word, const double *state, const char *where)
+static int check_simulator(const ric_model *model, const impulses *o, const int *word, const double *state,
+                           const char *where)
 {
     ric_simulator *sim = NULL;
     int n = ric_model_n_dof(model), seen = 0;
@@ -158,8 +168,8 @@ static int check_simulator(const ric_model *model, const impulses *o, const int 
         int k = ++seen % o->N;
         if (impact.face != word[k] || fabs(impact.time - (k ? o->t[k] : o->T)) > 1e-8 * o->T ||
             fabs(fabs(impact.impulse) - fabs(o->J[k])) > 1e-7 * (1 + fabs(o->J[k])))
-            fail_msg("%s: impact %d: face %d at %.12g, impulse %.12g, not face %d at %.12g, %.12g", where, seen, impact.face, impact.time,
-                     impact.impulse, word[k], o->t[k], o->J[k]);
+            fail_msg("%s: impact %d: face %d at %.12g, impulse %.12g, not face %d at %.12g, %.12g", where, seen,
+                     impact.face, impact.time, impact.impulse, word[k], o->t[k], o->J[k]);
     }
     ric_simulator_free(sim);
     if (seen != o->N) fail_msg("%s: %d impacts in a period, not %d", where, seen, o->N);
@@ -191,7 +201,8 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
             impulses o = collect(&m, b.impacts, b.word, state, flights);
             assert_true(fabs(o.T * p.frequency / 6.283185307179586 - 1) <= 1e-13 * b.impacts);
             check_orbit(&m, &o, b.symmetric, where);
-            if (p.stable == RIC_STABLE_YES && p.approach > 1e-2 && !(p.reach > 0.999)) simulated += check_simulator(ric_study_model(study), &o, b.word, state, where);
+            if (p.stable == RIC_STABLE_YES && p.approach > 1e-2 && !(p.reach > 0.999))
+                simulated += check_simulator(ric_study_model(study), &o, b.word, state, where);
         }
         /* one orbit solved on request, between stored points */
         ric_orbit **orbits = NULL;
@@ -199,7 +210,8 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
         ric_point p;
         double state[2 * MAX_N], flights[MAX_IMPACT];
         int word[MAX_IMPACT];
-        if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, 0.37 * b.energy_min + 0.63 * b.energy_max, &count, &orbits)) fail_msg("%s: branch %d: %s", name, id, ric_detail());
+        if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, 0.37 * b.energy_min + 0.63 * b.energy_max, &count, &orbits))
+            fail_msg("%s: branch %d: %s", name, id, ric_detail());
         for (int k = 0; k < count; k++) {
             char where[96];
             snprintf(where, sizeof where, "%s, branch %d %s, orbit on request", name, id, b.label);
@@ -210,7 +222,8 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
         if (b.energy_max > b.energy_min * (1 + 1e-6)) assert_true(count > 0);
         ric_orbits_free(count, orbits);
     }
-    print_message("# %s: %d branches, %d orbits, %d of them simulated, worst %.2g of the condition\n", name, branches, checked, simulated, worst);
+    print_message("# %s: %d branches, %d orbits, %d of them simulated, worst %.2g of the condition\n", name, branches,
+                  checked, simulated, worst);
     assert_true(checked >= at_least);
     ric_atlas_free(atlas);
     ric_graph_free(graph);
@@ -243,7 +256,8 @@ static void random_models(void **state)
         for (int i = 0; i < n; i++) {
             mass[i] = uniform(0.6, 2);
             used += snprintf(text + used, size - (size_t)used, "%s[", i ? ", " : "");
-            for (int j = 0; j < n; j++) used += snprintf(text + used, size - (size_t)used, "%s%.17g", j ? ", " : "", i == j ? mass[i] : 0.0);
+            for (int j = 0; j < n; j++)
+                used += snprintf(text + used, size - (size_t)used, "%s%.17g", j ? ", " : "", i == j ? mass[i] : 0.0);
             used += snprintf(text + used, size - (size_t)used, "]");
         }
         used += snprintf(text + used, size - (size_t)used, "]\n  stiffness: [");
@@ -256,13 +270,15 @@ static void random_models(void **state)
         }
         used += snprintf(text + used, size - (size_t)used, "]\n  contacts:\n");
         for (int f = 0; f < 1 + two; f++) {
-            used += snprintf(text + used, size - (size_t)used, "    - {clearance: %.17g, sides: %s, normal: [", uniform(0.5, 2),
-                             seed % 3 == 0 && f == 0 ? "upper" : "both");
+            used += snprintf(text + used, size - (size_t)used, "    - {clearance: %.17g, sides: %s, normal: [",
+                             uniform(0.5, 2), seed % 3 == 0 && f == 0 ? "upper" : "both");
             for (int j = 0; j < n; j++)
-                used += snprintf(text + used, size - (size_t)used, "%s%d", j ? ", " : "", f == 0 ? (j == 1) - (j == 0) : j == n - 1);
+                used += snprintf(text + used, size - (size_t)used, "%s%d", j ? ", " : "",
+                                 f == 0 ? (j == 1) - (j == 0) : j == n - 1);
             used += snprintf(text + used, size - (size_t)used, "]}\n");
         }
-        snprintf(text + used, size - (size_t)used, "explore: {energy: [0, 60], frequency: [0.1, 12], impacts: 5, depth: 2}\n");
+        snprintf(text + used, size - (size_t)used,
+                 "explore: {energy: [0, 60], frequency: [0.1, 12], impacts: 5, depth: 2}\n");
         snprintf(name, sizeof name, "seed %llu, n = %d", (unsigned long long)seed, n);
         if (ric_study_parse(text, "study", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
         check_atlas(study, name, 20);

@@ -1,6 +1,6 @@
-/* What leaves where multipliers are roots of unity, counted family by family: every rotation number of S2- of the article's two masses for
- * several q, and both pairs of multipliers of a structure with three modes. Periods, mirror points and symmetry of the members are those that
- * the simulator sees, which shares no code with the solver. */
+/* What leaves where multipliers are roots of unity, counted family by family: every rotation number of S2- of the
+ * article's two masses for several q, and both pairs of multipliers of a structure with three modes. Periods, mirror
+ * points and symmetry of the members are those that the simulator sees, which shares no code with the solver. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,8 +14,10 @@
 #include "explored.h"
 
 #define TWO_PI 6.283185307179586477
-#define RETURNS 1e-8    /* of a simulated member after its period, relative: multipliers near a multiplication are small */
-#define NEAR 1e-4       /* arclength, relative, from the junction at which a member is looked at: nearer by it is the original */
+#define RETURNS 1e-8    /* of a simulated member after its period, relative: multipliers near a multiplication are
+                         * small */
+#define NEAR 1e-4       /* arclength, relative, from the junction at which a member is looked at: nearer by it is the
+                         * original */
 
 enum { MAX_DOF = 3, MAX_IMPACTS = 32, MAX_LEGS = 4, MAX_Q = 16 };
 
@@ -28,7 +30,8 @@ static int divisor(int a, int b)
 
 typedef struct {
     int n, N;
-    double after[MAX_IMPACTS + 1][2 * MAX_DOF]; /* x, v behind each impact, and behind the first one of the next period */
+    double after[MAX_IMPACTS + 1][2 * MAX_DOF]; /* x, v behind each impact, and behind the first one of the next
+                                                 * period */
     double middle[MAX_IMPACTS][2 * MAX_DOF];    /* in the middle of each flight */
     double size;
 } motion;
@@ -156,7 +159,8 @@ static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original
         (*curves)++;
         double length = point_of(atlas, b.id, b.n_point - 1).arclength;
         if (b.from == j->id) measure(atlas, j, 0, (out[n] = (leg){.branch = b, .first = 0, .step = 1}, &out[n])), n++;
-        if (b.to == j->id) measure(atlas, j, length, (out[n] = (leg){.branch = b, .first = b.n_point - 1, .step = -1}, &out[n])), n++;
+        if (b.to == j->id) measure(atlas, j, length, (out[n] = (leg){.branch = b, .first = b.n_point - 1,
+                                                                     .step = -1}, &out[n])), n++;
         for (int i = 0; i < b.n_junction; i++) {
             int after = 0;
             if (b.junctions[i] != j->id) continue;
@@ -170,8 +174,8 @@ static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original
     return n;
 }
 
-/* A member beside the junction is an orbit of exactly q periods with the symmetry and the mirror points that its branch claims; all stored
- * points of the branch agree with the simulator. */
+/* A member beside the junction is an orbit of exactly q periods with the symmetry and the mirror points that its branch
+ * claims; all stored points of the branch agree with the simulator. */
 static void check_members(const ric_atlas *atlas, const ric_junction *j, const leg *l, const char *where)
 {
     const ric_model *m = ric_atlas_model(atlas);
@@ -183,25 +187,36 @@ static void check_members(const ric_atlas *atlas, const ric_junction *j, const l
     assert_true(b->impacts <= MAX_IMPACTS);
     if (b->impacts != j->impacts * j->multiple) fail_msg("%s: %d impacts", where, b->impacts);
     assert_int_equal(ric_atlas_point(atlas, b->id, l->near, &p, state, flights), RIC_OK);
-    if (fabs(p.frequency / j->frequency - 1) > l->distance) fail_msg("%s: frequency %.12g, not near %.12g", where, p.frequency, j->frequency);
+    if (fabs(p.frequency / j->frequency - 1) > l->distance)
+        fail_msg("%s: frequency %.12g, not near %.12g", where, p.frequency, j->frequency);
     simulate(m, b->impacts, state, flights, &z);
     if (!(repeats(&z, b->impacts, 1) < RETURNS)) fail_msg("%s: returns to %.3g", where, repeats(&z, b->impacts, 1));
     for (int k = step; k < b->impacts; k += step)
-        if (!(repeats(&z, k, 1) > 1e-2 * l->distance)) fail_msg("%s: repeats itself to %.3g after %d impacts", where, repeats(&z, k, 1), k);
+        if (!(repeats(&z, k, 1) > 1e-2 * l->distance))
+            fail_msg("%s: repeats itself to %.3g after %d impacts", where, repeats(&z, k, 1), k);
     bool half = b->impacts % 2 == 0 && repeats(&z, b->impacts / 2, -1) < RETURNS;
-    if (half != b->symmetric) fail_msg("%s: symmetric %d, but z(t + T/2) + z(t) is %.3g", where, b->symmetric, repeats(&z, b->impacts / 2, -1));
+    if (half != b->symmetric)
+        fail_msg("%s: symmetric %d, but z(t + T/2) + z(t) is %.3g", where, b->symmetric,
+                 repeats(&z, b->impacts / 2, -1));
     int struck = impact_mirrors(m, &z, RETURNS), centre = centres(&z, RETURNS);
-    const char *seen = struck == 2 && !centre ? "impact-impact" : centre == 2 && !struck ? "centre-centre" : struck == 2 && centre == 2 ? "centre-impact" : "";
-    if (strcmp(seen, b->mirror)) fail_msg("%s: mirror points %s, but %d impacts turn it round and %d flights pass x = 0", where, b->mirror, struck, centre);
+    const char *seen = struck == 2 && !centre       ? "impact-impact"
+                       : centre == 2 && !struck     ? "centre-centre"
+                       : struck == 2 && centre == 2 ? "centre-impact"
+                                                    : "";
+    if (strcmp(seen, b->mirror))
+        fail_msg("%s: mirror points %s, but %d impacts turn it round and %d flights pass x = 0", where, b->mirror,
+                 struck, centre);
     for (int i = 0; i < b->n_point; i++) {
         ric_check check;
         assert_int_equal(ric_verify_point(atlas, b->id, i, &check), RIC_OK);
-        if (!check.passed) fail_msg("%s: point %d, flight %.3g, return %.3g", where, i, check.flight_error, check.return_error);
+        if (!check.passed)
+            fail_msg("%s: point %d, flight %.3g, return %.3g", where, i, check.flight_error, check.return_error);
     }
     assert_int_equal(n, z.n);
 }
 
-/* At order 3 the energy minimum of the branch may lie between the junction and the first point on one side (section 7). */
+/* At order 3 the energy minimum of the branch may lie between the junction and the first point on one side
+ * (section 7). */
 static bool turns_before(const ric_atlas *atlas, const ric_junction *j, const leg *l)
 {
     const ric_branch *b = &l->branch;
@@ -209,29 +224,36 @@ static bool turns_before(const ric_atlas *atlas, const ric_junction *j, const le
     for (int i = 0; i < b->n_junction; i++)
         if (b->junctions[i] == j->id) at = b->junction_at[i];
     for (int i = 0; i < b->n_junction; i++)
-        if ((b->junction_at[i] - at) * (b->junction_at[i] - near) < 0 && junction_of(atlas, b->junctions[i]).kind == RIC_KIND_EXTREMUM) return true;
+        if ((b->junction_at[i] - at) * (b->junction_at[i] - near) < 0 &&
+            junction_of(atlas, b->junctions[i]).kind == RIC_KIND_EXTREMUM)
+            return true;
     return false;
 }
 
-/* The rule of docs/theory.md section 8 for a reversible S orbit. Even order: two branches end, which differ in their mirror points and have
- * lost z(t + T/2) = -z(t). Odd order: one branch passes and has all symmetries. Order 3: unstable on both sides and on both sides in energy;
- * above (and at 1/2 of S2-, of
- * order 4), one leg is stable, the other is not, and both lie on one side. Stability is that of all pairs: it tells for two modes only, `plane`. */
+/* The rule of docs/theory.md section 8 for a reversible S orbit. Even order: two branches end, which differ in their
+ * mirror points and have lost z(t + T/2) = -z(t). Odd order: one branch passes and has all symmetries. Order 3:
+ * unstable on both sides and on both sides in energy; above (and at 1/2 of S2-, of
+ * order 4), one leg is stable, the other is not, and both lie on one side. Stability is that of all pairs: it tells for
+ * two modes only, `plane`. */
 static void check_families(const ric_atlas *atlas, const ric_junction *j, int original, bool plane, const char *where)
 {
     int p = j->rotation[0], q = j->rotation[1], order = p % 2 ? 2 * q : q, curves;
     leg legs[MAX_LEGS];
     int n = list_legs(atlas, j, original, legs, &curves);
-    if (n != 2 || curves != (order % 2 ? 1 : 2)) fail_msg("%s: %d legs of %d branches at order %d", where, n, curves, order);
+    if (n != 2 || curves != (order % 2 ? 1 : 2))
+        fail_msg("%s: %d legs of %d branches at order %d", where, n, curves, order);
     for (int i = 0; i < 2; i++) {
-        if (legs[i].branch.symmetric != (order % 2 == 1)) fail_msg("%s: symmetric %d at order %d", where, legs[i].branch.symmetric, order);
+        if (legs[i].branch.symmetric != (order % 2 == 1))
+            fail_msg("%s: symmetric %d at order %d", where, legs[i].branch.symmetric, order);
         check_members(atlas, j, &legs[i], where);
     }
     const char *a = legs[0].branch.mirror, *b = legs[1].branch.mirror;
-    if (order % 2 ? strcmp(a, "centre-impact") != 0 : !strcmp(a, b)) fail_msg("%s: mirror points %s and %s", where, a, b);
+    if (order % 2 ? strcmp(a, "centre-impact") != 0 : !strcmp(a, b))
+        fail_msg("%s: mirror points %s and %s", where, a, b);
     int stable = (legs[0].type == RIC_STABLE_YES) + (legs[1].type == RIC_STABLE_YES);
     int unstable = (legs[0].type == RIC_STABLE_NO) + (legs[1].type == RIC_STABLE_NO);
-    if (plane && (stable != (order > 3) || unstable != 2 - (order > 3))) fail_msg("%s: %d stable, %d unstable at order %d", where, stable, unstable, order);
+    if (plane && (stable != (order > 3) || unstable != 2 - (order > 3)))
+        fail_msg("%s: %d stable, %d unstable at order %d", where, stable, unstable, order);
     bool turned = turns_before(atlas, j, &legs[0]) || turns_before(atlas, j, &legs[1]);
     if (!turned && (legs[0].rise * legs[1].rise > 0) != (order > 3))
         fail_msg("%s: energies off by %.3g and %.3g at order %d", where, legs[0].rise, legs[1].rise, order);
@@ -264,8 +286,9 @@ static int find_labelled(const ric_atlas *atlas, const char *label)
     return found;
 }
 
-/* C_ab, measured or not, is what the kind of the junction allows (docs/theory.md section 7). For two masses with one contact; high on the families
- * that leave, points lie so close together that ranks of a fixed threshold gave C_44 to C_1413. */
+/* C_ab, measured or not, is what the kind of the junction allows (docs/theory.md section 7). For two masses with one
+ * contact; high on the families that leave, points lie so close together that ranks of a fixed threshold gave C_44 to
+ * C_1413. */
 static void check_labels(const ric_atlas *atlas)
 {
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
@@ -275,11 +298,15 @@ static void check_labels(const ric_atlas *atlas)
             assert_true(j.a == 0 && j.b == 0 && !j.decided && !strchr(j.label, '?'));
             continue;
         }
-        for (int k = 0; k < j.n_branch; k++) half |= branch_of(atlas, j.branches[k]).symmetric && branch_of(atlas, j.branches[k]).impacts == j.impacts;
+        for (int k = 0; k < j.n_branch; k++)
+            half |= branch_of(atlas, j.branches[k]).symmetric && branch_of(atlas, j.branches[k]).impacts == j.impacts;
         int b = j.kind == RIC_KIND_EXTREMUM ? 1 : 2, a = half ? 3 : 2;
         if (j.kind == RIC_KIND_MULTIPLICATION) a = b = j.multiple == 2 && !half ? 2 : 3;
-        bool flat = j.decided && !half && j.a == 3 && j.b == b && j.multiple == 1 && j.impacts <= 2; /* A1, and where A2 of constant frequency leaves */
-        if ((j.a != a || j.b != b) && !flat) fail_msg("%s %s at E %.12g, %d impacts, multiple %d", ric_kind_text(j.kind), j.label, j.energy, j.impacts, j.multiple);
+        /* A1, and where A2 of constant frequency leaves */
+        bool flat = j.decided && !half && j.a == 3 && j.b == b && j.multiple == 1 && j.impacts <= 2;
+        if ((j.a != a || j.b != b) && !flat)
+            fail_msg("%s %s at E %.12g, %d impacts, multiple %d", ric_kind_text(j.kind), j.label, j.energy, j.impacts,
+                     j.multiple);
         assert_true(j.decided != (strchr(j.label, '?') != NULL));
     }
 }
@@ -291,7 +318,8 @@ static void check_backbone(int q)
     snprintf(text, sizeof text,
              "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
              "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-             "explore: {start: [2], energy: [0, 2000], frequency: [0.1, 60], impacts: %d, depth: 2, cascade: [%d]}\n", 2 * q, q);
+             "explore: {start: [2], energy: [0, 2000], frequency: [0.1, 60], impacts: %d, depth: 2, cascade: [%d]}\n",
+             2 * q, q);
     ric_atlas *atlas = explore_text(text);
     const ric_model *m = ric_atlas_model(atlas);
     const ric_branch backbone = branch_of(atlas, find_labelled(atlas, "S2-[01]"));
@@ -304,13 +332,15 @@ static void check_backbone(int q)
         if (j.rotation[0] <= last || divisor(j.rotation[0], q) != 1) fail_msg("%s: after %d/%d", where, last, q);
         last = j.rotation[0];
         count++;
-        if (fabs(j.energy / closed_form(m, q * j.frequency) - 1) > 1e-11) fail_msg("%s: not on the branch, E %.15g", where, closed_form(m, q * j.frequency));
+        if (fabs(j.energy / closed_form(m, q * j.frequency) - 1) > 1e-11)
+            fail_msg("%s: not on the branch, E %.15g", where, closed_form(m, q * j.frequency));
         check_families(atlas, &j, backbone.id, true, where);
     }
     for (int p = 1; p < q; p++) count -= divisor(p, q) == 1;
     if (count) fail_msg("q = %d: %d rotation numbers too many", q, count);
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        if (branch_of(atlas, id).stop == RIC_STOP_FAILED) fail_msg("q = %d: branch %d: %s", q, id, branch_of(atlas, id).why);
+        if (branch_of(atlas, id).stop == RIC_STOP_FAILED)
+            fail_msg("q = %d: branch %d: %s", q, id, branch_of(atlas, id).why);
     check_labels(atlas);
     ric_atlas_free(atlas);
 }
@@ -330,8 +360,8 @@ static void larger_orders(void **state)
 
 /* ---------------------------------------------------------------- three masses */
 
-/* lambda + 1/lambda of half a period of the orbit of a junction, ascending: both real here, and as the two never meet along the branch that is
- * looked at, their order tells which pair is which. */
+/* lambda + 1/lambda of half a period of the orbit of a junction, ascending: both real here, and as the two never meet
+ * along the branch that is looked at, their order tells which pair is which. */
 static void pairs_of(const ric_model *m, const ric_junction *j, double rho[2])
 {
     ric_cycle *orbit = ric_cycle_create(m->n, j->impacts);
@@ -357,8 +387,9 @@ static void pairs_of(const ric_model *m, const ric_junction *j, double rho[2])
     free(u);
 }
 
-/* A member goes round the original in the plane of the pair that is at exp(2 pi i p/q), and of no other: its states after k periods of the original
- * are off by d_k with d_{k+1} + d_{k-1} = 2 cos(2 pi p/q) d_k, up to the square of the distance. */
+/* A member goes round the original in the plane of the pair that is at exp(2 pi i p/q), and of no other: its states
+ * after k periods of the original are off by d_k with d_{k+1} + d_{k-1} = 2 cos(2 pi p/q) d_k, up to the square of the
+ * distance. */
 static void check_plane(const ric_atlas *atlas, const ric_junction *j, const leg *l, const char *where)
 {
     double state[2 * MAX_DOF], flights[MAX_IMPACTS], d[MAX_Q][2 * MAX_DOF], size = 0, off = 0;
@@ -373,16 +404,19 @@ static void check_plane(const ric_atlas *atlas, const ric_junction *j, const leg
     }
     for (int k = 0; k < q; k++)
         for (int i = 0; i < 2 * n; i++)
-            off = fmax(off, fabs(d[(k + 1) % q][i] + d[(k + q - 1) % q][i] - 2 * cos(TWO_PI * j->rotation[0] / q) * d[k][i]));
+            off = fmax(off, fabs(d[(k + 1) % q][i] + d[(k + q - 1) % q][i] -
+                                 2 * cos(TWO_PI * j->rotation[0] / q) * d[k][i]));
     if (!(off < 0.05 * size)) fail_msg("%s: not in the plane of its multiplier, %.3g of %.3g", where, off, size);
 }
 
-/* The branch of the third mode: both pairs are on the unit circle from E 3.15 on, and each passes 2/3 and 3/4, one 1/4, 1/3 and 1/2 as well. */
+/* The branch of the third mode: both pairs are on the unit circle from E 3.15 on, and each passes 2/3 and 3/4, one 1/4,
+ * 1/3 and 1/2 as well. */
 static void both_pairs_of_three_modes(void **state)
 {
     (void)state;
     static const char *const text =
-        "model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], [-2, 5, -3], [0, -3, 7]]\n  contacts:\n"
+        "model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], [-2, 5, -3], [0, -3, 7]]\n"
+        "  contacts:\n"
         "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
         "explore: {start: [3], energy: [0, 50], frequency: [0.5, 30], impacts: 8, multiply: 4, depth: 2}\n";
     ric_atlas *atlas = explore_text(text);
@@ -436,7 +470,7 @@ static void labels_far_up(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(small_orders), cmocka_unit_test(larger_orders), cmocka_unit_test(both_pairs_of_three_modes),
-                                       cmocka_unit_test(labels_far_up)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(small_orders), cmocka_unit_test(larger_orders),
+                                       cmocka_unit_test(both_pairs_of_three_modes), cmocka_unit_test(labels_far_up)};
     return cmocka_run_group_tests_name("multiplication", tests, NULL, NULL);
 }

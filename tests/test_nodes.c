@@ -1,4 +1,5 @@
-/* Inner nodes of flights under a power law: the structured solve against the dense equations, and against the flight in one piece. */
+/* Inner nodes of flights under a power law: the structured solve against the dense equations, and against the flight in
+ * one piece. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,8 +18,9 @@
 enum { MOST = 4, PARTS = 5, SIZE = 2 * MOST * (PARTS + 1) + 4 };
 
 typedef struct { ric_mirror start, end; int sigma; } form;
-static const form forms[] = {{RIC_MIRROR_NONE, RIC_MIRROR_NONE, 1}, {RIC_MIRROR_NONE, RIC_MIRROR_NONE, -1}, {RIC_MIRROR_REST, RIC_MIRROR_REST, 1},
-                             {RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1}, {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1}, {RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1}};
+static const form forms[] = {{RIC_MIRROR_NONE, RIC_MIRROR_NONE, 1},   {RIC_MIRROR_NONE, RIC_MIRROR_NONE, -1},
+                             {RIC_MIRROR_REST, RIC_MIRROR_REST, 1},   {RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1},
+                             {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1}, {RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1}};
 enum { N_FORM = sizeof forms / sizeof *forms };
 static const int no_face[] = {-1, -1};
 
@@ -32,7 +34,8 @@ static ric_model *random_structure(int n)
     random_definite(n, n, 0.3, K);
     for (int f = 0; f < 2; f++) {
         for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .law = RIC_LAW_POWER, .exponent = exponents[below(4)], .stiffness = uniform(0.3, 2)};
+        contacts[f] = (ric_contact){.normal = normal + f * n, .law = RIC_LAW_POWER, .exponent = exponents[below(4)],
+                                    .stiffness = uniform(0.3, 2)};
     }
     if (ric_model_create(n, M, K, 1 + below(2), contacts, 1, &m)) fail_msg("%s", ric_detail());
     return m;
@@ -76,7 +79,8 @@ static void check_jacobian(ric_chain *c, const double *u, const char *where)
 {
     static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
     double J[SIZE * SIZE], moved[SIZE], r[4][SIZE], top = 0, h = 1e-4;
-    int unknowns = c->n_unknown, rows = ric_chain_jacobian(c, u, J), first = c->start == RIC_MIRROR_NONE; /* the phase is free, not an equation */
+    /* the phase is free, not an equation */
+    int unknowns = c->n_unknown, rows = ric_chain_jacobian(c, u, J), first = c->start == RIC_MIRROR_NONE;
     assert_int_equal(rows, c->start == RIC_MIRROR_NONE ? unknowns : unknowns - 1);
     for (int i = 0; i < rows * unknowns; i++) top = fmax(top, fabs(J[i]));
     for (int j = 0; j < unknowns; j++) {
@@ -89,7 +93,8 @@ static void check_jacobian(ric_chain *c, const double *u, const char *where)
             double slope = 0;
             for (int k = 0; k < 4; k++) slope += weight[k] * r[k][i] / h;
             if (!(fabs(slope - J[i * unknowns + j]) <= 1e-7 * (1 + top)))
-                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences", where, i, j, J[i * unknowns + j], slope);
+                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences", where, i, j, J[i * unknowns + j],
+                         slope);
         }
     }
 }
@@ -102,7 +107,8 @@ static void jacobian_by_differences(void **state)
 
 /* --------------------------------------------------- structured and dense */
 
-/* The equations as the structured solve sees them: closure rows perpendicular to the secant gradient of the energy. Returns their number. */
+/* The equations as the structured solve sees them: closure rows perpendicular to the secant gradient of the energy.
+ * Returns their number. */
 static int dense_equations(ric_chain *c, const double *u, double *A, double *r)
 {
     double J[SIZE * SIZE], all[SIZE], from[2 * MOST], h[2 * MOST], E[4 * MOST * MOST];
@@ -138,8 +144,10 @@ static void check_step(ric_chain *c, const double *u, const char *where)
     for (int i = 0; i < rows * unknowns; i++) top = fmax(top, fabs(A[i]));
     double size = sqrt(ric_dot(unknowns, newton, newton)), limit = 1e-12 * (1 + top);
     for (int i = 0; i < rows; i++) {
-        double off = r[i] + ric_dot(unknowns, A + i * unknowns, newton), null = ric_dot(unknowns, A + i * unknowns, kernel);
-        if (!(fabs(off) <= limit * (1 + size)) || !(fabs(null) <= limit)) fail_msg("%s: row %d is off by %g, of the kernel by %g", where, i, off, null);
+        double off = r[i] + ric_dot(unknowns, A + i * unknowns, newton),
+               null = ric_dot(unknowns, A + i * unknowns, kernel);
+        if (!(fabs(off) <= limit * (1 + size)) || !(fabs(null) <= limit))
+            fail_msg("%s: row %d is off by %g, of the kernel by %g", where, i, off, null);
     }
     assert_true(fabs(ric_dot(unknowns, kernel, kernel) - 1) < 1e-12);
     assert_true(fabs(ric_dot(unknowns, kernel, newton)) <= 1e-12 * (1 + size));
@@ -202,9 +210,11 @@ static void check_one_piece(ric_chain *c, const double *u, const char *where)
     assert_int_equal(copy->parts, c->parts);
     double growth = 1;
     for (int i = 0; i < n2 * n2; i++) growth = fmax(growth, fabs(one->map[i]));
-    if (!(ric_nodes_gap(copy, v) <= 1e-14 * one->scale * growth) || !(distance(n2, copy->w + n2, one->w + n2) <= 1e-13 * one->scale * growth) ||
+    if (!(ric_nodes_gap(copy, v) <= 1e-14 * one->scale * growth) ||
+        !(distance(n2, copy->w + n2, one->w + n2) <= 1e-13 * one->scale * growth) ||
         !(distance(n2 * n2, copy->map, one->map) <= 1e-12 * growth * growth))
-        fail_msg("%s: not the flight in one piece: %g, %g", where, distance(n2, copy->w + n2, one->w + n2), distance(n2 * n2, copy->map, one->map));
+        fail_msg("%s: not the flight in one piece: %g, %g", where, distance(n2, copy->w + n2, one->w + n2),
+                 distance(n2 * n2, copy->map, one->map));
     /* the kernel has the same start, longer by what it is at the nodes */
     ric_chain_step(one, false, 1, alone);
     ric_chain_step(copy, false, 1, kernel);

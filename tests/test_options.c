@@ -15,7 +15,8 @@
 #include "ricochet.h"
 
 static const char model[] =
-    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n";
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: "
+    "1}]\n";
 
 static char *written(void (*write)(FILE *))
 {
@@ -128,7 +129,8 @@ static void document_is_up_to_date(void **state)
 static void numbers_are_read_strictly(void **state)
 {
     static const char *const good[] = {"0", "-0", "1.", ".5", "-1e3", "1E-300", "+2.5e+2", "007"};
-    static const char *const bad[] = {"", "-", ".", "e5", "1e", "0x10", "1 2", " 1", "1,5", "1_000", "--1", "1e+", "true", "1d3"};
+    static const char *const bad[] = {"",   "-",   ".",     "e5",  "1e",  "0x10", "1 2",
+                                      " 1", "1,5", "1_000", "--1", "1e+", "true", "1d3"};
     static const char *const not_finite[] = {"nan", ".nan", ".NaN", "inf", "-.inf", "+Infinity", "1e999", "-1e999"};
     double value;
     long whole;
@@ -148,7 +150,8 @@ static void numbers_are_read_strictly(void **state)
 
 static void numbers_are_written_bit_for_bit(void **state)
 {
-    const double values[] = {0, -0.0, 1, 0.1, 1.0 / 3, 5e-324, 1.7976931348623157e308, -2.2250738585072014e-308, 123456789.123456789};
+    const double values[] =
+        {0, -0.0, 1, 0.1, 1.0 / 3, 5e-324, 1.7976931348623157e308, -2.2250738585072014e-308, 123456789.123456789};
     (void)state;
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         char *text = NULL;

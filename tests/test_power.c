@@ -1,4 +1,5 @@
-/* Structures with power-law contacts: published numbers, the symmetric path, duplicates, and orbits confirmed by CVODE. */
+/* Structures with power-law contacts: published numbers, the symmetric path, duplicates, and orbits confirmed by
+ * CVODE. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,7 +41,9 @@ static void points_return(const ric_atlas *atlas, int id, int first, int step)
     for (int i = first; i < b.n_point; i += step) {
         ric_check check;
         if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
-        if (!check.passed) fail_msg("branch %d %s, point %d: off by %g, returns with %g", id, b.label, i, check.flight_error, check.return_error);
+        if (!check.passed)
+            fail_msg("branch %d %s, point %d: off by %g, returns with %g", id, b.label, i, check.flight_error,
+                     check.return_error);
     }
 }
 
@@ -66,10 +69,11 @@ static void published_frequencies(void **state)
         int mode;
         double energy, frequency;
     } rows[] = {
-        {article, 1, 0.1, 0.9702075828}, {article, 1, 1, 1.1344581549}, {article, 1, 10, 1.3645473094}, {article, 1, 100, 1.5174431415},
-        {article, 2, 0.1, 2.158130071}, {article, 2, 1, 2.2045300075}, {article, 2, 10, 2.8125826533}, {article, 2, 100, 4.7422508771},
-        {peeters, 1, 0.1, 1.0089740489232}, {peeters, 1, 1, 1.0659067704481}, {peeters, 1, 10, 1.2069054736664},
-        {peeters, 2, 0.1, 1.733868548993}, {peeters, 2, 1, 1.7515011762514}, {peeters, 2, 10, 2.0295858271784},
+        {article, 1, 0.1, 0.9702075828},  {article, 1, 1, 1.1344581549},     {article, 1, 10, 1.3645473094},
+        {article, 1, 100, 1.5174431415},  {article, 2, 0.1, 2.158130071},    {article, 2, 1, 2.2045300075},
+        {article, 2, 10, 2.8125826533},   {article, 2, 100, 4.7422508771},   {peeters, 1, 0.1, 1.0089740489232},
+        {peeters, 1, 1, 1.0659067704481}, {peeters, 1, 10, 1.2069054736664}, {peeters, 2, 0.1, 1.733868548993},
+        {peeters, 2, 1, 1.7515011762514}, {peeters, 2, 10, 2.0295858271784},
     };
     (void)state;
     const char *options = "energy: [0, 105], frequency: [0.2, 10], multiply: 1, depth: 1";
@@ -80,7 +84,8 @@ static void published_frequencies(void **state)
         assert_int_equal(b.mode, rows[i].mode);
         double frequency = frequency_at(atlas, b.id, rows[i].energy);
         if (!near(frequency, rows[i].frequency, 1e-9))
-            fail_msg("mode %d at energy %g: %.12g, published %.12g", rows[i].mode, rows[i].energy, frequency, rows[i].frequency);
+            fail_msg("mode %d at energy %g: %.12g, published %.12g", rows[i].mode, rows[i].energy, frequency,
+                     rows[i].frequency);
     }
     ric_atlas_free(atlases[0]);
     ric_atlas_free(atlases[1]);
@@ -105,7 +110,8 @@ static ric_branch goes_all_the_way(const ric_atlas *atlas, int exponent)
     assert_int_equal(ric_atlas_n_branch(atlas), 1);
     assert_int_equal(b.stop, RIC_STOP_WINDOW);
     assert_true(b.symmetric && b.impacts == 0 && near(b.energy_max, 1000, 1e-9));
-    int first = next_of(atlas, &b, 0, RIC_KIND_BRANCH_POINT, 1), tripling = next_of(atlas, &b, first, RIC_KIND_MULTIPLICATION, 3);
+    int first = next_of(atlas, &b, 0, RIC_KIND_BRANCH_POINT, 1),
+        tripling = next_of(atlas, &b, first, RIC_KIND_MULTIPLICATION, 3);
     int fold = next_of(atlas, &b, first, RIC_KIND_EXTREMUM, 1);
     assert_true(first >= 0 && tripling > first && fold > first);
     if (exponent == 3) { /* published */
@@ -124,7 +130,8 @@ static void symmetric_path(void **state)
         ric_atlas *smallest = NULL;
         ric_branch path;
         for (int step = 0; step < 20; step += every()) {
-            ric_atlas *atlas = explore(article, exponents[e], "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
+            ric_atlas *atlas = explore(article, exponents[e],
+                                       "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
                                        0.01 * pow(100, step / 19.0));
             ric_branch b = goes_all_the_way(atlas, exponents[e]);
             if (!smallest) {
@@ -137,8 +144,8 @@ static void symmetric_path(void **state)
                 ric_junction j = junction_of(atlas, b.junctions[i]), k = junction_of(smallest, path.junctions[i]);
                 bool same = j.kind == k.kind && j.multiple == k.multiple && j.a == k.a && j.b == k.b;
                 if (!same || !near(j.energy, k.energy, 1e-9) || !near(j.frequency, k.frequency, 1e-9))
-                    fail_msg("n = %d: %s at E %.14g omega %.14g, with the smallest step %s at E %.14g omega %.14g", exponents[e], j.label, j.energy,
-                             j.frequency, k.label, k.energy, k.frequency);
+                    fail_msg("n = %d: %s at E %.14g omega %.14g, with the smallest step %s at E %.14g omega %.14g",
+                             exponents[e], j.label, j.energy, j.frequency, k.label, k.energy, k.frequency);
             }
             ric_atlas_free(atlas);
         }
@@ -146,11 +153,13 @@ static void symmetric_path(void **state)
     }
 }
 
-/* x -> -x takes motions of these structures to motions; the marks in their cycles are no faces (found by the address sanitizer). */
+/* x -> -x takes motions of these structures to motions; the marks in their cycles are no faces (found by the address
+ * sanitizer). */
 static void marks_are_no_faces(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
+    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1], frequency: [0.2, 10], multiply: 1, depth: 1",
+                               0);
     ric_cycle *cycle = ric_cycle_create(2, 2);
     assert_non_null(cycle);
     cycle->face[0] = cycle->face[1] = -1;
@@ -159,8 +168,8 @@ static void marks_are_no_faces(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The period of an orbit without impacts is one flight, whose time fraction is fixed: extrema and doublings have a = 3 whether it is S or A, and
- * those whose ranks are lost in rounding say the same. */
+/* The period of an orbit without impacts is one flight, whose time fraction is fixed: extrema and doublings have a = 3
+ * whether it is S or A, and those whose ranks are lost in rounding say the same. */
 static void extrema_have_three(void **state)
 {
     (void)state;
@@ -180,19 +189,23 @@ static void extrema_have_three(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Deep in a cascade ranks may come out smaller than the kind of a junction allows, C_11 for the extremum at energy 719.975: that is rounding, and
- * not decided. With a large step, too, both doublings at 215.9 and 221.2 are found, between which a multiplier stays just below -1, and no
- * extremum at 719.919, where two families come close. */
+/* Deep in a cascade ranks may come out smaller than the kind of a junction allows, C_11 for the extremum at energy
+ * 719.975: that is rounding, and not decided. With a large step, too, both doublings at 215.9 and 221.2 are found,
+ * between which a multiplier stays just below -1, and no extremum at 719.919, where two families come close. */
 static void no_fewer_than_the_kind_has(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 3, "start: [2], energy: [0, 880], frequency: [0.18, 6], multiply: 4, depth: 0, cascade: [3, 2, 4]", 0.27);
+    ric_atlas *atlas =
+        explore(article, 3,
+                "start: [2], energy: [0, 880], frequency: [0.18, 6], multiply: 4, depth: 0, cascade: [3, 2, 4]", 0.27);
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        if (j.kind != RIC_KIND_EXTREMUM && j.kind != RIC_KIND_BRANCH_POINT && j.kind != RIC_KIND_MULTIPLICATION) continue;
+        if (j.kind != RIC_KIND_EXTREMUM && j.kind != RIC_KIND_BRANCH_POINT && j.kind != RIC_KIND_MULTIPLICATION)
+            continue;
         if (j.a < 2 || j.b < (j.kind == RIC_KIND_EXTREMUM ? 1 : 2)) fail_msg("%s at E %.12g", j.label, j.energy);
-        met += near(j.energy, 719.974716905, 1e-9) + 10 * (near(j.energy, 215.896607776, 1e-9) || near(j.energy, 221.16272669, 1e-9));
+        met += near(j.energy, 719.974716905, 1e-9) +
+               10 * (near(j.energy, 215.896607776, 1e-9) || near(j.energy, 221.16272669, 1e-9));
         assert_false(near(j.energy, 719.91926876, 1e-9));
     }
     assert_int_equal(met, 21);
@@ -200,12 +213,13 @@ static void no_fewer_than_the_kind_has(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The eight-duplicate of the segment between the extremum near omega 1.609 and the branch point near 1.584 carries exactly the multiplications
- * p/8, p = 1..7. */
+/* The eight-duplicate of the segment between the extremum near omega 1.609 and the branch point near 1.584 carries
+ * exactly the multiplications p/8, p = 1..7. */
 static void eight_duplicate(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1000], frequency: [0.1, 10], multiply: 8, depth: 1", 0);
+    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1000], frequency: [0.1, 10], multiply: 8, depth: 1",
+                               0);
     ric_branch b = branch_of(atlas, 1);
     int found[8] = {0}, total = 0, inside = 0, ends = 0;
     for (int i = 0; i < b.n_junction; i++) {
@@ -223,13 +237,14 @@ static void eight_duplicate(void **state)
     assert_int_equal(ends, 2);
     assert_int_equal(inside, 0);
     for (int p = 1; p < 8; p++)
-        if (found[p] + found[8 - p] != 2) fail_msg("%d multiplications %d/8 or %d/8", found[p] + found[8 - p], p, 8 - p);
+        if (found[p] + found[8 - p] != 2)
+            fail_msg("%d multiplications %d/8 or %d/8", found[p] + found[8 - p], p, 8 - p);
     assert_int_equal(total, 7);
     ric_atlas_free(atlas);
 }
 
-/* Amplitudes of sin(omega t) and sin(3 omega t) in x1 of an orbit with z(t+T/2) = -z(t) that starts at a centre, integrated by CVODE, which has to
- * find it in the opposite state after half a period. */
+/* Amplitudes of sin(omega t) and sin(3 omega t) in x1 of an orbit with z(t+T/2) = -z(t) that starts at a centre,
+ * integrated by CVODE, which has to find it in the opposite state after half a period. */
 static void harmonics(const ric_atlas *atlas, const double *state, double period, double *first, double *third)
 {
     enum { SAMPLES = 48 };
@@ -251,16 +266,18 @@ static void harmonics(const ric_atlas *atlas, const double *state, double period
     if (!(off < 1e-8 * size)) fail_msg("CVODE returns with %g after half a period of %g", off / size, period);
 }
 
-/* The loop of the 3:1 resonance (Peeters et al. 2009), which is one branch, S+. On the backbone x1 has little of the third harmonic. From an
- * extremum of the energy on the branch leaves it, with the first harmonic falling to 0: there it is the other mode gone through three times, and
- * touches its 3-duplicate. It comes back with the first harmonic in the opposite phase, over two more extrema, and is the backbone again: that
- * of x1 being drawn along by x2 as x1^3 ~ sin(omega t), whose third harmonic is 1/5 of the first. */
+/* The loop of the 3:1 resonance (Peeters et al. 2009), which is one branch, S+. On the backbone x1 has little of the
+ * third harmonic. From an extremum of the energy on the branch leaves it, with the first harmonic falling to 0: there
+ * it is the other mode gone through three times, and touches its 3-duplicate. It comes back with the first harmonic in
+ * the opposite phase, over two more extrema, and is the backbone again: that of x1 being drawn along by x2 as x1^3 ~
+ * sin(omega t), whose third harmonic is 1/5 of the first. */
 static void tongue(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore(peeters, 3, "energy: [0, 10000], frequency: [0.2, 20], multiply: 3, depth: 1", 0);
     ric_branch in = branch_of(atlas, 1), out = branch_of(atlas, 2);
-    static const double energies[] = {4680.546292756, 285.1589908027, 2105.466020769, 1786.385084028}; /* of the extrema, in order */
+    /* of the extrema, in order */
+    static const double energies[] = {4680.546292756, 285.1589908027, 2105.466020769, 1786.385084028};
     double at[4] = {0}, touch = -1, first = 0, third = 0;
     int extrema = 0, taken_over = 0;
     for (int i = 0; i < in.n_junction; i++) {
@@ -292,7 +309,8 @@ static void tongue(void **state)
         if ((fabs(third) > fabs(first)) == mostly_third) continue;
         mostly_third = !mostly_third;
         /* on the way out shortly before the greatest energy, on the way back between the last two extrema */
-        assert_true(++taken_over == 1 ? p.arclength < at[0] && p.energy > 2500 : taken_over == 2 && p.arclength > at[2] && p.arclength < at[3]);
+        assert_true(++taken_over == 1 ? p.arclength < at[0] && p.energy > 2500
+                                      : taken_over == 2 && p.arclength > at[2] && p.arclength < at[3]);
     }
     assert_int_equal(taken_over, 2);
     print_message("# at E %.6g the third harmonic is %.3f of the first\n", in.energy_max, third / first);
@@ -312,7 +330,8 @@ static double largest_multiplier(const ric_atlas *atlas, int branch, int point)
     if (ric_orbit_find(atlas, branch, RIC_AT_POINT, point, &n, &orbits)) fail_msg("%s", ric_detail());
     assert_int_equal(n, 1);
     assert_int_equal(ric_orbit_multipliers(orbits[0], multipliers), RIC_OK);
-    for (int i = 0; i < 2 * (ric_model_n_dof(ric_atlas_model(atlas)) - 1); i++) most = fmax(most, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
+    for (int i = 0; i < 2 * (ric_model_n_dof(ric_atlas_model(atlas)) - 1); i++)
+        most = fmax(most, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
     ric_orbits_free(n, orbits);
     return most;
 }
@@ -323,7 +342,8 @@ static void orbits_return(void **state)
     static const int exponents[] = {3, 7, 21};
     (void)state;
     for (int e = 0; e < 3; e++) {
-        ric_atlas *atlas = explore(article, exponents[e], "energy: [0, 40], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
+        ric_atlas *atlas = explore(article, exponents[e],
+                                   "energy: [0, 40], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
         const ric_model *m = ric_atlas_model(atlas);
         ric_contact contact;
         int tried = 0;
@@ -335,7 +355,8 @@ static void orbits_return(void **state)
                 ric_check check;
                 double x[4], y[4], flight, off = 0, size = 0, E;
                 if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
-                if (!check.passed) fail_msg("n = %d: branch %d, point %d returns with %g", exponents[e], id, i, check.return_error);
+                if (!check.passed)
+                    fail_msg("n = %d: branch %d, point %d returns with %g", exponents[e], id, i, check.return_error);
                 assert_int_equal(ric_atlas_point(atlas, id, i, &p, x, &flight), RIC_OK);
                 memcpy(y, x, sizeof y);
                 double own = cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, flight, y, y + 2);
@@ -346,8 +367,8 @@ static void orbits_return(void **state)
                 E = ric_model_energy(m, y, y + 2);
                 double allowed = 1e-9 * fmax(1, 1e-7 * largest_multiplier(atlas, id, i)) + 10 * own;
                 if (!(off <= allowed * size && own < 1e-6 && near(E, p.energy, 1e-9 + 10 * own)))
-                    fail_msg("n = %d: branch %d, point %d: CVODE returns with %g, sure of %g, energy %.13g for %.13g", exponents[e], id, i,
-                             off / size, own, E, p.energy);
+                    fail_msg("n = %d: branch %d, point %d: CVODE returns with %g, sure of %g, energy %.13g for %.13g",
+                             exponents[e], id, i, off / size, own, E, p.energy);
             }
         }
         assert_true(tried > 10);
@@ -355,14 +376,16 @@ static void orbits_return(void **state)
     }
 }
 
-/* Method 11: a power law tends to the rigid stop as log(m) / m. The time in which the spring stops the mass is that to the turning point
- * s^(m+1) = E (m+1) / k2, so the error of the frequency times (m+1) / log(E (m+1) / k2) tends to a constant. */
+/* Method 11: a power law tends to the rigid stop as log(m) / m. The time in which the spring stops the mass is that to
+ * the turning point s^(m+1) = E (m+1) / k2, so the error of the frequency times (m+1) / log(E (m+1) / k2) tends to a
+ * constant. */
 static void tends_to_the_stop(void **state)
 {
     static const int exponents[] = {21, 51, 99};
     static const char stop[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
                                "  contacts: [{normal: [-1, 1], clearance: 1, law: rigid}]\n"
-                               "explore: {start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1}\n";
+                               "explore: {start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 1, "
+                               "depth: 1}\n";
     (void)state;
     ric_atlas *rigid = explore_text(stop);
     double limit = 0, constant[3];
@@ -371,7 +394,8 @@ static void tends_to_the_stop(void **state)
     assert_true(near(limit, 1.571293037, 1e-9));
     for (int i = 0; i < 3; i++) {
         int m = exponents[i];
-        ric_atlas *atlas = explore(article, m, "start: [1], energy: [0, 12], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
+        ric_atlas *atlas = explore(article, m,
+                                   "start: [1], energy: [0, 12], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
         constant[i] = (limit - frequency_at(atlas, 1, 10)) * (m + 1) / log(10 * (m + 1));
         print_message("# m = %d: %.6f\n", m, constant[i]);
         ric_atlas_free(atlas);
@@ -381,12 +405,13 @@ static void tends_to_the_stop(void **state)
     assert_true(near(constant[2], constant[1], 0.03));
 }
 
-/* The bridge of section 3.3 at n = 21: orbits with z(t+T/2) = -z(t) and without mirror points, whose phase is free, on one branch from one
- * branch point of the symmetric path to another. */
+/* The bridge of section 3.3 at n = 21: orbits with z(t+T/2) = -z(t) and without mirror points, whose phase is free, on
+ * one branch from one branch point of the symmetric path to another. */
 static void bridge(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 21, "start: [1], energy: [0, 200], frequency: [0.9, 10], multiply: 1, depth: 2", 0);
+    ric_atlas *atlas = explore(article, 21, "start: [1], energy: [0, 200], frequency: [0.9, 10], multiply: 1, depth: 2",
+                               0);
     int bridges = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -402,13 +427,16 @@ static void bridge(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The second asymmetric branch of Fig. 26, from one branch point of the first to another. Near energy 26.83 neighbours grow to 1600 times their
- * distance between the middle and the end of a period, and to 12 times over all of it: by the matrix of the period alone no step converges. */
+/* The second asymmetric branch of Fig. 26, from one branch point of the first to another. Near energy 26.83 neighbours
+ * grow to 1600 times their distance between the middle and the end of a period, and to 12 times over all of it: by the
+ * matrix of the period alone no step converges. */
 static void grows_on_the_way(void **state)
 {
     (void)state;
     for (int run = 0; run < 2; run++) {
-        ric_atlas *atlas = explore(article, 21, "start: [1], energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3", run ? 0.05 : 0);
+        ric_atlas *atlas = explore(article, 21,
+                                   "start: [1], energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3",
+                                   run ? 0.05 : 0);
         int found = 0;
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
             ric_branch b = branch_of(atlas, id);
@@ -425,7 +453,8 @@ static void grows_on_the_way(void **state)
     }
 }
 
-/* Multiplicities are measured, and not those of the kind: but for the turning and the tripling, 1e-5 apart in energy. */
+/* Multiplicities are measured, and not those of the kind: but for the turning and the tripling, 1e-5 apart in
+ * energy. */
 static void labels_are_measured(void **state)
 {
     (void)state;
@@ -433,17 +462,20 @@ static void labels_are_measured(void **state)
     int points = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        bool point = j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_MULTIPLICATION, extremum = j.kind == RIC_KIND_EXTREMUM;
+        bool point = j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_MULTIPLICATION,
+             extremum = j.kind == RIC_KIND_EXTREMUM;
         points += point;
-        if ((point || (extremum && !near(j.energy, 109.858, 1e-4))) && !j.decided) fail_msg("%s at energy %.9g", j.label, j.energy);
-        if ((point && (j.a != 3 || j.b < 2)) || (extremum && (j.a != 3 || j.b != 1))) fail_msg("%s at energy %.9g", j.label, j.energy);
+        if ((point || (extremum && !near(j.energy, 109.858, 1e-4))) && !j.decided)
+            fail_msg("%s at energy %.9g", j.label, j.energy);
+        if ((point && (j.a != 3 || j.b < 2)) || (extremum && (j.a != 3 || j.b != 1)))
+            fail_msg("%s at energy %.9g", j.label, j.energy);
     }
     assert_true(points > 10);
     ric_atlas_free(atlas);
 }
 
-/* Branches without mirror points start and end where these are gained, at any phase of the orbit: none runs on along its mirror image. The
- * cubic spring has bridges of orbits with and without z(t+T/2) = -z(t). */
+/* Branches without mirror points start and end where these are gained, at any phase of the orbit: none runs on along
+ * its mirror image. The cubic spring has bridges of orbits with and without z(t+T/2) = -z(t). */
 static void arrivals_without_mirrors(void **state)
 {
     (void)state;
@@ -469,7 +501,8 @@ static void arrivals_without_mirrors(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A branch that begins at a multiplication which it passes ends there after one way round, and belongs to that junction. */
+/* A branch that begins at a multiplication which it passes ends there after one way round, and belongs to that
+ * junction. */
 static void closes_where_it_passes(void **state)
 {
     (void)state;
@@ -491,8 +524,8 @@ static void closes_where_it_passes(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Contacts of power 99 take a hundredth of the shortest period, and neighbours grow by 1e7 on the way. The branch without mirror points between two
- * branch points is there once, no branch fails, and the middle of each returns. */
+/* Contacts of power 99 take a hundredth of the shortest period, and neighbours grow by 1e7 on the way. The branch
+ * without mirror points between two branch points is there once, no branch fails, and the middle of each returns. */
 static void power_99(void **state)
 {
     (void)state;
@@ -503,14 +536,16 @@ static void power_99(void **state)
         if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
         points_return(atlas, id, b.n_point / 2, b.n_point);
         if (b.reversible || b.from == 0 || b.to == 0) continue;
-        met += near(junction_of(atlas, b.from).energy, 4.79941468408, 1e-9) && near(junction_of(atlas, b.to).energy, 5.22578464693, 1e-9);
+        met += near(junction_of(atlas, b.from).energy, 4.79941468408, 1e-9) &&
+               near(junction_of(atlas, b.to).energy, 5.22578464693, 1e-9);
     }
     assert_int_equal(met, 1);
     ric_atlas_free(atlas);
 }
 
-/* Exponent 99 at energy 83: neighbours of the doubled orbits part so fast that Newton's method on the start alone converges only within some 1e-6
- * of them. Without inner nodes the third branch has residuals of 3e-10 and the fourth is not found. */
+/* Exponent 99 at energy 83: neighbours of the doubled orbits part so fast that Newton's method on the start alone
+ * converges only within some 1e-6 of them. Without inner nodes the third branch has residuals of 3e-10 and the fourth
+ * is not found. */
 static void inner_nodes(void **state)
 {
     (void)state;

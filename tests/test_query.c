@@ -1,4 +1,5 @@
-/* Duplicates, segments and fractal bases: counted on the article's two masses, against its statements and against numbers computed elsewhere. */
+/* Duplicates, segments and fractal bases: counted on the article's two masses, against its statements and against
+ * numbers computed elsewhere. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -79,7 +80,8 @@ static void assert_close(double found, double wanted, double tolerance)
 
 /* --------------------------------------------------------------- duplicates */
 
-/* Section 3.2.1 of the article: k - 1 multiplications on every k-duplicate of S2-[01] and of S2+[01], one for each j/k. */
+/* Section 3.2.1 of the article: k - 1 multiplications on every k-duplicate of S2-[01] and of S2+[01], one for each
+ * j/k. */
 static void backbones_have_one_less(void **state)
 {
     static const char *const labels[] = {"S2-[01]", "S2+[01]"};
@@ -95,7 +97,9 @@ static void backbones_have_one_less(void **state)
                 const ric_junction junction = junction_of(atlas, points[p].junction);
                 const int j = points[p].j, common = j ? divisor(j, k) : 1;
                 assert_int_equal(points[p].j > 0, junction.kind == RIC_KIND_MULTIPLICATION);
-                assert_int_equal(points[p].origin, !j ? RIC_DUPLICATE_COPY : common == 1 ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED);
+                assert_int_equal(points[p].origin, !j            ? RIC_DUPLICATE_COPY
+                                                   : common == 1 ? RIC_DUPLICATE_OWN
+                                                                 : RIC_DUPLICATE_INHERITED);
                 if (!j)
                     continue;
                 assert_true(j < k && !seen[j]);
@@ -158,7 +162,8 @@ static void resonances_are_where_they_should_be(void **state)
     ric_atlas_free(atlas);
 }
 
-/* G_{N,p} becomes G_{kN,kp}: the row names the junction that the atlas has there, reached from the mode and from what leaves it alike. */
+/* G_{N,p} becomes G_{kN,kp}: the row names the junction that the atlas has there, reached from the mode and from what
+ * leaves it alike. */
 static void grazings_are_multiplied(void **state)
 {
     ric_atlas *atlas = wide();
@@ -240,7 +245,8 @@ static void stability_changes_between_segments(void **state)
     assert_true(branch.n_junction < 8);
     assert_int_equal(ric_branch_segments(atlas, branch.id, &n, segments), RIC_OK);
     for (int i = 0; i < n; i++) {
-        const bool inside = segments[i].frequency[0] > 1.67392 && segments[i].frequency[1] < 1.686217; /* of the two points */
+        /* of the two points */
+        const bool inside = segments[i].frequency[0] > 1.67392 && segments[i].frequency[1] < 1.686217;
         assert_true(segments[i].stable_fraction == (inside ? 1 : 0));
         stable += inside;
     }
@@ -292,13 +298,16 @@ static void every_branch_has_a_base(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Section 3.2.2: the elementary structure is F_1^1, F_2^1 and F_2^2. S6, S4 and what else leaves G1_2,4 is in the first, the backbone
- * S2- alone in the second, the closed loop of Fig. 17 in the third; doublings on the loop are in F_2^4, those on S6 in F_1^2. */
+/* Section 3.2.2: the elementary structure is F_1^1, F_2^1 and F_2^2. S6, S4 and what else leaves G1_2,4 is in the
+ * first, the backbone S2- alone in the second, the closed loop of Fig. 17 in the third; doublings on the loop are in
+ * F_2^4, those on S6 in F_1^2. */
 static void elementary_structure(void **state)
 {
-    static const struct { const char *label; int mode, j; } members[] = {
-        {"S0+", 1, 1}, {"S2+[01]", 1, 1}, {"S6[010101]", 1, 1}, {"S4[0011]", 1, 1}, {"A4[0001]", 1, 1}, {"S0-", 2, 1}, {"S2-[01]", 2, 1},
-        {"A1[0]", 2, 2}, {NULL, 0, 0},
+    static const struct {
+        const char *label; int mode, j;
+    } members[] = {
+        {"S0+", 1, 1}, {"S2+[01]", 1, 1}, {"S6[010101]", 1, 1}, {"S4[0011]", 1, 1}, {"A4[0001]", 1, 1},
+        {"S0-", 2, 1}, {"S2-[01]", 2, 1}, {"A1[0]", 2, 2},      {NULL, 0, 0},
     };
     ric_atlas *atlas = deep();
     ric_bases *bases;
@@ -325,8 +334,8 @@ static void elementary_structure(void **state)
     ric_atlas_free(atlas);
 }
 
-/* S6[010101] meets S2^{3-} at C1_33 and is in F_1^1; what leaves S2^{3-} at 1/3 is in F_2^3. A path that passed the backbone would join them,
- * and F_2^3 leaves out what is in F_1^1. */
+/* S6[010101] meets S2^{3-} at C1_33 and is in F_1^1; what leaves S2^{3-} at 1/3 is in F_2^3. A path that passed the
+ * backbone would join them, and F_2^3 leaves out what is in F_1^1. */
 static void bases_of_triplings(void **state)
 {
     ric_atlas *atlas = explore("energy: [0, 100], frequency: [0.6, 10], impacts: 6, multiply: 3, depth: 2");

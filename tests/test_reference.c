@@ -1,5 +1,5 @@
-/* The atlas of the article's model against numbers computed elsewhere: junctions, ends and depths of the branches; the same for any step
- * length and in any system of units; departures that add up. */
+/* The atlas of the article's model against numbers computed elsewhere: junctions, ends and depths of the branches; the
+ * same for any step length and in any system of units; departures that add up. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,8 +23,9 @@ typedef struct {
     int candidates; /* ways out up to symmetry */
 } expected;
 
-/* Computed independently in two formulations, many with 40 digits: relative accuracy 1e-9 or better. The candidates are subsets of the
- * touches up to the symmetries of the orbit, counted by hand: two touches that are images of one another give 3, four give 7. */
+/* Computed independently in two formulations, many with 40 digits: relative accuracy 1e-9 or better. The candidates are
+ * subsets of the touches up to the symmetries of the orbit, counted by hand: two touches that are images of one another
+ * give 3, four give 7. */
 static const expected reference[] = {
     {"G1_0,2", RIC_KIND_GRAZING, 0.9287310650464, 0.601588369489, 0, 2, 1, {0, 0}, 0, 0, "", 3},
     {"G2_0,2", RIC_KIND_GRAZING, 2.153475936438, 2.960911630511, 0, 2, 1, {0, 0}, 0, 0, "", 3},
@@ -110,7 +111,9 @@ static int find(const ric_atlas *atlas, const expected *e, double factor)
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        if (j.kind != e->kind || !close_to(j.energy, factor * e->energy, 1e-9) || !close_to(j.frequency, e->omega, 1e-9)) continue;
+        if (j.kind != e->kind || !close_to(j.energy, factor * e->energy, 1e-9) ||
+            !close_to(j.frequency, e->omega, 1e-9))
+            continue;
         if (found) fail_msg("%s is there twice: %d and %d", e->name, found, id);
         found = id;
     }
@@ -141,10 +144,11 @@ static void check_junctions(const ric_atlas *atlas, double factor)
         const expected *e = &reference[i];
         ric_junction j = junction_of(atlas, find(atlas, e, factor));
         word_text(j.impacts, j.word, word);
-        if (j.impacts != e->impacts || j.grazings != e->grazings || j.multiple != e->multiple || j.a != e->a || j.b != e->b ||
-            strcmp(word, e->word) || (e->multiple > 1 && memcmp(j.rotation, e->rotation, sizeof e->rotation)))
-            fail_msg("%s: N %d, p %d, multiple %d (%d/%d), a %d, b %d, word %s", e->name, j.impacts, j.grazings, j.multiple,
-                     j.rotation[0], j.rotation[1], j.a, j.b, word);
+        if (j.impacts != e->impacts || j.grazings != e->grazings || j.multiple != e->multiple || j.a != e->a ||
+            j.b != e->b || strcmp(word, e->word) ||
+            (e->multiple > 1 && memcmp(j.rotation, e->rotation, sizeof e->rotation)))
+            fail_msg("%s: N %d, p %d, multiple %d (%d/%d), a %d, b %d, word %s", e->name, j.impacts, j.grazings,
+                     j.multiple, j.rotation[0], j.rotation[1], j.a, j.b, word);
     }
 }
 
@@ -155,7 +159,8 @@ static void junctions_of_the_article(void **state)
     ric_atlas *atlas = explore(study, 0, NULL);
     check_junctions(atlas, 1);
     /* the list of names in the study reaches them */
-    for (int i = 0; i < N_REFERENCE; i++) assert_string_equal(junction_of(atlas, find(atlas, &reference[i], 1)).name, reference[i].name);
+    for (int i = 0; i < N_REFERENCE; i++)
+        assert_string_equal(junction_of(atlas, find(atlas, &reference[i], 1)).name, reference[i].name);
     ric_atlas_free(atlas);
     ric_study_free(study);
 }
@@ -172,7 +177,9 @@ static int find_branch(const ric_atlas *atlas, const edge *e, double factor)
         if (found) fail_msg("%s from %s to %s is there twice: %d and %d", e->label, e->end[0], e->end[1], found, id);
         found = id;
     }
-    if (!found) fail_msg("no %s from %s to %s", e->label, e->end[0] ? e->end[0] : "the window", e->end[1] ? e->end[1] : "the window");
+    if (!found)
+        fail_msg("no %s from %s to %s", e->label, e->end[0] ? e->end[0] : "the window",
+                 e->end[1] ? e->end[1] : "the window");
     return found;
 }
 
@@ -182,7 +189,8 @@ static void check_branches(const ric_atlas *atlas, double factor)
         const edge *e = &edges[i];
         ric_branch b = branch_of(atlas, find_branch(atlas, e, factor));
         if (b.depth != e->depth) fail_msg("%s: depth %d, not %d", e->label, b.depth, e->depth);
-        if (b.symmetric != e->symmetric || b.reversible != e->reversible) fail_msg("%s: symmetric %d, reversible %d", e->label, b.symmetric, b.reversible);
+        if (b.symmetric != e->symmetric || b.reversible != e->reversible)
+            fail_msg("%s: symmetric %d, reversible %d", e->label, b.symmetric, b.reversible);
         int through = 0;
         for (; through < 5 && e->through[through]; through++) {
             int id = find_by_name(atlas, e->through[through], factor);
@@ -192,12 +200,14 @@ static void check_branches(const ric_atlas *atlas, double factor)
         }
         for (int k = 0, known = 0; k < b.n_junction; k++) { /* and nothing else of the table */
             for (int r = 0; r < N_REFERENCE; r++) known += find(atlas, &reference[r], factor) == b.junctions[k];
-            if (k + 1 == b.n_junction && known != through) fail_msg("%s passes %d junctions of the table, not %d", e->label, known, through);
+            if (k + 1 == b.n_junction && known != through)
+                fail_msg("%s passes %d junctions of the table, not %d", e->label, known, through);
         }
         for (int k = 1; k < b.n_junction; k++) assert_true(b.junction_at[k] > b.junction_at[k - 1]);
     }
     /* the seven forms of eq. 49 leave one grazing */
-    static const char *const forms[7] = {"S2+[01]", "A3[001]", "A4[0001]", "S4[0011]", "A4[0101]", "A5[00101]", "S6[010101]"};
+    static const char *const forms[7] = {"S2+[01]",  "A3[001]",   "A4[0001]",  "S4[0011]",
+                                         "A4[0101]", "A5[00101]", "S6[010101]"};
     ric_junction j = junction_of(atlas, find_by_name(atlas, "G1_2,4", factor));
     assert_int_equal(j.n_branch, 7);
     for (int i = 0; i < 7; i++) {
@@ -218,7 +228,8 @@ static void check_branches(const ric_atlas *atlas, double factor)
     assert_true(seen);
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
-        if (b.stop == RIC_STOP_FAILED || b.stop == RIC_STOP_BUDGET) fail_msg("branch %d %s stops: %s, %s", id, b.label, ric_stop_text(b.stop), b.why);
+        if (b.stop == RIC_STOP_FAILED || b.stop == RIC_STOP_BUDGET)
+            fail_msg("branch %d %s stops: %s, %s", id, b.label, ric_stop_text(b.stop), b.why);
     }
 }
 
@@ -232,7 +243,8 @@ static void branches_of_the_article(void **state)
     for (int i = 0; i < N_EDGE; i++) {
         ric_branch b = branch_of(atlas, find_branch(atlas, &edges[i], 1));
         if (strcmp(b.label, "A2[01]") && (strcmp(b.label, "S4[0011]") || b.reversible)) continue;
-        if (!close_to(b.frequency_min, b.frequency_max, 1e-12)) fail_msg("%s is not horizontal: %.17g to %.17g", b.label, b.frequency_min, b.frequency_max);
+        if (!close_to(b.frequency_min, b.frequency_max, 1e-12))
+            fail_msg("%s is not horizontal: %.17g to %.17g", b.label, b.frequency_min, b.frequency_max);
     }
     ric_atlas_free(atlas);
     ric_study_free(study);
@@ -240,31 +252,35 @@ static void branches_of_the_article(void **state)
 
 /* ---------------------------------------------------- step length and units */
 
-/* Same junctions in the same order, same branches: labels, ends, what they pass, depths. Energies of b are `factor` times those of a. */
+/* Same junctions in the same order, same branches: labels, ends, what they pass, depths. Energies of b are `factor`
+ * times those of a. */
 static void check_same_atlas(const ric_atlas *a, const ric_atlas *b, double factor, const char *what)
 {
     if (ric_atlas_n_junction(a) != ric_atlas_n_junction(b) || ric_atlas_n_branch(a) != ric_atlas_n_branch(b))
-        fail_msg("%s: %d junctions and %d branches, not %d and %d", what, ric_atlas_n_junction(b), ric_atlas_n_branch(b),
-                 ric_atlas_n_junction(a), ric_atlas_n_branch(a));
+        fail_msg("%s: %d junctions and %d branches, not %d and %d", what, ric_atlas_n_junction(b),
+                 ric_atlas_n_branch(b), ric_atlas_n_junction(a), ric_atlas_n_branch(a));
     for (int id = 1; id <= ric_atlas_n_junction(a); id++) {
         ric_junction x = junction_of(a, id), y = junction_of(b, id);
-        if (x.kind != y.kind || !close_to(factor * x.energy, y.energy, 1e-9) || !close_to(x.frequency, y.frequency, 1e-9))
-            fail_msg("%s: junction %d %s at E %.13g, omega %.13g becomes %s at E %.13g, omega %.13g", what, id, x.label, x.energy,
-                     x.frequency, y.label, y.energy / factor, y.frequency);
-        if (strcmp(x.label, y.label) || x.impacts != y.impacts || x.a != y.a || x.b != y.b || x.n_branch != y.n_branch ||
-            memcmp(x.word, y.word, (size_t)x.impacts * sizeof *x.word) || memcmp(x.branches, y.branches, (size_t)x.n_branch * sizeof *x.branches) ||
+        if (x.kind != y.kind || !close_to(factor * x.energy, y.energy, 1e-9) ||
+            !close_to(x.frequency, y.frequency, 1e-9))
+            fail_msg("%s: junction %d %s at E %.13g, omega %.13g becomes %s at E %.13g, omega %.13g", what, id, x.label,
+                     x.energy, x.frequency, y.label, y.energy / factor, y.frequency);
+        if (strcmp(x.label, y.label) || x.impacts != y.impacts || x.a != y.a || x.b != y.b ||
+            x.n_branch != y.n_branch || memcmp(x.word, y.word, (size_t)x.impacts * sizeof *x.word) ||
+            memcmp(x.branches, y.branches, (size_t)x.n_branch * sizeof *x.branches) ||
             memcmp(&x.departures, &y.departures, sizeof x.departures))
-            fail_msg("%s: junction %d %s differs (%s, a %d, b %d, departures %d %d %d %d %d against %d %d %d %d %d)", what, id, x.label,
-                     y.label, y.a, y.b, x.departures.taken, x.departures.known, x.departures.inadmissible, x.departures.over_budget,
-                     x.departures.refused, y.departures.taken, y.departures.known, y.departures.inadmissible, y.departures.over_budget,
-                     y.departures.refused);
+            fail_msg("%s: junction %d %s differs (%s, a %d, b %d, departures %d %d %d %d %d against %d %d %d %d %d)",
+                     what, id, x.label, y.label, y.a, y.b, x.departures.taken, x.departures.known,
+                     x.departures.inadmissible, x.departures.over_budget, x.departures.refused, y.departures.taken,
+                     y.departures.known, y.departures.inadmissible, y.departures.over_budget, y.departures.refused);
     }
     for (int id = 1; id <= ric_atlas_n_branch(a); id++) {
         ric_branch x = branch_of(a, id), y = branch_of(b, id);
         if (strcmp(x.label, y.label) || x.from != y.from || x.to != y.to || x.stop != y.stop || x.depth != y.depth ||
-            x.n_junction != y.n_junction || memcmp(x.junctions, y.junctions, (size_t)x.n_junction * sizeof *x.junctions))
-            fail_msg("%s: branch %d %s (%d to %d) becomes %s (%d to %d, %s %s, depth %d, passes %d)", what, id, x.label, x.from, x.to,
-                     y.label, y.from, y.to, ric_stop_text(y.stop), y.why, y.depth, y.n_junction);
+            x.n_junction != y.n_junction ||
+            memcmp(x.junctions, y.junctions, (size_t)x.n_junction * sizeof *x.junctions))
+            fail_msg("%s: branch %d %s (%d to %d) becomes %s (%d to %d, %s %s, depth %d, passes %d)", what, id, x.label,
+                     x.from, x.to, y.label, y.from, y.to, ric_stop_text(y.stop), y.why, y.depth, y.n_junction);
     }
 }
 
@@ -335,26 +351,29 @@ static void any_step_length_with_multiplications(void **state)
     }
 }
 
-/* A wall on one side that nothing reaches takes x -> -x from the structure, but not from its motions: the same junctions at the same energies,
- * and as many symmetric branches. What is not its own image is there twice, or once where the branch passes its image. */
+/* A wall on one side that nothing reaches takes x -> -x from the structure, but not from its motions: the same
+ * junctions at the same energies, and as many symmetric branches. What is not its own image is there twice, or once
+ * where the branch passes its image. */
 static void wall_out_of_reach(void **state)
 {
     (void)state;
     static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                               "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n%s"
-                               "explore: {start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: %d, multiply: %d, depth: %d}\n";
+                               "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                               "%sexplore: {start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: %d, "
+                               "multiply: %d, depth: %d}\n";
     static const int budgets[2][3] = {{24, 1, 4}, {12, 2, 3}};
     for (int i = 0; i < 2; i++) {
         ric_atlas *atlas[2];
         int symmetric[2] = {0}, images = 0;
-        /* A10 at E 28.524 passes its mirror image within one step of the usual length, with a doubling on either side: shorter steps see them
-         * (known limits in the changelog) */
+        /* A10 at E 28.524 passes its mirror image within one step of the usual length, with a doubling on either side:
+         * shorter steps see them (known limits in the changelog) */
         double step = i == 1 ? 0.04 : 0;
         for (int k = 0; k < 2; k++) {
             char study_text[1024];
             ric_study *study = NULL;
-            snprintf(study_text, sizeof study_text, text, k ? "    - {normal: [0, 1], clearance: 1000, sides: upper, law: rigid}\n" : "",
-                     budgets[i][0], budgets[i][1], budgets[i][2]);
+            snprintf(study_text, sizeof study_text, text,
+                     k ? "    - {normal: [0, 1], clearance: 1000, sides: upper, law: rigid}\n" : "", budgets[i][0],
+                     budgets[i][1], budgets[i][2]);
             if (ric_study_parse(study_text, "wall", ".", &study)) fail_msg("%s", ric_detail());
             atlas[k] = explore(study, step, NULL);
             ric_study_free(study);
@@ -364,16 +383,19 @@ static void wall_out_of_reach(void **state)
                 if (b.stop == RIC_STOP_FAILED) fail_msg("branch %d %s: %s", id, b.label, b.why);
             }
         }
-        if (symmetric[0] != symmetric[1]) fail_msg("%d symmetric branches, with the wall %d", symmetric[0], symmetric[1]);
+        if (symmetric[0] != symmetric[1])
+            fail_msg("%d symmetric branches, with the wall %d", symmetric[0], symmetric[1]);
         for (int id = 1; id <= ric_atlas_n_junction(atlas[0]); id++) {
             ric_junction x = junction_of(atlas[0], id);
             int found = 0;
             for (int k = 1; k <= ric_atlas_n_junction(atlas[1]); k++) {
                 ric_junction y = junction_of(atlas[1], k);
-                found += x.kind == y.kind && x.impacts == y.impacts && x.a == y.a && x.b == y.b && x.multiple == y.multiple &&
-                         close_to(x.energy, y.energy, 1e-10) && close_to(x.frequency, y.frequency, 1e-10);
+                found += x.kind == y.kind && x.impacts == y.impacts && x.a == y.a && x.b == y.b &&
+                         x.multiple == y.multiple && close_to(x.energy, y.energy, 1e-10) &&
+                         close_to(x.frequency, y.frequency, 1e-10);
             }
-            if (found < 1 || found > 2) fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
+            if (found < 1 || found > 2)
+                fail_msg("%s at E %.13g is there %d times with the wall", x.label, x.energy, found);
             images += found - 1;
         }
         assert_true(images > 0);
@@ -432,8 +454,9 @@ static void departures_add_up(void **state)
         ric_departures d = junction_of(atlas, find(atlas, &reference[i], 1)).departures;
         int sum = d.taken + d.known + d.inadmissible + d.over_budget + d.refused;
         if (sum != reference[i].candidates)
-            fail_msg("%s: %d taken, %d known, %d inadmissible, %d over budget, %d refused, but %d candidates", reference[i].name, d.taken,
-                     d.known, d.inadmissible, d.over_budget, d.refused, reference[i].candidates);
+            fail_msg("%s: %d taken, %d known, %d inadmissible, %d over budget, %d refused, but %d candidates",
+                     reference[i].name, d.taken, d.known, d.inadmissible, d.over_budget, d.refused,
+                     reference[i].candidates);
     }
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
@@ -445,10 +468,12 @@ static void departures_add_up(void **state)
             if (d.taken + d.known + d.inadmissible + d.over_budget + d.refused != node->n_departure)
                 fail_msg("junction %d %s: %d candidates", id, j.label, node->n_departure);
             for (int k = 0; k < node->n_departure; k++)
-                if (node->departures[k].state == RIC_DEPARTURE_OPEN) fail_msg("junction %d %s: departure %d is open", id, j.label, k);
+                if (node->departures[k].state == RIC_DEPARTURE_OPEN)
+                    fail_msg("junction %d %s: departure %d is open", id, j.label, k);
         }
         assert_true((d.refused > 0) == (j.refusal[0] != 0));
-        /* every branch that ends here accounts for a departure taken or known; one that passes for one, in both directions */
+        /* every branch that ends here accounts for a departure taken or known; one that passes for one, in both
+         * directions */
         int ends = 0;
         for (int k = 0; k < j.n_branch; k++) {
             ric_branch b = branch_of(atlas, j.branches[k]);
@@ -456,7 +481,8 @@ static void departures_add_up(void **state)
             assert_true(b.from == id || b.to == id || has(b.n_junction, b.junctions, id));
         }
         if (j.kind == RIC_KIND_GRAZING && d.taken + d.known != ends)
-            fail_msg("junction %d %s: %d taken and %d known, but %d branches end there", id, j.label, d.taken, d.known, ends);
+            fail_msg("junction %d %s: %d taken and %d known, but %d branches end there", id, j.label, d.taken, d.known,
+                     ends);
     }
     assert_int_equal(matched, ric_atlas_n_junction(atlas));
     ric_graph_free(graph);
@@ -467,9 +493,14 @@ static void departures_add_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(junctions_of_the_article), cmocka_unit_test(branches_of_the_article), cmocka_unit_test(any_step_length),
-        cmocka_unit_test(any_step_length_elsewhere), cmocka_unit_test(any_step_length_with_multiplications), cmocka_unit_test(wall_out_of_reach),
-        cmocka_unit_test(any_units),                cmocka_unit_test(departures_add_up),
+        cmocka_unit_test(junctions_of_the_article),
+        cmocka_unit_test(branches_of_the_article),
+        cmocka_unit_test(any_step_length),
+        cmocka_unit_test(any_step_length_elsewhere),
+        cmocka_unit_test(any_step_length_with_multiplications),
+        cmocka_unit_test(wall_out_of_reach),
+        cmocka_unit_test(any_units),
+        cmocka_unit_test(departures_add_up),
     };
     return cmocka_run_group_tests_name("reference", tests, NULL, NULL);
 }

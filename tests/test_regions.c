@@ -1,4 +1,5 @@
-/* Regions of a study: read, written and read again; one takes the place of those that ask for no more; which budgets hold where. */
+/* Regions of a study: read, written and read again; one takes the place of those that ask for no more; which budgets
+ * hold where. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,15 +33,17 @@ static const char three[] = "explore: {energy: [0, 200], frequency: [0.5, 5], de
 /* Each bit but those of padding. */
 static bool same_region(const ric_region *a, const ric_region *b)
 {
-    return !memcmp(a->energy, b->energy, sizeof a->energy) && !memcmp(a->frequency, b->frequency, sizeof a->frequency) && a->depth == b->depth &&
+    return !memcmp(a->energy, b->energy, sizeof a->energy) &&
+           !memcmp(a->frequency, b->frequency, sizeof a->frequency) && a->depth == b->depth &&
            a->impacts == b->impacts && a->multiply == b->multiply;
 }
 
 static void regions_are_read_back_bit_for_bit(void **state)
 {
     (void)state;
-    ric_study *study = study_with("explore: {depth: 3}\nregions:\n  - {frequency: [1.6, 1.7], energy: [0.1, 80], depth: 0}\n"
-                                  "  - {energy: [3, 4], frequency: [0.30000000000000004, 2], impacts: 40, multiply: 5}\nnames: []\n");
+    ric_study *study = study_with(
+        "explore: {depth: 3}\nregions:\n  - {frequency: [1.6, 1.7], energy: [0.1, 80], depth: 0}\n"
+        "  - {energy: [3, 4], frequency: [0.30000000000000004, 2], impacts: 40, multiply: 5}\nnames: []\n");
     ric_study *again = NULL;
     if (ric_study_parse(ric_study_text(study), "study", ".", &again))
         fail_msg("%s", ric_detail());
@@ -62,8 +65,10 @@ static void a_region_takes_the_place_of_those_that_ask_for_no_more(void **state)
     (void)state;
     ric_study *study = study_with(three);
     const ric_explore_options *o = ric_study_options(study);
-    const ric_region small = {{1, 2}, {1, 2}, 4, RIC_REGION_SAME, RIC_REGION_SAME}, deep = {{1, 2}, {1, 2}, 6, RIC_REGION_SAME, RIC_REGION_SAME};
-    const ric_region large = {{0.5, 3}, {1, 2.5}, 5, 20, RIC_REGION_SAME}, without_limit = {{0.5, 3}, {1, 2.5}, 0, 20, 3};
+    const ric_region small = {{1, 2}, {1, 2}, 4, RIC_REGION_SAME, RIC_REGION_SAME},
+                     deep = {{1, 2}, {1, 2}, 6, RIC_REGION_SAME, RIC_REGION_SAME};
+    const ric_region large = {{0.5, 3}, {1, 2.5}, 5, 20, RIC_REGION_SAME},
+                     without_limit = {{0.5, 3}, {1, 2.5}, 0, 20, 3};
     assert_int_equal(ric_study_add_region(study, &small), RIC_OK);
     assert_int_equal(ric_study_add_region(study, &small), RIC_OK);
     assert_int_equal(o->n_region, 1);
@@ -74,7 +79,9 @@ static void a_region_takes_the_place_of_those_that_ask_for_no_more(void **state)
     assert_int_equal(ric_study_add_region(study, &without_limit), RIC_OK);
     assert_int_equal(o->n_region, 1);
     assert_true(same_region(&o->region[0], &without_limit));
-    assert_non_null(strstr(ric_study_text(study), "regions:\n  - {energy: [0.5, 3], frequency: [1, 2.5], depth: 0, impacts: 20, multiply: 3}\n"));
+    assert_non_null(
+        strstr(ric_study_text(study),
+               "regions:\n  - {energy: [0.5, 3], frequency: [1, 2.5], depth: 0, impacts: 20, multiply: 3}\n"));
     ric_study_free(study);
 }
 
@@ -89,7 +96,8 @@ static void there_are_so_many_and_no_more(void **state)
     assert_int_equal(ric_study_add_region(study, &(ric_region){{99, 100}, {1, 2}, 5, 5, 5}), RIC_E_RANGE);
     assert_int_equal(ric_study_options(study)->n_region, RIC_REGIONS_MAX);
     assert_int_equal(strlen(ric_study_text(study)), strtoul(before, NULL, 10));
-    assert_int_equal(ric_study_add_region(study, &(ric_region){{0, 100}, {1, 2}, 5, 5, 5}), RIC_OK); /* instead of them all */
+    /* instead of them all */
+    assert_int_equal(ric_study_add_region(study, &(ric_region){{0, 100}, {1, 2}, 5, 5, 5}), RIC_OK);
     assert_int_equal(ric_study_options(study)->n_region, 1);
     ric_study_free(study);
     study = study_with("explore: {cascade: [3, 2]}\n");
@@ -100,8 +108,9 @@ static void there_are_so_many_and_no_more(void **state)
 static void budgets_hold_where_the_region_is(void **state)
 {
     (void)state;
-    ric_study *study = study_with("explore: {energy: [0, 200], frequency: [0.5, 5], depth: 3, impacts: 12, multiply: 2}\n"
-                                  "regions:\n  - {energy: [10, 300], frequency: [1, 2], depth: 5, impacts: 8, multiply: 6}\n");
+    ric_study *study = study_with(
+        "explore: {energy: [0, 200], frequency: [0.5, 5], depth: 3, impacts: 12, multiply: 2}\n"
+        "regions:\n  - {energy: [10, 300], frequency: [1, 2], depth: 5, impacts: 8, multiply: 6}\n");
     const ric_explore_options *o = ric_study_options(study);
     double energy[2], frequency[2];
     ric_budgets b = ric_region_budgets(o, 20, 1.5, 1);

@@ -1,5 +1,6 @@
-/* Branches that leave where the rotation number of an orbit without mirror points passes p / q: orbits of exactly q periods, elliptic or
- * hyperbolic as the theory has it (Meyer 1970), known to the simulator or to CVODE, and told apart again when they come back. */
+/* Branches that leave where the rotation number of an orbit without mirror points passes p / q: orbits of exactly q
+ * periods, elliptic or hyperbolic as the theory has it (Meyer 1970), known to the simulator or to CVODE, and told apart
+ * again when they come back. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,8 +22,8 @@ enum { MAX_SIZE = 200, PER_ORDER = 2, MAX_ORDER = 16 };
 
 #define EXPLORE "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n"
 
-/* The article's model, which has A5[00101]; another of two masses, with a wall on both sides of one; three masses, whose branches without
- * mirror include such with z(t + T/2) = -z(t); two structures with a cubic spring. */
+/* The article's model, which has A5[00101]; another of two masses, with a wall on both sides of one; three masses,
+ * whose branches without mirror include such with z(t + T/2) = -z(t); two structures with a cubic spring. */
 static const char *const studies[] = {
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
     "  contacts:\n    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
@@ -44,7 +45,8 @@ static const char *const studies[] = {
 
 /* ------------------------------------------------------------------ helpers */
 
-/* Smallest distance of lambda + 1/lambda of the chain's own map from a value, over real pairs; its error (may be NULL). */
+/* Smallest distance of lambda + 1/lambda of the chain's own map from a value, over real pairs; its error
+ * (may be NULL). */
 static double off_by(ric_chain *c, const double *u, double value, double *error)
 {
     ric_floquet f;
@@ -70,7 +72,8 @@ static bool locate(ric_trace *tr, int i, double target, double *u)
     ric_chain *c = tr->chain;
     const double *a = unknowns(tr, i), *b = unknowns(tr, i + 1);
     int size = c->n_unknown, iterations;
-    double normal[MAX_SIZE], du[MAX_SIZE], lo = 0, hi = 1, length = 0, fa = off_by(c, a, target, NULL), f = off_by(c, b, target, NULL);
+    double normal[MAX_SIZE], du[MAX_SIZE], lo = 0, hi = 1, length = 0, fa = off_by(c, a, target, NULL),
+                                           f = off_by(c, b, target, NULL);
     if (!(fa * f < 0) || fabs(fa) + fabs(f) > 3) return false;
     for (int j = 0; j < size; j++) {
         normal[j] = b[j] - a[j];
@@ -96,7 +99,8 @@ static double return_tolerance(ric_chain *c, const double *u)
     assert_int_equal(ric_floquet_compute(c, &f), RIC_OK);
     for (int i = 0; i < f.n_pair; i++) largest = fmax(largest, hypot(f.rho[2 * i], f.rho[2 * i + 1]));
     ric_floquet_release(&f);
-    return fmax(1e-9, 1e-14 * largest); /* docs/theory.md section 11; the last digits of a state, 1e-16, times the multiplier */
+    return fmax(1e-9, 1e-14 * largest); /* docs/theory.md section 11; the last digits of a state, 1e-16, times the
+                                         * multiplier */
 }
 
 /* CVODE comes back after the full period, as far as it is sure of itself. */
@@ -109,12 +113,14 @@ static void integrate(const ric_model *m, const ric_cycle *cycle, double toleran
     ric_model_to_state(m, cycle->w, x, v);
     memcpy(x1, x, sizeof x);
     memcpy(v1, v, sizeof v);
-    double sure = cvode_fly(m, n, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, ric_cycle_period(cycle) / m->omega_ref, x1, v1);
+    double sure = cvode_fly(m, n, ric_model_mass(m), ric_model_stiffness(m), 1, &contact,
+                            ric_cycle_period(cycle) / m->omega_ref, x1, v1);
     for (int i = 0; i < n; i++) {
         off = fmax(off, fmax(fabs(x1[i] - x[i]), fabs(v1[i] - v[i])));
         size = fmax(size, fmax(fabs(x[i]), fabs(v[i])));
     }
-    if (!(off <= (tolerance + 10 * sure) * size && sure < 1e-6)) fail_msg("%s: CVODE returns to %.3g, sure of %.3g", where, off / size, sure);
+    if (!(off <= (tolerance + 10 * sure) * size && sure < 1e-6))
+        fail_msg("%s: CVODE returns to %.3g, sure of %.3g", where, off / size, sure);
 }
 
 /* The simulator, which shares no code with the solver, meets the same faces and comes back after the full period. */
@@ -137,14 +143,16 @@ static void replay(const ric_model *m, const ric_cycle *cycle, double tolerance,
         t += cycle->tau[k - 1] / m->omega_ref;
         if (ric_simulator_advance(sim, end * 1.01, &hit, &impact)) fail_msg("%s: %s", where, ric_detail());
         if (!hit || impact.face != cycle->face[k % cycle->N] || fabs(impact.time - t) > tolerance * (1 + t))
-            fail_msg("%s: impact %d on face %d at %.12g, not on %d at %.12g", where, k, impact.face, impact.time, cycle->face[k % cycle->N], t);
+            fail_msg("%s: impact %d on face %d at %.12g, not on %d at %.12g", where, k, impact.face, impact.time,
+                     cycle->face[k % cycle->N], t);
     }
     ric_simulator_state(sim, NULL, x1, v1);
     for (int i = 0; i < n; i++) {
         off = fmax(off, fmax(fabs(x1[i] - x[i]), fabs(v1[i] - v[i])));
         size = fmax(size, fmax(fabs(x[i]), fabs(v[i])));
     }
-    if (off > tolerance * size) fail_msg("%s: returns to %.3g of its start, %.3g allowed", where, off / size, tolerance);
+    if (off > tolerance * size)
+        fail_msg("%s: returns to %.3g of its start, %.3g allowed", where, off / size, tolerance);
     ric_simulator_free(sim);
 }
 
@@ -171,12 +179,14 @@ static family leave(const ric_model *m, const ric_node *node, unsigned choice, i
     family out = {0};
     out.off = off_by(chain, u, 2, &out.error);
     out.energy = ric_chain_energy(chain); /* of the evaluation there */
-    if (chain->residual > ric_trace_tolerance(chain)) fail_msg("%s: residual %.3g, %.3g allowed", where, chain->residual, ric_trace_tolerance(chain));
+    if (chain->residual > ric_trace_tolerance(chain))
+        fail_msg("%s: residual %.3g, %.3g allowed", where, chain->residual, ric_trace_tolerance(chain));
     period = ric_chain_time(chain, u);
     if (fabs(period / (node->multiple * node->period) - 1) > 10 * distance)
         fail_msg("%s: period %.12g, not near %d times %.12g", where, period, node->multiple, node->period);
     out.cycle = ric_cycle_from_chain(chain, u);
-    if (ric_cycle_find_symmetries(m, out.cycle, 1e-3 * distance) != 1) fail_msg("%s: a repeated orbit at distance %.3g", where, distance);
+    if (ric_cycle_find_symmetries(m, out.cycle, 1e-3 * distance) != 1)
+        fail_msg("%s: a repeated orbit at distance %.3g", where, distance);
     replay(m, out.cycle, return_tolerance(chain, u), where);
     ric_cycle *turned = ric_cycle_canonical(m, out.cycle);
     if (ric_ring_class(m, node, turned, &choice2, &side2)) fail_msg("%s: %s", where, ric_detail());
@@ -211,7 +221,8 @@ static void come_back(const ric_model *m, const ric_trace *tr, const ric_node *n
     ric_limits limits = *tr->limits;
     limits.max_points = passes ? 30 : 300;
     for (int i = 0; i < tr->chain->n_unknown; i++) t[i] = to[i] - from[i];
-    if (ric_trace_create(ric_chain_copy(tr->chain), from, t, (1u << RIC_N_TEST) - 1, &limits, &back) || ric_trace_run(back))
+    if (ric_trace_create(ric_chain_copy(tr->chain), from, t, (1u << RIC_N_TEST) - 1, &limits, &back) ||
+        ric_trace_run(back))
         fail_msg("%s: %s", where, ric_detail());
     for (int i = passes ? 0 : -1; (passes || back->arrival) && i < (passes ? back->n_event : 0) && !found; i++) {
         ric_chain_fly(back->chain, i < 0 ? back->end.u : back->events[i].u);
@@ -226,14 +237,16 @@ static void come_back(const ric_model *m, const ric_trace *tr, const ric_node *n
         int side;
         ric_chain_fly(back->chain, unknowns(back, back->n_point - 2));
         ric_cycle *near = ric_cycle_from_chain(back->chain, unknowns(back, back->n_point - 2));
-        if (ric_ring_class(m, node, near, &arrived, &side) || arrived != choice) fail_msg("%s: comes back as %u, not %u", where, arrived, choice);
+        if (ric_ring_class(m, node, near, &arrived, &side) || arrived != choice)
+            fail_msg("%s: comes back as %u, not %u", where, arrived, choice);
         ric_cycle_free(near);
     }
     ric_trace_free(back);
 }
 
 /* The branch itself: it begins at the node and goes on from there to orbits of its own. */
-static void follow(const ric_model *m, const ric_limits *window, const ric_node *node, unsigned choice, int side, const char *where)
+static void follow(const ric_model *m, const ric_limits *window, const ric_node *node, unsigned choice, int side,
+                   const char *where)
 {
     ric_limits limits = *window;
     ric_chain *chain = NULL;
@@ -241,10 +254,11 @@ static void follow(const ric_model *m, const ric_limits *window, const ric_node 
     unsigned ignore = 0;
     ric_trace *tr = NULL;
     limits.max_points = 5;
-    if (ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore) || ric_trace_create(chain, u0, t0, ignore, &limits, &tr) ||
-        ric_trace_run(tr))
+    if (ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore) ||
+        ric_trace_create(chain, u0, t0, ignore, &limits, &tr) || ric_trace_run(tr))
         fail_msg("%s: %s", where, ric_detail());
-    if (tr->stop == RIC_STOP_FAILED || tr->n_point < 3) fail_msg("%s: stops after %d points, %s", where, tr->n_point, tr->why);
+    if (tr->stop == RIC_STOP_FAILED || tr->n_point < 3)
+        fail_msg("%s: stops after %d points, %s", where, tr->n_point, tr->why);
     assert_memory_equal(unknowns(tr, 0), u0, (size_t)tr->chain->n_unknown * sizeof *u0);
     for (int i = 1; i < tr->n_point; i++) {
         const double *u = unknowns(tr, i);
@@ -261,15 +275,18 @@ static void follow(const ric_model *m, const ric_limits *window, const ric_node 
 
 static int types_checked[MAX_ORDER];
 
-/* Order 3: hyperbolic both ways. Order 4: one of each, or both hyperbolic. Above: one of each. The elliptic one comes first. */
+/* Order 3: hyperbolic both ways. Order 4: one of each, or both hyperbolic. Above: one of each. The elliptic one comes
+ * first. */
 static void check_types(int order, const family f[2], const char *where)
 {
     bool elliptic[2] = {f[0].off < 0, f[1].off < 0};
-    if (fabs(f[0].off) < f[0].error || fabs(f[1].off) < f[1].error) return; /* another pair of the order of 1e6 drowns it */
+    /* another pair of the order of 1e6 drowns it */
+    if (fabs(f[0].off) < f[0].error || fabs(f[1].off) < f[1].error) return;
     types_checked[order]++;
     if (elliptic[1] || (order > 4 && !elliptic[0]) || (order == 3 && elliptic[0]))
         fail_msg("%s: lambda + 1/lambda - 2 is %.6g and %.6g at order %d", where, f[0].off, f[1].off, order);
-    if (!elliptic[0] && !(f[0].energy < f[1].energy)) fail_msg("%s: energies %.12g and %.12g", where, f[0].energy, f[1].energy);
+    if (!elliptic[0] && !(f[0].energy < f[1].energy))
+        fail_msg("%s: energies %.12g and %.12g", where, f[0].energy, f[1].energy);
 }
 
 static void check_node(const ric_model *m, const ric_limits *limits, const ric_node *node, const char *where)
@@ -284,7 +301,8 @@ static void check_node(const ric_model *m, const ric_limits *limits, const ric_n
         follow(m, limits, node, choice, i && !two ? -1 : 1, where);
     }
     check_types(order, f, where);
-    if (ric_cycle_match(m, f[0].cycle, f[1].cycle, 1e-6, &shift, &reverse, &mirror)) fail_msg("%s: both ways lead to one orbit", where);
+    if (ric_cycle_match(m, f[0].cycle, f[1].cycle, 1e-6, &shift, &reverse, &mirror))
+        fail_msg("%s: both ways lead to one orbit", where);
     for (int i = 0; i < 2; i++) ric_cycle_free(f[i].cycle);
 }
 
@@ -303,10 +321,13 @@ static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, in
     for (int k = 0; k < (int)(sizeof rotations / sizeof *rotations); k++)
         for (int i = 0; i + 1 < tr->n_point; i++) {
             int p = rotations[k][0], q = rotations[k][1], order = half && p % 2 ? 2 * q : q;
-            if (q > largest || (!half && 2 * p > q) || count[half][order] == most || !locate(tr, i, ric_problem_rho(half, p, q), u)) continue;
+            if (q > largest || (!half && 2 * p > q) || count[half][order] == most ||
+                !locate(tr, i, ric_problem_rho(half, p, q), u))
+                continue;
             ric_cycle *cycle = ric_cycle_from_chain(c, u);
             ric_node *node = NULL;
-            snprintf(where, sizeof where, "%s, %d impacts, sigma %d, %d/%d at E %.9g", name, cycle->N, c->sigma, p, q, ric_chain_energy(c));
+            snprintf(where, sizeof where, "%s, %d impacts, sigma %d, %d/%d at E %.9g", name, cycle->N, c->sigma, p, q,
+                     ric_chain_energy(c));
             if (ric_node_multiplication(g->model, cycle, p, q, &node)) fail_msg("%s: %s", where, ric_detail());
             check_node(g->model, &g->limits, node, where);
             count[half][order]++;
@@ -324,7 +345,8 @@ static void check_study(int which, int count[2][MAX_ORDER])
     if (ric_study_parse(studies[which], name, ".", &study)) fail_msg("%s", ric_detail());
     if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
     for (int i = 0; i < g->n_edge; i++)
-        if (g->edges[i].trace->chain->start == RIC_MIRROR_NONE) check_branch(g, g->edges[i].trace, name, g->model->smooth ? 5 : 7, count);
+        if (g->edges[i].trace->chain->start == RIC_MIRROR_NONE)
+            check_branch(g, g->edges[i].trace, name, g->model->smooth ? 5 : 7, count);
     ric_graph_free(g);
     ric_study_free(study);
 }
@@ -370,7 +392,7 @@ static void all_ways_lead_home(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(two_masses), cmocka_unit_test(three_masses), cmocka_unit_test(cubic_spring),
-                                       cmocka_unit_test(all_ways_lead_home)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(two_masses), cmocka_unit_test(three_masses),
+                                       cmocka_unit_test(cubic_spring), cmocka_unit_test(all_ways_lead_home)};
     return cmocka_run_group_tests_name("ring", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* The simulator against closed forms, invariants, brute force and its own reversal. What it is compared with is computed here or from
- * ric_model_modes, which it does not use. */
+/* The simulator against closed forms, invariants, brute force and its own reversal. What it is compared with is
+ * computed here or from ric_model_modes, which it does not use. */
 #include "simulated_models.h"
 
 /* ------------------------------------------------------------- closed forms */
@@ -19,7 +19,8 @@ static void one_mass(void **state)
             for (int k_impact = 1; k_impact <= 100; k_impact++) {
                 assert_true(advance(sim, 1e9, &impact));
                 check_close(impact.time, k_impact * tau, 1e-11, "time of impact");
-                double rounding = 1e-12 + 1e-13 * k / (m * v0 * v0); /* the energy's, of which a slow mass on the stop has little in motion */
+                double rounding = 1e-12 + 1e-13 * k / (m * v0 * v0); /* the energy's, of which a slow mass on the stop
+                                                                      * has little in motion */
                 check_close(impact.approach, v0, rounding, "approach");
                 check_close(impact.impulse, 2 * v0 * m, rounding, "impulse");
                 assert_int_equal(impact.face, sides ? 0 : k_impact % 2);
@@ -79,7 +80,8 @@ static void touch(void **state)
         ric_simulator *sim = simulator(model);
         for (int i = 0; i < n; i++)
             for (int k = 0; k < 7; k++) {
-                double q[MAX_N] = {0}, p[MAX_N] = {0}, x[MAX_N], v[MAX_N], A = 1 / fabs(m.c[i]), T = 2 * PI / m.omega[i];
+                double q[MAX_N] = {0}, p[MAX_N] = {0}, x[MAX_N], v[MAX_N], A = 1 / fabs(m.c[i]),
+                       T = 2 * PI / m.omega[i];
                 if (A > 5) continue; /* the modes are not known well enough for such a state to touch */
                 q[i] = A * cos(k * 0.9);
                 p[i] = A * m.omega[i] * sin(k * 0.9);
@@ -220,7 +222,8 @@ static void restitution(void **state)
             before = ric_model_energy(model, x, u);
             ric_simulator_state(sim, NULL, x, u);
             after = ric_model_energy(model, x, u);
-            assert_true(fabs(before - after - (1 - eps * eps) * impact.approach * impact.approach / (2 * cc[n - 1])) <= 1e-12 * before);
+            assert_true(fabs(before - after - (1 - eps * eps) * impact.approach * impact.approach / (2 * cc[n - 1])) <=
+                        1e-12 * before);
         }
         ric_simulator_free(sim);
         ric_model_free(model);
@@ -273,7 +276,8 @@ static void compare_brute_force(const ric_model *model, int flights, double step
         if (!hit && expected == INFINITY) break;
         assert_true(hit);
         ric_model_face(model, impact.face, &hit_contact, NULL, NULL);
-        if (impact.time - t0 < expected - step && impact.approach < 0.05) continue; /* the steps may miss a slow impact, never the simulator */
+        /* the steps may miss a slow impact, never the simulator */
+        if (impact.time - t0 < expected - step && impact.approach < 0.05) continue;
         assert_int_equal(hit_contact, contact);
         assert_true(fabs(impact.time - t0 - expected) <= 1e-11 * fmax(1, expected) / fmin(1, impact.approach));
     }
@@ -294,7 +298,8 @@ static void chain_of_fifty(void **state)
     }
     normal[N - 1] = 1;
     normal[N + 20] = 1;
-    ric_contact contacts[] = {{.normal = normal, .clearance = 0.3}, {.normal = normal + N, .clearance = 0.4, .sides = RIC_SIDES_LOWER}};
+    ric_contact contacts[] = {{.normal = normal, .clearance = 0.3}, {.normal = normal + N, .clearance = 0.4,
+                                                                     .sides = RIC_SIDES_LOWER}};
     ric_model *model = make(N, M, K, 2, contacts, 1);
     seed_now = 50;
     compare_brute_force(model, 40, 2e-4, 3);
@@ -313,8 +318,8 @@ static void tangle(void **state)
     }
 }
 
-/* Slow flights close to the stops, where sampling is easily fooled: no sample may lie beyond a stop before the impact found, and the
- * reach is the largest of the samples to their own accuracy. */
+/* Slow flights close to the stops, where sampling is easily fooled: no sample may lie beyond a stop before the impact
+ * found, and the reach is the largest of the samples to their own accuracy. */
 static void guarantee(void **state)
 {
     (void)state;
@@ -333,7 +338,8 @@ static void guarantee(void **state)
         to_modal(&m, x, q);
         to_modal(&m, v, p);
         for (int f = 0; f < m.n_contact; f++) {
-            for (int k = 0; k < n; k++) second += fabs(m.c[f * n + k]) * m.omega[k] * hypot(m.omega[k] * q[k], p[k]) / m.d[f];
+            for (int k = 0; k < n; k++)
+                second += fabs(m.c[f * n + k]) * m.omega[k] * hypot(m.omega[k] * q[k], p[k]) / m.d[f];
             for (int k = 0; k < SAMPLES; k++) {
                 double s = modal_gap(&m, f, end * k / SAMPLES, q, p) / m.d[f];
                 assert_true(s <= 1 + 1e-12);
@@ -341,7 +347,8 @@ static void guarantee(void **state)
                 double before = modal_gap(&m, f, end * (k - 1) / SAMPLES, q, p) / m.d[f];
                 double after = modal_gap(&m, f, end * (k + 1) / SAMPLES, q, p) / m.d[f];
                 double size = m.sides[f] == RIC_SIDES_UPPER ? s : fabs(s);
-                if (k && k < SAMPLES - 1 && (s - before) * (after - s) <= 0 && (s - before) * s >= 0) most = fmax(most, size);
+                if (k && k < SAMPLES - 1 && (s - before) * (after - s) <= 0 && (s - before) * s >= 0)
+                    most = fmax(most, size);
             }
         }
         double h = end / SAMPLES, reach = ric_simulator_reach(sim);
@@ -378,7 +385,8 @@ static void sampled(void **state)
 
 /* ---------------------------------------------------------- special events */
 
-/* A light mass in front of a heavy one that presses it against its stop: it returns after 2u/a, and piles up its impacts if eps < 1. */
+/* A light mass in front of a heavy one that presses it against its stop: it returns after 2u/a, and piles up its
+ * impacts if eps < 1. */
 static ric_model *make_pressed(double restitution)
 {
     double M[] = {1000, 0, 0, 1}, K[] = {2, -1, -1, 1}, normal[] = {0, 1};
@@ -459,7 +467,8 @@ static void plastic(void **state)
 static void together(void **state)
 {
     (void)state;
-    double M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, normal[] = {1, 0, 1, 1}, across[] = {1, 0, 0, 1}, x[] = {0, 0}, v[] = {1, 0};
+    double M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, normal[] = {1, 0, 1, 1}, across[] = {1, 0, 0, 1}, x[] = {0, 0},
+           v[] = {1, 0};
     ric_contact joined[] = {{.normal = normal, .clearance = 1}, {.normal = normal + 2, .clearance = 1}};
     ric_model *model = make(2, M, K, 2, joined, 1);
     ric_simulator *sim = simulator(model);
@@ -540,11 +549,12 @@ static void wrong_calls(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_mass),     cmocka_unit_test(backbone),       cmocka_unit_test(touch),     cmocka_unit_test(free_modes),
-        cmocka_unit_test(energy),       cmocka_unit_test(reversal),       cmocka_unit_test(restitution),
-        cmocka_unit_test(chain_of_fifty), cmocka_unit_test(tangle),       cmocka_unit_test(guarantee), cmocka_unit_test(sampled),
-        cmocka_unit_test(quick_return), cmocka_unit_test(chatter),        cmocka_unit_test(plastic),   cmocka_unit_test(together),
-        cmocka_unit_test(kink),         cmocka_unit_test(wrong_calls),
+        cmocka_unit_test(one_mass),    cmocka_unit_test(backbone),       cmocka_unit_test(touch),
+        cmocka_unit_test(free_modes),  cmocka_unit_test(energy),         cmocka_unit_test(reversal),
+        cmocka_unit_test(restitution), cmocka_unit_test(chain_of_fifty), cmocka_unit_test(tangle),
+        cmocka_unit_test(guarantee),   cmocka_unit_test(sampled),        cmocka_unit_test(quick_return),
+        cmocka_unit_test(chatter),     cmocka_unit_test(plastic),        cmocka_unit_test(together),
+        cmocka_unit_test(kink),        cmocka_unit_test(wrong_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -71,7 +71,8 @@ static void article(int exponent, structure *s)
     memcpy(s->M, M, sizeof M);
     memcpy(s->K, K, sizeof K);
     memcpy(s->normal, normal, sizeof normal);
-    s->contacts[0] = (ric_contact){.normal = s->normal, .law = RIC_LAW_POWER, .exponent = exponent, .length = 1, .reference = 1};
+    s->contacts[0] = (ric_contact){.normal = s->normal, .law = RIC_LAW_POWER, .exponent = exponent, .length = 1,
+                                   .reference = 1};
     create(s);
 }
 
@@ -100,17 +101,20 @@ static void follows_cvode(void **state)
     (void)state;
     for (int i = 0; i < 30; i++) {
         structure s;
-        random_structure((uint64_t)(100 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], i % 7 == 6 && i % MOST > 0, &s);
+        random_structure((uint64_t)(100 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         i % 7 == 6 && i % MOST > 0, &s);
         int n = s.n;
         double w[2 * n], x[n], v[n], y[n], z[n], time = uniform(1, 8);
         random_state(&s, i % 2 ? 0.8 : 2, w);
         ric_model_to_state(s.model, w, x, v);
-        double error = cvode_fly(s.model, n, s.M, s.K, s.n_contact, s.contacts, time, x, v), size = fmax(largest(n, x), largest(n, v));
+        double error = cvode_fly(s.model, n, s.M, s.K, s.n_contact, s.contacts, time, x, v),
+               size = fmax(largest(n, x), largest(n, v));
         assert_true(ric_smooth_fly(s.model, time * s.model->omega_ref, w, 0, NULL, s.work));
         ric_model_to_state(s.model, w, y, z);
         for (int j = 0; j < n; j++)
             if (!(fabs(x[j] - y[j]) <= (1e-11 + 10 * error) * size && fabs(v[j] - z[j]) <= (1e-11 + 10 * error) * size))
-                fail_msg("structure %d: x[%d] %.15g %.15g, v %.15g %.15g; CVODE is sure of %g", i, j, x[j], y[j], v[j], z[j], error);
+                fail_msg("structure %d: x[%d] %.15g %.15g, v %.15g %.15g; CVODE is sure of %g", i, j, x[j], y[j], v[j],
+                         z[j], error);
         assert_true(error < 1e-7);
         release(&s);
     }
@@ -124,7 +128,8 @@ static void conserves(void **state)
     (void)state;
     for (int i = 0; i < 60; i++) {
         structure s;
-        random_structure((uint64_t)(200 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], i % 5 == 4 && i % MOST > 0, &s);
+        random_structure((uint64_t)(200 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         i % 5 == 4 && i % MOST > 0, &s);
         int n = s.n;
         double w[2 * n], w0[2 * n], x[n], v[n];
         random_state(&s, i % 2 ? 0.5 : 3, w);
@@ -143,7 +148,8 @@ static void conserves(void **state)
         memcpy(w0, w, sizeof w);
         assert_true(ric_smooth_fly(s.model, 1.3, w, 2 * n, X, s.work));
         assert_true(ric_smooth_fly(s.model, -1.3, w, 0, NULL, s.work));
-        for (int j = 0; j < 2 * n; j++) assert_true(fabs(w[j] - w0[j]) <= 1e-13 * largest(4 * n * n, X) * largest(2 * n, w0));
+        for (int j = 0; j < 2 * n; j++)
+            assert_true(fabs(w[j] - w0[j]) <= 1e-13 * largest(4 * n * n, X) * largest(2 * n, w0));
         release(&s);
     }
 }
@@ -175,7 +181,8 @@ static void neighbours_are_derivatives(void **state)
     static const double weight[] = {45.0 / 60, -9.0 / 60, 1.0 / 60};
     for (int i = 0; i < 30; i++) {
         structure s;
-        random_structure((uint64_t)(300 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % 3], i % 7 == 6 && i % MOST > 0, &s);
+        random_structure((uint64_t)(300 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % 3],
+                         i % 7 == 6 && i % MOST > 0, &s);
         int n = s.n, ld = 2 * n;
         double w[ld], end[ld], X[ld * ld], tau = uniform(0.5, 3), h = 2e-3;
         random_state(&s, 0.7, w);
@@ -196,7 +203,8 @@ static void neighbours_are_derivatives(void **state)
                 }
             for (int r = 0; r < ld; r++)
                 if (!(fabs(sum[r] - X[r * ld + j]) <= 1e-7 * size))
-                    fail_msg("structure %d: entry %d, %d is %.15g, by differences %.15g", i, r, j, X[r * ld + j], sum[r]);
+                    fail_msg("structure %d: entry %d, %d is %.15g, by differences %.15g", i, r, j, X[r * ld + j],
+                             sum[r]);
         }
         release(&s);
     }
@@ -208,7 +216,8 @@ static void neighbours_are_symplectic(void **state)
     (void)state;
     for (int i = 0; i < 60; i++) {
         structure s;
-        random_structure((uint64_t)(400 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], i % 7 == 6 && i % MOST > 0, &s);
+        random_structure((uint64_t)(400 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         i % 7 == 6 && i % MOST > 0, &s);
         int n = s.n, ld = 2 * n;
         double w[ld], X[ld * ld], f0[ld], f1[ld], *kappa = s.model->kappa;
         random_state(&s, 1, w);
@@ -221,20 +230,24 @@ static void neighbours_are_symplectic(void **state)
         for (int r = 0; r < ld; r++) {
             double sum = 0;
             for (int j = 0; j < ld; j++) sum += X[r * ld + j] * f0[j];
-            if (!(fabs(sum - f1[r]) <= 1e-13 * size * top)) fail_msg("structure %d: flow %.15g, carried %.15g", i, f1[r], sum);
+            if (!(fabs(sum - f1[r]) <= 1e-13 * size * top))
+                fail_msg("structure %d: flow %.15g, carried %.15g", i, f1[r], sum);
         }
         for (int j = 0; j < ld; j++)
             for (int k = 0; k < ld; k++) {
                 double sum = 0, J = j < n && k == j + n ? 1 / kappa[j] : k < n && j == k + n ? -1 / kappa[k] : 0;
-                for (int l = 0; l < n; l++) sum += (X[l * ld + j] * X[(n + l) * ld + k] - X[(n + l) * ld + j] * X[l * ld + k]) / kappa[l];
-                if (!(fabs(sum - J) <= 1e-13 * size * size)) fail_msg("structure %d: J[%d][%d] = %g, size %g", i, j, k, sum - J, size);
+                for (int l = 0; l < n; l++)
+                    sum += (X[l * ld + j] * X[(n + l) * ld + k] - X[(n + l) * ld + j] * X[l * ld + k]) / kappa[l];
+                if (!(fabs(sum - J) <= 1e-13 * size * size))
+                    fail_msg("structure %d: J[%d][%d] = %g, size %g", i, j, k, sum - J, size);
             }
         release(&s);
     }
 }
 
-/* A flight and the same in pieces take other steps and round in other ways: they differ by no more than a flight is said to lose. What the matrix
- * of the whole says alone, from its start, is left behind by more than a factor of two in some. */
+/* A flight and the same in pieces take other steps and round in other ways: they differ by no more than a flight is
+ * said to lose. What the matrix of the whole says alone, from its start, is left behind by more than a factor of two in
+ * some. */
 static void tells_what_it_loses(void **state)
 {
     double beyond = 0;
@@ -253,15 +266,16 @@ static void tells_what_it_loses(void **state)
         ric_flight_rate(s.model, 0, w, rate);
         double digit = largest(ld, rate) * tau, most = largest(ld * ld, M) * size;
         if (!(off <= DBL_EPSILON * (4 * lost + digit)))
-            fail_msg("structure %d: %g off after %d pieces, said to lose %g", i, off, pieces, DBL_EPSILON * (4 * lost + digit));
+            fail_msg("structure %d: %g off after %d pieces, said to lose %g", i, off, pieces,
+                     DBL_EPSILON * (4 * lost + digit));
         beyond = fmax(beyond, off / (DBL_EPSILON * (4 * most * fmax(1, digit / (2 * size)) + digit)));
         release(&s);
     }
     if (!(beyond > 2)) fail_msg("no flight lost more than its matrix tells: %g", beyond);
 }
 
-/* Against the flow in quadruple precision: a flight in double is off by no more than it says, and where it says much, the one in more digits is
- * left with the last digit of a double and what those digits lose. */
+/* Against the flow in quadruple precision: a flight in double is off by no more than it says, and where it says much,
+ * the one in more digits is left with the last digit of a double and what those digits lose. */
 static void more_digits_lose_less(void **state)
 {
     int again = 0;
@@ -286,13 +300,15 @@ static void more_digits_lose_less(void **state)
             off[0] = fmax(off[0], fabs(x[j] - w[j]));
             off[1] = fmax(off[1], fabs(y[j] - w[j]));
         }
-        if (!(off[0] <= DBL_EPSILON * 4 * lost[0])) fail_msg("structure %d: %g off in double, said to lose %g", i, off[0], DBL_EPSILON * 4 * lost[0]);
+        if (!(off[0] <= DBL_EPSILON * 4 * lost[0]))
+            fail_msg("structure %d: %g off in double, said to lose %g", i, off[0], DBL_EPSILON * 4 * lost[0]);
         if (lost[1] != lost[0]) {
             double digits = (double)(LDBL_EPSILON / DBL_EPSILON);
             again++;
             gained = fmax(gained, off[0] / off[1]);
             if (!(off[1] <= DBL_EPSILON * (largest(ld, w) + 4 * digits * lost[0])) || !(lost[1] >= 0.99 * own))
-                fail_msg("structure %d: %g off with more digits, %g in double, said to lose %g and %g, own %g", i, off[1], off[0], lost[1], lost[0], own);
+                fail_msg("structure %d: %g off with more digits, %g in double, said to lose %g and %g, own %g", i,
+                         off[1], off[0], lost[1], lost[0], own);
         }
         release(&s);
     }
@@ -320,7 +336,8 @@ static void secants(void **state)
     (void)state;
     for (int i = 0; i < 60; i++) {
         structure s;
-        random_structure((uint64_t)(500 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], i % 7 == 6 && i % MOST > 0, &s);
+        random_structure((uint64_t)(500 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         i % 7 == 6 && i % MOST > 0, &s);
         int ld = 2 * s.n;
         double w0[ld], w1[ld], h[ld], sum = 0, E0, E1;
         random_state(&s, 1, w0);

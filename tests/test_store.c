@@ -72,9 +72,11 @@ static void faces_beyond_36_are_kept(void **state)
 {
     (void)state;
     char text[8192];
-    int n = snprintf(text, sizeof text, "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n");
+    int n = snprintf(text, sizeof text,
+                     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n");
     for (int i = 0; i < 20; i++)
-        n += snprintf(text + n, sizeof text - (size_t)n, "    - {normal: [-1, %d], clearance: %d, sides: both, law: rigid}\n", i + 1, i + 3);
+        n += snprintf(text + n, sizeof text - (size_t)n,
+                      "    - {normal: [-1, %d], clearance: %d, sides: both, law: rigid}\n", i + 1, i + 3);
     snprintf(text + n, sizeof text - (size_t)n, "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4}\n");
     ric_atlas *made = random_atlas(text, 5, 6, 6), *read = NULL;
     make_file(in_folder("a"), made);
@@ -133,7 +135,10 @@ static void trace_column_is_the_trace(void **state)
     }
     make_file(in_folder("a"), made);
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db, "SELECT trace, log_trace, trace_asinh FROM point WHERE branch = 1 ORDER BY point", -1, &query, NULL), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(db, "SELECT trace, log_trace, trace_asinh FROM point WHERE branch = 1 ORDER BY point", -1,
+                           &query, NULL),
+        SQLITE_OK);
     for (int i = 0; i < 8; i++) {
         assert_int_equal(sqlite3_step(query), SQLITE_ROW);
         double trace = sqlite3_column_double(query, 0), logarithm = sqlite3_column_double(query, 1);
@@ -232,12 +237,17 @@ static void models_are_compared_by_their_numbers(void **state)
 {
     (void)state;
     const char *stored = "model:\n  mass:\n    - [2, 1e3]\n  law: rigid\n";
-    assert_int_equal(ric_store_compare_models("a", stored, "model: \n  mass:\n    - [2.0, 1000]\n  law: rigid"), RIC_OK);
-    assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1000.0000000000001]\n  law: rigid\n"), RIC_E_CONFLICT);
-    assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n  law: power\n"), RIC_E_CONFLICT);
+    assert_int_equal(ric_store_compare_models("a", stored, "model: \n  mass:\n    - [2.0, 1000]\n  law: rigid"),
+                     RIC_OK);
+    assert_int_equal(ric_store_compare_models("a", stored,
+                                              "model:\n  mass:\n    - [2, 1000.0000000000001]\n  law: rigid\n"),
+                     RIC_E_CONFLICT);
+    assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n  law: power\n"),
+                     RIC_E_CONFLICT);
     assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n"), RIC_E_CONFLICT);
     assert_int_equal(ric_store_compare_models("a", "model: [1]", "model: [1, 2]"), RIC_E_CONFLICT);
-    char *model = ric_store_model_text("title: \"model:\"\nmodel:\n  mass: 1\n\n# note\n  law: rigid\nexplore:\n  model: 3\n");
+    char *model = ric_store_model_text(
+        "title: \"model:\"\nmodel:\n  mass: 1\n\n# note\n  law: rigid\nexplore:\n  model: 3\n");
     assert_string_equal(model, "model:\n  mass: 1\n\n# note\n  law: rigid\n");
     free(model);
 }
@@ -302,17 +312,41 @@ static void inconsistent_contents_are_refused(void **state)
 {
     (void)state;
     static const char *const changes[] = {
-        "UPDATE branch SET to_junction = 99 WHERE id = 1", "UPDATE branch SET impacts = impacts + 1", "UPDATE branch SET word = '9'",
-        "UPDATE branch SET points = points + 1 WHERE id = 1", "UPDATE branch SET points = 2147483647", "UPDATE branch SET id = 9 WHERE id = 3",
-        "UPDATE branch SET stop = 'nowhere'", "UPDATE branch SET energy_min = 'low'", "UPDATE branch SET symmetric = 2",
-        "UPDATE branch SET mode = 3", "DELETE FROM branch WHERE id = 3", "DELETE FROM branch", "DELETE FROM point WHERE branch = 3",
-        "UPDATE point SET state = x'00'", "UPDATE point SET state = state || x'00'", "UPDATE point SET flights = zeroblob(0)",
-        "UPDATE point SET flights = 3", "UPDATE point SET point = point + 100", "UPDATE point SET stable = 3", "UPDATE point SET energy = x'00'",
-        "INSERT INTO branch_junction VALUES (1, 77, 1, 0.5)", "INSERT INTO branch_junction VALUES (77, 0, 1, 0.5)",
-        "UPDATE junction SET kind = ''", "UPDATE junction SET multiple = 0", "UPDATE junction SET state = zeroblob(24)",
-        "UPDATE junction SET id = 7 WHERE id = 1", "INSERT INTO junction_branch VALUES (1, 77)", "INSERT INTO junction_branch VALUES (77, 1)",
-        "DELETE FROM junction", "DELETE FROM meta", "UPDATE meta SET value = 'x' WHERE key = 'study'", "DELETE FROM meta WHERE key = 'study'",
-        "DROP TABLE point", "DROP TABLE trace", "ALTER TABLE point RENAME COLUMN state TO place",
+        "UPDATE branch SET to_junction = 99 WHERE id = 1",
+        "UPDATE branch SET impacts = impacts + 1",
+        "UPDATE branch SET word = '9'",
+        "UPDATE branch SET points = points + 1 WHERE id = 1",
+        "UPDATE branch SET points = 2147483647",
+        "UPDATE branch SET id = 9 WHERE id = 3",
+        "UPDATE branch SET stop = 'nowhere'",
+        "UPDATE branch SET energy_min = 'low'",
+        "UPDATE branch SET symmetric = 2",
+        "UPDATE branch SET mode = 3",
+        "DELETE FROM branch WHERE id = 3",
+        "DELETE FROM branch",
+        "DELETE FROM point WHERE branch = 3",
+        "UPDATE point SET state = x'00'",
+        "UPDATE point SET state = state || x'00'",
+        "UPDATE point SET flights = zeroblob(0)",
+        "UPDATE point SET flights = 3",
+        "UPDATE point SET point = point + 100",
+        "UPDATE point SET stable = 3",
+        "UPDATE point SET energy = x'00'",
+        "INSERT INTO branch_junction VALUES (1, 77, 1, 0.5)",
+        "INSERT INTO branch_junction VALUES (77, 0, 1, 0.5)",
+        "UPDATE junction SET kind = ''",
+        "UPDATE junction SET multiple = 0",
+        "UPDATE junction SET state = zeroblob(24)",
+        "UPDATE junction SET id = 7 WHERE id = 1",
+        "INSERT INTO junction_branch VALUES (1, 77)",
+        "INSERT INTO junction_branch VALUES (77, 1)",
+        "DELETE FROM junction",
+        "DELETE FROM meta",
+        "UPDATE meta SET value = 'x' WHERE key = 'study'",
+        "DELETE FROM meta WHERE key = 'study'",
+        "DROP TABLE point",
+        "DROP TABLE trace",
+        "ALTER TABLE point RENAME COLUMN state TO place",
         "DROP TABLE branch; CREATE VIEW branch AS SELECT * FROM branch",
     };
     ric_atlas *made = atlas_with_a_touchless_branch();
@@ -331,15 +365,31 @@ static void forged_contents_are_refused(void **state)
 {
     (void)state;
     static const char *const changes[] = {
-        "UPDATE branch SET to_junction = 99 WHERE id = 1", "UPDATE branch SET impacts = impacts + 1", "UPDATE branch SET word = '9'",
-        "UPDATE branch SET word = replace(word, '1', '2')", "UPDATE point SET state = zeroblob(40)",
-        "UPDATE branch SET points = points + 1 WHERE id = 1", "UPDATE branch SET points = 2147483647", "UPDATE branch SET id = 9 WHERE id = 3",
-        "UPDATE branch SET stop = 'nowhere'", "UPDATE branch SET energy_min = 'low'", "UPDATE branch SET mode = 3",
-        "DELETE FROM branch WHERE id = 3", "UPDATE point SET state = x'00'", "UPDATE point SET flights = 3", "UPDATE point SET stable = 3",
-        "INSERT INTO branch_junction VALUES (1, 77, 1, 0.5)", "INSERT INTO branch_junction VALUES (77, 0, 1, 0.5)",
-        "UPDATE junction SET kind = ''", "UPDATE junction SET multiple = 0", "UPDATE junction SET state = zeroblob(24)",
-        "INSERT INTO junction_branch VALUES (1, 77)", "INSERT INTO junction_branch VALUES (77, 1)", "DELETE FROM junction",
-        "UPDATE meta SET value = 'x' WHERE key = 'study'", "DELETE FROM meta WHERE key = 'study'",
+        "UPDATE branch SET to_junction = 99 WHERE id = 1",
+        "UPDATE branch SET impacts = impacts + 1",
+        "UPDATE branch SET word = '9'",
+        "UPDATE branch SET word = replace(word, '1', '2')",
+        "UPDATE point SET state = zeroblob(40)",
+        "UPDATE branch SET points = points + 1 WHERE id = 1",
+        "UPDATE branch SET points = 2147483647",
+        "UPDATE branch SET id = 9 WHERE id = 3",
+        "UPDATE branch SET stop = 'nowhere'",
+        "UPDATE branch SET energy_min = 'low'",
+        "UPDATE branch SET mode = 3",
+        "DELETE FROM branch WHERE id = 3",
+        "UPDATE point SET state = x'00'",
+        "UPDATE point SET flights = 3",
+        "UPDATE point SET stable = 3",
+        "INSERT INTO branch_junction VALUES (1, 77, 1, 0.5)",
+        "INSERT INTO branch_junction VALUES (77, 0, 1, 0.5)",
+        "UPDATE junction SET kind = ''",
+        "UPDATE junction SET multiple = 0",
+        "UPDATE junction SET state = zeroblob(24)",
+        "INSERT INTO junction_branch VALUES (1, 77)",
+        "INSERT INTO junction_branch VALUES (77, 1)",
+        "DELETE FROM junction",
+        "UPDATE meta SET value = 'x' WHERE key = 'study'",
+        "DELETE FROM meta WHERE key = 'study'",
     };
     ric_atlas *made = atlas_with_a_touchless_branch();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
@@ -375,7 +425,8 @@ static void assert_harmless(const content *damaged, const ric_atlas *made, const
         assert_memory_equal(after.bytes, damaged->bytes, after.n);
         free(after.bytes);
     }
-    if (!status && !ric_store_trace_get(store, "S2-[01]", &blob, &size) && blob && (size != 14 || memcmp(blob, "some work\0done", 14)))
+    if (!status && !ric_store_trace_get(store, "S2-[01]", &blob, &size) && blob &&
+        (size != 14 || memcmp(blob, "some work\0done", 14)))
         fail_msg("%s at %ld: other work came back", what, at);
     free(blob);
     ric_store_close(store);
@@ -417,7 +468,8 @@ static void flipped_bits_are_harmless(void **state)
 
 /* ----------------------------------------------------------- documentation */
 
-/* Every table and column of the file is in docs/atlas-format.md, as `table` in a heading and `column` in the first cells below it. */
+/* Every table and column of the file is in docs/atlas-format.md, as `table` in a heading and `column` in the first
+ * cells below it. */
 static void every_column_is_documented(void **state)
 {
     (void)state;
@@ -432,8 +484,11 @@ static void every_column_is_documented(void **state)
         skip();
     text.bytes[text.n] = '\0';
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db, "SELECT m.name, c.name FROM sqlite_master AS m, pragma_table_info(m.name) AS c WHERE m.type = 'table'",
-                                        -1, &query, NULL), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(
+            db, "SELECT m.name, c.name FROM sqlite_master AS m, pragma_table_info(m.name) AS c WHERE m.type = 'table'",
+            -1, &query, NULL),
+        SQLITE_OK);
     while (sqlite3_step(query) == SQLITE_ROW) {
         snprintf(heading, sizeof heading, "\n## `%s`", (const char *)sqlite3_column_text(query, 0));
         snprintf(cell, sizeof cell, "| `%s` |", (const char *)sqlite3_column_text(query, 1));

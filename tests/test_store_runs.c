@@ -185,7 +185,8 @@ static int read_but_not_write(const ric_atlas *made)
     if (ric_atlas_read(in_folder("a"), &atlas) || !same_atlas(atlas, made))
         return 1;
     ric_atlas_free(atlas);
-    if (ric_store_open(in_folder("a"), made->study, &store) != RIC_E_IO || !strstr(ric_detail(), "cannot write in its folder"))
+    if (ric_store_open(in_folder("a"), made->study, &store) != RIC_E_IO ||
+        !strstr(ric_detail(), "cannot write in its folder"))
         return 2;
     return ric_store_open(in_folder("new"), made->study, &store) == RIC_E_IO ? 0 : 3;
 }
@@ -193,7 +194,8 @@ static int read_but_not_write(const ric_atlas *made)
 static int refuse_read_only_file(const ric_atlas *made)
 {
     ric_store *store = NULL;
-    return ric_store_open(in_folder("a"), made->study, &store) == RIC_E_IO && strstr(ric_detail(), "permissions") ? 0 : 1;
+    return ric_store_open(in_folder("a"), made->study, &store) == RIC_E_IO && strstr(ric_detail(), "permissions") ? 0
+                                                                                                                  : 1;
 }
 
 static void read_only_places_can_be_read(void **state)

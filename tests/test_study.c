@@ -1,4 +1,5 @@
-/* The study reader: what a good study becomes, and for each kind of bad one the message: file, line, key, what is wrong, what is right. */
+/* The study reader: what a good study becomes, and for each kind of bad one the message: file, line, key, what is
+ * wrong, what is right. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <setjmp.h>
@@ -101,13 +102,15 @@ static void good_study_is_read(void **state)
     assert_string_equal(ric_study_title(study), "Two masses");
     const ric_model *model = ric_study_model(study);
     assert_int_equal(ric_model_n_dof(model), 2);
-    assert_true(ric_model_mass(model)[0] == 2 && ric_model_stiffness(model)[1] == -1 && ric_model_restitution(model) == 1);
+    assert_true(ric_model_mass(model)[0] == 2 && ric_model_stiffness(model)[1] == -1 &&
+                ric_model_restitution(model) == 1);
     assert_int_equal(ric_model_contact(model, 0, &contact), RIC_OK);
     assert_string_equal(contact.name, "stop");
     assert_true(contact.clearance == 1.5 && contact.normal[0] == -1 && contact.sides == RIC_SIDES_BOTH);
     const ric_explore_options *o = ric_study_options(study);
     assert_true(o->n_start == 2 && o->start[0] == 1 && o->start[1] == 2);
-    assert_true(o->energy[1] == 100 && o->impacts == 12 && o->max_step == 0.05 && o->symmetric_only && o->tolerance == 1e-11);
+    assert_true(o->energy[1] == 100 && o->impacts == 12 && o->max_step == 0.05 && o->symmetric_only &&
+                o->tolerance == 1e-11);
     assert_true(o->multiply == 2 && o->depth == 3); /* defaults */
     assert_int_equal(ric_study_n_name(study), 1);
     assert_int_equal(ric_study_name(study, 0, &name), RIC_OK);
@@ -129,7 +132,8 @@ static void lists_of_numbers_are_read(void **state)
     assert_int_equal(ric_study_parse(text, "s.yaml", NULL, &study), RIC_OK);
     assert_int_equal(ric_study_parse(ric_study_text(study), "again", NULL, &again), RIC_OK);
     const ric_explore_options *o = ric_study_options(again);
-    assert_true(o->at_energy.n == 3 && o->at_energy.value[0] == 0.1 && o->at_energy.value[1] == 10 && o->at_energy.value[2] == 25);
+    assert_true(o->at_energy.n == 3 && o->at_energy.value[0] == 0.1 && o->at_energy.value[1] == 10 &&
+                o->at_energy.value[2] == 25);
     assert_int_equal(o->at_frequency.n, 0);
     assert_memory_equal(o, ric_study_options(study), sizeof *o);
     ric_study_free(study);
@@ -141,8 +145,10 @@ static void text_comes_back_bit_for_bit(void **state)
 {
     static const char text[] =
         "title: \"quotes \\\" back\\\\slash \\t tab \\u2028 \xC3\xA9 \\U0001F600 # : no comment\"\n"
-        "model:\n  mass: [[0.1, 1e-17], [1e-17, 0.3333333333333333]]\n  stiffness: [[1e8, -0.7], [-0.7, 3]]\n  restitution: 0.85\n"
-        "  contacts:\n  - {normal: [1, 0], clearance: 0.1, sides: upper, name: '- a: b'}\n  - {normal: [0.3, -1], clearance: 2e-5}\n"
+        "model:\n  mass: [[0.1, 1e-17], [1e-17, 0.3333333333333333]]\n  stiffness: [[1e8, -0.7], [-0.7, 3]]\n"
+        "  restitution: 0.85\n"
+        "  contacts:\n  - {normal: [1, 0], clearance: 0.1, sides: upper, name: '- a: b'}\n"
+        "  - {normal: [0.3, -1], clearance: 2e-5}\n"
         "names: [{name: 'C1_3,2', kind: extremum, energy: 0.1, frequency: 0.30000000000000004}]\n";
     ric_study *first = NULL, *second = NULL;
     (void)state;
@@ -150,9 +156,12 @@ static void text_comes_back_bit_for_bit(void **state)
     assert_int_equal(ric_study_parse(ric_study_text(first), "t", NULL, &second), RIC_OK);
     assert_string_equal(ric_study_text(first), ric_study_text(second));
     assert_string_equal(ric_study_title(first), ric_study_title(second));
-    assert_string_equal(ric_study_title(first), "quotes \" back\\slash \t tab \xE2\x80\xA8 \xC3\xA9 \xF0\x9F\x98\x80 # : no comment");
-    assert_memory_equal(ric_model_mass(ric_study_model(first)), ric_model_mass(ric_study_model(second)), 4 * sizeof(double));
-    assert_memory_equal(ric_model_stiffness(ric_study_model(first)), ric_model_stiffness(ric_study_model(second)), 4 * sizeof(double));
+    assert_string_equal(ric_study_title(first),
+                        "quotes \" back\\slash \t tab \xE2\x80\xA8 \xC3\xA9 \xF0\x9F\x98\x80 # : no comment");
+    assert_memory_equal(ric_model_mass(ric_study_model(first)), ric_model_mass(ric_study_model(second)),
+                        4 * sizeof(double));
+    assert_memory_equal(ric_model_stiffness(ric_study_model(first)), ric_model_stiffness(ric_study_model(second)),
+                        4 * sizeof(double));
     assert_memory_equal(ric_study_options(first), ric_study_options(second), sizeof(ric_explore_options));
     assert_non_null(strstr(ric_study_text(first), "\nmodel:\n"));
     ric_study_free(first);
@@ -247,7 +256,8 @@ static void wrong_shapes(void **state)
     line_refused(15, "  impacts: {a: 1}", "explore.impacts", SAYS("expected a value"));
     line_refused(1, "title: [a]", "title", SAYS("expected a text, found a list"));
     refused("- a\n- b\n", 1, "study", SAYS("expected a group of keys"));
-    refused("model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: {normal: [1]}\n", 4, "model.contacts", SAYS("expected a list"));
+    refused("model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: {normal: [1]}\n", 4, "model.contacts",
+            SAYS("expected a list"));
     refused("model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: []\n", 4, "model.contacts", SAYS("0 contacts"));
 }
 
@@ -261,7 +271,8 @@ static void matrices_not_symmetric(void **state)
 static void matrices_not_definite(void **state)
 {
     (void)state;
-    line_refused(3, "  mass: [[2, 0], [0, -0.3]]", "model.mass", SAYS("not positive definite", "eigenvalue is -0.3", "check entry"));
+    line_refused(3, "  mass: [[2, 0], [0, -0.3]]", "model.mass",
+                 SAYS("not positive definite", "eigenvalue is -0.3", "check entry"));
     line_refused(3, "  mass: [[1, 2], [2, 1]]", "model.mass", SAYS("not positive definite", "-1"));
     line_refused(4, "  stiffness: [[1, 2], [2, 1]]", "model.stiffness", SAYS("not positive semidefinite"));
 }
@@ -289,8 +300,10 @@ static void wrong_numbers(void **state)
     line_refused(12, "  at_energy: [-1]", "explore.at_energy", SAYS("-1 is out of range", "(0, 1e+12]"));
     line_refused(12, "  at_energy: [1, 2, 1.0]", "explore.at_energy", SAYS("1.0 is listed twice"));
     line_refused(12, "  at_frequency: [0]", "explore.at_frequency", SAYS("out of range", "(0, 1e+12]"));
-    line_refused(12, "  at_frequency: [1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33]",
-                 "explore.at_frequency", SAYS("more than 32 numbers"));
+    line_refused(
+        12,
+        "  at_frequency: [1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33]",
+        "explore.at_frequency", SAYS("more than 32 numbers"));
     line_refused(13, "  energy: [0, .inf]", "explore.energy", SAYS("not finite"));
     line_refused(15, "  impacts: 2.5", "explore.impacts", SAYS("not a whole number", "[1, 4096]"));
     line_refused(15, "  impacts: 0", "explore.impacts", SAYS("out of range"));
@@ -298,8 +311,10 @@ static void wrong_numbers(void **state)
     line_refused(17, "  symmetric: yes", "explore.symmetric", SAYS("true nor false"));
     line_refused(20, "tolerance: 1", "tolerance", SAYS("out of range"));
     line_refused(19, "  - {name: C, kind: grazing, energy: -1, frequency: 1}", "names[1].energy", SAYS("negative"));
-    line_refused(19, "  - {name: C, kind: grazing, energy: 1, frequency: 0}", "names[1].frequency", SAYS("not positive"));
-    line_refused(19, "  - {name: C, kind: bifurcation, energy: 1, frequency: 1}", "names[1].kind", SAYS("'bifurcation'", "branch-point"));
+    line_refused(19, "  - {name: C, kind: grazing, energy: 1, frequency: 0}", "names[1].frequency",
+                 SAYS("not positive"));
+    line_refused(19, "  - {name: C, kind: bifurcation, energy: 1, frequency: 1}", "names[1].kind",
+                 SAYS("'bifurcation'", "branch-point"));
 }
 
 static void normals_of_zeros(void **state)
@@ -311,8 +326,10 @@ static void normals_of_zeros(void **state)
 static void clearances_not_positive(void **state)
 {
     (void)state;
-    line_refused(8, "      clearance: 0", "model.contacts[1].clearance", SAYS("zero", "any energy", "small positive clearance"));
-    line_refused(8, "      clearance: -0.1", "model.contacts[1].clearance", SAYS("-0.1", "preload", "equilibrium", "positive clearance"));
+    line_refused(8, "      clearance: 0", "model.contacts[1].clearance",
+                 SAYS("zero", "any energy", "small positive clearance"));
+    line_refused(8, "      clearance: -0.1", "model.contacts[1].clearance",
+                 SAYS("-0.1", "preload", "equilibrium", "positive clearance"));
 }
 
 static void restitution_out_of_range(void **state)
@@ -354,7 +371,8 @@ static void sides_and_laws(void **state)
     (void)state;
     line_refused(9, "      sides: left", "model.contacts[1].sides", SAYS("'left'", "both, upper or lower"));
     line_refused(10, "      law: elastic", "model.contacts[1].law", SAYS("'elastic'", "rigid, bilinear or power"));
-    line_refused(10, "      stiffness: 5", "model.contacts[1].stiffness", SAYS("not a key of law rigid", "change the law"));
+    line_refused(10, "      stiffness: 5", "model.contacts[1].stiffness",
+                 SAYS("not a key of law rigid", "change the law"));
     line_refused(10, "      exponent: 3", "model.contacts[1].exponent", SAYS("not a key of law rigid"));
 }
 
@@ -370,42 +388,55 @@ static void bilinear_contacts(void **state)
 {
     (void)state;
     contact_refused("{law: bilinear, normal: [1], clearance: 1}", "model.contacts[1].stiffness", SAYS("missing", "ks"));
-    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 0}", "model.contacts[1].stiffness", SAYS("not positive"));
-    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: -3}", "model.contacts[1].stiffness", SAYS("not positive"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 0}", "model.contacts[1].stiffness",
+                    SAYS("not positive"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: -3}", "model.contacts[1].stiffness",
+                    SAYS("not positive"));
     contact_refused("{law: bilinear, normal: [1], stiffness: 3}", "model.contacts[1].clearance", SAYS("missing"));
-    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9, exponent: 3}", "model.contacts[1].exponent",
-                    SAYS("not a key of law bilinear"));
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9, exponent: 3}",
+                    "model.contacts[1].exponent", SAYS("not a key of law bilinear"));
 }
 
 static void power_contacts(void **state)
 {
     (void)state;
     contact_refused("{law: power, normal: [1], exponent: 4, stiffness: 1}", "model.contacts[1].exponent", SAYS("odd"));
-    contact_refused("{law: power, normal: [1], exponent: 1, stiffness: 1}", "model.contacts[1].exponent", SAYS("linear spring"));
-    contact_refused("{law: power, normal: [1], exponent: 2.5, stiffness: 1}", "model.contacts[1].exponent", SAYS("odd"));
-    contact_refused("{law: power, normal: [1], exponent: -3, stiffness: 1}", "model.contacts[1].exponent", SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 1, stiffness: 1}", "model.contacts[1].exponent",
+                    SAYS("linear spring"));
+    contact_refused("{law: power, normal: [1], exponent: 2.5, stiffness: 1}", "model.contacts[1].exponent",
+                    SAYS("odd"));
+    contact_refused("{law: power, normal: [1], exponent: -3, stiffness: 1}", "model.contacts[1].exponent",
+                    SAYS("not positive"));
     contact_refused("{law: power, normal: [1], stiffness: 1}", "model.contacts[1].exponent", SAYS("missing"));
-    contact_refused("{law: power, normal: [1], exponent: 3}", "model.contacts[1].stiffness", SAYS("missing", "length with reference"));
-    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 0}", "model.contacts[1].stiffness", SAYS("not positive"));
-    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: -1}", "model.contacts[1].stiffness", SAYS("not positive"));
-    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, length: 1, reference: 1}", "model.contacts[1].stiffness",
-                    SAYS("together with length"));
-    contact_refused("{law: power, normal: [1], exponent: 3, length: 1}", "model.contacts[1].reference", SAYS("missing"));
-    contact_refused("{law: power, normal: [1], exponent: 3, reference: 1}", "model.contacts[1].length", SAYS("missing"));
-    contact_refused("{law: power, normal: [1], exponent: 3, length: 0, reference: 1}", "model.contacts[1].length", SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 3}", "model.contacts[1].stiffness",
+                    SAYS("missing", "length with reference"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 0}", "model.contacts[1].stiffness",
+                    SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: -1}", "model.contacts[1].stiffness",
+                    SAYS("not positive"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, length: 1, reference: 1}",
+                    "model.contacts[1].stiffness", SAYS("together with length"));
+    contact_refused("{law: power, normal: [1], exponent: 3, length: 1}", "model.contacts[1].reference",
+                    SAYS("missing"));
+    contact_refused("{law: power, normal: [1], exponent: 3, reference: 1}", "model.contacts[1].length",
+                    SAYS("missing"));
+    contact_refused("{law: power, normal: [1], exponent: 3, length: 0, reference: 1}", "model.contacts[1].length",
+                    SAYS("not positive"));
     contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, clearance: 1}", "model.contacts[1].clearance",
                     SAYS("not a key of law power"));
     contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1, sides: both}", "model.contacts[1].sides",
                     SAYS("not a key of law power"));
-    contact_refused("{law: power, normal: [1], exponent: 101, stiffness: 1}", "model.contacts[1].exponent", SAYS("from 3 to 99"));
-    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1}, {law: rigid, normal: [1], clearance: 1}", "model.contacts[2].law",
-                    SAYS("rigid beside power", "none"));
+    contact_refused("{law: power, normal: [1], exponent: 101, stiffness: 1}", "model.contacts[1].exponent",
+                    SAYS("from 3 to 99"));
+    contact_refused("{law: power, normal: [1], exponent: 3, stiffness: 1}, {law: rigid, normal: [1], clearance: 1}",
+                    "model.contacts[2].law", SAYS("rigid beside power", "none"));
 }
 
 static void mixed_laws(void **state)
 {
     (void)state;
-    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9}, {law: power, normal: [1], exponent: 3, stiffness: 1}",
+    contact_refused("{law: bilinear, normal: [1], clearance: 1, stiffness: 9}, {law: power, normal: [1], exponent: 3, "
+                    "stiffness: 1}",
                     "model.contacts[2].law", SAYS("power beside bilinear", "none"));
 }
 
@@ -413,12 +444,15 @@ static void mixed_laws(void **state)
 static void springs(void **state)
 {
     (void)state;
-    static const struct { const char *contact, *written; double x, energy; } cases[] = {
+    static const struct {
+        const char *contact, *written; double x, energy;
+    } cases[] = {
         {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9}", "stiffness: 9", 3, 4.5 + 0.5 * 9 * 4},
         {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9}", "clearance: 4", -1.5, 0.5 * 2.25},
         {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9, sides: upper}", "sides: upper", -3, 4.5},
         {"{law: power, normal: [2], exponent: 3, stiffness: 5}", "stiffness: 5", 1.5, 1.125 + 5 * 81 / 4.0},
-        {"{law: power, normal: [2], exponent: 5, length: 2, reference: 7}", "reference: 7", 1.5, 1.125 + 7 * 4 * 11.390625 / 6},
+        {"{law: power, normal: [2], exponent: 5, length: 2, reference: 7}", "reference: 7", 1.5,
+         1.125 + 7 * 4 * 11.390625 / 6},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[300];
@@ -501,7 +535,8 @@ static void deep_and_bombed(void **state)
     refused(text, 1, "syntax", SAYS("values", "Matrix Market"));
     free(text);
     refused("&a a: *a\n", 1, "a", SAYS("unknown key"));
-    refused("model: &m\n  mass: &r [*r, *r]\n  stiffness: [[1]]\n  contacts: []\n", 2, "model.mass", SAYS("found a list"));
+    refused("model: &m\n  mass: &r [*r, *r]\n  stiffness: [[1]]\n  contacts: []\n", 2, "model.mass",
+            SAYS("found a list"));
     text = repeated("title: ", "x", 2000, "\n");
     refused(text, 1, "title", SAYS("longer than"));
     free(text);
@@ -540,7 +575,8 @@ static void sizes_are_bounded(void **state)
         fputs("]\n  stiffness: [[1]]\n  contacts: []\n", out);
         fclose(out);
         assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_E_INPUT);
-        assert_non_null(strstr(ric_detail(), n == 1000 ? "model.stiffness: 1 x 1, but the mass matrix is 1000 x 1000" : "1001 rows"));
+        assert_non_null(strstr(ric_detail(),
+                               n == 1000 ? "model.stiffness: 1 x 1, but the mass matrix is 1000 x 1000" : "1001 rows"));
         free(text);
     }
 }
@@ -625,13 +661,16 @@ static void bad_matrix_files(void **state)
     (void)state;
     matrix_file_refused("", "M.mtx:1: not a Matrix Market file");
     matrix_file_refused("1 2\n3 4\n", "M.mtx:1: not a Matrix Market file");
-    matrix_file_refused("%%MatrixMarket matrix coordinate pattern symmetric\n1 1 1\n1 1\n", "M.mtx:1: 'pattern' entries");
-    matrix_file_refused("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 0\n", "M.mtx:1: 'complex' entries");
+    matrix_file_refused("%%MatrixMarket matrix coordinate pattern symmetric\n1 1 1\n1 1\n",
+                        "M.mtx:1: 'pattern' entries");
+    matrix_file_refused("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 0\n",
+                        "M.mtx:1: 'complex' entries");
     matrix_file_refused("%%MatrixMarket matrix array real hermitian\n1 1\n1\n", "M.mtx:1: 'hermitian' matrix");
     matrix_file_refused("%%MatrixMarket matrix array real skew-symmetric\n1 1\n1\n", "M.mtx:1: 'skew-symmetric'");
     matrix_file_refused("%%MatrixMarket matrix banded real general\n1 1\n1\n", "M.mtx:1: format 'banded'");
     matrix_file_refused(COORDINATE "2 3 1\n1 1 1\n", "2 rows but 3 columns");
-    matrix_file_refused(COORDINATE "1001 1001 1\n1 1 1\n", "M.mtx:2: the number of rows is '1001'; it must be a whole number from 1 to 1000");
+    matrix_file_refused(COORDINATE "1001 1001 1\n1 1 1\n",
+                        "M.mtx:2: the number of rows is '1001'; it must be a whole number from 1 to 1000");
     matrix_file_refused(COORDINATE "99999999999999999999 1 1\n", "M.mtx:2: the number of rows");
     matrix_file_refused(COORDINATE "2 2 4\n", "M.mtx:2: the number of entries is '4'");
     matrix_file_refused(COORDINATE "-2 2 1\n", "the number of rows is '-2'");
@@ -640,7 +679,8 @@ static void bad_matrix_files(void **state)
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 1 1\n", "M.mtx:4: row 1, column 1 is given a second time");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n", "the file ends");
     matrix_file_refused(COORDINATE "2 2 1\n1 1 1\n2 2 1\n", "M.mtx:4: '2' follows after the last of 1 entries");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 nan\n2 2 1\n", "M.mtx:3: the entry of row 1, column 1 is 'nan'; entries must be finite");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 nan\n2 2 1\n",
+                        "M.mtx:3: the entry of row 1, column 1 is 'nan'; entries must be finite");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D0\n", "M.mtx:4: the entry of row 2, column 2 is '1D0'");
     matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1\n0.5\n0\n1\n", "not symmetric");
     matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1 0 0\n", "the file ends");
@@ -680,7 +720,8 @@ static void study_paths_that_are_no_files(void **state)
     assert_null(study);
 }
 
-/* The good study with bytes changed at random: any answer will do, as long as there is one. Meant for the sanitizers. */
+/* The good study with bytes changed at random: any answer will do, as long as there is one. Meant for the
+ * sanitizers. */
 static void scrambled_studies_are_survived(void **state)
 {
     static const char bytes[] = "[]{}:,-&*!|>'\"#%?\n\t 019.eE\xC3\xFF\\~";
@@ -709,7 +750,8 @@ static void scrambled_studies_are_survived(void **state)
     free(text);
 }
 
-/* The text of a study is printed into a buffer. One that found no memory for a part of it says so, and never comes back shortened. */
+/* The text of a study is printed into a buffer. One that found no memory for a part of it says so, and never comes back
+ * shortened. */
 static void cut_texts_are_not_kept(void **state)
 {
     (void)state;
@@ -724,7 +766,8 @@ static void cut_texts_are_not_kept(void **state)
     skip();
 #endif
     size_t size = b.size, capacity = b.capacity;
-    b.size = b.capacity = SIZE_MAX / 8; /* the next line asks for a quarter of all addresses, which valgrind takes for a size yet */
+    b.size = b.capacity = SIZE_MAX / 8; /* the next line asks for a quarter of all addresses, which valgrind takes for a
+                                         * size yet */
     fputs("more", b.file);
     assert_false(ric_buffer_sync(&b));
     b.size = size;

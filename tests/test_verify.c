@@ -9,7 +9,8 @@ typedef struct {
     ric_branch_record record;
 } one_branch;
 
-static void make_atlas(one_branch *a, int impacts, const int *word, int n_point, const double *states, const double *flights)
+static void make_atlas(one_branch *a, int impacts, const int *word, int n_point, const double *states,
+                       const double *flights)
 {
     static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                                "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
@@ -20,7 +21,8 @@ static void make_atlas(one_branch *a, int impacts, const int *word, int n_point,
     a->record.word = malloc(n_flight * sizeof *word);
     a->record.points = calloc((size_t)n_point * stride, sizeof(double));
     if (impacts) memcpy(a->record.word, word, n_flight * sizeof *word);
-    a->record.row = (ric_branch){.id = 1, .label = "", .impacts = impacts, .letters = impacts, .word = a->record.word, .n_point = n_point};
+    a->record.row = (ric_branch){.id = 1, .label = "", .impacts = impacts, .letters = impacts,
+                                 .word = a->record.word, .n_point = n_point};
     for (int i = 0; i < n_point; i++) {
         double *at = a->record.points + (size_t)i * stride;
         const double *state = states + 4 * i;
@@ -51,8 +53,8 @@ static void expect(const one_branch *a, int i, bool passed)
 {
     ric_check c = verify(a, i);
     if (c.passed == passed) return;
-    fail_msg("point %d: flight %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", i, c.flight_error, c.return_error, c.condition,
-             c.energy_error, c.faces_agree);
+    fail_msg("point %d: flight %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", i, c.flight_error,
+             c.return_error, c.condition, c.energy_error, c.faces_agree);
 }
 
 /* What is right passes; a state, a time, a face or an energy that is a little wrong does not. */
@@ -75,7 +77,8 @@ static void verify_s2(void **state)
     make_atlas(&a, 2, word, n_point, states, flights);
     for (int i = 0; i < n_point; i++) {
         ric_check check = verify(&a, i);
-        double *at = a.record.points + (size_t)i * a.record.stride, *x = at + sizeof(ric_point) / sizeof *at, *tau = x + 4, kept;
+        double *at = a.record.points + (size_t)i * a.record.stride, *x = at + sizeof(ric_point) / sizeof *at,
+               *tau = x + 4, kept;
         expect(&a, i, true);
         assert_true(check.flight_error < 1e-12 && check.energy_error < 1e-13);
         kept = x[1], x[1] += 1e-9, expect(&a, i, false), x[1] = kept;
@@ -124,7 +127,8 @@ static void verify_condition(void **state)
     ric_model_free(model);
 }
 
-/* S0 up to the energy at which it touches, where either no impact or one without speed is right; beyond, it is wrong. */
+/* S0 up to the energy at which it touches, where either no impact or one without speed is right; beyond, it is
+ * wrong. */
 static void verify_linear(void **state)
 {
     (void)state;
@@ -134,7 +138,8 @@ static void verify_linear(void **state)
     one_branch a;
     for (int mode = 0; mode < 2; mode++) {
         for (int i = 0; i < 8; i++) {
-            double A = (double[]){0, 1e-3, 0.5, 0.9, 0.999999, 1, 1, 1.0001}[i] / fabs(m.c[mode]), q[2] = {0}, p[2] = {0};
+            double A = (double[]){0, 1e-3, 0.5, 0.9, 0.999999, 1, 1, 1.0001}[i] / fabs(m.c[mode]), q[2] = {0},
+                   p[2] = {0};
             q[mode] = i == 6 ? 0 : A;
             p[mode] = i == 6 ? A * m.omega[mode] : 0;
             to_space(&m, q, states + 4 * i);
@@ -211,14 +216,16 @@ static void verify_touches(void **state)
     ric_model_free(model);
 }
 
-/* Where A9[001010101] and A10[0101010101] end, an impact has 1e-7 of the largest speed and the multipliers are 1e15 and 1e25: the orbit cannot be
- * polished, and the time of that impact is uncertain by the rounding of the gap over its speed, 1e-9. */
+/* Where A9[001010101] and A10[0101010101] end, an impact has 1e-7 of the largest speed and the multipliers are 1e15 and
+ * 1e25: the orbit cannot be polished, and the time of that impact is uncertain by the rounding of the gap over its
+ * speed, 1e-9. */
 static void verify_slowest_impact(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                                     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                    "explore: {start: [2], energy: [1.8, 3], frequency: [0.35, 2.2], impacts: 10, multiply: 6, base: 6, depth: 2}\n");
+                                    "explore: {start: [2], energy: [1.8, 3], frequency: [0.35, 2.2], impacts: 10, "
+                                    "multiply: 6, base: 6, depth: 2}\n");
     double slowest = 1, largest = 1;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -227,7 +234,9 @@ static void verify_slowest_impact(void **state)
             ric_point p;
             assert_int_equal(ric_verify_point(atlas, id, i, &c), RIC_OK);
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
-            if (!c.passed) fail_msg("%s, point %d: flight %.3g, return %.3g, condition %.3g", b.label, i, c.flight_error, c.return_error, c.condition);
+            if (!c.passed)
+                fail_msg("%s, point %d: flight %.3g, return %.3g, condition %.3g", b.label, i, c.flight_error,
+                         c.return_error, c.condition);
             if (p.approach > 1e-9) slowest = fmin(slowest, p.approach);
             largest = fmax(largest, c.condition);
         }
@@ -236,13 +245,15 @@ static void verify_slowest_impact(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Impacts as slow as 1e-7 of the largest speed, beside the grazing of S6[010101] and of A5[00101], are not checked less for that. */
+/* Impacts as slow as 1e-7 of the largest speed, beside the grazing of S6[010101] and of A5[00101], are not checked less
+ * for that. */
 static void verify_slow_impacts(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                                     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n");
+                                    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: "
+                                    "2}\n");
     int checked = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
