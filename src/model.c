@@ -7,27 +7,17 @@
 
 #include <lapacke.h>
 
+#include "modes.h"
+#include "motion.h"
 #include "phase.h"
 #include "status.h"
 
-/* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
-#define UNSEEN 1e-12
-/* Frequencies closer than this (relative, in omega^2) count as equal: their eigenvectors are not determined by M and
- * K. */
-#define EQUAL 1e-11
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
 
 static void *array(size_t count, size_t size)
 {
     return calloc(count ? count : 1, size);
-}
-
-static double dot(int n, const double *x, const double *y)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++) sum += x[i] * y[i];
-    return sum;
 }
 
 /* ---------------------------------------------------------------- checks */
@@ -136,229 +126,11 @@ out:
     return status;
 }
 
-#define REFINED 400 /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
-
-/* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda in long double:
- * LAPACK's small eigenvalues are accurate relative to the largest one only, and a period needs them relative to
- * themselves. */
-static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX, long double *R,
-                        long double *S, long double *lambda)
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double a = 0, b = 0;
-            for (int k = 0; k < n; k++) {
-                a += m->M[i * n + k] * X[k * n + j];
-                b += m->K[i * n + k] * X[k * n + j];
-            }
-            MX[i * n + j] = a;
-            KX[i * n + j] = b;
-        }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double a = i == j, b = 0;
-            for (int k = 0; k < n; k++) {
-                a -= X[k * n + i] * MX[k * n + j];
-                b += X[k * n + i] * KX[k * n + j];
-            }
-            R[i * n + j] = a;
-            S[i * n + j] = b;
-        }
-    for (int i = 0; i < n; i++) lambda[i] = S[i * n + i] / (1 - R[i * n + i]);
-    for (int i = 0; i < n; i++) /* S becomes the correction E */
-        for (int j = 0; j < n; j++) {
-            long double gap = lambda[j] - lambda[i], large = fabsl(lambda[i]) + fabsl(lambda[j]);
-            if (fabsl(gap) > 1e-9L * large) S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
-            else S[i * n + j] = R[i * n + j] / 2;
-        }
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) {
-            long double sum = X[i * n + j];
-            for (int k = 0; k < n; k++) sum += X[i * n + k] * S[k * n + j];
-            MX[i * n + j] = sum;
-        }
-    }
-    memcpy(X, MX, (size_t)n * n * sizeof *X);
-}
-
-static ric_status refine_modes(ric_model *m)
-{
-    int n = m->n_dof;
-    size_t square = (size_t)n * n;
-    if (n > REFINED) return RIC_OK;
-    long double *work = calloc(5 * square + (size_t)n, sizeof *work);
-    if (!work) return ric_fail(RIC_E_NOMEM, "no memory to refine %d modes", n);
-    long double *lambda = work + 5 * square;
-    for (size_t i = 0; i < square; i++) work[i] = m->Phi[i];
-    for (int step = 0; step < 3; step++)
-        refine_once(m, n, work, work + square, work + 2 * square, work + 3 * square, work + 4 * square, lambda);
-    for (size_t i = 0; i < square; i++) m->Phi[i] = (double)work[i];
-    for (int i = 0; i < n; i++) {
-        m->frequency[i] = (double)lambda[i];
-        m->frequency_low[i] = (double)(lambda[i] - m->frequency[i]);
-    }
-    free(work);
-    return RIC_OK;
-}
-
-/* K phi = lambda M phi; rigid-body modes get exactly omega = 0. */
-static ric_status eigenmodes(ric_model *m)
-{
-    ric_status status = RIC_OK;
-    int n = m->n_dof;
-    double *B = array((size_t)n * n, sizeof *B);
-    if (!B) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
-        goto out;
-    }
-    memcpy(m->Phi, m->K, (size_t)n * n * sizeof *B);
-    memcpy(B, m->M, (size_t)n * n * sizeof *B);
-    if (ric_lapack(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
-        status =
-            ric_fail(RIC_E_NUMERIC,
-                     "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
-        goto out;
-    }
-    if ((status = refine_modes(m))) goto out;
-    double norm = 0;
-    for (int i = 0; i < n * n; i++) norm = fmax(norm, fabs(m->K[i]));
-    for (int i = 0; i < n; i++) {
-        double lambda = m->frequency[i], phi2 = 0, rounding;
-        for (int j = 0; j < n; j++) phi2 += m->Phi[j * n + i] * m->Phi[j * n + i];
-        rounding = 16.0 * n * DBL_EPSILON * norm * phi2; /* of phi' K phi */
-        if (lambda < -rounding) {
-            status = ric_fail(RIC_E_INPUT,
-                              "stiffness matrix is not positive semidefinite: mode %d has omega^2 = %g; an unstable "
-                              "structure has no free vibration about this equilibrium",
-                              i + 1, lambda);
-            goto out;
-        }
-        long double omega = lambda <= rounding ? 0 : sqrtl((long double)lambda + m->frequency_low[i]);
-        m->frequency[i] = (double)omega;
-        m->frequency_low[i] = (double)(omega - m->frequency[i]); /* of omega, from here on */
-    }
-out:
-    free(B);
-    return status;
-}
-
-/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the
- * first rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
-static ric_status rotate_equal(ric_model *m, int first, int last)
-{
-    ric_status status = RIC_OK;
-    int n = m->n_dof, k = last - first + 1, f = m->n_contact;
-    double *C = array((size_t)f * k, sizeof *C), *V = array((size_t)k * k, sizeof *V);
-    double *s = array((size_t)(f > k ? f : k), sizeof *s), *row = array((size_t)k, sizeof *row);
-    double *super = array((size_t)(f > k ? f : k), sizeof *super);
-    if (!C || !V || !s || !row || !super) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for equal frequencies");
-        goto out;
-    }
-    for (int i = 0; i < f; i++)
-        for (int j = 0; j < k; j++)
-            for (int l = 0; l < n; l++) C[i * k + j] += m->b[i * n + l] * m->Phi[l * n + first + j];
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super))) {
-        status = ric_fail(RIC_E_NUMERIC, "equal frequencies could not be separated");
-        goto out;
-    }
-    for (int l = 0; l < n; l++) {
-        for (int j = 0; j < k; j++) row[j] = dot(k, &V[j * k], &m->Phi[l * n + first]);
-        memcpy(&m->Phi[l * n + first], row, (size_t)k * sizeof *row);
-    }
-out:
-    free(C);
-    free(V);
-    free(s);
-    free(row);
-    free(super);
-    return status;
-}
-
-static ric_status separate_equal(ric_model *m)
-{
-    ric_status status = RIC_OK;
-    int n = m->n_dof;
-    for (int i = 0, j; i < n && !status; i = j) {
-        double lambda = m->frequency[i] * m->frequency[i];
-        for (j = i + 1; j < n; j++) {
-            double next = m->frequency[j] * m->frequency[j];
-            if (next - lambda > EQUAL * next) break;
-        }
-        if (j - i > 1) status = rotate_equal(m, i, j - 1);
-    }
-    return status;
-}
-
-/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that results do not depend
- * on LAPACK. */
-static void fix_signs(ric_model *m)
-{
-    int n = m->n_dof;
-    for (int i = 0; i < n; i++) {
-        int largest = 0;
-        for (int j = 1; j < n; j++)
-            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + 1e-9)) largest = j;
-        if (m->Phi[largest * n + i] < 0)
-            for (int j = 0; j < n; j++) m->Phi[j * n + i] = -m->Phi[j * n + i];
-    }
-}
-
-static void find_seen(ric_model *m)
-{
-    int n = m->n_dof;
-    for (int f = 0; f < m->n_contact; f++) {
-        double cc = 0;
-        for (int i = 0; i < n; i++) {
-            double c = 0;
-            for (int j = 0; j < n; j++) c += m->b[f * n + j] * m->Phi[j * n + i];
-            m->normal[f * n + i] = c;
-            cc += c * c;
-        }
-        for (int i = 0; i < n; i++) {
-            if (fabs(m->normal[f * n + i]) <= UNSEEN * sqrt(cc)) m->normal[f * n + i] = 0;
-            else m->seen[i] = true;
-        }
-    }
-    for (int i = 0; i < n; i++) m->n += m->seen[i];
-}
-
-/* Groups of modes that no contact joins vibrate independently: several conserved energies, no isolated branches. */
-static int count_parts(const ric_model *m)
-{
-    int n = m->n_dof, parts = 0; /* stays 0 without memory */
-    bool *done = array((size_t)n, sizeof *done), *queued = array((size_t)n, sizeof *queued);
-    int *queue = array((size_t)n, sizeof *queue);
-    if (!done || !queued || !queue) n = 0;
-    for (int start = 0; start < n; start++) {
-        if (!m->seen[start] || queued[start]) continue;
-        int head = 0, tail = 0;
-        queue[tail++] = start;
-        queued[start] = true;
-        parts++;
-        while (head < tail) {
-            int i = queue[head++];
-            for (int f = 0; f < m->n_contact; f++) {
-                if (m->normal[f * n + i] == 0) continue;
-                for (int j = 0; j < n; j++)
-                    if (m->normal[f * n + j] != 0 && !queued[j]) {
-                        queued[j] = true;
-                        queue[tail++] = j;
-                    }
-            }
-        }
-    }
-    free(done);
-    free(queued);
-    free(queue);
-    return parts;
-}
-
 /* ------------------------------------------------------------ scaled frame */
 
 void ric_complement(int n, const double *h, double *E)
 {
-    double norm = sqrt(dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
+    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
     for (int i = 1; i < n; i++)
         for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * h[i] * (j ? h[j] : v0);
     /* the reflection's pivot sign would turn the basis over where h[0] changes sign */
@@ -407,7 +179,7 @@ static void scale_modes(ric_model *m)
                            * do */
         for (int l = 0; l < nd; l++) shape[l] = m->Phi[l * nd + mode];
         for (int j = 0; j < nd; j++) {
-            m->to_modal[i * nd + j] = dot(nd, shape, m->M + j * nd) * unit;
+            m->to_modal[i * nd + j] = ric_dot(nd, shape, m->M + j * nd) * unit;
             m->to_space[j * n + i] = shape[j] / unit;
         }
     }
@@ -430,7 +202,7 @@ static void make_faces(ric_model *m)
             m->face[m->n_face++] = (ric_face){
                 .contact = f, .side = side, .mirror = mirror,
                 .gap = side * m->contact[f].clearance / m->contact[0].clearance, .spring = m->spring[f],
-                .c = m->c + f * n, .g = m->g + f * n, .cc = dot(n, m->c + f * n, m->c + f * n), .E = E};
+                .c = m->c + f * n, .g = m->g + f * n, .cc = ric_dot(n, m->c + f * n, m->c + f * n), .E = E};
         }
     }
 }
@@ -506,14 +278,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
     m->smooth = contacts[0].law == RIC_LAW_POWER;
     for (int i = 0; i < n_contact; i++) m->springs |= contacts[i].law != RIC_LAW_RIGID;
     m->restitution = restitution;
-    if ((status = eigenmodes(m))) goto out;
-    if ((status = separate_equal(m))) goto out;
-    fix_signs(m);
-    find_seen(m);
-    if ((m->n_part = count_parts(m)) == 0) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for a model");
-        goto out;
-    }
+    if ((status = ric_modes_find(m))) goto out;
     if ((status = allocate_scaled(m))) goto out;
     scale_modes(m);
     make_faces(m);
@@ -664,7 +429,7 @@ ric_status ric_model_compliance(const ric_model *m, int contact, double *cumulat
 static double quadratic(int n, const double *A, const double *x)
 {
     double sum = 0;
-    for (int i = 0; i < n; i++) sum += x[i] * dot(n, A + i * n, x);
+    for (int i = 0; i < n; i++) sum += x[i] * ric_dot(n, A + i * n, x);
     return sum;
 }
 
@@ -673,7 +438,7 @@ double ric_model_energy(const ric_model *m, const double *x, const double *v)
     double energy = (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
     for (int f = 0; f < m->n_contact; f++) {
         const ric_contact *contact = &m->contact[f];
-        double s = dot(m->n_dof, contact->normal, x), unit = m->energy_unit,
+        double s = ric_dot(m->n_dof, contact->normal, x), unit = m->energy_unit,
                d = contact->clearance / ric_model_length(m);
         if (contact->law == RIC_LAW_POWER)
             energy += unit * m->spring[f] * pow(s, contact->exponent + 1) / (contact->exponent + 1);
@@ -689,7 +454,7 @@ double ric_model_energy(const ric_model *m, const double *x, const double *v)
 bool ric_model_orthogonal(const ric_model *m, int f, int g)
 {
     const double *c = m->c + f * m->n, *d = m->c + g * m->n;
-    return fabs(dot(m->n, c, d)) <= ORTHOGONAL * sqrt(dot(m->n, c, c) * dot(m->n, d, d));
+    return fabs(ric_dot(m->n, c, d)) <= ORTHOGONAL * sqrt(ric_dot(m->n, c, c) * ric_dot(m->n, d, d));
 }
 
 void ric_model_to_state(const ric_model *m, const double *w, double *x, double *v)
@@ -710,7 +475,7 @@ void ric_model_from_state(const ric_model *m, const double *x, const double *v, 
 {
     int n = m->n;
     for (int i = 0; i < n; i++) {
-        w[i] = m->kappa[i] * dot(m->n_dof, m->to_modal + i * m->n_dof, x);
-        w[n + i] = dot(m->n_dof, m->to_modal + i * m->n_dof, v) / m->omega_ref;
+        w[i] = m->kappa[i] * ric_dot(m->n_dof, m->to_modal + i * m->n_dof, x);
+        w[n + i] = ric_dot(m->n_dof, m->to_modal + i * m->n_dof, v) / m->omega_ref;
     }
 }
