@@ -107,6 +107,9 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     if (ric_atlas_n_unplaced(atlas))
         add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
                   "their junction does not converge");
+    if (ric_atlas_n_blind(atlas))
+        add_count(rows, "branches with multiplications not looked for", ric_atlas_n_blind(atlas),
+                  "where multipliers are lost in rounding");
     add_count(rows, "departures taken", sum.taken, "");
     add_count(rows, "departures known", sum.known, "the branch was found another way");
     add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");

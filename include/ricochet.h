@@ -325,6 +325,9 @@ bool ric_atlas_finished(const ric_atlas *atlas);     /* false: the run was stopp
 /* Events seen on branches that are no junctions of the atlas, because they do not converge on their own equations. The
  * sentence `why` of these branches says so. */
 int ric_atlas_n_unplaced(const ric_atlas *atlas);
+/* Branches on a part of which multiplications were not looked for, because multipliers are lost in rounding there. The
+ * sentence `why` says on how much of them. */
+int ric_atlas_n_blind(const ric_atlas *atlas);
 int ric_atlas_n_branch(const ric_atlas *atlas);
 int ric_atlas_n_junction(const ric_atlas *atlas);
 /* Ids run from 1. RIC_E_RANGE names the range. */

@@ -85,6 +85,11 @@ int ric_atlas_n_unplaced(const ric_atlas *atlas)
     return atlas->n_unplaced;
 }
 
+int ric_atlas_n_blind(const ric_atlas *atlas)
+{
+    return atlas->n_blind;
+}
+
 int ric_atlas_n_branch(const ric_atlas *atlas)
 {
     return atlas->n_branch;

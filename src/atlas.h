@@ -24,7 +24,7 @@ typedef struct {
 struct ric_atlas {
     ric_study *study;   /* owned */
     bool finished;
-    int n_unplaced;
+    int n_unplaced, n_blind;
     int n_branch, n_junction;
     ric_branch_record *branches;    /* [n_branch], id = index + 1 */
     ric_junction_record *junctions; /* [n_junction], id = index + 1 */

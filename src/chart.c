@@ -164,7 +164,10 @@ static ric_status bind_branches(const ric_graph *g, const ric_study *study, int 
     atlas->junctions = calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
     if (!atlas->branches || !atlas->junctions) return ric_no_rows();
     for (int i = 0; i < n; i++) atlas->branches[i] = sheets[i].record;
-    for (int i = 0; i < g->n_edge; i++) atlas->n_unplaced += g->edges[i].n_unplaced;
+    for (int i = 0; i < g->n_edge; i++) {
+        atlas->n_unplaced += g->edges[i].n_unplaced;
+        atlas->n_blind += g->edges[i].trace->blind > 0;
+    }
     atlas->n_branch = n;
     return RIC_OK;
 }

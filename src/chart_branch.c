@@ -102,16 +102,23 @@ static int backbone_mode(const ric_graph *g, const ric_edge *e)
     return 0;
 }
 
-/* Why a branch ends, and how many events on it make no junction. */
-static char *branch_why(const char *why, int n_unplaced)
+/* Why a branch ends, how many events on it make no junction, and on what part multiplications were not looked for. */
+static char *branch_why(const ric_edge *e)
 {
-    size_t size = strlen(why) + 80;
+    const ric_trace *tr = e->trace;
+    const char *why = tr->why ? tr->why : "";
+    double length = ((const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride))->arclength;
+    size_t size = strlen(why) + 240;
     char *text = malloc(size);
     if (!text) return NULL;
-    int used = snprintf(text, size, "%s", why);
-    if (n_unplaced)
-        snprintf(text + used, size - (size_t)used, "%s%d event%s on it do%s not converge to a junction",
-                 *why ? "; " : "", n_unplaced, n_unplaced == 1 ? "" : "s", n_unplaced == 1 ? "es" : "");
+    int used = snprintf(text, size, "%s", why), n = e->n_unplaced;
+    if (n)
+        used += snprintf(text + used, size - (size_t)used, "%s%d event%s on it do%s not converge to a junction",
+                         used ? "; " : "", n, n == 1 ? "" : "s", n == 1 ? "es" : "");
+    if (tr->blind > 0)
+        snprintf(text + used, size - (size_t)used,
+                 "%son %.2g %% of it multipliers are lost in rounding and multiplications not looked for",
+                 used ? "; " : "", 100 * fmin(1, tr->blind / length));
     return text;
 }
 
@@ -131,7 +138,7 @@ ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
     r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
     r->word = turned ? malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
-    r->why = branch_why(tr->why ? tr->why : "", e->n_unplaced);
+    r->why = branch_why(e);
     if (turned && r->word) ric_cycle_word(m, turned, r->word);
     r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word,
                           .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,

@@ -59,6 +59,13 @@ static int resonances_below(const ric_trace *tr, double rho)
     return ric_resonance_below(tr->resonances, tr->n_resonance, rho);
 }
 
+static bool all_finite(int n, const double *x)
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(x[i])) return false;
+    return true;
+}
+
 /* Whether the parabola through three values of rho passes a resonance within the last step and comes back. */
 static bool turns_at_resonance(const ric_trace *tr, double f0, double f1, double f2, double x0, double x2)
 {
@@ -94,7 +101,9 @@ bool ric_event_suspicious(const ric_trace *tr, double h)
     if (!tr->has_past || h < 1e-5 * tr->step_max || crossing_ahead(tr, h) < HUGE_VAL) return false;
     if (emerges_late(tr)) return true;
     double x0 = p->s - a->s, x2 = b->s - a->s;
-    for (int i = 0; i < tr->floquet.n_pair && !(tr->ignore & EVENT_SINGULAR); i++)
+    int pairs = 2 * tr->floquet.n_pair;
+    bool known = all_finite(pairs, p->own) && all_finite(pairs, a->own) && all_finite(pairs, b->own);
+    for (int i = 0; known && i < tr->floquet.n_pair && !(tr->ignore & EVENT_SINGULAR); i++)
         if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;
     for (int i = 0; i < RIC_N_TEST; i++) {
         double f0 = p->test[i], f1 = a->test[i], f2 = b->test[i];
@@ -493,15 +502,18 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
 }
 
 /* All resonances that a pair passes up to distance `to`, where the pairs are those of `end`; roots has room for every
- * one. */
+ * one. *blind grows by the distance, if some pair is lost in rounding. */
 static ric_status find_resonances(ric_trace *tr, double to, const double *end, double h, root *roots, int *n,
-                                  bool *retry)
+                                  double *blind, bool *retry)
 {
     const double *start = tr->now.own;
     int n_pair = tr->floquet.n_pair, known = *n;
     if (tr->ignore & EVENT_SINGULAR) return RIC_OK; /* at a grazing the multipliers have no bound */
+    if (!all_finite(2 * n_pair, start) || !all_finite(2 * n_pair, end)) {
+        if (n_pair && tr->n_resonance) *blind += to;
+        return RIC_OK;
+    }
     for (int i = 0; i < n_pair; i++) {
-        if (!isfinite(start[2 * i] + end[2 * i])) continue;
         int a = resonances_below(tr, start[2 * i]), b = resonances_below(tr, end[2 * i]);
         for (int k = a < b ? a : b; k < (a < b ? b : a); k++) {
             double value = tr->resonances[k].rho, x;
@@ -527,21 +539,42 @@ static ric_status find_resonances(ric_trace *tr, double to, const double *end, d
     return RIC_OK;
 }
 
+/* The pairs `own` at the farthest place before an end, at most *to, where none is lost in rounding; what is left of the
+ * way in *blind. */
+static ric_status look_before(ric_trace *tr, double h, double *to, double *own, double *blind)
+{
+    int size = 2 * tr->floquet.n_pair;
+    double end = *to;
+    bool good;
+    *to *= BEFORE;
+    for (double back = 4 * (1 - BEFORE); !all_finite(size, own) && back < 0.5; back *= 4) {
+        ric_status status = ric_event_solve(tr, end * (1 - back), h, &tr->mid, &good);
+        if (status) return status;
+        memcpy(own, tr->mid.own, (size_t)size * sizeof *own);
+        *blind = end * back;
+        *to = end - *blind;
+    }
+    return RIC_OK;
+}
+
 static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, unsigned late,
                                bool *retry)
 {
     int n = 0, size = 2 * tr->floquet.n_pair;
     root roots[RIC_N_TEST + tr->n_resonance + STRETCHES * tr->limits->n_asked];
-    double own[size + 1];
+    double own[size + 1], blind = 0;
     bool good;
     /* at an end the last look was a little before it */
     memcpy(own, ends ? tr->mid.own : tr->next.own, (size_t)size * sizeof *own);
     unsigned inner = ~terminal & ((1u << RIC_N_TEST) - 1);
     ric_status status = find_roots(tr, inner & ~late, to, limit, h, roots, &n, retry);
     if (!status && !*retry) status = find_roots(tr, inner & late, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
-    if (!status && !*retry) status = find_resonances(tr, ends ? to * BEFORE : to, own, h, roots, &n, retry);
+    double known = to; /* for the multipliers */
+    if (!status && !*retry && ends && tr->n_resonance) status = look_before(tr, h, &known, own, &blind);
+    if (!status && !*retry) status = find_resonances(tr, known, own, h, roots, &n, &blind, retry);
     if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &n, retry);
     if (status || *retry) return status;
+    tr->blind += blind;
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++)
         if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&

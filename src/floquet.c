@@ -14,6 +14,9 @@
 #define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a
                          * period */
 #define NO_SPEED 1e-60
+#define ACCURATE 1e-6 /* error of rho, over 1 + |rho|, from which on the blocks are taken apart */
+#define LOST 1e-3     /* the same, from which on rho is not given */
+#define MEASURED 4.0  /* margin of an error that is measured twice */
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
 
@@ -296,16 +299,24 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     }
 }
 
-static void judge_pairs(ric_floquet *f, bool quarter, double error)
+/* error [n_pair]: of each rho of the chain's map. What is lost in it is NaN; the map's own rho only if it may be on the
+ * unit circle. */
+static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
 {
     bool undecided = false, unstable = false;
+    f->error = 0;
     for (int i = 0; i < f->n_pair; i++) {
         double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
-        double split = sqrt(error / size) * size; /* a double eigenvalue splits like the square root of the error */
-        if (fabs(r[1]) > split || fabs(r[0]) - 2 > error) unstable = true;
-        else if (fabs(r[1]) > 0 || fabs(r[0]) > 2 - error) undecided = true;
+        /* a double eigenvalue splits like the square root of the error */
+        double split = sqrt(error[i] / size) * size;
+        if (fabs(r[1]) > split || fabs(r[0]) - 2 > error[i]) unstable = true;
+        else if (fabs(r[1]) > 0 || fabs(r[0]) > 2 - error[i]) undecided = true;
+        bool lost = !(error[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - error[i] > 2;
         memcpy(f->own + 2 * i, r, 2 * sizeof *r);
+        if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
         if (quarter) square(r);
+        if (lost) r[0] = r[1] = NAN;
+        else f->error = fmax(f->error, quarter ? 2 * size * error[i] : error[i]);
     }
     f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
 }
@@ -314,6 +325,81 @@ static void judge_pairs(ric_floquet *f, bool quarter, double error)
 static double roundings(const ric_chain *c)
 {
     return c->model->smooth ? SMOOTH_STEPS : c->n_flight + 2;
+}
+
+/* Beyond the range of a double: some multiplier is astronomically large. */
+static void all_lost(ric_floquet *f)
+{
+    f->stable = RIC_STABLE_NO;
+    f->error = 0;
+    for (int i = 0; i < 2 * f->n_pair; i++) f->rho[i] = f->own[i] = NAN;
+}
+
+static int by_value(const void *p, const void *q)
+{
+    const double *a = p, *b = q;
+    return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
+}
+
+/* rho = 2 + 4 eig(b'c) from the two blocks instead of their product, whose small eigenvalues drown in the rounding of
+ * the large ones, as the product has the square of their size: [[0, b'], [c, 0]] has the eigenvalues +-nu with nu^2 =
+ * mu. Of two of opposite sign the product is taken, which is as accurate where mu vanishes. Sorted. H [4 k^2] is
+ * workspace; move: entries are moved by that much, pseudorandomly, in one of two ways. */
+static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double move, unsigned way, double *H,
+                          double *rho)
+{
+    int ld = 2 * k;
+    double left = 0, right = 0, nu[4 * k];
+    for (int i = 0; i < k * k; i++) {
+        left = fmax(left, fabs(b[i]));
+        right = fmax(right, fabs(cc[i]));
+    }
+    double even = left > 0 && right > 0 ? sqrt(right / left) : 1; /* nu does not change */
+    unsigned bits = way * 2654435769u;
+    memset(H, 0, (size_t)(ld * ld) * sizeof *H);
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            double moved[2];
+            for (int side = 0; side < 2; side++, bits = bits * 1664525u + 1013904223u)
+                moved[side] = bits >> 31 ? move : -move;
+            H[i * ld + k + j] = (b[j * k + i] + moved[0]) * even;
+            H[(k + i) * ld + j] = (cc[i * k + j] + moved[1]) / even;
+        }
+    if (!eigenvalues(ld, H, nu)) return false;
+    for (int out = 0; out < k; out++) { /* the largest that is left, and the one nearest to its opposite */
+        int first = 0, second = -1;
+        for (int i = 0; i < ld; i++)
+            if (!isnan(nu[2 * i]) && (isnan(nu[2 * first]) || hypot(nu[2 * i], nu[2 * i + 1]) >
+                                                                  hypot(nu[2 * first], nu[2 * first + 1])))
+                first = i;
+        double complex z = nu[2 * first] + I * nu[2 * first + 1], best = 0;
+        for (int i = 0; i < ld; i++) {
+            double complex y = nu[2 * i] + I * nu[2 * i + 1];
+            if (i == first || isnan(nu[2 * i]) || (second >= 0 && cabs(y + z) >= cabs(best + z))) continue;
+            second = i;
+            best = y;
+        }
+        nu[2 * first] = nu[2 * second] = NAN;
+        rho[2 * out] = 2 - ldexp(4 * creal(z * best), 2 * exponent);
+        rho[2 * out + 1] = -ldexp(4 * cimag(z * best), 2 * exponent);
+    }
+    qsort(rho, (size_t)k, 2 * sizeof *rho, by_value);
+    return true;
+}
+
+/* The same with the error of each, measured on entries that are moved by their own: twice. */
+static bool measured_rho(int k, const double *b, const double *cc, int exponent, double rounding, double *H,
+                         double *rho, double *error)
+{
+    double moved[2 * k];
+    if (!rho_of_blocks(k, b, cc, exponent, 0, 0, H, rho)) return false;
+    for (int i = 0; i < k; i++) error[i] = 8 * DBL_EPSILON * (2 + hypot(rho[2 * i], rho[2 * i + 1]));
+    for (unsigned way = 1; way <= 2; way++) {
+        if (!rho_of_blocks(k, b, cc, exponent, rounding, way, H, moved)) return false;
+        for (int i = 0; i < k; i++)
+            error[i] = fmax(error[i], MEASURED * hypot(moved[2 * i] - rho[2 * i], moved[2 * i + 1] - rho[2 * i + 1]));
+    }
+    return true;
 }
 
 static ric_status reversible(const ric_chain *c, ric_floquet *f)
@@ -343,20 +429,24 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
         return RIC_OK;
     }
-    error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
     f->trace_asinh = f->rotation = NAN;
-    for (int i = 0; i < k; i++)
+    double errors[k], least = HUGE_VAL;
+    bool found = exponent < 500;
+    for (int i = 0; found && i < k; i++)
         for (int j = 0; j < k; j++) {
             double s = 0;
             for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
-            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, exponent < 500 ? 2 * exponent : 1000);
+            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
         }
-    if (!isfinite(error) || !eigenvalues(k, A, f->rho)) {
-        f->stable = RIC_STABLE_NO; /* beyond the range of a double: some multiplier is astronomically large */
-        for (int i = 0; i < 2 * k; i++) f->rho[i] = f->own[i] = NAN;
-        return RIC_OK;
+    found = found && eigenvalues(k, A, f->rho);
+    for (int i = 0; found && i < k; i++) {
+        errors[i] = ldexp(error, 2 * exponent);
+        least = fmin(least, hypot(f->rho[2 * i], f->rho[2 * i + 1]));
     }
-    judge_pairs(f, quarter, error);
+    if (found && !(errors[0] <= ACCURATE * (1 + least)))
+        found = measured_rho(k, b, cc, exponent, rounding, P, f->rho, errors);
+    if (found) judge_pairs(f, quarter, errors);
+    else all_lost(f);
     return RIC_OK;
 }
 
@@ -477,8 +567,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     }
     f->trace_asinh = f->rotation = NAN;
     if (!isfinite(error) || exponent) {
-        f->stable = RIC_STABLE_NO;
-        for (int i = 0; i < 2 * k; i++) f->rho[i] = f->own[i] = NAN;
+        all_lost(f);
         return RIC_OK;
     }
     /* M + M^-1 with M^-1 = -J M' J: every eigenvalue rho is double; sorted, they pair up */
@@ -491,8 +580,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
             A[(k + i) * ld + k + j] = P[(k + i) * ld + k + j] + P[j * ld + i];
         }
     if (!eigenvalues(ld, A, all)) {
-        f->stable = RIC_STABLE_NO;
-        for (int i = 0; i < 2 * k; i++) f->rho[i] = f->own[i] = NAN;
+        all_lost(f);
         return RIC_OK;
     }
     bool used[ld];
@@ -514,8 +602,9 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
         f->rho[2 * out + 1] = best < 0 ? all[2 * i + 1] : (all[2 * i + 1] + all[2 * best + 1]) / 2;
         out++;
     }
-    judge_pairs(f, c->sigma < 0, error);
-    f->error = error;
+    double errors[k];
+    for (int i = 0; i < k; i++) errors[i] = error;
+    judge_pairs(f, c->sigma < 0, errors);
     return RIC_OK;
 }
 

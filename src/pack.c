@@ -7,7 +7,7 @@
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and a mismatch is
  * recomputed. */
-#define PACK_FORMAT 2
+#define PACK_FORMAT 3
 #define SANE 10000000
 
 typedef struct {
@@ -51,6 +51,7 @@ ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
         write(&to, &face, sizeof face);
     }
     if (c->model->springs) write(&to, c->closed, sizeof *c->closed);
+    write(&to, &tr->blind, sizeof tr->blind);
     write(&to, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
     for (int i = 0; i < tr->n_event; i++) write_event(&to, &tr->events[i], c->n_unknown);
     write_event(&to, &tr->end, c->n_unknown);
@@ -127,6 +128,7 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     uint64_t closed = 0;
     if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
     ric_chain_close(tr->chain, closed);
+    if (!take(&from, &size, &tr->blind, sizeof tr->blind)) goto damaged;
     if (h.parts > 1 && (status = ric_nodes_divide(tr->chain, h.parts))) goto out;
     if (!ric_trace_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;

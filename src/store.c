@@ -150,7 +150,7 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     if (!status)
         status = ric_database_run(store->file, numbers);
     if (!status)
-        status = ric_store_put_study(store->file, study, false, 0);
+        status = ric_store_put_study(store->file, study, false, 0, 0);
     if (!status)
         status = ric_store_put_digest(store->file);
     if (!status)
@@ -355,7 +355,7 @@ ric_status ric_store_write_junctions(ric_store *store, ric_status before, const 
     if (!status)
         status = ric_store_put_junctions(file, atlas);
     if (!status)
-        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced);
+        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
     return conclude(file, status);
 }
 

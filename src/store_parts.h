@@ -84,7 +84,8 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
 
 /* ------------------------------------------------------------- store_write.c */
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced);
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced,
+                               int n_blind);
 ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas);
 ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
 

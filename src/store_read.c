@@ -340,27 +340,37 @@ static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *count
                   : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
 }
 
+/* 0 where an older program did not count. */
+static ric_status read_count(ric_database file, const char *key, int *out)
+{
+    char *text = NULL;
+    ric_status status = ric_store_get_meta(file, key, &text);
+    *out = text ? atoi(text) : 0;
+    free(text);
+    return status;
+}
+
 static ric_status read_study(ric_database file, ric_atlas *atlas)
 {
-    char *study = NULL, *finished = NULL, *unplaced = NULL;
+    char *study = NULL, *finished = NULL;
     ric_status status = ric_store_get_meta(file, "study", &study);
     if (!status)
         status = ric_store_get_meta(file, "finished", &finished);
     if (!status)
-        status = ric_store_get_meta(file, "unplaced", &unplaced); /* older programs did not count */
+        status = read_count(file, "unplaced", &atlas->n_unplaced);
+    if (!status)
+        status = read_count(file, "blind", &atlas->n_blind);
     if (!status && (!study || !finished))
         status = ric_store_fail_damaged(file.path, "its study is missing");
     if (status)
         goto out;
     atlas->finished = !strcmp(finished, "1");
-    atlas->n_unplaced = unplaced ? atoi(unplaced) : 0;
     status = ric_study_parse(study, file.path, ".", &atlas->study);
     if (status && status != RIC_E_NOMEM)
         status = ric_store_fail_damaged(file.path, "its study cannot be read");
 out:
     free(study);
     free(finished);
-    free(unplaced);
     return status;
 }
 

@@ -217,7 +217,8 @@ ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
     return status;
 }
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced)
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced,
+                               int n_blind)
 {
     char text[64];
     char *model = ric_store_model_text(ric_study_text(study));
@@ -237,6 +238,9 @@ ric_status ric_store_put_study(ric_database file, const ric_study *study, bool f
     snprintf(text, sizeof text, "%d", n_unplaced);
     if (!status)
         status = ric_store_put_meta(file, "unplaced", text);
+    snprintf(text, sizeof text, "%d", n_blind);
+    if (!status)
+        status = ric_store_put_meta(file, "blind", text);
     free(model);
     return status;
 }

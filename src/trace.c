@@ -159,12 +159,12 @@ static bool positive_flights(const ric_chain *c, const double *u)
     return true;
 }
 
-/* Pairs in ascending order, so that each is continuous as long as they do not meet. */
+/* Pairs in ascending order, so that each is continuous as long as they do not meet; what is lost comes last. */
 static void sort_pairs(int n_pair, const double *rho, double *out)
 {
     for (int i = 0; i < n_pair; i++) {
         int place = i;
-        for (; place > 0 && out[2 * place - 2] > rho[2 * i]; place--)
+        for (; place > 0 && !isnan(rho[2 * i]) && !(out[2 * place - 2] <= rho[2 * i]); place--)
             memcpy(out + 2 * place, out + 2 * place - 2, 2 * sizeof *out);
         memcpy(out + 2 * place, rho + 2 * i, 2 * sizeof *out);
     }

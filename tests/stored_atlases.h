@@ -157,6 +157,7 @@ static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_br
     const ric_model *model = ric_study_model(atlas->study);
     atlas->finished = seed % 2;
     atlas->n_unplaced = (int)(seed % 5);
+    atlas->n_blind = (int)(seed % 3);
     atlas->n_branch = n_branch;
     atlas->n_junction = n_junction;
     atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
@@ -227,7 +228,8 @@ static inline bool same_junction(const ric_junction *a, const ric_junction *b, i
 static inline bool same_atlas(const ric_atlas *a, const ric_atlas *b)
 {
     bool same = !strcmp(ric_study_text(a->study), ric_study_text(b->study)) && a->finished == b->finished &&
-                a->n_unplaced == b->n_unplaced && a->n_branch == b->n_branch && a->n_junction == b->n_junction;
+                a->n_unplaced == b->n_unplaced && a->n_blind == b->n_blind &&
+                a->n_branch == b->n_branch && a->n_junction == b->n_junction;
     for (int i = 0; same && i < a->n_branch; i++)
         same = same_branch(&a->branches[i], &b->branches[i]);
     for (int i = 0; same && i < a->n_junction; i++)

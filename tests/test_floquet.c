@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "graph.h"
+#include "explored.h"
 #include "motion.h"
 #include "random_orbits.h"
 #include "sample.h"
@@ -408,6 +408,90 @@ static void growth_near_grazing(void **state)
     ric_study_free(study);
 }
 
+/* A free train of wagons, of which two impacts are loose to both sides: beside a grazing one pair of multipliers has
+ * 14 digits more than the other. Two branches that are images of each other, and multipliers from 60-digit arithmetic.
+ */
+static const char wagons[] = "title: wagons\nmodel:\n"
+                             "  mass: [[3, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 0.7]]\n"
+                             "  stiffness: [[4, -4, 0, 0], [-4, 9, -5, 0], [0, -5, 8, -3], [0, 0, -3, 3]]\n"
+                             "  contacts:\n"
+                             "    - {normal: [-1, 1, 0, 0], clearance: 0.004, sides: both, law: rigid}\n"
+                             "    - {normal: [0, 0, -1, 1], clearance: 0.006, sides: upper, law: rigid}\n"
+                             "explore: {start: modes, energy: [0, 30], frequency: [0.3, 8], impacts: 6, multiply: 2,"
+                             " depth: 2}\n";
+
+static void small_beside_large(void **state)
+{
+    (void)state;
+    static const double exact[][3] = {{6.965465, 232151067027125.0, -66.4621436619562},
+                                    {6.97, 1789962664685.59, -67.1765567981331},
+                                    {7.09, 105078655983410.0, -86.708045551144}};
+    ric_atlas *atlas = explore_text(wagons);
+    int images = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        if (strcmp(b.label, "A4[0011]")) continue;
+        images++;
+        assert_int_equal(b.n_junction, 0);
+        assert_null(strstr(b.why, "converge"));
+        for (size_t i = 0; i < sizeof exact / sizeof *exact; i++) {
+            ric_orbit **orbits;
+            int n;
+            double p[8];
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_ENERGY, exact[i][0], &n, &orbits), RIC_OK);
+            assert_int_equal(n, 1);
+            ric_orbit_multipliers(orbits[0], p);
+            int large = fabs(p[0]) < fabs(p[4]) ? 4 : 0, small = 4 - large;
+            if (!(fabs(p[large] / exact[i][1] - 1) < 1e-7) || !(fabs(p[small] / exact[i][2] - 1) < 1e-6))
+                fail_msg("branch %d, E %g: multipliers %.15g and %.15g", id, exact[i][0], p[large], p[small]);
+            ric_orbits_free(n, orbits);
+        }
+    }
+    assert_int_equal(images, 2);
+    assert_int_equal(ric_atlas_n_unplaced(atlas), 0);
+    ric_atlas_free(atlas);
+}
+
+/* The general form has the whole period in one matrix and loses the small pair: it says so, or is right. */
+static void lost_or_right(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    ric_graph *graph = NULL;
+    int lost = 0, right = 0;
+    assert_int_equal(ric_study_parse(wagons, "test", ".", &study), RIC_OK);
+    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+    assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+    for (int e = 0; e < graph->n_edge; e++) {
+        const ric_trace *trace = graph->edges[e].trace;
+        for (int i = 1; trace->chain->start != RIC_MIRROR_NONE && i + 1 < trace->n_point; i += every()) {
+            const double *u = trace->points + (size_t)i * trace->stride + sizeof(ric_point) / sizeof(double);
+            double *v = NULL;
+            ric_cycle *cycle = ric_trace_cycle(trace, u);
+            ric_chain *whole = general_form(graph->model, cycle, false, &v);
+            ric_floquet own = multipliers(trace->chain, u), other = multipliers(whole, v);
+            for (int k = 0; k < 2; k++) {
+                double best = HUGE_VAL, *r = other.rho + 2 * k, size = 1 + hypot(r[0], r[1]);
+                for (int l = 0; l < 2; l++) best = fmin(best, hypot(r[0] - own.rho[2 * l], r[1] - own.rho[2 * l + 1]));
+                lost += isnan(r[0]);
+                right += best < 1e-3 * size;
+                if (!isnan(r[0]) && isfinite(own.rho[0] + own.rho[2]) && !(best < 1e-3 * size))
+                    fail_msg("edge %d, point %d: rho %.9g + %.3g i by the whole period, %.9g and %.9g by half of it", e,
+                             i, r[0], r[1], own.rho[0], own.rho[2]);
+            }
+            ric_floquet_release(&own);
+            ric_floquet_release(&other);
+            ric_chain_free(whole);
+            ric_cycle_free(cycle);
+            free(v);
+        }
+    }
+    print_message("# general form: %d pairs right, %d lost\n", right, lost);
+    assert_true(right > 100 && lost > 10);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 /* k times around an unstable orbit: the multiplier to the power of k, far beyond the range of a double. */
 static void no_overflow(void **state)
 {
@@ -462,6 +546,8 @@ int main(void)
         cmocka_unit_test(forms_agree),
         cmocka_unit_test(simulator_agrees),
         cmocka_unit_test(growth_near_grazing),
+        cmocka_unit_test(small_beside_large),
+        cmocka_unit_test(lost_or_right),
         cmocka_unit_test(no_overflow),
     };
     return cmocka_run_group_tests_name("floquet", tests, NULL, NULL);
