@@ -7,6 +7,17 @@
 
 #include "cli.h"
 
+/* jansson leaves out what it finds no memory for, and so do the values made here. That is remembered, so that no list is
+ * shown with something missing. */
+static _Thread_local bool lost;
+
+static void *allocate(size_t size)
+{
+    void *memory = malloc(size);
+    lost |= !memory;
+    return memory;
+}
+
 json_t *cli_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -15,8 +26,8 @@ json_t *cli_number(double value)
 json_t *cli_word(const ric_model *model, int n, const int *word)
 {
     size_t size = 12 * (size_t)n + 1;
-    char *text = calloc(size, 1);
-    json_t *value = text && (n == 0 || !ric_word_format(model, n, word, size, text)) ? json_string(text) : NULL;
+    char *text = allocate(size);
+    json_t *value = text && !ric_word_format(model, n, word, size, text) ? json_string(text) : NULL;
     free(text);
     return value;
 }
@@ -37,7 +48,7 @@ json_t *cli_integers(int n, const int *values)
 json_t *cli_duplicate_label(const ric_branch *branch, int k)
 {
     size_t size = strlen(branch->label) + 16;
-    char *text = malloc(size);
+    char *text = allocate(size);
     json_t *value = text && !ric_duplicate_label(branch, k, size, text) ? json_string(text) : NULL;
     free(text);
     return value;
@@ -268,17 +279,6 @@ out:
     free(width);
     free(numeric);
     return done;
-}
-
-/* jansson leaves out what it finds no memory for. That is remembered, so that no list is shown with something
- * missing. */
-static _Thread_local bool lost;
-
-static void *allocate(size_t size)
-{
-    void *memory = malloc(size);
-    lost |= !memory;
-    return memory;
 }
 
 void cli_watch_memory(void)

@@ -120,7 +120,8 @@ reads() # COMMAND...
     read -r allocations _ <"$folder/count"
     step=$((allocations / 20 + 1))
     [ "${FAULTS_ALL:-0}" = 0 ] || step=1
-    for ((k = 1; k <= allocations; k += step)); do
+    # the last ones make the rows, and are each of another kind
+    for k in $(seq 1 $step "$allocations") $(seq $((allocations > 250 ? allocations - 250 : 1)) "$allocations"); do
         (export FAULT_ALLOC=$k LD_PRELOAD="$folder/faults.so" && exec "$ricochet" "$@" >"$folder/shown" 2>"$folder/message") 2>/dev/null
         code=$?
         case $code in
