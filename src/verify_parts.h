@@ -74,7 +74,7 @@ void ric_replay_worsen(double *worst, double error);
  * eigenvalues. */
 ric_status ric_replay_condition(replay *r);
 /* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another
- * orbit. */
-ric_status ric_replay_polish(replay *r);
+ * orbit, or not to `keep`: then what was open in it is measured, no more. */
+ric_status ric_replay_polish(replay *r, bool keep);
 
 #endif

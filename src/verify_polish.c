@@ -277,7 +277,7 @@ static real times_moved(const replay *r, const real *kept, bool weighed)
     return moved;
 }
 
-ric_status ric_replay_polish(replay *r)
+ric_status ric_replay_polish(replay *r, bool keep)
 {
     enum { STEPS = 3 };
     ric_status status = RIC_OK;
@@ -327,7 +327,7 @@ ric_status ric_replay_polish(replay *r)
      * small */
     ric_replay_worsen(&r->check->flight_error,
                       r->closed ? fmin(left_open, (double)fmax(times_moved(r, kept, true), aside)) : left_open);
-    if (moved <= SAME) goto out;
+    if (keep && moved <= SAME) goto out;
     memcpy(r->tau, kept, (size_t)N * sizeof *kept);
     memcpy(r->chain, kept + N, 2 * (size_t)n * sizeof *kept);
     ric_replay_make_chain(r);
