@@ -292,19 +292,12 @@ static void verify_slow_impacts(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Branches along which the period all but stays, between grazings and corners: some orbits stand only as they are
- * stored, as polishing leads past the end, others only polished, as their last digits are lost within a period. */
-static void verify_at_ends(void **state)
+static void every_point_passes(const char *model, const char *options)
 {
-    (void)state;
-    ric_atlas *atlas = explore_text("title: ends\nmodel:\n"
-                                    "  mass: [[1.22, 0, 0], [0, 2.41, 0], [0, 0, 2.9]]\n"
-                                    "  stiffness: [[6.87, -4.34, 0], [-4.34, 5.37, -1.03], [0, -1.03, 4.82]]\n"
-                                    "  contacts:\n"
-                                    "    - {normal: [0, -1, 0], clearance: 0.59, sides: both, law: rigid}\n"
-                                    "    - {normal: [-1, 1, 0], clearance: 0.74, sides: both, law: rigid}\n"
-                                    "explore: {energy: [0, 16.4], frequency: [0.2, 8], impacts: 6, multiply: 3,"
-                                    " depth: 2}\n");
+    char text[1024];
+    snprintf(text, sizeof text, "title: ends\nmodel:\n%sexplore: {impacts: 6, multiply: 3, depth: 2, %s}\n", model,
+             options);
+    ric_atlas *atlas = explore_text(text);
     int checked = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
@@ -318,8 +311,40 @@ static void verify_at_ends(void **state)
             checked++;
         }
     }
-    assert_true(every() > 1 || checked > 1000);
+    assert_true(every() > 1 || checked > 600);
     ric_atlas_free(atlas);
+}
+
+/* Branches along which the period all but stays, between grazings and corners: some orbits stand only as they are
+ * stored, as polishing leads past the end, others only polished, as their last digits are lost within a period. */
+static void verify_at_ends(void **state)
+{
+    (void)state;
+    every_point_passes("  mass: [[1.22, 0, 0], [0, 2.41, 0], [0, 0, 2.9]]\n"
+                       "  stiffness: [[6.87, -4.34, 0], [-4.34, 5.37, -1.03], [0, -1.03, 4.82]]\n"
+                       "  contacts:\n"
+                       "    - {normal: [0, -1, 0], clearance: 0.59, sides: both, law: rigid}\n"
+                       "    - {normal: [-1, 1, 0], clearance: 0.74, sides: both, law: rigid}\n",
+                       "energy: [0, 16.4], frequency: [0.2, 8]");
+}
+
+/* Ends where a stop and a spring are met at one instant: with orthogonal normals their order says nothing, with others
+ * the spring may be missed behind the stop. */
+static void verify_stop_and_spring(void **state)
+{
+    (void)state;
+    every_point_passes("  mass: [[1.95, 0, 0], [0, 1.64, 0], [0, 0, 2.11]]\n"
+                       "  stiffness: [[6.2, -3.1, 0], [-3.1, 4.46, -1.36], [0, -1.36, 1.36]]\n"
+                       "  contacts:\n"
+                       "    - {normal: [-1, 0, 0], clearance: 1.08, sides: both, law: bilinear, stiffness: 16.63}\n"
+                       "    - {normal: [0, -1, 1], clearance: 1.69, sides: both, law: rigid}\n",
+                       "energy: [0, 25.1], frequency: [0.2, 8]");
+    every_point_passes("  mass: [[1.59, 0, 0], [0, 1.99, 0], [0, 0, 1.1]]\n"
+                       "  stiffness: [[3.22, -3.22, 0], [-3.22, 4.08, -0.86], [0, -0.86, 1.52]]\n"
+                       "  contacts:\n"
+                       "    - {normal: [0, -1, 1], clearance: 1.74, sides: both, law: bilinear, stiffness: 71.71}\n"
+                       "    - {normal: [-1, 1, 0], clearance: 1.67, sides: both, law: rigid}\n",
+                       "energy: [0, 12.1], frequency: [0.2, 8]");
 }
 
 int main(void)
@@ -332,6 +357,7 @@ int main(void)
         cmocka_unit_test(verify_slowest_impact),
         cmocka_unit_test(verify_slow_impacts),
         cmocka_unit_test(verify_at_ends),
+        cmocka_unit_test(verify_stop_and_spring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
