@@ -16,6 +16,8 @@
 #define NO_SPEED 1e-60
 #define ACCURATE 1e-6 /* error of rho, over 1 + |rho|, from which on the blocks are taken apart */
 #define LOST 1e-3     /* the same, from which on rho is not given */
+#define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
+#define MOST_PAIRS 64 /* up to which the halves are taken apart: they need 32 k^2 numbers */
 #define MEASURED 4.0  /* margin of an error that is measured twice */
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
@@ -25,7 +27,7 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     size_t k = (size_t)(n > 1 ? n - 1 : 1), nn = (size_t)n;
     memset(out, 0, sizeof *out);
     out->n_pair = n - 1;
-    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn;
+    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 16 * k * k : 0);
     out->rho = calloc(2 * k, sizeof(double));
     out->own = calloc(2 * k, sizeof(double));
     out->work = calloc(out->n_work, sizeof(double));
@@ -165,14 +167,15 @@ static int rescale(int count, double *V, double *largest)
     return exponent;
 }
 
-/* Takes V through the whole chain; *exponent collects the scaling, *growth the largest entry met (scaled likewise). */
-static void propagate(const ric_chain *c, double *V, int *exponent, double *growth)
+/* Takes V through the flights from .. to - 1; *exponent collects the scaling, *growth the largest entry met (scaled
+ * likewise). */
+static void propagate(const ric_chain *c, int from, int to, double *V, int *exponent, double *growth)
 {
     int n = c->n, ld = 2 * (n - 1);
     const ric_model *m = c->model;
     *exponent = 0;
     *growth = 1;
-    for (int k = 0; k < c->n_flight; k++) {
+    for (int k = from; k < to; k++) {
         const double *map = c->map + c->stride * (size_t)k;
         bool dense = ric_flight_dense(m, c->closed[k]), ends = k + 1 == c->n_flight;
         if (dense) ric_flight_carry(n, map, ld, ld, V);
@@ -341,32 +344,32 @@ static int by_value(const void *p, const void *q)
     return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
 }
 
-/* rho = 2 + 4 eig(b'c) from the two blocks instead of their product, whose small eigenvalues drown in the rounding of
- * the large ones, as the product has the square of their size: [[0, b'], [c, 0]] has the eigenvalues +-nu with nu^2 =
- * mu. Of two of opposite sign the product is taken, which is as accurate where mu vanishes. Sorted. H [4 k^2] is
+/* mu [2m] = eigenvalues of B C, [m * m] each, from the factors instead of the product, whose small eigenvalues drown in
+ * the rounding of the large ones, as it has the square of their size: [[0, B], [C, 0]] has the eigenvalues +-nu with
+ * nu^2 = mu. Of two of opposite sign the product is taken, which is as accurate where mu vanishes. Sorted. H [4 m^2] is
  * workspace; move: entries are moved by that much, pseudorandomly, in one of two ways. */
-static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double move, unsigned way, double *H,
-                          double *rho)
+static bool eigenvalues_of_product(int m, const double *B, const double *C, double move, unsigned way, double *H,
+                                   double *mu)
 {
-    int ld = 2 * k;
-    double left = 0, right = 0, nu[4 * k];
-    for (int i = 0; i < k * k; i++) {
-        left = fmax(left, fabs(b[i]));
-        right = fmax(right, fabs(cc[i]));
+    int ld = 2 * m;
+    double left = 0, right = 0, nu[2 * ld];
+    for (int i = 0; i < m * m; i++) {
+        left = fmax(left, fabs(B[i]));
+        right = fmax(right, fabs(C[i]));
     }
     double even = left > 0 && right > 0 ? sqrt(right / left) : 1; /* nu does not change */
     unsigned bits = way * 2654435769u;
     memset(H, 0, (size_t)(ld * ld) * sizeof *H);
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) {
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) {
             double moved[2];
             for (int side = 0; side < 2; side++, bits = bits * 1664525u + 1013904223u)
                 moved[side] = bits >> 31 ? move : -move;
-            H[i * ld + k + j] = (b[j * k + i] + moved[0]) * even;
-            H[(k + i) * ld + j] = (cc[i * k + j] + moved[1]) / even;
+            H[i * ld + m + j] = (B[i * m + j] + moved[0]) * even;
+            H[(m + i) * ld + j] = (C[i * m + j] + moved[1]) / even;
         }
     if (!eigenvalues(ld, H, nu)) return false;
-    for (int out = 0; out < k; out++) { /* the largest that is left, and the one nearest to its opposite */
+    for (int out = 0; out < m; out++) { /* the largest that is left, and the one nearest to its opposite */
         int first = 0, second = -1;
         for (int i = 0; i < ld; i++)
             if (!isnan(nu[2 * i]) && (isnan(nu[2 * first]) || hypot(nu[2 * i], nu[2 * i + 1]) >
@@ -380,24 +383,39 @@ static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent
             best = y;
         }
         nu[2 * first] = nu[2 * second] = NAN;
-        rho[2 * out] = 2 - ldexp(4 * creal(z * best), 2 * exponent);
-        rho[2 * out + 1] = -ldexp(4 * cimag(z * best), 2 * exponent);
+        mu[2 * out] = -creal(z * best);
+        mu[2 * out + 1] = -cimag(z * best);
     }
-    qsort(rho, (size_t)k, 2 * sizeof *rho, by_value);
+    qsort(mu, (size_t)m, 2 * sizeof *mu, by_value);
     return true;
 }
 
-/* The same with the error of each, measured on entries that are moved by their own: twice. */
-static bool measured_rho(int k, const double *b, const double *cc, int exponent, double rounding, double *H,
-                         double *rho, double *error)
+/* The same with the error [m] of each, measured on entries that are moved by their own: twice. */
+static bool measured_product(int m, const double *B, const double *C, double rounding, double *H, double *mu,
+                             double *error)
 {
-    double moved[2 * k];
-    if (!rho_of_blocks(k, b, cc, exponent, 0, 0, H, rho)) return false;
-    for (int i = 0; i < k; i++) error[i] = 8 * DBL_EPSILON * (2 + hypot(rho[2 * i], rho[2 * i + 1]));
+    double moved[2 * m];
+    if (!eigenvalues_of_product(m, B, C, 0, 0, H, mu)) return false;
+    for (int i = 0; i < m; i++) error[i] = 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]);
     for (unsigned way = 1; way <= 2; way++) {
-        if (!rho_of_blocks(k, b, cc, exponent, rounding, way, H, moved)) return false;
-        for (int i = 0; i < k; i++)
-            error[i] = fmax(error[i], MEASURED * hypot(moved[2 * i] - rho[2 * i], moved[2 * i + 1] - rho[2 * i + 1]));
+        if (!eigenvalues_of_product(m, B, C, rounding, way, H, moved)) return false;
+        for (int i = 0; i < m; i++)
+            error[i] = fmax(error[i], MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]));
+    }
+    return true;
+}
+
+/* rho = 2 + 4 eig(b'c). B [k * k] is workspace, like H. */
+static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double rounding, double *B,
+                          double *H, double *rho, double *error)
+{
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) B[i * k + j] = b[j * k + i];
+    if (!measured_product(k, B, cc, rounding, H, rho, error)) return false;
+    for (int i = 0; i < k; i++) {
+        rho[2 * i] = 2 + ldexp(4 * rho[2 * i], 2 * exponent);
+        rho[2 * i + 1] = ldexp(4 * rho[2 * i + 1], 2 * exponent);
+        error[i] = ldexp(4 * error[i], 2 * exponent) + 16 * DBL_EPSILON;
     }
     return true;
 }
@@ -412,7 +430,7 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     section(c, c->start, c->closed[0], c->w, c->face[0], E0);
     section(c, c->end, c->closed[c->n_flight], end, c->face[c->n_flight], E1);
     section_columns(c, c->start, c->w, c->face[0], E0, V);
-    propagate(c, V, &exponent, &growth);
+    propagate(c, 0, c->n_flight, V, &exponent, &growth);
     project(c, c->end == RIC_MIRROR_IMPACT, end, c->face[c->n_flight], E1, V, P);
     blocks(c, P, a, b, cc, d);
     double size = 0;
@@ -444,7 +462,7 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
         least = fmin(least, hypot(f->rho[2 * i], f->rho[2 * i + 1]));
     }
     if (found && !(errors[0] <= ACCURATE * (1 + least)))
-        found = measured_rho(k, b, cc, exponent, rounding, P, f->rho, errors);
+        found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
     if (found) judge_pairs(f, quarter, errors);
     else all_lost(f);
     return RIC_OK;
@@ -513,19 +531,117 @@ static void return_map(const ric_chain *c, double *V, double *P, int *exponent, 
     if (!c->model->smooth) {
         const double *E = c->model->face[c->face[0]].E;
         section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], E, V);
-        propagate(c, V, exponent, growth);
+        propagate(c, 0, c->n_flight, V, exponent, growth);
         project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], E, V, P);
         return;
     }
     double dual[2 * n * ld];
     smooth_section(c, false, V);
     smooth_section(c, true, dual);
-    propagate(c, V, exponent, growth);
+    propagate(c, 0, c->n_flight, V, exponent, growth);
     for (int r = 0; r < ld; r++)
         for (int j = 0; j < ld; j++) {
             P[r * ld + j] = 0;
             for (int i = 0; i < 2 * n; i++) P[r * ld + j] += dual[i * ld + r] * V[i * ld + j];
         }
+}
+
+/* 2k eigenvalues, each there twice, as k, sorted; apart [k]: half the distance of the two. */
+static void pair_up(int k, const double *all, double *rho, double *apart)
+{
+    int ld = 2 * k;
+    bool used[ld];
+    memset(used, 0, sizeof used);
+    for (int i = 0, out = 0; i < ld && out < k; i++) {
+        if (used[i]) continue;
+        int best = -1;
+        double near = HUGE_VAL;
+        for (int j = i + 1; j < ld; j++) {
+            double distance = hypot(all[2 * i] - all[2 * j], all[2 * i + 1] - all[2 * j + 1]);
+            if (!used[j] && distance < near) {
+                near = distance;
+                best = j;
+            }
+        }
+        used[i] = true;
+        if (best >= 0) used[best] = true;
+        rho[2 * out] = best < 0 ? all[2 * i] : (all[2 * i] + all[2 * best]) / 2;
+        rho[2 * out + 1] = best < 0 ? all[2 * i + 1] : (all[2 * i + 1] + all[2 * best + 1]) / 2;
+        apart[out++] = best < 0 ? HUGE_VAL : near / 2;
+    }
+}
+
+/* The impact between two halves of about the same growth, which is that of 1 / speed; not one of the slow ones. 0:
+ * there is none. */
+static int middle_impact(const ric_chain *c)
+{
+    int best = 0;
+    double fastest = 0, all = 0, half = 0, off = HUGE_VAL;
+    for (int k = 1; k <= c->n_flight; k++) {
+        fastest = fmax(fastest, c->approach[k]);
+        all += log(fmax(c->approach[k], NO_SPEED));
+    }
+    for (int k = 1; k < c->n_flight; k++) {
+        half += log(fmax(c->approach[k], NO_SPEED));
+        double next = fabs(half - all / 2);
+        if (c->approach[k] < SLOW_SECTION * fastest || next >= off) continue;
+        off = next;
+        best = k;
+    }
+    return best;
+}
+
+/* A + sigma B^-1 for a symplectic B [ld * ld]: B^-1 = -J B' J. */
+static void add_inverse(int k, const double *A, int sigma, const double *B, double *out)
+{
+    int ld = 2 * k;
+    for (int i = 0; i < ld; i++)
+        for (int j = 0; j < ld; j++) {
+            int r = j < k ? j + k : j - k, s = i < k ? i + k : i - k; /* J turns q into p */
+            double sign = (i < k) == (j < k) ? 1 : -1;
+            out[i * ld + j] = A[i * ld + j] + sigma * sign * B[r * ld + s];
+        }
+}
+
+/* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1 + sigma P2^-1): the
+ * factors have the square root of the size of M. Leaves rho and its errors as they are where it cannot be done. */
+static void rho_of_halves(const ric_chain *c, ric_floquet *f, double *errors)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle = c->model->springs || c->model->smooth || k > MOST_PAIRS
+                                                                   ? 0
+                                                                   : middle_impact(c);
+    if (!middle) return;
+    const ric_face *first = &c->model->face[c->face[0]], *second = &c->model->face[c->face[middle]];
+    double *V = f->work, *P1 = V + 2 * n * ld, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld,
+           *H = Y + ld * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
+    const double *w = c->w + 2 * n * middle;
+    section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], first->E, V);
+    propagate(c, 0, middle, V, &exponent[0], &growth[0]);
+    project(c, true, w, c->face[middle], second->E, V, P1);
+    section_columns(c, RIC_MIRROR_IMPACT, w, c->face[middle], second->E, V);
+    propagate(c, middle, c->n_flight, V, &exponent[1], &growth[1]);
+    project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], first->E, V, P2);
+    if (exponent[0] || exponent[1]) return;
+    add_inverse(k, P2, c->sigma, P1, X);
+    add_inverse(k, P1, c->sigma, P2, Y);
+    double size = fmax(growth[0], growth[1]);
+    for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
+    if (!isfinite(size) ||
+        !measured_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
+        return;
+    pair_up(k, mu, rho, apart);
+    for (int i = 0; i < k; i++) {
+        f->rho[2 * i] = c->sigma * rho[2 * i] - 2;
+        f->rho[2 * i + 1] = c->sigma * rho[2 * i + 1];
+        double best = HUGE_VAL; /* the error is that of the nearest of the two */
+        errors[i] = apart[i];
+        for (int j = 0; j < ld; j++) {
+            double distance = hypot(mu[2 * j] - rho[2 * i], mu[2 * j + 1] - rho[2 * i + 1]);
+            if (distance > best) continue;
+            best = distance;
+            errors[i] = fmax(apart[i], error[j]);
+        }
+    }
 }
 
 static ric_status whole(const ric_chain *c, ric_floquet *f)
@@ -583,27 +699,13 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
         all_lost(f);
         return RIC_OK;
     }
-    bool used[ld];
-    memset(used, 0, sizeof used);
-    for (int i = 0, out = 0; i < ld && out < k; i++) {
-        if (used[i]) continue;
-        int best = -1;
-        double near = HUGE_VAL;
-        for (int j = i + 1; j < ld; j++) {
-            double distance = hypot(all[2 * i] - all[2 * j], all[2 * i + 1] - all[2 * j + 1]);
-            if (!used[j] && distance < near) {
-                near = distance;
-                best = j;
-            }
-        }
-        used[i] = true;
-        if (best >= 0) used[best] = true;
-        f->rho[2 * out] = best < 0 ? all[2 * i] : (all[2 * i] + all[2 * best]) / 2;
-        f->rho[2 * out + 1] = best < 0 ? all[2 * i + 1] : (all[2 * i + 1] + all[2 * best + 1]) / 2;
-        out++;
+    double errors[k], least = HUGE_VAL;
+    pair_up(k, all, f->rho, errors);
+    for (int i = 0; i < k; i++) {
+        errors[i] = error;
+        least = fmin(least, hypot(f->rho[2 * i], f->rho[2 * i + 1]));
     }
-    double errors[k];
-    for (int i = 0; i < k; i++) errors[i] = error;
+    if (!(error <= ACCURATE * (1 + least))) rho_of_halves(c, f, errors);
     judge_pairs(f, c->sigma < 0, errors);
     return RIC_OK;
 }
