@@ -14,11 +14,11 @@
 #define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a
                          * period */
 #define NO_SPEED 1e-60
-#define ACCURATE 1e-6 /* error of rho, over 1 + |rho|, from which on the blocks are taken apart */
-#define LOST 1e-3     /* the same, from which on rho is not given */
+#define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
+#define LOST 1e-3     /* error of rho, over 1 + |rho|, from which on it is not given */
 #define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
 #define MOST_PAIRS 64 /* up to which the halves are taken apart: they need 32 k^2 numbers */
-#define MEASURED 4.0  /* margin of an error that is measured twice */
+#define MEASURED 4.0  /* margin of an error that is measured once */
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
 
@@ -344,68 +344,63 @@ static int by_value(const void *p, const void *q)
     return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
 }
 
-/* mu [2m] = eigenvalues of B C, [m * m] each, from the factors instead of the product, whose small eigenvalues drown in
- * the rounding of the large ones, as it has the square of their size: [[0, B], [C, 0]] has the eigenvalues +-nu with
- * nu^2 = mu. Of two of opposite sign the product is taken, which is as accurate where mu vanishes. Sorted. H [4 m^2] is
- * workspace; move: entries are moved by that much, pseudorandomly, in one of two ways. */
-static bool eigenvalues_of_product(int m, const double *B, const double *C, double move, unsigned way, double *H,
-                                   double *mu)
+/* mu [2m] = eigenvalues of B C, [m * m] each, sorted. The product knows small eigenvalues no better than the rounding
+ * of the large ones, as it has the square of their size. With B = Q R P' (pivoted) R P' C Q is similar to it, and its
+ * rows are graded from the large ones down, to which the QR algorithm keeps: what cancels has the size of the factors,
+ * not of the product. H [3 m^2] is workspace; move: entries are moved by that much, pseudorandomly. */
+static bool eigenvalues_of_product(int m, const double *B, const double *C, double move, double *H, double *mu)
 {
-    int ld = 2 * m;
-    double left = 0, right = 0, nu[2 * ld];
+    double *R = H, *S = R + m * m, *A = S + m * m, tau[m];
+    lapack_int pivot[m];
+    unsigned bits = 2654435769u;
     for (int i = 0; i < m * m; i++) {
-        left = fmax(left, fabs(B[i]));
-        right = fmax(right, fabs(C[i]));
+        double moved[2];
+        for (int side = 0; side < 2; side++, bits = bits * 1664525u + 1013904223u)
+            moved[side] = bits >> 31 ? move : -move;
+        R[i] = B[i] + moved[0];
+        A[i] = C[i] + moved[1];
+        if (!isfinite(R[i] + A[i])) return false;
     }
-    double even = left > 0 && right > 0 ? sqrt(right / left) : 1; /* nu does not change */
-    unsigned bits = way * 2654435769u;
-    memset(H, 0, (size_t)(ld * ld) * sizeof *H);
+    memset(pivot, 0, sizeof pivot);
+    if (ric_lapack(LAPACKE_dgeqp3(LAPACK_ROW_MAJOR, m, m, R, m, pivot, tau))) return false;
+    for (int i = 0; i < m; i++) memcpy(S + i * m, A + (pivot[i] - 1) * m, (size_t)m * sizeof *S);
+    if (ric_lapack(LAPACKE_dormqr(LAPACK_ROW_MAJOR, 'R', 'N', m, m, m, R, m, tau, S, m))) return false;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) {
-            double moved[2];
-            for (int side = 0; side < 2; side++, bits = bits * 1664525u + 1013904223u)
-                moved[side] = bits >> 31 ? move : -move;
-            H[i * ld + m + j] = (B[i * m + j] + moved[0]) * even;
-            H[(m + i) * ld + j] = (C[i * m + j] + moved[1]) / even;
+            A[i * m + j] = 0;
+            for (int l = i; l < m; l++) A[i * m + j] += R[i * m + l] * S[l * m + j];
         }
-    if (!eigenvalues(ld, H, nu)) return false;
-    for (int out = 0; out < m; out++) { /* the largest that is left, and the one nearest to its opposite */
-        int first = 0, second = -1;
-        for (int i = 0; i < ld; i++)
-            if (!isnan(nu[2 * i]) && (isnan(nu[2 * first]) || hypot(nu[2 * i], nu[2 * i + 1]) >
-                                                                  hypot(nu[2 * first], nu[2 * first + 1])))
-                first = i;
-        double complex z = nu[2 * first] + I * nu[2 * first + 1], best = 0;
-        for (int i = 0; i < ld; i++) {
-            double complex y = nu[2 * i] + I * nu[2 * i + 1];
-            if (i == first || isnan(nu[2 * i]) || (second >= 0 && cabs(y + z) >= cabs(best + z))) continue;
-            second = i;
-            best = y;
-        }
-        nu[2 * first] = nu[2 * second] = NAN;
-        mu[2 * out] = -creal(z * best);
-        mu[2 * out + 1] = -cimag(z * best);
-    }
+    if (!eigenvalues(m, A, mu)) return false;
     qsort(mu, (size_t)m, 2 * sizeof *mu, by_value);
     return true;
 }
 
-/* The same with the error [m] of each, measured on entries that are moved by their own: twice. */
+/* The same with the error [m] of each, measured on entries that are moved by their own. */
 static bool measured_product(int m, const double *B, const double *C, double rounding, double *H, double *mu,
                              double *error)
 {
     double moved[2 * m];
-    if (!eigenvalues_of_product(m, B, C, 0, 0, H, mu)) return false;
-    for (int i = 0; i < m; i++) error[i] = 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]);
-    for (unsigned way = 1; way <= 2; way++) {
-        if (!eigenvalues_of_product(m, B, C, rounding, way, H, moved)) return false;
-        for (int i = 0; i < m; i++)
-            error[i] = fmax(error[i], MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]));
-    }
+    if (!eigenvalues_of_product(m, B, C, 0, H, mu) || !eigenvalues_of_product(m, B, C, rounding, H, moved))
+        return false;
+    for (int i = 0; i < m; i++)
+        error[i] = 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]) +
+                   MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]);
     return true;
 }
 
-/* rho = 2 + 4 eig(b'c). B [k * k] is workspace, like H. */
+/* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
+static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
+{
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            double s = 0;
+            for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
+            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
+        }
+    return eigenvalues(k, A, rho);
+}
+
+/* The same where the rounding of the largest matters, with the error of each. B [k * k] is workspace, like H. */
 static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double rounding, double *B,
                           double *H, double *rho, double *error)
 {
@@ -448,21 +443,12 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
-    double errors[k], least = HUGE_VAL;
+    double errors[k];
+    error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
+    for (int i = 0; i < k; i++) errors[i] = error;
     bool found = exponent < 500;
-    for (int i = 0; found && i < k; i++)
-        for (int j = 0; j < k; j++) {
-            double s = 0;
-            for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
-            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
-        }
-    found = found && eigenvalues(k, A, f->rho);
-    for (int i = 0; found && i < k; i++) {
-        errors[i] = ldexp(error, 2 * exponent);
-        least = fmin(least, hypot(f->rho[2 * i], f->rho[2 * i + 1]));
-    }
-    if (found && !(errors[0] <= ACCURATE * (1 + least)))
-        found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
+    if (found && error <= ACCURATE) found = rho_of_product(k, b, cc, exponent, A, f->rho);
+    else if (found) found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
     if (found) judge_pairs(f, quarter, errors);
     else all_lost(f);
     return RIC_OK;
@@ -699,13 +685,10 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
         all_lost(f);
         return RIC_OK;
     }
-    double errors[k], least = HUGE_VAL;
+    double errors[k];
     pair_up(k, all, f->rho, errors);
-    for (int i = 0; i < k; i++) {
-        errors[i] = error;
-        least = fmin(least, hypot(f->rho[2 * i], f->rho[2 * i + 1]));
-    }
-    if (!(error <= ACCURATE * (1 + least))) rho_of_halves(c, f, errors);
+    for (int i = 0; i < k; i++) errors[i] = error;
+    if (!(error <= ACCURATE)) rho_of_halves(c, f, errors);
     judge_pairs(f, c->sigma < 0, errors);
     return RIC_OK;
 }
