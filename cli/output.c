@@ -7,8 +7,8 @@
 
 #include "cli.h"
 
-/* jansson leaves out what it finds no memory for, and so do the values made here. That is remembered, so that no list is
- * shown with something missing. */
+/* jansson leaves out what it finds no memory for, and so do the values made here. That is remembered, so that no list
+ * is shown with something missing. */
 static _Thread_local bool lost;
 
 static void *allocate(size_t size)

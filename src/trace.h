@@ -98,7 +98,7 @@ typedef struct {
     ric_event end;       /* what stopped the branch (end.test = -1: no event) */
     ric_stop stop;
     bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
-    double blind;        /* arclength on which multiplications are not looked for, as multipliers are lost in rounding */
+    double blind;        /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
     bool arrival;        /* the end is a point where the branch meets its own mirror image */
     const char *why;
     long evaluations;
