@@ -454,6 +454,7 @@ static ric_status check_flights(replay *r)
         status = !ric_replay_end_face(r, k)             ? check_linear(r)
                  : !spring && ric_replay_is_touch(r, k) ? check_touch(r, k)
                                                         : check_impact(r, k);
+        r->grazes |= r->touched || r->reach > 1 - REACH;
         check_energy(r);
     }
     return status;
@@ -489,8 +490,10 @@ static real rounding_returned(const replay *r)
         way = fmax(way, ric_replay_rate(r, k, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
     real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
     if (open > LAST_DIGITS) open = 0;
-    real error = 32 * LDBL_EPSILON * way + open;
-    return may_miss(r, error) ? HUGE_VAL : error * exp(fmin(700, r->amplification));
+    real error = 32 * LDBL_EPSILON * way + open, grown = error * exp(fmin(700, r->amplification));
+    /* what is only touched is struck with the root of that as speed, and then taken for an impact */
+    bool may_strike = r->grazes && grown > TOUCH * TOUCH;
+    return may_strike || may_miss(r, error) ? HUGE_VAL : grown;
 }
 
 static double allowed(const ric_check *check)

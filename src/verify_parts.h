@@ -40,7 +40,7 @@ typedef struct {
     real period, norm, offset;   /* offset: time at which the simulator was started anew behind a touch */
     double energy, reach;        /* energy: of the state that is replayed */
     real amplification;          /* logarithm: what the end of the period makes of rounding on the way */
-    bool corner, touched;
+    bool corner, touched, grazes; /* grazes: a face is touched in some flight, or all but */
     ric_check *check;
     real *store;
     double *stored;

@@ -328,6 +328,21 @@ static void verify_at_ends(void **state)
                        "energy: [0, 16.4], frequency: [0.2, 8]");
 }
 
+/* A6[112112] ends where it touches, with multipliers of 1e7 to 1e10: what rounding grows to within a period strikes
+ * there with 1e-5 of the largest speed. */
+static void verify_steep_grazing(void **state)
+{
+    (void)state;
+    every_point_passes("  mass: [[2.36, 0, 0, 0], [0, 2.62, 0, 0], [0, 0, 2.17, 0], [0, 0, 0, 1.27]]\n"
+                       "  stiffness: [[6.43, -3.3, 0, 0], [-3.3, 5.2, -1.9, 0], [0, -1.9, 6.61, -4.71],"
+                       " [0, 0, -4.71, 4.71]]\n"
+                       "  contacts:\n"
+                       "    - {normal: [0, -1, 0, 0], clearance: 0.72, sides: upper, law: bilinear,"
+                       " stiffness: 358.35}\n"
+                       "    - {normal: [0, 0, 0, -1], clearance: 1.68, sides: both, law: rigid}\n",
+                       "energy: [0, 50.5], frequency: [0.2, 8]");
+}
+
 /* Ends where a stop and a spring are met at one instant: with orthogonal normals their order says nothing, with others
  * the spring may be missed behind the stop. */
 static void verify_stop_and_spring(void **state)
@@ -357,6 +372,7 @@ int main(void)
         cmocka_unit_test(verify_slowest_impact),
         cmocka_unit_test(verify_slow_impacts),
         cmocka_unit_test(verify_at_ends),
+        cmocka_unit_test(verify_steep_grazing),
         cmocka_unit_test(verify_stop_and_spring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
