@@ -103,7 +103,7 @@ export interface Orbit {
   period: number;
   frequency: number;
   energy: number;
-  multipliers: [number, number][] | null;
+  multipliers: [number | null, number | null][] | null; // null where rounding hides them, in pairs
   stable: "yes" | "no" | "undecided";
   amplitudes: number[] | null;
   impact_speeds: number[];

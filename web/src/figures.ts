@@ -161,7 +161,7 @@ export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): vo
 
 export function drawCircle(f: Frame, orbit: Orbit): void {
   const { pen, palette: p, size } = f;
-  const list = (orbit.multipliers ?? []).filter((m) => m && Number.isFinite(m[0]) && Number.isFinite(m[1]));
+  const list = (orbit.multipliers ?? []).filter((m): m is [number, number] => Number.isFinite(m[0]) && Number.isFinite(m[1]));
   const [cx, cy] = [f.width / 2, f.height / 2];
   const r = Math.min(cx, cy) - 1.7 * size;
   pen.path([cx - r - 10, cy, cx + r + 10, cy, NaN, NaN, cx, cy - r - 10, cx, cy + r + 10], { stroke: p.grid });

@@ -311,6 +311,11 @@ function multiplierText(o: Orbit, full: boolean): string {
   const list = o.multipliers ?? [];
   for (let i = 0; i < list.length; i++) {
     const [re, im] = list[i];
+    if (re === null || im === null) {
+      lines.push("a pair is lost in rounding");
+      i++;
+      continue;
+    }
     const pair = list[i + 1] && im !== 0 && list[i + 1][0] === re && list[i + 1][1] === -im;
     if (pair) i++;
     lines.push(im === 0 ? digits(re, full) : `${digits(re, full)} ${pair ? "±" : im < 0 ? "−" : "+"} ${digits(Math.abs(im), full)} i`);
