@@ -412,7 +412,8 @@ int ric_orbit_impacts(const ric_orbit *orbit);
 int ric_orbit_letters(const ric_orbit *orbit);
 /* Point data, state [2 n_dof], flights [max(letters,1)], word [letters]. Any pointer may be NULL. */
 void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, double *flights, int *word);
-/* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs. */
+/* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs, lambda before 1 / lambda.
+ * NaN where less than three digits of a pair are left by rounding. */
 ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
 /* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
