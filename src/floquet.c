@@ -7,6 +7,7 @@
 
 #include <lapacke.h>
 
+#include "eigen.h"
 #include "status.h"
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
@@ -18,7 +19,6 @@
 #define LOST 1e-3     /* error of rho, over 1 + |rho|, from which on it is not given */
 #define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
 #define MOST_PAIRS 64 /* up to which the halves are taken apart: they need 32 k^2 numbers */
-#define MEASURED 4.0  /* margin of an error that is measured once */
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
 
@@ -27,7 +27,7 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     size_t k = (size_t)(n > 1 ? n - 1 : 1), nn = (size_t)n;
     memset(out, 0, sizeof *out);
     out->n_pair = n - 1;
-    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 16 * k * k : 0);
+    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 12 * k * k : 0);
     out->rho = calloc(2 * k, sizeof(double));
     out->own = calloc(2 * k, sizeof(double));
     out->work = calloc(out->n_work, sizeof(double));
@@ -224,20 +224,6 @@ static double determinant(int k, int ld, const double *A, double *work, double r
     return det;
 }
 
-/* re, im of the eigenvalues of A [k * k], destroyed. */
-static bool eigenvalues(int k, double *A, double *out)
-{
-    double re[k + 1], im[k + 1];
-    for (int i = 0; i < k * k; i++)
-        if (!isfinite(A[i])) return false;
-    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', k, A, k, re, im, NULL, 1, NULL, 1))) return false;
-    for (int i = 0; i < k; i++) {
-        out[2 * i] = re[i];
-        out[2 * i + 1] = im[i];
-    }
-    return true;
-}
-
 /* ------------------------------------------------------------ reversible */
 
 /* rho of the square of a map whose rho is r: r^2 - 2, complex. */
@@ -338,56 +324,6 @@ static void all_lost(ric_floquet *f)
     for (int i = 0; i < 2 * f->n_pair; i++) f->rho[i] = f->own[i] = NAN;
 }
 
-static int by_value(const void *p, const void *q)
-{
-    const double *a = p, *b = q;
-    return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
-}
-
-/* mu [2m] = eigenvalues of B C, [m * m] each, sorted. The product knows small eigenvalues no better than the rounding
- * of the large ones, as it has the square of their size. With B = Q R P' (pivoted) R P' C Q is similar to it, and its
- * rows are graded from the large ones down, to which the QR algorithm keeps: what cancels has the size of the factors,
- * not of the product. H [3 m^2] is workspace; move: entries are moved by that much, pseudorandomly. */
-static bool eigenvalues_of_product(int m, const double *B, const double *C, double move, double *H, double *mu)
-{
-    double *R = H, *S = R + m * m, *A = S + m * m, tau[m];
-    lapack_int pivot[m];
-    unsigned bits = 2654435769u;
-    for (int i = 0; i < m * m; i++) {
-        double moved[2];
-        for (int side = 0; side < 2; side++, bits = bits * 1664525u + 1013904223u)
-            moved[side] = bits >> 31 ? move : -move;
-        R[i] = B[i] + moved[0];
-        A[i] = C[i] + moved[1];
-        if (!isfinite(R[i] + A[i])) return false;
-    }
-    memset(pivot, 0, sizeof pivot);
-    if (ric_lapack(LAPACKE_dgeqp3(LAPACK_ROW_MAJOR, m, m, R, m, pivot, tau))) return false;
-    for (int i = 0; i < m; i++) memcpy(S + i * m, A + (pivot[i] - 1) * m, (size_t)m * sizeof *S);
-    if (ric_lapack(LAPACKE_dormqr(LAPACK_ROW_MAJOR, 'R', 'N', m, m, m, R, m, tau, S, m))) return false;
-    for (int i = 0; i < m; i++)
-        for (int j = 0; j < m; j++) {
-            A[i * m + j] = 0;
-            for (int l = i; l < m; l++) A[i * m + j] += R[i * m + l] * S[l * m + j];
-        }
-    if (!eigenvalues(m, A, mu)) return false;
-    qsort(mu, (size_t)m, 2 * sizeof *mu, by_value);
-    return true;
-}
-
-/* The same with the error [m] of each, measured on entries that are moved by their own. */
-static bool measured_product(int m, const double *B, const double *C, double rounding, double *H, double *mu,
-                             double *error)
-{
-    double moved[2 * m];
-    if (!eigenvalues_of_product(m, B, C, 0, H, mu) || !eigenvalues_of_product(m, B, C, rounding, H, moved))
-        return false;
-    for (int i = 0; i < m; i++)
-        error[i] = 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]) +
-                   MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]);
-    return true;
-}
-
 /* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
 static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
 {
@@ -397,7 +333,7 @@ static bool rho_of_product(int k, const double *b, const double *cc, int exponen
             for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
             A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
         }
-    return eigenvalues(k, A, rho);
+    return ric_eigen(k, A, rho);
 }
 
 /* The same where the rounding of the largest matters, with the error of each. B [k * k] is workspace, like H. */
@@ -406,7 +342,7 @@ static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent
 {
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++) B[i * k + j] = b[j * k + i];
-    if (!measured_product(k, B, cc, rounding, H, rho, error)) return false;
+    if (!ric_eigen_product(k, B, cc, rounding, H, rho, error)) return false;
     for (int i = 0; i < k; i++) {
         rho[2 * i] = 2 + ldexp(4 * rho[2 * i], 2 * exponent);
         rho[2 * i + 1] = ldexp(4 * rho[2 * i + 1], 2 * exponent);
@@ -479,7 +415,6 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
     }
 }
 
-
 /* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into
  * the flow; a unitary basis of the complement of the gradient is a symplectic basis of what is perpendicular to both,
  * real parts first. V [2n * ld] as states, and with `dual` scaled such that inner products with it are coordinates. */
@@ -532,7 +467,7 @@ static void return_map(const ric_chain *c, double *V, double *P, int *exponent, 
         }
 }
 
-/* 2k eigenvalues, each there twice, as k, sorted; apart [k]: half the distance of the two. */
+/* 2k eigenvalues, each there twice, as k; apart [k]: half the distance of the two. */
 static void pair_up(int k, const double *all, double *rho, double *apart)
 {
     int ld = 2 * k;
@@ -590,15 +525,13 @@ static void add_inverse(int k, const double *A, int sigma, const double *B, doub
 }
 
 /* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1 + sigma P2^-1): the
- * factors have the square root of the size of M. Leaves rho and its errors as they are where it cannot be done. */
-static void rho_of_halves(const ric_chain *c, ric_floquet *f, double *errors)
+ * factors have the square root of the size of M. work [28 k^2]. False: it cannot be done. */
+static bool rho_of_halves(const ric_chain *c, ric_floquet *f, double *work, double *errors)
 {
-    int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle = c->model->springs || c->model->smooth || k > MOST_PAIRS
-                                                                   ? 0
-                                                                   : middle_impact(c);
-    if (!middle) return;
+    int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
+    if (c->model->springs || c->model->smooth || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
     const ric_face *first = &c->model->face[c->face[0]], *second = &c->model->face[c->face[middle]];
-    double *V = f->work, *P1 = V + 2 * n * ld, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld,
+    double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld,
            *H = Y + ld * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
     const double *w = c->w + 2 * n * middle;
     section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], first->E, V);
@@ -607,14 +540,14 @@ static void rho_of_halves(const ric_chain *c, ric_floquet *f, double *errors)
     section_columns(c, RIC_MIRROR_IMPACT, w, c->face[middle], second->E, V);
     propagate(c, middle, c->n_flight, V, &exponent[1], &growth[1]);
     project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], first->E, V, P2);
-    if (exponent[0] || exponent[1]) return;
+    if (exponent[0] || exponent[1]) return false;
     add_inverse(k, P2, c->sigma, P1, X);
     add_inverse(k, P1, c->sigma, P2, Y);
     double size = fmax(growth[0], growth[1]);
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
     if (!isfinite(size) ||
-        !measured_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
-        return;
+        !ric_eigen_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
+        return false;
     pair_up(k, mu, rho, apart);
     for (int i = 0; i < k; i++) {
         f->rho[2 * i] = c->sigma * rho[2 * i] - 2;
@@ -628,6 +561,18 @@ static void rho_of_halves(const ric_chain *c, ric_floquet *f, double *errors)
             errors[i] = fmax(apart[i], error[j]);
         }
     }
+    return true;
+}
+
+/* rho from M + M^-1 of the return map M [ld * ld], with M^-1 = -J M' J. A [ld * ld] is workspace. */
+static bool rho_of_period(int k, const double *M, double *A, double *rho)
+{
+    int ld = 2 * k;
+    double all[2 * ld], apart[k];
+    add_inverse(k, M, 1, M, A);
+    if (!ric_eigen(ld, A, all)) return false;
+    pair_up(k, all, rho, apart);
+    return true;
 }
 
 static ric_status whole(const ric_chain *c, ric_floquet *f)
@@ -672,24 +617,14 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
         all_lost(f);
         return RIC_OK;
     }
-    /* M + M^-1 with M^-1 = -J M' J: every eigenvalue rho is double; sorted, they pair up */
-    double all[2 * ld];
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) {
-            A[i * ld + j] = P[i * ld + j] + P[(k + j) * ld + k + i];
-            A[i * ld + k + j] = P[i * ld + k + j] - P[j * ld + k + i];
-            A[(k + i) * ld + j] = P[(k + i) * ld + j] - P[(k + j) * ld + i];
-            A[(k + i) * ld + k + j] = P[(k + i) * ld + k + j] + P[j * ld + i];
-        }
-    if (!eigenvalues(ld, A, all)) {
-        all_lost(f);
-        return RIC_OK;
-    }
     double errors[k];
-    pair_up(k, all, f->rho, errors);
-    for (int i = 0; i < k; i++) errors[i] = error;
-    if (!(error <= ACCURATE)) rho_of_halves(c, f, errors);
-    judge_pairs(f, c->sigma < 0, errors);
+    bool found = !(error <= ACCURATE) && rho_of_halves(c, f, A, errors);
+    if (!found) {
+        found = rho_of_period(k, P, A, f->rho);
+        for (int i = 0; i < k; i++) errors[i] = error;
+    }
+    if (found) judge_pairs(f, c->sigma < 0, errors);
+    else all_lost(f);
     return RIC_OK;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "eigen.h"
 #include "event.h"
 #include "motion.h"
 #include "repeat.h"
@@ -226,8 +227,7 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
     if (!open || !isfinite(move)) return RIC_OK;
     for (unsigned way = 1; way <= 2; way++) {
         unsigned bits = way * 2654435769u;
-        for (int i = 0; i < size; i++, bits = bits * 1664525u + 1013904223u)
-            tr->guess[i] = p->u[i] + (bits >> 31 ? move : -move);
+        for (int i = 0; i < size; i++) tr->guess[i] = p->u[i] + ric_moved(&bits, move);
         ric_chain_fly(c, tr->guess);
         ric_status status = ric_floquet_compute(c, &tr->floquet);
         if (status) return status;

@@ -1,0 +1,64 @@
+#include "eigen.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#define MEASURED 4.0 /* margin of an error that is measured once */
+
+bool ric_eigen(int k, double *A, double *out)
+{
+    double re[k + 1], im[k + 1];
+    for (int i = 0; i < k * k; i++)
+        if (!isfinite(A[i])) return false;
+    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', k, A, k, re, im, NULL, 1, NULL, 1))) return false;
+    for (int i = 0; i < k; i++) {
+        out[2 * i] = re[i];
+        out[2 * i + 1] = im[i];
+    }
+    return true;
+}
+
+static int by_value(const void *p, const void *q)
+{
+    const double *a = p, *b = q;
+    return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
+}
+
+/* Of factors whose entries are moved by that much, pseudorandomly. */
+static bool moved_product(int m, const double *B, const double *C, double move, double *H, double *mu)
+{
+    double *R = H, *S = R + m * m, *A = S + m * m, tau[m];
+    lapack_int pivot[m];
+    unsigned bits = 2654435769u;
+    for (int i = 0; i < m * m; i++) {
+        R[i] = B[i] + ric_moved(&bits, move);
+        A[i] = C[i] + ric_moved(&bits, move);
+        if (!isfinite(R[i] + A[i])) return false;
+    }
+    memset(pivot, 0, sizeof pivot);
+    if (ric_lapack(LAPACKE_dgeqp3(LAPACK_ROW_MAJOR, m, m, R, m, pivot, tau))) return false;
+    for (int i = 0; i < m; i++) memcpy(S + i * m, A + (pivot[i] - 1) * m, (size_t)m * sizeof *S);
+    if (ric_lapack(LAPACKE_dormqr(LAPACK_ROW_MAJOR, 'R', 'N', m, m, m, R, m, tau, S, m))) return false;
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) {
+            A[i * m + j] = 0;
+            for (int l = i; l < m; l++) A[i * m + j] += R[i * m + l] * S[l * m + j];
+        }
+    if (!ric_eigen(m, A, mu)) return false;
+    qsort(mu, (size_t)m, 2 * sizeof *mu, by_value);
+    return true;
+}
+
+bool ric_eigen_product(int m, const double *B, const double *C, double rounding, double *H, double *mu, double *error)
+{
+    double moved[2 * m];
+    if (!moved_product(m, B, C, 0, H, mu) || !moved_product(m, B, C, rounding, H, moved)) return false;
+    for (int i = 0; i < m; i++)
+        error[i] = 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]) +
+                   MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]);
+    return true;
+}
