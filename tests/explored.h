@@ -39,4 +39,14 @@ static inline ric_junction junction_of(const ric_atlas *atlas, int id)
     return out;
 }
 
+static inline void point_passes(const ric_atlas *atlas, int id, int i)
+{
+    ric_check check;
+    if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
+    if (!check.passed)
+        fail_msg("branch %d %s, point %d: flights %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", id,
+                 branch_of(atlas, id).label, i, check.flight_error, check.return_error, check.condition,
+                 check.energy_error, check.faces_agree);
+}
+
 #endif

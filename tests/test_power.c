@@ -37,14 +37,7 @@ static bool near(double a, double b, double tolerance)
 /* Every `step`-th point of a branch from `first` on returns, as the atlas is verified. */
 static void points_return(const ric_atlas *atlas, int id, int first, int step)
 {
-    ric_branch b = branch_of(atlas, id);
-    for (int i = first; i < b.n_point; i += step) {
-        ric_check check;
-        if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
-        if (!check.passed)
-            fail_msg("branch %d %s, point %d: off by %g, returns with %g", id, b.label, i, check.flight_error,
-                     check.return_error);
-    }
+    for (int i = first; i < branch_of(atlas, id).n_point; i += step) point_passes(atlas, id, i);
 }
 
 /* ------------------------------------------------------------ published numbers */
@@ -352,11 +345,8 @@ static void orbits_return(void **state)
             ric_branch b = branch_of(atlas, id);
             for (int i = 0; i < b.n_point; i += 1 + b.n_point / 5, tried++) {
                 ric_point p;
-                ric_check check;
                 double x[4], y[4], flight, off = 0, size = 0, E;
-                if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
-                if (!check.passed)
-                    fail_msg("n = %d: branch %d, point %d returns with %g", exponents[e], id, i, check.return_error);
+                point_passes(atlas, id, i);
                 assert_int_equal(ric_atlas_point(atlas, id, i, &p, x, &flight), RIC_OK);
                 memcpy(y, x, sizeof y);
                 double own = cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, flight, y, y + 2);

@@ -302,12 +302,7 @@ static void every_point_passes(const char *model, const char *options)
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
         for (int i = 0; i < b.n_point; i += i == 0 || i + 1 + every() >= b.n_point ? 1 : every()) {
-            ric_check check;
-            if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
-            if (!check.passed)
-                fail_msg("branch %d %s, point %d of %d: flights %.3g, return %.3g, condition %.3g, faces %d", id,
-                         b.label, i, b.n_point, check.flight_error, check.return_error, check.condition,
-                         check.faces_agree);
+            point_passes(atlas, id, i);
             checked++;
         }
     }
