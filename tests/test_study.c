@@ -12,11 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "buffer.h"
-#include "matrix_market.h"
 #include "ricochet.h"
 #include "study.h"
 #include "sample.h"
@@ -581,145 +578,6 @@ static void sizes_are_bounded(void **state)
     }
 }
 
-/* ------------------------------------------------------------------- files */
-
-static char folder[] = "/tmp/ricochet-study-XXXXXX";
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static const char *const files[] = {"s.yaml", "M.mtx", "K.mtx", "pipe"};
-
-static void path_of(const char *name, char out[200])
-{
-    snprintf(out, 200, "%s/%s", folder, name);
-}
-
-static int remove_folder(void **state)
-{
-    char path[200];
-    (void)state;
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        path_of(files[i], path);
-        unlink(path);
-    }
-    return rmdir(folder);
-}
-
-static void put(const char *name, const char *text)
-{
-    char path[200];
-    path_of(name, path);
-    FILE *out = fopen(path, "w");
-    assert_non_null(out);
-    fputs(text, out);
-    fclose(out);
-}
-
-static const char with_files[] = "model:\n  mass: {file: M.mtx}\n  stiffness:\n    file: K.mtx\n"
-                                 "  contacts: [{normal: [-1, 1], clearance: 1}]\n";
-
-static void matrices_from_files(void **state)
-{
-    char path[200];
-    ric_study *study = NULL, *again = NULL;
-    (void)state;
-    put("s.yaml", with_files);
-    put("M.mtx", "%%MatrixMarket matrix coordinate integer symmetric\n% a comment\n\n2 2 2\n1 1 2\n%another\n2 2 1\n");
-    put("K.mtx", "%%MatrixMarket MATRIX Array Real General\n2 2\n9\n-1\n-1\n1\n");
-    path_of("s.yaml", path);
-    assert_int_equal(ric_study_read(path, &study), RIC_OK);
-    assert_true(ric_model_mass(ric_study_model(study))[0] == 2 && ric_model_stiffness(ric_study_model(study))[2] == -1);
-    /* the text stands alone: it is read without the files */
-    assert_int_equal(ric_study_parse(ric_study_text(study), "t", "/nowhere", &again), RIC_OK);
-    assert_string_equal(ric_study_text(study), ric_study_text(again));
-    ric_study_free(study);
-    ric_study_free(again);
-}
-
-static void matrix_file_refused(const char *text, const char *says)
-{
-    char path[200];
-    ric_study *study = NULL;
-    put("s.yaml", with_files);
-    put("M.mtx", text);
-    path_of("s.yaml", path);
-    assert_int_equal(ric_study_read(path, &study), RIC_E_INPUT);
-    if (!strstr(ric_detail(), says) || !strstr(ric_detail(), "/s.yaml:2: model.mass: "))
-        print_error("no '%s' in '%s'\n", says, ric_detail());
-    assert_non_null(strstr(ric_detail(), "/s.yaml:2: model.mass: "));
-    assert_non_null(strstr(ric_detail(), says));
-}
-
-#define COORDINATE "%%MatrixMarket matrix coordinate real symmetric\n"
-
-static void bad_matrix_files(void **state)
-{
-    (void)state;
-    matrix_file_refused("", "M.mtx:1: not a Matrix Market file");
-    matrix_file_refused("1 2\n3 4\n", "M.mtx:1: not a Matrix Market file");
-    matrix_file_refused("%%MatrixMarket matrix coordinate pattern symmetric\n1 1 1\n1 1\n",
-                        "M.mtx:1: 'pattern' entries");
-    matrix_file_refused("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 0\n",
-                        "M.mtx:1: 'complex' entries");
-    matrix_file_refused("%%MatrixMarket matrix array real hermitian\n1 1\n1\n", "M.mtx:1: 'hermitian' matrix");
-    matrix_file_refused("%%MatrixMarket matrix array real skew-symmetric\n1 1\n1\n", "M.mtx:1: 'skew-symmetric'");
-    matrix_file_refused("%%MatrixMarket matrix banded real general\n1 1\n1\n", "M.mtx:1: format 'banded'");
-    matrix_file_refused(COORDINATE "2 3 1\n1 1 1\n", "2 rows but 3 columns");
-    matrix_file_refused(COORDINATE "1001 1001 1\n1 1 1\n",
-                        "M.mtx:2: the number of rows is '1001'; it must be a whole number from 1 to 1000");
-    matrix_file_refused(COORDINATE "99999999999999999999 1 1\n", "M.mtx:2: the number of rows");
-    matrix_file_refused(COORDINATE "2 2 4\n", "M.mtx:2: the number of entries is '4'");
-    matrix_file_refused(COORDINATE "-2 2 1\n", "the number of rows is '-2'");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n3 1 1\n", "M.mtx:4: a row is '3'");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 2 1\n", "M.mtx:4: row 1, column 2 is above the diagonal");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 1 1\n", "M.mtx:4: row 1, column 1 is given a second time");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n", "the file ends");
-    matrix_file_refused(COORDINATE "2 2 1\n1 1 1\n2 2 1\n", "M.mtx:4: '2' follows after the last of 1 entries");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 nan\n2 2 1\n",
-                        "M.mtx:3: the entry of row 1, column 1 is 'nan'; entries must be finite");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D0\n", "M.mtx:4: the entry of row 2, column 2 is '1D0'");
-    matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1\n0.5\n0\n1\n", "not symmetric");
-    matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1 0 0\n", "the file ends");
-}
-
-static void matrix_paths_that_are_no_files(void **state)
-{
-    char path[200], text[600];
-    ric_study *study = NULL;
-    static const char *const names[] = {"absent.mtx", ".", "/dev/zero", "pipe", "\"\""};
-    static const char *const says[] = {"No such file", "a folder", "not a plain file", "not a plain file", "no name"};
-    (void)state;
-    path_of("pipe", path);
-    assert_int_equal(mkfifo(path, 0600), 0);
-    for (int i = 0; i < 5; i++) {
-        snprintf(text, sizeof text, "model:\n  mass: {file: %s}\n  stiffness: [[1]]\n  contacts: []\n", names[i]);
-        put("s.yaml", text);
-        path_of("s.yaml", path);
-        assert_int_equal(ric_study_read(path, &study), RIC_E_INPUT);
-        assert_non_null(strstr(ric_detail(), "s.yaml:2: model.mass: "));
-        assert_non_null(strstr(ric_detail(), says[i]));
-    }
-}
-
-static void study_paths_that_are_no_files(void **state)
-{
-    ric_study *study = NULL;
-    (void)state;
-    assert_int_equal(ric_study_read("/tmp", &study), RIC_E_INPUT);
-    assert_non_null(strstr(ric_detail(), "/tmp: this is a folder"));
-    assert_int_equal(ric_study_read("/nowhere/s.yaml", &study), RIC_E_INPUT);
-    assert_non_null(strstr(ric_detail(), "/nowhere/s.yaml: No such file"));
-    assert_int_equal(ric_study_read("/dev/null", &study), RIC_E_INPUT);
-    assert_non_null(strstr(ric_detail(), "/dev/null:1: model: the study is empty"));
-    assert_int_equal(ric_study_read("/dev/zero", &study), RIC_E_INPUT);
-    assert_non_null(strstr(ric_detail(), "larger than 64 MB"));
-    assert_null(study);
-}
-
 /* The good study with bytes changed at random: any answer will do, as long as there is one. Meant for the
  * sanitizers. */
 static void scrambled_studies_are_survived(void **state)
@@ -808,11 +666,7 @@ int main(void)
         cmocka_unit_test(deep_and_bombed),
         cmocka_unit_test(few_aliases_are_fine),
         cmocka_unit_test(sizes_are_bounded),
-        cmocka_unit_test(matrices_from_files),
-        cmocka_unit_test(bad_matrix_files),
-        cmocka_unit_test(matrix_paths_that_are_no_files),
-        cmocka_unit_test(study_paths_that_are_no_files),
         cmocka_unit_test(scrambled_studies_are_survived),
     };
-    return cmocka_run_group_tests_name("study", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("study", tests, NULL, NULL);
 }
