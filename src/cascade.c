@@ -244,7 +244,7 @@ static void remember(ric_cascade *c, const ric_trace *tr)
     if (c->n < c->deepest) return;
     c->deepest = c->n;
     snprintf(c->where, sizeof c->where, "the families that leave there were followed to their ends (the last: %s%s%s)",
-             ric_stop_text(tr->stop), tr->why && *tr->why ? ", " : "", tr->why ? tr->why : "");
+             ric_stop_text(tr->stop), tr->why ? ", " : "", ric_why_text(tr->why));
 }
 
 /* Takes over `tr`, which goes to the stage that completes; every multiplication on the way is tried. */

@@ -106,7 +106,7 @@ static int backbone_mode(const ric_graph *g, const ric_edge *e)
 static char *branch_why(const ric_edge *e)
 {
     const ric_trace *tr = e->trace;
-    const char *why = tr->why ? tr->why : "";
+    const char *why = ric_why_text(tr->why);
     double length = ((const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride))->arclength;
     size_t size = strlen(why) + 240;
     char *text = malloc(size);

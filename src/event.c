@@ -155,19 +155,19 @@ ric_status ric_event_arrive(ric_trace *tr, const ric_station *p)
     ric_status status = fill_event(tr, RIC_TEST_DET, p, &tr->end);
     tr->arrival = true;
     tr->stop = RIC_STOP_JUNCTION;
-    tr->why = "";
+    tr->why = RIC_WHY_NONE;
     return status ? status : ric_trace_keep(tr, p);
 }
 
 /* ------------------------------------------------------------------- the step */
 
-static void window_text(ric_trace *tr, int test)
+static void end_by(ric_trace *tr, int test)
 {
-    static const char *const text[RIC_N_TEST] = {
-        [RIC_TEST_E_MAX] = "upper end of the energy window", [RIC_TEST_E_MIN] = "lower end of the energy window",
-        [RIC_TEST_F_MAX] = "upper end of the frequency window", [RIC_TEST_F_MIN] = "lower end of the frequency window"};
-    tr->stop = text[test] ? RIC_STOP_WINDOW : RIC_STOP_JUNCTION;
-    tr->why = text[test] ? text[test] : "";
+    static const ric_why edge[RIC_N_TEST] = {
+        [RIC_TEST_E_MAX] = RIC_WHY_ENERGY_MAX, [RIC_TEST_E_MIN] = RIC_WHY_ENERGY_MIN,
+        [RIC_TEST_F_MAX] = RIC_WHY_FREQUENCY_MAX, [RIC_TEST_F_MIN] = RIC_WHY_FREQUENCY_MIN};
+    tr->stop = edge[test] ? RIC_STOP_WINDOW : RIC_STOP_JUNCTION;
+    tr->why = edge[test];
 }
 
 /* Back at the orbit `home`, at the arclength s, going the same way as `heading` from there. */
@@ -231,7 +231,7 @@ static ric_status close_up(ric_trace *tr, const double *home, double s)
         free(tr->events[tr->n_event - 1].t);
     }
     tr->stop = RIC_STOP_CLOSED;
-    tr->why = "back at its start";
+    tr->why = RIC_WHY_CLOSED;
     memcpy(tr->mid.u, home, (size_t)tr->chain->n_unknown * sizeof *home);
     tr->mid.row = *(const ric_point *)tr->points;
     tr->mid.row.arclength = s;
@@ -619,14 +619,14 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     if (read >= 0) {
         test = read;
         tr->arrival = read == RIC_TEST_DET;
-        window_text(tr, test);
+        end_by(tr, test);
         if (tr->arrival && (status = ric_arrival_settle(tr->chain, tr->mid.u))) return status;
         complete_row(tr, &tr->mid);
     } else if (test < 0) {
         return close_up(tr, home, s);
     } else {
         if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
-        window_text(tr, test);
+        end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
     return ric_trace_keep(tr, &tr->mid);

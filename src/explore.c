@@ -100,6 +100,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
                                      "orbits; `ricochet simulate` takes any");
     if ((status = check_phases(study)) || (status = check_springs(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
+    if ((status = ric_store_set_solver(store, ric_trace_version()))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = crew;
     if ((status = ric_store_starts_get(store, &starts))) goto out;

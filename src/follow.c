@@ -230,7 +230,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
     status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
-        tr->why = "the junction at the end does not converge";
+        tr->why = RIC_WHY_NO_JUNCTION;
         status = RIC_OK;
     }
     if (node) {
@@ -241,7 +241,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
             int found = ric_subset_choice(g->model, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
-                tr->why = "the branch does not fit the junction at its end";
+                tr->why = RIC_WHY_NO_FIT;
                 *index = -1;
             } else *choice = (unsigned)found;
         } else if (ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
@@ -366,7 +366,7 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     if (status) return status;
     if (!back || home != from || (ric_node_chooses(a) && choice != leave)) {
         (*tr)->stop = RIC_STOP_FAILED;
-        (*tr)->why = "the way back does not lead home";
+        (*tr)->why = RIC_WHY_NO_WAY_BACK;
         ric_trace_free(back);
         return RIC_OK;
     }

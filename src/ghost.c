@@ -130,7 +130,8 @@ static const ric_point *row(const ric_ghost *g, int i)
 static void describe(ric_ghost *g, ric_end end)
 {
     const ric_trace *tr = g->trace;
-    g->data = (ric_ghost_data){.end = end, .n_point = tr->n_point, .again = -1, .stop = tr->stop, .why = tr->why};
+    g->data = (ric_ghost_data){.end = end, .n_point = tr->n_point, .again = -1, .stop = tr->stop,
+                              .why = ric_why_text(tr->why)};
     if (tr->arrival) {
         g->data.why = "it meets its own mirror image";
         g->data.n_point--; /* the last one is read off beside a branch point, not solved; no junction is solved there */

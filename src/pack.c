@@ -5,21 +5,29 @@
 #include "nodes.h"
 #include "status.h"
 
-/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and a mismatch is
- * recomputed. */
-#define PACK_FORMAT 3
+/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
+ * stored is dropped when a run begins (ric_trace_version). */
+#define PACK_FORMAT 4
+#define TEXT_OF(value) #value
+#define TEXT(macro) TEXT_OF(macro)
 #define SANE 10000000
 
 typedef struct {
-    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, arrival, end_test;
+    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, why, arrival, end_test;
 } header;
+
+const char *ric_trace_version(void)
+{
+    return TEXT(RIC_NUMERICS) "." TEXT(PACK_FORMAT);
+}
 
 static size_t packed_size(const ric_trace *tr)
 {
     size_t unknowns = (size_t)tr->chain->n_unknown, events = (size_t)tr->n_event + 1;
     return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) +
            (size_t)tr->n_point * tr->stride * sizeof(double) +
-           events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) + 128;
+           events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) +
+           sizeof(uint64_t) + sizeof(double); /* closed springs, blind */
 }
 
 static void write(char **to, const void *from, size_t size)
@@ -41,10 +49,10 @@ static void write_event(char **to, const ric_event *e, int size)
 ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
 {
     const ric_chain *c = tr->chain;
-    char *start = malloc(packed_size(tr)), *to = start, why[96] = "";
+    char *start = malloc(packed_size(tr)), *to = start;
     if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
-    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,    c->n_flight, c->parts,
-                tr->n_point, tr->n_event, tr->stop, tr->arrival, tr->end.test};
+    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,        c->n_flight, c->parts,
+                tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
     write(&to, &h, sizeof h);
     for (int i = 0; i <= c->n_flight; i++) {
         int32_t face = c->face[i];
@@ -55,8 +63,6 @@ ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
     write(&to, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
     for (int i = 0; i < tr->n_event; i++) write_event(&to, &tr->events[i], c->n_unknown);
     write_event(&to, &tr->end, c->n_unknown);
-    strncpy(why, tr->why ? tr->why : "", sizeof why - 1);
-    write(&to, why, sizeof why);
     *blob = start;
     *size = (size_t)(to - start);
     return RIC_OK;
@@ -86,18 +92,6 @@ static bool read_event(const char **from, size_t *left, int size, int n_test, ri
            take(from, left, e->t, bytes);
 }
 
-/* The sentence of a stop reason is one of the program's own; the copy in a file only chooses it. */
-static const char *known_sentence(const char *why)
-{
-    static const char *const sentences[] = {
-        "upper end of the energy window", "lower end of the energy window", "upper end of the frequency window",
-        "lower end of the frequency window", "back at its start", "largest number of points of a branch",
-        "no step, however small, stays on the branch"};
-    for (size_t i = 0; i < sizeof sentences / sizeof *sentences; i++)
-        if (!strcmp(why, sentences[i])) return sentences[i];
-    return "";
-}
-
 ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
                             ric_trace **out)
 {
@@ -106,7 +100,6 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     ric_status status = RIC_OK;
     ric_trace *tr = calloc(1, sizeof *tr);
     int *face = NULL;
-    char why[96];
     *out = NULL;
     if (!tr) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     tr->end.test = -1;
@@ -114,7 +107,7 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE ||
         h.parts < 1 || h.parts > RIC_PARTS_MOST || (h.parts > 1 && !m->smooth) || h.n_point < 0 || h.n_point > SANE ||
         h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
-        h.end > RIC_MIRROR_CENTRE || (size_t)h.n_flight * sizeof(int32_t) > size)
+        h.end > RIC_MIRROR_CENTRE || h.stop < 0 || h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY || (size_t)h.n_flight * sizeof(int32_t) > size)
         goto damaged;
     if (!(face = calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
     for (int i = 0; i <= h.n_flight; i++) {
@@ -142,17 +135,16 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
         tr->n_event = i + 1;
         if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->events[i])) goto damaged;
     }
-    if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->end) || !take(&from, &size, why, sizeof why))
-        goto damaged;
-    why[sizeof why - 1] = 0;
+    if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->end)) goto damaged;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;
-    tr->why = known_sentence(why);
+    tr->why = (ric_why)h.why;
     *out = tr;
     free(face);
     return RIC_OK;
 damaged:
-    status = ric_fail(RIC_E_FORMAT, "the atlas holds a branch that cannot be read; delete the file and run again");
+    status = ric_fail(RIC_E_FORMAT, "the atlas holds finished work that cannot be read: the file is "
+                                   "damaged; move it away and run again");
 out:
     free(face);
     ric_trace_free(tr);

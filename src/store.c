@@ -312,6 +312,20 @@ static ric_status conclude(ric_database file, ric_status status)
     return status;
 }
 
+ric_status ric_store_set_solver(ric_store *store, const char *version)
+{
+    char *kept = NULL;
+    ric_status status = ric_store_get_meta(store->file, "solver", &kept);
+    bool same = kept && !strcmp(kept, version);
+    free(kept);
+    if (status || same) return status;
+    status = begin(store->file);
+    if (!status) status = ric_database_run(store->file, "DELETE FROM trace");
+    if (!status) status = ric_store_put_meta(store->file, "solver", version);
+    if (!status) status = ric_store_put_meta(store->file, "finished", "0");
+    return conclude(store->file, status);
+}
+
 ric_status ric_store_starts_add(ric_store *store, const char *lines)
 {
     ric_database file = store->file;

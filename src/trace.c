@@ -531,6 +531,24 @@ static double before_crossing(const ric_trace *tr, double h)
     return fmin(h, fmax(x / 3, least));
 }
 
+const char *ric_why_text(ric_why why)
+{
+    static const char *const text[RIC_N_WHY] = {
+        [RIC_WHY_NONE] = "",
+        [RIC_WHY_ENERGY_MAX] = "upper end of the energy window",
+        [RIC_WHY_ENERGY_MIN] = "lower end of the energy window",
+        [RIC_WHY_FREQUENCY_MAX] = "upper end of the frequency window",
+        [RIC_WHY_FREQUENCY_MIN] = "lower end of the frequency window",
+        [RIC_WHY_CLOSED] = "back at its start",
+        [RIC_WHY_POINTS] = "largest number of points of a branch",
+        [RIC_WHY_NO_STEP] = "no step, however small, stays on the branch",
+        [RIC_WHY_NO_JUNCTION] = "the junction at the end does not converge",
+        [RIC_WHY_NO_FIT] = "the branch does not fit the junction at its end",
+        [RIC_WHY_NO_WAY_BACK] = "the way back does not lead home",
+    };
+    return text[why];
+}
+
 ric_status ric_trace_advance(ric_trace *tr, bool *done)
 {
     ric_status status = RIC_OK;
@@ -538,7 +556,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     *done = false;
     if (tr->n_point >= tr->limits->max_points) {
         tr->stop = RIC_STOP_BUDGET;
-        tr->why = "largest number of points of a branch";
+        tr->why = RIC_WHY_POINTS;
         *done = true;
         return RIC_OK;
     }
@@ -581,7 +599,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         h *= good ? 0.5 : 0.25;
         if (h < SMALLEST_STEP * size) {
             tr->stop = RIC_STOP_FAILED;
-            tr->why = "no step, however small, stays on the branch";
+            tr->why = RIC_WHY_NO_STEP;
             *done = true;
             return RIC_OK;
         }

@@ -10,6 +10,29 @@
 #include "reach.h"
 #include "resonance.h"
 
+/* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
+ * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
+ * would mix branches of two programs. */
+#define RIC_NUMERICS 2
+
+/* Why a trace ended where it did, where ric_stop alone does not say it. */
+typedef enum {
+    RIC_WHY_NONE,
+    RIC_WHY_ENERGY_MAX,
+    RIC_WHY_ENERGY_MIN,
+    RIC_WHY_FREQUENCY_MAX,
+    RIC_WHY_FREQUENCY_MIN,
+    RIC_WHY_CLOSED,
+    RIC_WHY_POINTS,
+    RIC_WHY_NO_STEP,
+    RIC_WHY_NO_JUNCTION,
+    RIC_WHY_NO_FIT,
+    RIC_WHY_NO_WAY_BACK,
+    RIC_N_WHY
+} ric_why;
+/* The reason as a sentence, "" for RIC_WHY_NONE. */
+const char *ric_why_text(ric_why why);
+
 /* Test functions; an event is a zero of one of them. */
 enum {
     RIC_TEST_REACH,    /* 1 - reach */
@@ -100,7 +123,7 @@ typedef struct {
     bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
     double blind;        /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
     bool arrival;        /* the end is a point where the branch meets its own mirror image */
-    const char *why;
+    ric_why why;
     long evaluations;
 } ric_trace;
 

@@ -197,6 +197,26 @@ static void finished_work_is_found_again(void **state)
     assert_int_equal(files_in_folder(), 1);
 }
 
+static void work_of_another_solver_is_dropped(void **state)
+{
+    (void)state;
+    ric_study *study = study_of(pair_text);
+    ric_store *store;
+    void *blob = NULL;
+    size_t size = 0;
+    static const char *const versions[] = {"1.1", "1.1", "2.1", "2.2"};
+    for (int i = 0; i < 4; i++) {
+        assert_done(ric_store_open(in_folder("versions"), study, &store));
+        assert_done(ric_store_set_solver(store, versions[i]));
+        assert_done(ric_store_trace_get(store, "branch", &blob, &size));
+        assert_true((blob != NULL) == (i == 1)); /* the same version twice */
+        free(blob);
+        assert_done(ric_store_trace_put(store, "branch", versions[i], 3));
+        ric_store_close(store);
+    }
+    ric_study_free(study);
+}
+
 static void other_budgets_continue_the_file(void **state)
 {
     (void)state;
@@ -513,6 +533,7 @@ int main(void)
         TEST(faces_beyond_36_are_kept),
         TEST(rows_can_be_asked_for),
         TEST(trace_column_is_the_trace),
+        TEST(work_of_another_solver_is_dropped),
         TEST(finished_work_is_found_again),
         TEST(other_budgets_continue_the_file),
         TEST(another_model_is_refused),
