@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model.h"
 #include "status.h"
 #include "store.h"
 
@@ -45,6 +46,11 @@ size_t ric_point_stride(int n_dof, int letters)
 }
 
 /* ------------------------------------------------------------------- atlas */
+
+bool ric_branch_linear(const ric_model *m, const ric_branch *b)
+{
+    return b->impacts == 0 && !(m->smooth && (b->mode == 0 || m->seen[b->mode - 1]));
+}
 
 ric_status ric_atlas_read(const char *path, ric_atlas **out)
 {

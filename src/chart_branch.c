@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "motion.h"
-#include "stored.h"
+#include "turn.h"
 
 #define TWO_PI 6.283185307179586477
 #define LINEAR_POINTS 9

@@ -10,11 +10,6 @@
 ric_status ric_crossing_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_chain **chain,
                                double **u0, double **t0);
 
-/* What keeps two branches apart that seem to cross at u, a point near both: the residual, relative to the size of the
- * orbit, that is left where all other equations hold. Zero (rounding) where they do cross, and for problems of hundreds
- * of unknowns, which are not looked at. NAN: there is no such point close by. */
-double ric_crossing_gap(ric_chain *chain, const double *u);
-
 /* Which of the two an orbit near the node lies on. */
 ric_status ric_crossing_choice(const ric_model *model, const ric_node *node, const ric_cycle *near, unsigned *choice);
 

@@ -12,7 +12,7 @@
 #include "ring.h"
 #include "soft.h"
 #include "status.h"
-#include "stored.h"
+#include "turn.h"
 
 #define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4     /* distance, relative, of the point that gives the direction of a side branch */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "arrival.h"
-#include "crossing.h"
+#include "crossing_gap.h"
 #include "event_parts.h"
 #include "motion.h"
 #include "status.h"

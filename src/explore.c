@@ -3,6 +3,7 @@
 
 #include "chart.h"
 #include "graph.h"
+#include "pack.h"
 #include "status.h"
 #include "store.h"
 

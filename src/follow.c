@@ -8,6 +8,7 @@
 #include "depart.h"
 #include "graph_parts.h"
 #include "ring.h"
+#include "pack.h"
 #include "status.h"
 #include "subset.h"
 
@@ -118,7 +119,8 @@ static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric
 static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
 {
     ric_status status = trace_within(g, &g->limits, node, choice, side, out);
-    if (status || !*out || !ric_region_multiplies(g->options, *out)) return status;
+    if (status || !*out || !ric_region_multiplies(g->options, (*out)->n_point, (*out)->stride, (*out)->points))
+        return status;
     ric_trace_free(*out);
     return trace_within(g, &g->deep, node, choice, side, out);
 }

@@ -6,6 +6,7 @@
 #include "reach.h"
 #include "status.h"
 #include "stored.h"
+#include "turn.h"
 #include "trace.h"
 
 /* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a stored end past the

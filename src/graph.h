@@ -79,11 +79,4 @@ bool ric_edge_contains(const ric_model *model, const ric_edge *edge, const ric_n
  * what an edge passes is known, and of the ways to an edge one counts as taken. */
 ric_status ric_graph_settle(ric_graph *graph);
 
-/* Version of what is kept of a trace: of the numerics that made it and of its layout. */
-const char *ric_trace_version(void);
-/* A trace as bytes that another run can take up, and back (bit for bit). */
-ric_status ric_trace_pack(const ric_trace *trace, void **blob, size_t *size);
-ric_status ric_trace_unpack(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
-                            ric_trace **out);
-
 #endif

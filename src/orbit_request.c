@@ -8,6 +8,7 @@
 #include "reach.h"
 #include "status.h"
 #include "stored.h"
+#include "turn.h"
 #include "trace.h"
 
 /* Orbits of a stored branch, solved again at the very point that is asked for. */

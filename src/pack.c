@@ -1,7 +1,8 @@
+#include "pack.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include "graph.h"
 #include "nodes.h"
 #include "status.h"
 

@@ -89,13 +89,13 @@ static bool comes_near(const ric_region *r, const ric_point *a, const ric_point 
     return false;
 }
 
-bool ric_region_multiplies(const ric_explore_options *o, const ric_trace *tr)
+bool ric_region_multiplies(const ric_explore_options *o, int n_point, size_t stride, const double *points)
 {
     for (int i = 0; i < o->n_region; i++) {
         if (o->region[i].multiply <= o->multiply) continue;
-        for (int k = 0; k + 1 < tr->n_point; k++) {
-            const ric_point *a = (const ric_point *)(tr->points + (size_t)k * tr->stride);
-            const ric_point *b = (const ric_point *)(tr->points + (size_t)(k + 1) * tr->stride);
+        for (int k = 0; k + 1 < n_point; k++) {
+            const ric_point *a = (const ric_point *)(points + (size_t)k * stride);
+            const ric_point *b = (const ric_point *)(points + (size_t)(k + 1) * stride);
             if (comes_near(&o->region[i], a, b)) return true;
         }
     }

@@ -2,7 +2,9 @@
 #ifndef RIC_REGION_H
 #define RIC_REGION_H
 
-#include "trace.h"
+#include <stddef.h>
+
+#include "ricochet.h"
 
 /* What may be departed to from a junction. */
 typedef struct {
@@ -17,8 +19,9 @@ ric_budgets ric_region_budgets(const ric_explore_options *options, double energy
 ric_budgets ric_region_largest(const ric_explore_options *options);
 /* How far branches are followed: the smallest window that holds that of the study and every region. */
 void ric_region_window(const ric_explore_options *options, double energy[2], double frequency[2]);
-/* Whether a branch may have multiplications in a region that the study by itself does not look for. */
-bool ric_region_multiplies(const ric_explore_options *options, const ric_trace *trace);
+/* Whether a branch may have multiplications in a region that the study by itself does not look for. points: one
+ * ric_point each, `stride` doubles apart. */
+bool ric_region_multiplies(const ric_explore_options *options, int n_point, size_t stride, const double *points);
 /* Whether all that `inner` asks for is asked for by `outer`. */
 bool ric_region_covers(const ric_region *outer, const ric_region *inner);
 

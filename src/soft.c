@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "status.h"
-#include "stored.h"
+#include "turn.h"
 #include "subset.h"
 
 /* The force of a spring is continuous, so that a family of orbits goes on smoothly through a grazing: with x along the

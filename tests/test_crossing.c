@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "crossing.h"
+#include "crossing_gap.h"
 #include "depart.h"
 #include "explored.h"
 
