@@ -60,6 +60,32 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
     memcpy(X, MX, (size_t)n * n * sizeof *X);
 }
 
+/* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever the gaps between the
+ * frequencies (Newton and Schulz: Higham, Functions of Matrices, SIAM 2008, section 8.3). A division by a gap leaves the
+ * vectors of a cluster off by rounding over that gap. */
+static void orthonormalise(const ric_model *m, int n, long double *X, long double *MX, long double *R)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double sum = 0;
+            for (int k = 0; k < n; k++) sum += m->M[i * n + k] * X[k * n + j];
+            MX[i * n + j] = sum;
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double sum = i == j;
+            for (int k = 0; k < n; k++) sum -= X[k * n + i] * MX[k * n + j];
+            R[i * n + j] = sum;
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double sum = X[i * n + j];
+            for (int k = 0; k < n; k++) sum += X[i * n + k] * R[k * n + j] / 2;
+            MX[i * n + j] = sum;
+        }
+    memcpy(X, MX, (size_t)n * n * sizeof *X);
+}
+
 static ric_status refine_modes(ric_model *m)
 {
     int n = m->n_dof;
@@ -71,6 +97,7 @@ static ric_status refine_modes(ric_model *m)
     for (size_t i = 0; i < square; i++) work[i] = m->Phi[i];
     for (int step = 0; step < 3; step++)
         refine_once(m, n, work, work + square, work + 2 * square, work + 3 * square, work + 4 * square, lambda);
+    for (int step = 0; step < 2; step++) orthonormalise(m, n, work, work + square, work + 2 * square);
     for (size_t i = 0; i < square; i++) m->Phi[i] = (double)work[i];
     for (int i = 0; i < n; i++) {
         m->frequency[i] = (double)lambda[i];
