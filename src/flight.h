@@ -11,8 +11,6 @@
 
 #include "motion.h"
 
-#define RIC_FACES_MAX 64 /* faces that a set can hold */
-
 static inline bool ric_flight_dense(const ric_model *m, uint64_t closed)
 {
     return closed || m->smooth;

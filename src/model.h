@@ -10,6 +10,8 @@
 
 #include "ricochet.h"
 
+#define RIC_FACES_MAX 64 /* faces that a set of closed springs can hold, one bit each */
+
 typedef struct {
     int contact, side; /* side +1: s = +d, -1: s = -d */
     int mirror;        /* face on the other side of the contact, -1 if none */

@@ -6,11 +6,11 @@
  * coordinates
  *     A = kappa (U'q - rest),  P = U'p,   kappa = omega, or 1 where omega = 0.
  * States that go in and out are the energy coordinates w = (a, p) of the open structure; sets of closed faces are bits
- * (flight.h). */
+ * (RIC_FACES_MAX of model.h). */
 #ifndef RIC_PHASE_H
 #define RIC_PHASE_H
 
-#include "flight.h"
+#include "motion.h"
 
 #define RIC_PHASE_CONTACTS 10 /* bilinear contacts of a model: 3^10 sets */
 

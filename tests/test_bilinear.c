@@ -5,6 +5,7 @@
 #include "simulated_models.h"
 
 #include "model.h"
+#include "flight.h"
 #include "phase.h"
 #include "simulate.h"
 #include "sample.h"
