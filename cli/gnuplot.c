@@ -34,8 +34,12 @@ int plot_check_target(const char *path)
     struct stat info;
     if (format_of(path) == PLOT_FORMAT_NONE)
         return cli_wrong("-o %s: the ending says what to draw: .svg, .pdf or .png", path);
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
-        return cli_wrong("-o %s: this is a folder; give a file name", path);
+    if (stat(path, &info) == 0)
+        return S_ISREG(info.st_mode)   ? CLI_DONE
+               : S_ISDIR(info.st_mode) ? cli_wrong("-o %s: this is a folder; give a file name", path)
+                                       : cli_wrong("-o %s: this is no plain file; give another file name", path);
+    if (lstat(path, &info) == 0)
+        return cli_wrong("-o %s: this is a symbolic link to nothing; remove it, or give another file name", path);
     return CLI_DONE;
 }
 
@@ -115,15 +119,20 @@ static bool copy_file(FILE *from, int to)
     return !ferror(from);
 }
 
-/* Puts the result in place by way of a file beside it, so that a half-written picture is never seen. */
+/* Puts the result in place by way of a file beside it, so that a half-written picture is never seen. A link stays, and
+ * the file that it leads to is replaced. */
 static int deliver(FILE *result, const char *path)
 {
-    const size_t length = strlen(path);
+    char *real = realpath(path, NULL);
+    const char *target = real ? real : path;
+    const size_t length = strlen(target);
     char *beside = malloc(length + 8);
     int code = CLI_FAILED, file = -1;
-    if (!beside)
-        return cli_report(RIC_E_NOMEM);
-    memcpy(beside, path, length);
+    if (!beside) {
+        code = cli_report(RIC_E_NOMEM);
+        goto out;
+    }
+    memcpy(beside, target, length);
     memcpy(beside + length, ".XXXXXX", 8);
     file = mkstemp(beside);
     if (file < 0) {
@@ -134,7 +143,7 @@ static int deliver(FILE *result, const char *path)
     umask(mask);
     bool good = copy_file(result, file) && fchmod(file, 0666 & ~mask) == 0;
     good &= close(file) == 0;
-    if (!good || rename(beside, path) != 0) {
+    if (!good || rename(beside, target) != 0) {
         fprintf(stderr, "ricochet: cannot write %s: %s\n", path, strerror(errno));
         unlink(beside);
         goto out;
@@ -142,6 +151,7 @@ static int deliver(FILE *result, const char *path)
     code = CLI_DONE;
 out:
     free(beside);
+    free(real);
     return code;
 }
 

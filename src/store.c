@@ -6,9 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "status.h"
@@ -45,74 +42,6 @@ struct ric_store {
     bool tables_begun; /* the tables are being replaced */
 };
 
-/* -------------------------------------------------------------------- lock */
-
-/* The lock lies on a file beside the atlas, PATH-lock: closing any descriptor of the atlas itself would end the locks
- * of SQLite. The system releases it when the process ends, however it ends; a file left over by a kill locks
- * nothing. */
-static void sign_lock(int lock)
-{
-    char host[65] = "this machine", when[32] = "", text[160];
-    time_t now = time(NULL);
-    struct tm local;
-    gethostname(host, sizeof host - 1);
-    if (localtime_r(&now, &local)) strftime(when, sizeof when, "%Y-%m-%d %H:%M", &local);
-    int size = snprintf(text, sizeof text, "process %ld on %s since %s", (long)getpid(), host, when);
-    /* a disk that takes no more leaves the lock without a name */
-    if (ftruncate(lock, 0) == 0 && size > 0 && pwrite(lock, text, (size_t)size, 0) < 0) return;
-}
-
-/* Who has signed the lock; whatever stands there that is no plain text is left out. */
-static void read_signature(int lock, char *text, size_t size)
-{
-    ssize_t length = pread(lock, text, size - 1, 0);
-    text[length > 0 ? length : 0] = 0;
-    for (char *c = text; *c; c++)
-        if (*c < ' ' || *c > '~') *c = '?';
-}
-
-static ric_status take_lock(ric_store *store)
-{
-    for (;;) {
-        char holder[160];
-        struct stat held, named;
-        int lock = open(store->lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (lock < 0)
-            return ric_fail(RIC_E_IO, "%s: cannot write in its folder (%s); choose another file with -o", store->path,
-                            strerror(errno));
-        if (flock(lock, LOCK_EX | LOCK_NB)) {
-            int reason = errno;
-            read_signature(lock, holder, sizeof holder);
-            close(lock);
-            if (reason == EINTR)
-                continue;
-            return reason == EWOULDBLOCK
-                       ? ric_fail(RIC_E_BUSY,
-                                  "%s: in use by another run (%s); wait for its end, or choose another file with -o",
-                                  store->path, *holder ? holder : "it did not sign")
-                       : ric_fail(RIC_E_IO, "%s: cannot be locked (%s); choose a file on another disk with -o",
-                                  store->path, strerror(reason));
-        }
-        /* A run removes the file when it ends: what is locked here may no longer be what others find. */
-        if (!fstat(lock, &held) && !stat(store->lock_path, &named) && held.st_ino == named.st_ino &&
-            held.st_dev == named.st_dev) {
-            store->lock = lock;
-            sign_lock(lock);
-            return RIC_OK;
-        }
-        close(lock);
-    }
-}
-
-static void release_lock(ric_store *store)
-{
-    if (store->lock < 0)
-        return;
-    unlink(store->lock_path);
-    close(store->lock);
-    store->lock = -1;
-}
-
 /* ------------------------------------------------------------------- store */
 
 static ric_status begin(ric_database file)
@@ -134,11 +63,22 @@ static ric_status set_up_writer(ric_database file)
                                   "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
 }
 
+/* An empty file of ours, which SQLite then fills: what another has just laid there is neither filled nor removed. */
+static ric_status lay_file(const char *path)
+{
+    int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644); /* as SQLite makes its files */
+    if (file < 0)
+        return ric_fail(RIC_E_IO, "%s: cannot be made (%s); choose another file with -o", path, strerror(errno));
+    close(file);
+    return RIC_OK;
+}
+
 static ric_status create_file(ric_store *store, const ric_study *study, bool exists)
 {
     char numbers[96];
-    ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, WRITER_WAIT,
-                                          &store->file);
+    ric_status status = exists ? RIC_OK : lay_file(store->path);
+    if (status) return status;
+    status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
     if (!status)
         status = set_up_writer(store->file);
     if (!status)
@@ -204,9 +144,7 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     if (!store)
         return ric_store_fail_memory();
     store->lock = -1;
-    store->path = realpath(path, NULL);
-    if (!store->path)
-        store->path = strdup(path);
+    store->path = ric_store_resolve(path);
     store->lock_path = store->path ? malloc(strlen(store->path) + sizeof "-lock") : NULL;
     if (!store->lock_path) {
         status = ric_store_fail_memory();
@@ -215,7 +153,9 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     sprintf(store->lock_path, "%s-lock", store->path);
     status = ric_store_look(store->path, &exists, &empty);
     if (!status)
-        status = take_lock(store);
+        status = ric_lock_take(store->path, store->lock_path, &store->lock);
+    if (!status)
+        status = ric_store_check_beside(store->path);
     if (!status)
         status = ric_store_look(store->path, &exists, &empty); /* again, now that nobody else creates it */
     if (!status && exists)
@@ -246,7 +186,7 @@ void ric_store_close(ric_store *store)
         sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
         roll_back(store->file);
     sqlite3_close(store->file.db);
-    release_lock(store);
+    ric_lock_release(store->lock_path, &store->lock);
     free(store->path);
     free(store->lock_path);
     free(store);

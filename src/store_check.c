@@ -16,41 +16,26 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
 {
     struct stat found;
     *exists = *empty = false;
-    if (stat(path, &found))
+    if (stat(path, &found)) {
+        if (errno == ENOENT && !lstat(path, &found))
+            return ric_fail(RIC_E_IO, "%s: a symbolic link to a file that is not there; remove it, or choose another name",
+                            path);
         return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
+    }
     if (!S_ISREG(found.st_mode))
-        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path,
-                        S_ISDIR(found.st_mode) ? "a folder" : "a device");
+        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path, ric_file_kind(found.st_mode));
     *exists = true;
     *empty = found.st_size == 0;
     return RIC_OK;
-}
-
-/* An address that makes SQLite read the file as it lies there, without locks, journals or changes. */
-static char *immutable_uri(const char *path)
-{
-    char *uri = malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;
-    if (!uri)
-        return NULL;
-    out += sprintf(out, "file:");
-    for (const char *c = path; *c; c++)
-        out += strchr("?#%", *c) ? sprintf(out, "%%%02X", (unsigned)*c) : sprintf(out, "%c", *c);
-    strcpy(out, "?immutable=1");
-    return uri;
 }
 
 /* Damage is left for the full check to find, because what looks like it may be a transaction that opening the file will
  * undo. */
 ric_status ric_store_check_identity(const char *path)
 {
-    ric_database file = {NULL, path};
+    ric_database file;
     sqlite3_int64 application = 0, version = 0;
-    ric_status status;
-    char *uri = immutable_uri(path);
-    if (!uri)
-        return ric_store_fail_memory();
-    status = ric_database_open(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, 0, &file);
-    file.path = path;
+    ric_status status = ric_database_open_still(path, &file);
     if (status == RIC_E_NOMEM) goto out;
     if (status) {
         status = ric_fail(status, "%s: cannot be read; check its permissions", path);
@@ -71,7 +56,6 @@ ric_status ric_store_check_identity(const char *path)
         status = ric_store_fail_damaged(path, "its format has no number");
 out:
     sqlite3_close(file.db);
-    free(uri);
     return status;
 }
 

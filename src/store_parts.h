@@ -4,6 +4,7 @@
 
 #include <sqlite3.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #include "store.h"
 
@@ -45,6 +46,8 @@ ric_status ric_store_fail_foreign(const char *path);
 ric_status ric_database_fail(ric_database file, int code);
 /* `wait`: ms until a locked file is given up. */
 ric_status ric_database_open(const char *path, int flags, int wait, ric_database *out);
+/* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody writes meanwhile. */
+ric_status ric_database_open_still(const char *path, ric_database *out);
 ric_status ric_database_run(ric_database file, const char *sql);
 ric_status ric_database_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
 /* One row further; *row = false at the end, and then the query may run again. */
@@ -55,6 +58,21 @@ int ric_database_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out);
 /* Little-endian float64 on any machine. */
 void ric_store_put_float64(unsigned char *out, size_t n, const double *values);
 void ric_store_take_float64(const unsigned char *in, size_t n, double *values);
+
+/* -------------------------------------------------------------- store_lock.c */
+
+/* The file itself behind links, which may not exist yet, to be freed; NULL without memory. */
+char *ric_store_resolve(const char *path);
+/* What a file is, in words: "a folder". */
+const char *ric_file_kind(mode_t mode);
+/* The lock `path` beside the atlas `atlas`, and its descriptor; released, *lock = -1. */
+ric_status ric_lock_take(const char *atlas, const char *path, int *lock);
+void ric_lock_release(const char *path, int *lock);
+/* Whether another program has left the file in write-ahead mode without anything waiting beside it: SQLite would make
+ * files beside it for whoever only reads, and a run takes it out of that mode. */
+bool ric_store_left_ahead(const char *atlas);
+/* Refuses what SQLite would take for journals of the atlas and is none, before it is opened. */
+ric_status ric_store_check_beside(const char *atlas);
 
 /* ------------------------------------------------------------- store_check.c */
 

@@ -405,7 +405,8 @@ out:
 static ric_status open_reader(const char *path, ric_database *file)
 {
     static const char begin[] = "BEGIN; SELECT count(*) FROM sqlite_master";
-    ric_status status = ric_database_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
+    ric_status status = ric_store_left_ahead(path) ? ric_database_open_still(path, file)
+                                                   : ric_database_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
     if (status)
         return status;
     int code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
@@ -433,6 +434,8 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
         status = ric_fail(RIC_E_FORMAT, "%s: the file is empty; make an atlas with `ricochet run`", path);
     if (!status)
         status = ric_store_check_identity(path);
+    if (!status)
+        status = ric_store_check_beside(path);
     if (!status)
         status = open_reader(path, &file);
     if (!status)

@@ -1,6 +1,7 @@
 /* What the store asks of SQLite, and the errors it answers with. */
 #include "store_parts.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -114,6 +115,30 @@ ric_status ric_database_open(const char *path, int flags, int wait, ric_database
     sqlite3_db_config(out->db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, NULL);
     sqlite3_db_config(out->db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, NULL);
     return ric_database_run(*out, "PRAGMA cell_size_check = 1");
+}
+
+/* An address that makes SQLite read the file as it lies there, without locks, journals or changes. */
+static char *immutable_uri(const char *path)
+{
+    char *uri = malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;
+    if (!uri)
+        return NULL;
+    out += sprintf(out, "file:");
+    for (const char *c = path; *c; c++)
+        out += strchr("?#%", *c) ? sprintf(out, "%%%02X", (unsigned)*c) : sprintf(out, "%c", *c);
+    strcpy(out, "?immutable=1");
+    return uri;
+}
+
+ric_status ric_database_open_still(const char *path, ric_database *out)
+{
+    char *uri = immutable_uri(path);
+    *out = (ric_database){NULL, path};
+    if (!uri) return ric_store_fail_memory();
+    ric_status status = ric_database_open(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, 0, out);
+    out->path = path;
+    free(uri);
+    return status;
 }
 
 void ric_store_put_float64(unsigned char *out, size_t n, const double *values)
