@@ -127,17 +127,15 @@ static void project(const ric_chain *c, bool on_face, const double *w, int face,
 
 /* ------------------------------------------------------------- propagation */
 
-/* One impact on columns: both q and p are reflected, and p gets a kick proportional to 1 / speed (saltation, eq. 41-46
- * of the article in modal coordinates). */
-static void saltation(const ric_model *m, int n, int ld, const ric_face *f, const double *a, const double *before,
-                      double *V)
+/* One impact at w, the state right after it, on columns: both q and p are reflected, and p gets a kick proportional to
+ * 1 / speed (saltation, eq. 41-46 of the article in modal coordinates). The kick goes with the whole force that pulls
+ * the structure towards the stop, that of the closed springs included (docs/theory.md section 5). */
+static void saltation(const ric_model *m, int n, int ld, const ric_face *f, uint64_t closed, const double *w,
+                      const double *before, double *V)
 {
-    double speed = 0, pull = 0;
-    for (int i = 0; i < n; i++) {
-        speed += f->c[i] * before[i];
-        pull -= f->c[i] * m->stiff[i] * a[i];
-    }
-    speed = not_zero(speed);
+    double rate[2 * n];
+    ric_flight_rate(m, closed, w, rate);
+    double speed = not_zero(ric_dot(n, f->c, before)), pull = ric_dot(n, f->c, rate + n);
     double kick = 2 * pull / (f->cc * speed);
     for (int j = 0; j < ld; j++) {
         double gap = 0, push = 0;
@@ -192,7 +190,8 @@ static void propagate(const ric_chain *c, int from, int to, double *V, int *expo
                       !(ends && c->end == RIC_MIRROR_IMPACT);
         if (!struck && !dense) continue;
         double top;
-        if (struck) saltation(m, n, ld, &m->face[c->face[k + 1]], c->w + 2 * n * (k + 1), c->before + n * k, V);
+        if (struck)
+            saltation(m, n, ld, &m->face[c->face[k + 1]], c->closed[k], c->w + 2 * n * (k + 1), c->before + n * k, V);
         int shift = rescale(2 * n * ld, V, &top);
         *exponent += shift;
         *growth = fmax(shift ? ldexp(*growth, -shift) : *growth, top);
