@@ -159,6 +159,10 @@ ric_status ric_study_read(const char *path, ric_study **out);
 /* The same from a text; `base` is the folder that Matrix Market paths are relative to, `label` stands for the file in
  * messages. */
 ric_status ric_study_parse(const char *text, const char *label, const char *base, ric_study **out);
+/* The study of a model with these options, without a file; options NULL: the defaults. The model and the options are
+ * copied and checked like those of a file; title may be NULL. */
+ric_status ric_study_create(const ric_model *model, const ric_explore_options *options, const char *title,
+                            ric_study **out);
 void ric_study_free(ric_study *study);
 const char *ric_study_title(const ric_study *study);
 /* The study as one self-contained YAML text (matrices inline), as it is kept inside an atlas. Borrowed. */

@@ -424,6 +424,44 @@ out:
     return status;
 }
 
+/* What the writer of a study needs of a model: the matrices borrowed, the contacts copied. */
+static ric_status raw_of(const ric_model *m, ric_raw_model *out)
+{
+    ric_status status = RIC_OK;
+    *out = (ric_raw_model){.n = ric_model_n_dof(m), .n_contact = ric_model_n_contact(m),
+                           .mass = (double *)ric_model_mass(m), .stiffness = (double *)ric_model_stiffness(m),
+                           .restitution = ric_model_restitution(m)};
+    out->contacts = calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
+    if (!out->contacts)
+        return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
+    for (int i = 0; i < out->n_contact && !status; i++)
+        status = ric_model_contact(m, i, &out->contacts[i]);
+    return status;
+}
+
+/* By way of the text, so that a study from memory has passed every check that one from a file has to pass. */
+ric_status ric_study_create(const ric_model *model, const ric_explore_options *options, const char *title,
+                            ric_study **out)
+{
+    ric_raw_model raw;
+    ric_study made = {0};
+    *out = NULL;
+    if (options) made.options = *options;
+    else ric_explore_options_init(&made.options);
+    made.title = strdup(title ? title : "");
+    ric_status status = raw_of(model, &raw);
+    if (!status && !made.title)
+        status = ric_fail(RIC_E_NOMEM, "no memory for a study");
+    if (!status)
+        status = write_text(&made, &raw);
+    if (!status)
+        status = ric_study_parse(made.text, "study", ".", out);
+    free(raw.contacts);
+    free(made.title);
+    free(made.text);
+    return status;
+}
+
 ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text,
                               const char *label)
 {
