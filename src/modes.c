@@ -61,8 +61,8 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
 }
 
 /* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever the gaps between the
- * frequencies (Newton and Schulz: Higham, Functions of Matrices, SIAM 2008, section 8.3). A division by a gap leaves the
- * vectors of a cluster off by rounding over that gap. */
+ * frequencies (Newton and Schulz: Higham, Functions of Matrices, SIAM 2008, section 8.3). A division by a gap leaves
+ * the vectors of a cluster off by rounding over that gap. */
 static void orthonormalise(const ric_model *m, int n, long double *X, long double *MX, long double *R)
 {
     for (int i = 0; i < n; i++)

@@ -108,7 +108,8 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE ||
         h.parts < 1 || h.parts > RIC_PARTS_MOST || (h.parts > 1 && !m->smooth) || h.n_point < 0 || h.n_point > SANE ||
         h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
-        h.end > RIC_MIRROR_CENTRE || h.stop < 0 || h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY || (size_t)h.n_flight * sizeof(int32_t) > size)
+        h.end > RIC_MIRROR_CENTRE || h.stop < 0 || h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY ||
+        (size_t)h.n_flight * sizeof(int32_t) > size)
         goto damaged;
     if (!(face = calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
     for (int i = 0; i <= h.n_flight; i++) {

@@ -12,7 +12,8 @@ typedef struct ric_store ric_store;
 ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out);
 void ric_store_close(ric_store *store);
 
-/* What another version of the solver has done so far is dropped, and the atlas is unfinished then: it never mixes two. */
+/* What another version of the solver has done so far is dropped, and the atlas is unfinished then: it never mixes
+ * two. */
 ric_status ric_store_set_solver(ric_store *store, const char *version);
 /* Traces done so far, by key: a bag of bytes that survives a kill. `get` returns RIC_OK with *blob = NULL when there is
  * none; free(*blob). */

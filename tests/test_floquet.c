@@ -360,7 +360,8 @@ static void print_matrix(int n, const double *A, FILE *out)
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            fprintf(out, "%s%.6f%s", j ? ", " : i ? ", [" : "[[", A[i * n + j], j + 1 < n ? "" : i + 1 < n ? "]" : "]]");
+            fprintf(out, "%s%.6f%s", j ? ", " : i ? ", [" : "[[", A[i * n + j],
+                    j + 1 < n ? "" : i + 1 < n ? "]" : "]]");
 }
 
 /* A stop and one or two springs that close before it is met; walls on one side and on both. */
