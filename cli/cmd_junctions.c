@@ -79,7 +79,7 @@ static json_t *point_label(const ric_junction *junction, int times)
 {
     if (junction->kind != RIC_KIND_GRAZING || junction->multiple == times)
         return json_string(junction->label);
-    return json_sprintf("G_%d,%d", times * junction->impacts, times * junction->grazings);
+    return json_sprintf("G_%lld,%lld", (long long)times * junction->impacts, (long long)times * junction->grazings);
 }
 
 static ric_status point_row(const ric_atlas *atlas, const ric_branch *branch, const ric_duplicate_point *point,

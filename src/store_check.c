@@ -149,9 +149,12 @@ ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
         status = ric_database_step(file, query, &row);
     }
     if (!status && row) {
-        const char *text = (const char *)sqlite3_column_text(query, 0);
+        bool is_text = sqlite3_column_type(query, 0) == SQLITE_TEXT;
+        const char *text = is_text ? (const char *)sqlite3_column_text(query, 0) : NULL;
         *value = text ? strdup(text) : NULL;
-        if (!*value)
+        if (!is_text)
+            status = ric_store_fail_damaged(file.path, "table meta: a value is not a text");
+        else if (!*value)
             status = ric_store_fail_memory();
     }
     sqlite3_finalize(query);

@@ -100,6 +100,11 @@ ric_status ric_store_put_digest(ric_database file);
 ric_status ric_store_get_meta(ric_database file, const char *key, char **value);
 ric_status ric_store_put_meta(ric_database file, const char *key, const char *value);
 
+/* ------------------------------------------------------------- store_valid.c */
+
+/* Refuses an atlas with numbers that no run can have written. */
+ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas);
+
 /* ------------------------------------------------------------- store_write.c */
 
 ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced,

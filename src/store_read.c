@@ -1,6 +1,7 @@
 /* The rows of branches, points and junctions, in: a file that may come from anyone to an atlas. */
 #include "store_parts.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,15 +11,29 @@
 #include "status.h"
 #include "word.h"
 
-enum { READER_WAIT = 60000 }; /* ms that a reader waits for a run that is just writing */
+enum {
+    READER_WAIT = 60000,   /* ms that a reader waits for a run that is just writing */
+    MULTIPLE_MAX = 1000,   /* of the option `multiply` */
+    IMPACTS_MAX = 1000000, /* of a word; the option `impacts` ends at 4096 */
+    GRAZINGS_MAX = 1000000 /* more than the letters of any word, so that products with a multiple stay integers */
+};
 
 /* Takes the values of one row from left to right. A value of the wrong type, range or size makes the row `wrong`, once
- * and for all. */
+ * and for all; the first that does is named. */
 typedef struct {
     sqlite3_stmt *query;
     int column;
-    bool wrong, no_memory;
+    const char *wrong; /* what is wrong with column `at` */
+    int at;
+    bool no_memory;
 } row_reader;
+
+static void fault(row_reader *row, int column, const char *what)
+{
+    if (row->wrong) return;
+    row->wrong = what;
+    row->at = column;
+}
 
 static int take_integer(row_reader *row, int min, int max)
 {
@@ -26,7 +41,7 @@ static int take_integer(row_reader *row, int min, int max)
     sqlite3_int64 value = sqlite3_column_int64(row->query, column);
     if (sqlite3_column_type(row->query, column) == SQLITE_INTEGER && value >= min && value <= max)
         return (int)value;
-    row->wrong = true;
+    fault(row, column, "not a whole number in its range");
     return min;
 }
 
@@ -35,7 +50,7 @@ static double take_real(row_reader *row)
     int column = row->column++, type = sqlite3_column_type(row->query, column);
     if (type == SQLITE_FLOAT)
         return sqlite3_column_double(row->query, column);
-    row->wrong |= type != SQLITE_NULL;
+    if (type != SQLITE_NULL) fault(row, column, "not a number");
     return NAN;
 }
 
@@ -47,14 +62,34 @@ static int take_id(row_reader *row, int max)
     return 0;
 }
 
+/* Whether the n bytes are UTF-8 without a zero (RFC 3629): JSON and pages take no other text. */
+static bool is_text(const unsigned char *byte, size_t n)
+{
+    for (size_t i = 0; i < n;) {
+        static const uint32_t least[] = {1, 1, 0x80, 0x800, 0x10000};
+        unsigned char first = byte[i++];
+        int length = first < 0x80 ? 1 : first >> 5 == 6 ? 2 : first >> 4 == 14 ? 3 : first >> 3 == 30 ? 4 : 0;
+        uint32_t code = length < 2 ? first : first & (0x7fu >> length);
+        for (int k = 1; k < length; k++, i++) {
+            if (i >= n || byte[i] >> 6 != 2) return false;
+            code = code << 6 | (byte[i] & 0x3f);
+        }
+        if (!length || code < least[length] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return false;
+    }
+    return true;
+}
+
 static char *take_text(row_reader *row)
 {
     int column = row->column++;
     const char *text = sqlite3_column_type(row->query, column) == SQLITE_TEXT
                            ? (const char *)sqlite3_column_text(row->query, column)
                            : NULL;
-    char *copy = strdup(text ? text : "");
-    row->wrong |= !text;
+    if (!text || !is_text((const unsigned char *)text, (size_t)sqlite3_column_bytes(row->query, column))) {
+        fault(row, column, "not a text in UTF-8");
+        text = "";
+    }
+    char *copy = strdup(text);
     row->no_memory |= !copy;
     return copy;
 }
@@ -62,13 +97,13 @@ static char *take_text(row_reader *row)
 /* One of the n texts of an enumeration. */
 static int take_choice(row_reader *row, int n, const char *(*text_of)(int))
 {
+    int column = row->column, choice = 0;
     char *text = take_text(row);
-    int choice = 0;
     while (text && choice < n && strcmp(text, text_of(choice)))
         choice++;
     free(text);
-    row->wrong |= choice == n;
-    return choice;
+    if (choice == n) fault(row, column, "none of the words that may stand there");
+    return choice < n ? choice : 0;
 }
 
 static void take_float64s(row_reader *row, size_t n, double *values)
@@ -79,16 +114,18 @@ static void take_float64s(row_reader *row, size_t n, double *values)
     if (values && blob && (size_t)sqlite3_column_bytes(row->query, column) == 8 * n)
         ric_store_take_float64(blob, n, values);
     else
-        row->wrong = true;
+        fault(row, column, "not as many bytes as the model and the word ask for");
 }
 
 /* A word with `impacts` impacts; *n letters. */
 static int *take_word(row_reader *row, const ric_model *model, int impacts, int *n)
 {
+    int column = row->column;
     char *text = take_text(row);
     int *word = text ? ric_word_read(model, text, n) : NULL;
     row->no_memory |= text && !word;
-    row->wrong |= !text || (word && (*n < 0 || ric_word_impacts(model, *n, word) != impacts));
+    if (!text || (word && *n < 0)) fault(row, column, "no word of faces of the model");
+    else if (word && ric_word_impacts(model, *n, word) != impacts) fault(row, column, "not as long as its impacts");
     if (row->wrong || !word)
         *n = 0;
     free(text);
@@ -97,14 +134,17 @@ static int *take_word(row_reader *row, const ric_model *model, int impacts, int 
 
 static ric_status reader_status(const row_reader *row, ric_database file, const char *table)
 {
-    char what[64];
+    char what[200], sub[32] = "";
     if (row->no_memory)
         return ric_store_fail_memory();
     if (!row->wrong)
         return RIC_OK;
     if (sqlite3_errcode(file.db) == SQLITE_NOMEM) /* a value that SQLite could not hand out is no fault of the file */
         return ric_store_fail_memory();
-    snprintf(what, sizeof what, "a row of table %s is inconsistent", table);
+    if (sqlite3_column_count(row->query) > 1 && strcmp(sqlite3_column_name(row->query, 0), "id"))
+        snprintf(sub, sizeof sub, ", %lld", (long long)sqlite3_column_int64(row->query, 1));
+    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table, (long long)sqlite3_column_int64(row->query, 0), sub,
+             sqlite3_column_name(row->query, row->at), row->wrong);
     return ric_store_fail_damaged(file.path, what);
 }
 
@@ -193,7 +233,7 @@ static void take_branch(row_reader *row, int i, ric_atlas *atlas)
     ric_branch *branch = &record->row;
     branch->id = take_integer(row, i + 1, i + 1);
     branch->label = record->label = take_text(row);
-    branch->impacts = take_integer(row, 0, INT_MAX / 2);
+    branch->impacts = take_integer(row, 0, IMPACTS_MAX);
     branch->word = record->word = take_word(row, model, branch->impacts, &branch->letters);
     branch->symmetric = take_integer(row, 0, 1);
     branch->reversible = take_integer(row, 0, 1);
@@ -292,14 +332,14 @@ static void take_junction(row_reader *row, int i, ric_atlas *atlas)
     junction->kind = (ric_kind)take_choice(row, RIC_KIND_USER + 1, kind_text);
     junction->label = record->label = take_text(row);
     junction->name = record->name = take_text(row);
-    junction->impacts = take_integer(row, 0, INT_MAX / 2);
+    junction->impacts = take_integer(row, 0, IMPACTS_MAX);
     junction->word = record->word = take_word(row, model, junction->impacts, &junction->letters);
-    junction->grazings = take_integer(row, 0, INT_MAX);
-    junction->multiple = take_integer(row, 1, INT_MAX);
-    junction->rotation[0] = take_integer(row, INT_MIN, INT_MAX);
-    junction->rotation[1] = take_integer(row, 0, INT_MAX);
-    junction->a = take_integer(row, 0, INT_MAX);
-    junction->b = take_integer(row, 0, INT_MAX);
+    junction->grazings = take_integer(row, 0, GRAZINGS_MAX);
+    junction->multiple = take_integer(row, 1, MULTIPLE_MAX);
+    junction->rotation[0] = take_integer(row, 0, MULTIPLE_MAX);
+    junction->rotation[1] = take_integer(row, 0, MULTIPLE_MAX);
+    junction->a = take_integer(row, 0, GRAZINGS_MAX);
+    junction->b = take_integer(row, 0, GRAZINGS_MAX);
     junction->decided = junction->a > 0 && junction->label && !strchr(junction->label, '?');
     junction->energy = take_real(row);
     junction->frequency = take_real(row);
@@ -340,13 +380,35 @@ static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *count
                   : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
 }
 
-/* 0 where an older program did not count. */
-static ric_status read_count(ric_database file, const char *key, int *out)
+/* A count from 0; `missing` where an older program did not count. */
+static ric_status read_count(ric_database file, const char *key, long missing, int *out)
 {
-    char *text = NULL;
+    char *text = NULL, *end = NULL, what[80];
     ric_status status = ric_store_get_meta(file, key, &text);
-    *out = text ? atoi(text) : 0;
+    errno = 0;
+    long count = text ? strtol(text, &end, 10) : missing;
+    if (!status && text && (*text < '0' || *text > '9' || *end || errno || count > INT_MAX)) {
+        snprintf(what, sizeof what, "table meta, row %s: not a count", key);
+        status = ric_store_fail_damaged(file.path, what);
+    }
+    *out = status ? 0 : (int)count;
     free(text);
+    return status;
+}
+
+/* What the table meta says of the study is what the study says. */
+static ric_status check_study(ric_database file, const char *study, const ric_model *model)
+{
+    int n_dof = 0;
+    char *text = ric_store_model_text(study), *stored = NULL;
+    ric_status status = text ? ric_store_get_meta(file, "model", &stored) : ric_store_fail_memory();
+    if (!status) status = read_count(file, "n_dof", ric_model_n_dof(model), &n_dof);
+    if (!status && (!stored || strcmp(stored, text)))
+        status = ric_store_fail_damaged(file.path, "table meta, row model: not the model of its study");
+    if (!status && n_dof != ric_model_n_dof(model))
+        status = ric_store_fail_damaged(file.path, "table meta, row n_dof: not that of its study");
+    free(text);
+    free(stored);
     return status;
 }
 
@@ -357,17 +419,22 @@ static ric_status read_study(ric_database file, ric_atlas *atlas)
     if (!status)
         status = ric_store_get_meta(file, "finished", &finished);
     if (!status)
-        status = read_count(file, "unplaced", &atlas->n_unplaced);
+        status = read_count(file, "unplaced", 0, &atlas->n_unplaced);
     if (!status)
-        status = read_count(file, "blind", &atlas->n_blind);
+        status = read_count(file, "blind", 0, &atlas->n_blind);
     if (!status && (!study || !finished))
         status = ric_store_fail_damaged(file.path, "its study is missing");
     if (status)
         goto out;
     atlas->finished = !strcmp(finished, "1");
+    if (!atlas->finished && strcmp(finished, "0")) {
+        status = ric_store_fail_damaged(file.path, "table meta, row finished: neither 0 nor 1");
+        goto out;
+    }
     status = ric_study_parse(study, file.path, ".", &atlas->study);
     if (status && status != RIC_E_NOMEM)
         status = ric_store_fail_damaged(file.path, "its study cannot be read");
+    if (!status) status = check_study(file, study, ric_study_model(atlas->study));
 out:
     free(study);
     free(finished);
@@ -444,6 +511,7 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
         goto out;
     atlas = calloc(1, sizeof *atlas);
     status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
+    if (!status) status = ric_store_check_numbers(path, atlas);
 out:
     sqlite3_close(file.db);
     if (status)

@@ -55,17 +55,34 @@ static inline ric_study *study_of(const char *text)
     return study;
 }
 
-/* Any double that is a number or the one NaN; now and then a zero with a sign, an infinity, a denormal. */
-static inline double random_double(void)
+/* A number as an atlas may have it: of moderate size, now and then a zero with a sign or a denormal. */
+static inline double random_number(void)
 {
-    static const double special[] = {0.0,    -0.0, INFINITY, -INFINITY, 5e-324,
-                                     -1e308, 1.0,  -7.0,     1e15,      9007199254740993.0};
-    double value;
-    uint64_t bits = random_bits();
-    if (below(8) == 0)
-        return special[below(10)];
-    memcpy(&value, &bits, sizeof value);
-    return isnan(value) ? NAN : value;
+    static const double special[] = {0.0, -0.0, 5e-324, 1.0, -7.0, 1e15, 9007199254740993.0};
+    return below(8) == 0 ? special[below(7)] : ldexp((double)(int64_t)random_bits(), below(80) - 100);
+}
+
+static inline double random_or_nothing(void)
+{
+    return below(4) ? random_number() : NAN;
+}
+
+static inline double random_share(void)
+{
+    return (double)(random_bits() >> 11) * 0x1p-53;
+}
+
+/* A state [2 n_dof] and flights, and the energy and frequency that go with them. */
+static inline void fill_orbit(const ric_model *model, int n_flight, double *state, double *flights, double *energy,
+                              double *frequency)
+{
+    int n = ric_model_n_dof(model);
+    double period = 0;
+    for (int i = 0; i < 2 * n; i++) state[i] = below(8) ? ldexp((double)(int64_t)random_bits(), -60) : 5e-324;
+    for (int i = 0; i < n_flight; i++) period += flights[i] = below(8) ? 9 * random_share() + 0.01 : 1e-300;
+    if (!(period > 0.01)) period += flights[0] = 2.5;
+    *energy = ric_model_energy(model, state, state + n);
+    *frequency = 2 * 3.14159265358979323846 / period;
 }
 
 static inline int *random_word(int n, int n_face)
@@ -76,17 +93,19 @@ static inline int *random_word(int n, int n_face)
     return word;
 }
 
-static inline void fill_points(ric_branch_record *branch, int n_dof)
+static inline void fill_points(ric_branch_record *branch, const ric_model *model)
 {
+    int n_dof = ric_model_n_dof(model), n_flight = branch->row.letters ? branch->row.letters : 1;
+    double arclength = 0;
     branch->stride = ric_point_stride(n_dof, branch->row.letters);
     branch->points = calloc((size_t)branch->row.n_point + 1, branch->stride * sizeof(double));
     for (int i = 0; i < branch->row.n_point; i++) {
-        double *at = branch->points + (size_t)i * branch->stride;
-        ric_point point = {random_double(), random_double(), random_double(), random_double(),
-                           random_double(), random_double(), random_double(), (float)(below(1000) * 1e-16),
-                           below(3)};
-        for (size_t k = 0; k < branch->stride; k++)
-            at[k] = random_double();
+        double *at = branch->points + (size_t)i * branch->stride, *state = at + sizeof(ric_point) / sizeof *at, energy,
+               frequency;
+        fill_orbit(model, n_flight, state, state + 2 * n_dof, &energy, &frequency);
+        ric_point point = {arclength += random_share(), energy, frequency, random_or_nothing(),
+                           below(3) ? random_share() : NAN, random_or_nothing(), random_or_nothing(),
+                           (float)(below(1000) * 1e-16), below(3)};
         memcpy(at, &point, sizeof point);
     }
 }
@@ -107,16 +126,17 @@ static inline ric_branch_record random_branch(int id, int n_junction, const ric_
     branch.junction_at = calloc((size_t)n_inner + 1, sizeof *branch.junction_at);
     for (int i = 0; i < n_inner; i++) {
         branch.junctions[i] = 1 + below(n_junction);
-        branch.junction_at[i] = random_double();
+        branch.junction_at[i] = random_number();
     }
+    double energy = fabs(random_number()), frequency = fabs(random_number());
     branch.row = (ric_branch){
         .id = id, .label = branch.label, .impacts = n, .letters = n, .word = branch.word, .symmetric = below(2),
-        .reversible = below(2), .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25, .n_point = below(30),
-        .energy_min = random_double(), .energy_max = random_double(), .frequency_min = random_double(),
-        .frequency_max = random_double(), .from = below(n_junction + 1), .to = below(n_junction + 1),
+        .reversible = below(2), .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25, .n_point = 1 + below(30),
+        .energy_min = energy, .energy_max = energy * (1 + random_share()), .frequency_min = frequency,
+        .frequency_max = id % 3 ? frequency : NAN, .from = below(n_junction + 1), .to = below(n_junction + 1),
         .stop = (ric_stop)below(6), .why = branch.why, .n_junction = n_inner, .junctions = branch.junctions,
-        .junction_at = branch.junction_at, .depth = below(9), .mode = below(ric_model_n_dof(model) + 1)};
-    fill_points(&branch, ric_model_n_dof(model));
+        .junction_at = branch.junction_at, .depth = below(9), .mode = below(ric_model_n_dof(model)) + 1};
+    fill_points(&branch, model);
     return branch;
 }
 
@@ -131,22 +151,32 @@ static inline ric_junction_record random_junction(int id, int n_branch, const ri
     junction.branches = calloc((size_t)n_branch + 1, sizeof *junction.branches);
     junction.state = calloc((size_t)n_state, sizeof(double));
     junction.flights = calloc((size_t)n_flight, sizeof(double));
-    for (int i = 0; i < n_state; i++)
-        junction.state[i] = random_double();
-    for (int i = 0; i < n_flight; i++)
-        junction.flights[i] = random_double();
-    int n_at = 0;
-    for (int i = 1; i <= n_branch; i++)
-        if (below(3) == 0)
-            junction.branches[n_at++] = i;
+    double energy, frequency;
+    int multiple = 1 + below(6), turns = below(6);
+    fill_orbit(model, n_flight, junction.state, junction.flights, &energy, &frequency);
     junction.row = (ric_junction){
         .id = id, .kind = (ric_kind)below(8), .label = junction.label, .name = junction.name, .impacts = n,
-        .letters = n, .word = junction.word, .grazings = below(7), .multiple = 1 + below(6),
-        .rotation = {below(5), below(6)}, .a = below(4), .b = below(4), .energy = random_double(),
-        .frequency = random_double(), .state = junction.state, .flights = junction.flights, .n_branch = n_at,
+        .letters = n, .word = junction.word, .grazings = below(7), .multiple = multiple,
+        .rotation = {below(turns + 1), turns}, .a = below(4), .b = below(4), .energy = energy,
+        .frequency = frequency / multiple, .state = junction.state, .flights = junction.flights,
         .branches = junction.branches, .departures = {below(9), below(9), below(9), below(9), below(9)},
         .refusal = junction.refusal};
     return junction;
+}
+
+/* Junctions list the branches that name them. */
+static inline void list_branches(ric_atlas *atlas)
+{
+    for (int k = 0; k < atlas->n_junction; k++) atlas->junctions[k].row.n_branch = 0;
+    for (int i = 0; i < atlas->n_branch; i++) {
+        const ric_branch *b = &atlas->branches[i].row;
+        for (int k = 0; k < atlas->n_junction; k++) {
+            ric_junction_record *j = &atlas->junctions[k];
+            bool named = b->from == k + 1 || b->to == k + 1;
+            for (int p = 0; p < b->n_junction; p++) named |= b->junctions[p] == k + 1;
+            if (named) j->branches[j->row.n_branch++] = i + 1;
+        }
+    }
 }
 
 static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_branch, int n_junction)
@@ -166,6 +196,7 @@ static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_br
         atlas->branches[i] = random_branch(i + 1, n_junction, model);
     for (int i = 0; i < n_junction; i++)
         atlas->junctions[i] = random_junction(i + 1, n_branch, model);
+    list_branches(atlas);
     return atlas;
 }
 

@@ -128,7 +128,7 @@ static void trace_column_is_the_trace(void **state)
     sqlite3_stmt *query = NULL;
     free(branch->points);
     branch->row.n_point = 8;
-    fill_points(branch, 2);
+    fill_points(branch, ric_atlas_model(made));
     for (int i = 0; i < 8; i++) {
         ric_point *point = (ric_point *)(void *)(branch->points + (size_t)i * branch->stride);
         point->trace = i < 6 ? asinh(traces[i] / 2) : i == 6 ? -5000 : NAN;
@@ -322,7 +322,7 @@ static ric_atlas *atlas_with_a_touchless_branch(void)
         free(branch->points);
         branch->row.impacts = branch->row.letters = i ? branch->row.impacts : 0;
         branch->row.n_point = 5;
-        fill_points(branch, 2);
+        fill_points(branch, ric_atlas_model(made));
     }
     return made;
 }
@@ -421,6 +421,67 @@ static void forged_contents_are_refused(void **state)
         assert_done(ric_store_put_digest(file));
         sqlite3_close(file.db);
         assert_unreadable(in_folder("a"), RIC_E_FORMAT, "damaged");
+    }
+    ric_atlas_free(made);
+}
+
+/* Numbers that no run writes are named: table, row, field, what is wrong. */
+static void forged_numbers_are_named(void **state)
+{
+    (void)state;
+#define FIRST " WHERE branch = 2 AND point = 3"
+#define PUT(column, bytes) "UPDATE point SET " column " = CAST(x'" bytes "' || substr(" column ", 9) AS BLOB)" FIRST
+    static const char *const changes[][2] = {
+        {"UPDATE point SET energy = 9e999" FIRST, "table point, row 2, 3, energy: inf is not between"},
+        {"UPDATE point SET energy = NULL" FIRST, "table point, row 2, 3, energy: not a number"},
+        {"UPDATE point SET energy = -1.0" FIRST, "table point, row 2, 3, energy: -1 is not between"},
+        {"UPDATE point SET energy = energy + 1.0" FIRST, "table point, row 2, 3, state: its energy is"},
+        {"UPDATE point SET energy = 3" FIRST, "table point, row 2, 3, energy: not a number"},
+        {"UPDATE point SET frequency = 0.0" FIRST, "table point, row 2, 3, frequency: 0 is not between"},
+        {"UPDATE point SET frequency = 1e300" FIRST, "table point, row 2, 3, frequency: 1e+300 is not between"},
+        {"UPDATE point SET frequency = frequency * 1.1" FIRST, "table point, row 2, 3, flights: together"},
+        {"UPDATE point SET arclength = 1e-9" FIRST, "table point, row 2, 3, arclength: 1e-09 after"},
+        {"UPDATE point SET rotation = 7.5" FIRST, "table point, row 2, 3, rotation: 7.5 is not between"},
+        {"UPDATE point SET residual = 1e300" FIRST, "table point, row 2, 3, residual: "},
+        {"UPDATE point SET approach = -9e999" FIRST, "table point, row 2, 3, approach: "},
+        {PUT("state", "000000000000f87f"), "table point, row 2, 3, state: a number in it is not finite"},
+        {PUT("state", "9c7500883ce4377e"), "table point, row 2, 3, state: a number in it is not finite, or beyond"},
+        {PUT("flights", "000000000000f07f"), "table point, row 2, 3, flights: a number in it is not finite"},
+        {PUT("flights", "000000000000f0bf"), "table point, row 2, 3, flights: -1 s is less than no time"},
+        {"UPDATE branch SET stable_fraction = 1.5 WHERE id = 3", "table branch, row 3, stable_fraction: 1.5"},
+        {"UPDATE branch SET energy_min = 1e99 WHERE id = 3", "table branch, row 3, energy_min: more than"},
+        {"UPDATE branch SET impacts = 9223372036854775807 WHERE id = 3", "table branch, row 3, impacts: not a whole"},
+        {"UPDATE branch SET mode = 0 WHERE id = 1", "table branch, row 1, mode: 0 where"},
+        {"UPDATE branch SET word = word || 'x' WHERE id = 3", "table branch, row 3, word: no word of faces"},
+        {"UPDATE branch SET label = CAST(x'41ff' AS TEXT) WHERE id = 3", "table branch, row 3, label: not a text"},
+        {"UPDATE branch SET label = CAST(x'410042' AS TEXT) WHERE id = 3", "table branch, row 3, label: not a text"},
+        {"DELETE FROM junction_branch", "does not list branch"},
+        {"INSERT OR IGNORE INTO junction_branch SELECT junction.id, branch.id FROM junction, branch",
+         "neither ends here nor passes"},
+        {"UPDATE junction SET multiple = 2000000000 WHERE id = 2", "table junction, row 2, multiple: not a whole"},
+        {"UPDATE junction SET grazings = 2000000000 WHERE id = 2", "table junction, row 2, grazings: not a whole"},
+        {"UPDATE junction SET rotation_p = 3, rotation_q = 2 WHERE id = 2", "table junction, row 2, rotation_p: 3 of 2"},
+        {"UPDATE junction SET frequency = NULL WHERE id = 2", "table junction, row 2, frequency: not a number"},
+        {"UPDATE junction SET kind = 'x' WHERE id = 2", "table junction, row 2, kind: none of the words"},
+        {"UPDATE branch_junction SET arclength = 9e999", "arclength: inf is not between"},
+        {"UPDATE meta SET value = '9999999999999' WHERE key = 'blind'", "table meta, row blind: not a count"},
+        {"UPDATE meta SET value = 'x' WHERE key = 'finished'", "table meta, row finished: neither 0 nor 1"},
+        {"UPDATE meta SET value = 'model:' WHERE key = 'model'", "table meta, row model: not the model"},
+        {"UPDATE meta SET value = x'31' WHERE key = 'finished'", "table meta: a value is not a text"},
+    };
+    ric_atlas *made = atlas_with_a_touchless_branch();
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        ric_database file;
+        ric_atlas *read = NULL;
+        remove(in_folder("a"));
+        make_file(in_folder("a"), made);
+        assert_sql(in_folder("a"), changes[i][0]);
+        assert_done(ric_database_open(in_folder("a"), SQLITE_OPEN_READWRITE, 0, &file));
+        assert_done(ric_store_put_digest(file));
+        sqlite3_close(file.db);
+        if (ric_atlas_read(in_folder("a"), &read) != RIC_E_FORMAT || !strstr(ric_detail(), changes[i][1]))
+            fail_msg("%s: %s", changes[i][0], read ? "read" : ric_detail());
+        assert_unreadable(in_folder("a"), RIC_E_FORMAT, "restore it from a copy");
     }
     ric_atlas_free(made);
 }
@@ -543,6 +604,7 @@ int main(void)
         TEST(newer_formats_are_refused),
         TEST(inconsistent_contents_are_refused),
         TEST(forged_contents_are_refused),
+        TEST(forged_numbers_are_named),
         TEST(truncated_files_are_refused),
         TEST(flipped_bits_are_harmless),
         TEST(every_column_is_documented),

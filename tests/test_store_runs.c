@@ -66,7 +66,7 @@ static void a_kill_loses_nothing_committed(void **state)
         atlases[i] = random_atlas(pair_text, (uint64_t)i + 31, i + 1, 3);
     free(atlases[0]->branches[0].points);
     atlases[0]->branches[0].row.n_point = 2000;
-    fill_points(&atlases[0]->branches[0], 2);
+    fill_points(&atlases[0]->branches[0], ric_atlas_model(atlases[0]));
     srand(7);
     for (int round = 0; round < 25; round++) {
         int report[2], last = -1, status;
@@ -243,7 +243,7 @@ static void a_full_disk_is_reported(void **state)
     ric_atlas *made = random_atlas(pair_text, 1, 2, 2), *small = random_atlas(pair_text, 1, 1, 1), *read = NULL;
     free(made->branches[0].points);
     made->branches[0].row.n_point = 4000;
-    fill_points(&made->branches[0], 2);
+    fill_points(&made->branches[0], ric_atlas_model(made));
     made->branches[0].row.n_point = 10;
     make_file(in_folder("a"), made);
     int status;
