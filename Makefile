@@ -8,13 +8,17 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build demo paper test picture bench sanitize race memcheck faults fuzz clean
+.PHONY: help setup setup-tests build demo paper test check long ten time picture bench sanitize race memcheck faults fuzz clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
 	@echo "make paper     build and make the figures of the article, docs/gallery.md"
 	@echo "make test      build and run the whole test suite"
+	@echo "make check     the part of it that takes less than a minute, for before a commit"
+	@echo "make long      the whole suite in its long form: every case of what \`make test\` takes a sample of"
+	@echo "make ten       the suite TIMES=10 times in a row beside BUSY=2 busy processes: none may be red"
 	@echo "make bench     build and measure the speed"
+	@echo "make time      what is promised about time, on a machine that does nothing else"
 	@echo "make build     build the program and the library in $(BUILD)/"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
@@ -71,6 +75,20 @@ test:
 	@tools/setup tests
 	@$(MAKE) --no-print-directory build
 	@tools/run-tests $(BUILD)
+
+check: setup-tests build
+	@tools/run-tests $(BUILD) --no-suite slow
+
+long: setup-tests build
+	@RICOCHET_TEST_LONG=1 tools/run-tests $(BUILD) --timeout-multiplier 4
+
+TIMES ?= 10
+BUSY ?= 2
+ten: setup-tests build
+	@tools/ten -n $(TIMES) -b $(BUSY) $(BUILD)
+
+time: build
+	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
 
 picture: setup-tests build
 	@mkdir -p $(DEMO)

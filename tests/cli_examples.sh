@@ -57,10 +57,13 @@ for example in $examples; do
 done | xargs -P 2 -I{} sh -c '"$1" run "examples/$3/study.yaml" -o "$2/$3.ricochet" >"$2/$3.out" 2>&1; echo $? >"$2/$3.code"
     "$1" verify "$2/$3.ricochet" >"$2/$3.replay" 2>&1; echo $? >>"$2/$3.code"' sh "$ricochet" "$folder" {}
 
-# Ghosts of every branch that has one: they all end for a reason, with every point solved.
+# Ghosts of every branch that has one: they all end for a reason, with every point solved. Of the many modes of beam-lumped, a third of the time of
+# this program, the short form takes every seventh branch.
 ghosts() { # EXAMPLE
     local id
     rows "$1" branches id >"$folder/ids"
+    if [ "$1" = beam-lumped ]; then awk -v every="$(every_of 7)" 'NR % every == 0' "$folder/ids" >"$folder/some" && mv "$folder/some" "$folder/ids"; fi
+    [ -s "$folder/ids" ] || return 1
     while IFS= read -r id; do
         "$ricochet" points "$folder/$1.ricochet" --branch "$id" --ghost --csv 2>&1 | awk -v id="$id" -F, '
             /stopped: failed/ || /not fit|not converge/ { print "branch " id ": " $0; bad = 1 }
@@ -81,6 +84,14 @@ for example in $examples; do
 done
 
 ok 'elementary: branches' branches elementary 14
+complete() { # up to high energies and many impacts nothing is refused or lost
+    sed 's/^  energy:.*/  energy: [0, 1000]/; s/^  impacts:.*/  impacts: 24/; s/^  multiply:.*/  multiply: 1/; s/^  depth:.*/  depth: 0/' \
+        examples/elementary/study.yaml >"$folder/complete.yaml"
+    "$ricochet" run "$folder/complete.yaml" -o "$folder/complete.ricochet" 2>"$folder/said" || return 1
+    cat "$folder/said"
+    grep -q '^departures taken: ' "$folder/said" && ! grep -q 'refused\|failed\|no junctions' "$folder/said"
+}
+ok 'elementary: complete up to energy 1000 and 24 impacts' complete
 
 # The path of symmetric branches, and frequencies that close in on the locked one, 1.6329931618554521, from both sides.
 path='S6[010101] S4[0011] S10[0101010101] S6[000111] S14[01010101010101] S8[00001111] S18[010101010101010101]'

@@ -15,12 +15,6 @@ YAML
 sed 's/9, -1/9.5, -1/' "$folder/study.yaml" >"$folder/other.yaml"
 atlas=$folder/atlas.ricochet
 
-dump() # ATLAS: every row of every listing, to compare bit for bit
-{
-    "$ricochet" branches "$1" --json && "$ricochet" junctions "$1" --json
-    "$ricochet" branches "$1" --csv | tail -n +2 | cut -d, -f1 | while read -r id; do "$ricochet" points "$1" --branch "$id" --csv; done
-}
-
 hunt() { "$ricochet" hunt "$folder/study.yaml" --energy 5 --impacts 4 --lines 2000 --rows 15 --row 200 --random 5000 "$@"; }
 
 refused() # CODE PATTERN ARGUMENTS...
@@ -45,17 +39,17 @@ ok "below all stops there is nothing" test "$("$ricochet" hunt "$folder/study.ya
 hunt --csv >"$folder/first.csv" 2>/dev/null
 hunt --csv >"$folder/second.csv" 2>/dev/null
 ok "ten orbits at energy 5" test "$(tail -n +2 "$folder/first.csv" | wc -l)" = 10
-ok "the same ones again" diff "$folder/first.csv" "$folder/second.csv"
+ok "the same ones again" same "$folder/first.csv" "$folder/second.csv"
 
 hunt --atlas "$atlas" --csv >"$folder/lacking.csv" 2>"$folder/lacking"
 ok "nothing is unexplained" grep -q " 0 unexplained" "$folder/lacking"
 lacking=$(grep -c ,isolated, "$folder/lacking.csv")
 ok "some families are isolated" test "$lacking" -gt 0
-dump "$atlas" >"$folder/before.txt"
+tables "$atlas" >"$folder/before.txt"
 
 ok "they are added" hunt --atlas "$atlas" --add
-dump "$atlas" >"$folder/between.txt"
-ok "which changes no row" diff -q "$folder/before.txt" "$folder/between.txt"
+tables "$atlas" >"$folder/between.txt"
+ok "which changes no row" same "$folder/before.txt" "$folder/between.txt"
 cp "$atlas" "$folder/killed.ricochet"
 cp "$atlas" "$folder/workers.ricochet"
 ok "the next run follows them" "$ricochet" run "$folder/study.yaml" -o "$atlas"
@@ -64,10 +58,10 @@ ok "to branches that it did not have" grew
 ok "what they lead to verifies" "$ricochet" verify "$atlas"
 hunt --atlas "$atlas" --csv >"$folder/now.csv" 2>/dev/null
 ok "and nothing is isolated any more" test "$(grep -c ,isolated, "$folder/now.csv")" = 0
-dump "$atlas" >"$folder/whole.txt"
+tables "$atlas" >"$folder/whole.txt"
 ok "the same run again" "$ricochet" run "$folder/study.yaml" -o "$atlas"
-dump "$atlas" >"$folder/again.txt"
-ok "changes nothing" diff -q "$folder/whole.txt" "$folder/again.txt"
+tables "$atlas" >"$folder/again.txt"
+ok "changes nothing" same "$folder/whole.txt" "$folder/again.txt"
 
 for attempt in 1 2 3; do
     "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet" 2>/dev/null &
@@ -77,9 +71,9 @@ for attempt in 1 2 3; do
     wait $pid 2>/dev/null
 done
 ok "killed three times the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet"
-dump "$folder/killed.ricochet" >"$folder/killed.txt"
-ok "with the same atlas" diff -q "$folder/whole.txt" "$folder/killed.txt"
+tables "$folder/killed.ricochet" >"$folder/killed.txt"
+ok "with the same atlas" same "$folder/whole.txt" "$folder/killed.txt"
 ok "two workers" "$ricochet" run "$folder/study.yaml" -o "$folder/workers.ricochet" -j 2
-dump "$folder/workers.ricochet" >"$folder/workers.txt"
-ok "with the same atlas" diff -q "$folder/whole.txt" "$folder/workers.txt"
+tables "$folder/workers.ricochet" >"$folder/workers.txt"
+ok "with the same atlas" same "$folder/whole.txt" "$folder/workers.txt"
 finish

@@ -25,8 +25,6 @@ rows() # ATLAS
     for id in 1 2 3 5 8 13 21 34 55 89; do "$ricochet" points "$1" --branch $id --csv 2>/dev/null; done
 }
 
-same() { diff -q "$1" "$2"; }
-
 study 8 >"$folder/study.yaml"
 ok "one process" "$ricochet" run "$folder/study.yaml" -o "$folder/one.ricochet"
 rows "$folder/one.ricochet" >"$folder/one.txt"

@@ -7,6 +7,10 @@ number=0 failed=0
 # Whether the program was built with sanitizers: it is some times slower then, reserves terabytes of addresses and brings its own allocator.
 sanitized() { grep -q '__[at]san_init' "$ricochet"; }
 
+# Whether everything is to be tried that the suite takes a sample of (`make long`, CONTRIBUTING.md).
+long_form() { [ "${RICOCHET_TEST_LONG:-0}" != 0 ]; }
+every_of() { if long_form; then echo 1; else echo "$1"; fi; } # FEW: every how many cases one is taken
+
 # left_out NAME REASON: one test that is skipped
 left_out()
 {
@@ -27,6 +31,26 @@ ok() {
         failed=$((failed + 1))
     fi
 }
+
+# tables ATLAS: every row of every table bit for bit, but for the cache of traces and the texts about the run
+tables() {
+    python3 - "$1" <<'END'
+import sqlite3, sys
+atlas = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True)
+names = [name for (name,) in atlas.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name")]
+assert {"branch", "point", "junction"} <= set(names), names
+for name in names:
+    if name in ("trace", "meta") or name.startswith("sqlite_"):
+        continue
+    print(name)
+    for row in sorted(atlas.execute(f"SELECT * FROM {name}"), key=repr):
+        print(*(value.hex() if isinstance(value, (bytes, float)) else repr(value) for value in row))
+END
+    [ $? = 0 ] || echo "not read: $1 $RANDOM $RANDOM" # two that cannot be read are not the same
+}
+
+# same FILE FILE: they are, and there is something in them
+same() { [ -s "$1" ] && cmp "$1" "$2"; }
 
 # The plan, and the exit code of the program.
 finish() {

@@ -1,5 +1,5 @@
 /* Exploring is a function of the study: in whatever order the departures are taken, the atlas is the same bit for
- * bit. */
+ * bit. The short form tries one order beside the usual one, the long form three. */
 #include "stored_atlases.h"
 
 #include "explored.h"
@@ -43,8 +43,8 @@ static void say_difference(const ric_atlas *a, const ric_atlas *b, const char *n
 static void check(const ric_study *study, const char *name)
 {
     ric_atlas *usual = explore_shuffled(study, 0);
-    int different = 0;
-    for (uint64_t seed = 1; seed <= 3; seed += (uint64_t)every()) {
+    int different = 0, orders = 0;
+    for (uint64_t seed = 1; seed <= 3; seed += (uint64_t)every_of(3), orders++) {
         ric_atlas *atlas = explore_shuffled(study, seed * 0x9e3779b97f4a7c15u);
         if (!same_atlas(usual, atlas)) {
             different++;
@@ -53,7 +53,7 @@ static void check(const ric_study *study, const char *name)
         ric_atlas_free(atlas);
     }
     ric_atlas_free(usual);
-    if (different) fail_msg("%s: another atlas in %d of 3 orders", name, different);
+    if (different) fail_msg("%s: another atlas in %d of %d orders", name, different, orders);
 }
 
 static void check_example(const char *name)
