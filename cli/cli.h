@@ -7,7 +7,13 @@
 
 #include "ricochet.h"
 
-enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_WRONG = 2 };
+enum {
+    CLI_DONE = 0,
+    CLI_FAILED = 1,      /* could not be done */
+    CLI_WRONG = 2,       /* the call or the study is wrong */
+    CLI_LIMIT = 3,       /* stopped by a limit that was asked for: there is more to do */
+    CLI_INTERRUPTED = 130, /* by a signal; what a shell says of Ctrl-C */
+};
 
 typedef struct {
     const char *name;    /* "branches" */
@@ -63,6 +69,8 @@ int cli_list(const cli_listing *listing, int argc, char **argv);
 
 /* What `ricochet report` lists: rows with item, value and detail. */
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);
+/* Junctions whose label, C_ab, a stopped run has not measured yet. */
+int cli_unmeasured(const ric_atlas *atlas);
 /* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,
  * cmd_cascade.c and cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row);

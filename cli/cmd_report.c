@@ -85,6 +85,18 @@ static void add_regions(json_t *rows, const ric_atlas *atlas)
     }
 }
 
+int cli_unmeasured(const ric_atlas *atlas)
+{
+    int n = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction junction;
+        n += !ric_atlas_junction(atlas, id, &junction) && junction.b == 0 &&
+             (junction.kind == RIC_KIND_EXTREMUM || junction.kind == RIC_KIND_BRANCH_POINT ||
+              junction.kind == RIC_KIND_MULTIPLICATION);
+    }
+    return n;
+}
+
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
     static const char *const over[RIC_N_BUDGET] = {
@@ -104,6 +116,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
             sum.over[i] += junction.departures.over[i];
     }
     add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
+    if (cli_unmeasured(atlas))
+        add_count(rows, "junctions without a label", cli_unmeasured(atlas), "not measured yet; the run goes on with them");
     if (ric_atlas_n_unplaced(atlas))
         add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
                   "their junction does not converge");

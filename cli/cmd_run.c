@@ -9,14 +9,15 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "../src/atlas.h"
 #include "../src/crew.h"
 #include "../src/region.h"
 #include "../src/study.h"
 #include "cli.h"
 
 #define MANY_MODES 200
-#define GRACE 10.0    /* seconds that a run may take to stop by itself */
-#define LONGEST 1e9
+#define SHARE 1.25    /* a run lasts at least so many times as long as it takes to come to something new: one that was
+                       * stopped again and again on the way there would never end */
 
 const ric_crew *cli_run_crew = NULL;
 
@@ -25,7 +26,11 @@ const ric_crew *cli_run_crew = NULL;
 typedef struct {
     bool terminal, over; /* over: the time given has passed */
     double seconds;      /* given for the run; HUGE_VAL: any */
+    double news;         /* seconds until the run came to something that an earlier one had not done; 0: not yet */
     struct timespec start, shown;
+    ric_progress last;
+    const ric_atlas *before; /* what was in the file; NULL: nothing */
+    bool same, kept;     /* it is of the same study; its tables were left as they are */
 } display;
 
 static double seconds_since(const struct timespec *then)
@@ -38,14 +43,30 @@ static double seconds_since(const struct timespec *then)
 static bool show_progress(const ric_progress *now, void *user)
 {
     display *d = user;
+    const double passed = seconds_since(&d->start);
+    d->last = *now;
     if (d->terminal && seconds_since(&d->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%d branches, %d junctions, %d open departures, depth %d, %.0f s", now->branches,
-                now->junctions, now->open, now->depth, now->seconds);
+        fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
+        if (now->labels)
+            fprintf(stderr, "%d labels left, %.0f s", now->labels, now->seconds);
+        else
+            fprintf(stderr, "%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
-    d->over = seconds_since(&d->start) > d->seconds;
+    if (now->fresh && d->news == 0)
+        d->news = passed;
+    d->over = now->fresh && passed > fmax(d->seconds, SHARE * d->news);
     return d->over || cli_stopped();
+}
+
+/* An unfinished atlas takes the place of what was in the file, unless it is of the same study and has not come as far
+ * yet. */
+static bool worth(void *user, const ric_atlas *unfinished)
+{
+    display *d = user;
+    d->kept = d->before && d->same && !ric_atlas_contains(unfinished, d->before);
+    return !d->kept;
 }
 
 static void clear_progress(const display *d)
@@ -173,43 +194,47 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
     }
 }
 
-/* Where one orbit takes longer than the time given, nobody asks in between. The file is left as by a kill, which it
- * survives. */
-static void give_up(int number)
+/* What is left, and how to go on. */
+static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas, const display *d)
 {
-    static const char said[] =
-        "ricochet: the time given has long been over, in the middle of one orbit; what was done before is kept\n";
-    (void)number;
-    if (write(STDERR_FILENO, said, sizeof said - 1) < 0) _exit(CLI_FAILED);
-    _exit(CLI_FAILED);
+    if (d->over)
+        fprintf(stderr, "ricochet: the %g s given are over\n", d->seconds);
+    if (d->kept)
+        fprintf(stderr, "ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
+    else
+        fprintf(stderr, "ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;", path,
+                ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
+    if (d->last.open > 0)
+        fprintf(stderr, " %d departures of depth %d are left, and what follows from them", d->last.open, d->last.depth);
+    else
+        fputs(" all departures are done", stderr);
+    const int unmeasured = cli_unmeasured(atlas);
+    if (unmeasured)
+        fprintf(stderr, ", %d labels are not measured yet", unmeasured);
+    fprintf(stderr, "\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
+    return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
 
-static int explore(const ric_study *study, const char *path, long workers, double seconds)
+static int explore(const ric_study *study, const char *name, const char *path, long workers, double seconds)
 {
     display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
     clock_gettime(CLOCK_MONOTONIC, &d.start);
-    ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
+    const ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
+    const ric_explore_more more = {.crew = cli_run_crew, .worth = worth, .user = &d};
     ric_atlas *before = NULL, *atlas = NULL;
     if (!access(path, F_OK) && ric_atlas_read(path, &before))
         before = NULL; /* the run itself says what is wrong with it */
+    d.before = before;
+    d.same = before && !strcmp(ric_study_text(ric_atlas_study(before)), ric_study_text(study));
     cli_catch_signals();
-    if (seconds < LONGEST) {
-        signal(SIGALRM, give_up);
-        alarm((unsigned)(seconds + GRACE));
-    }
-    ric_status status = ric_explore_with(study, path, &options, cli_run_crew, &atlas);
-    alarm(0);
+    ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
     clear_progress(&d);
-    if (before && (!status || status == RIC_E_INTERRUPTED))
+    if (before && !d.kept && (!status || status == RIC_E_INTERRUPTED))
         tell_smaller(path, ric_atlas_study(before), study);
     ric_atlas_free(before);
-    if (status == RIC_E_INTERRUPTED) {
-        if (d.over)
-            fprintf(stderr, "ricochet: the %g s given are over\n", seconds);
-        fprintf(stderr, "ricochet: stopped; what was done is kept in %s, and the same command continues there\n", path);
-        return CLI_FAILED;
-    }
-    const int code = status ? cli_report(status) : print_summary(path, atlas, &d);
+    const int code = status == RIC_E_INTERRUPTED ? tell_stopped(path, name, atlas, &d)
+                     : status                    ? cli_report(status)
+                                                 : print_summary(path, atlas, &d);
     ric_atlas_free(atlas);
     return code;
 }
@@ -254,7 +279,7 @@ static int run(int argc, char **argv)
                          "give --seconds S to try for so long, or reduce the structure to the modes that matter",
                          argv[1], ric_model_n_mode(ric_study_model(study)));
     else
-        code = explore(study, path, workers, seconds);
+        code = explore(study, argv[1], path, workers, seconds);
     free(path);
     ric_study_free(study);
     return code;
@@ -273,8 +298,8 @@ const cli_command cli_run = {
         "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
         "  -j WORKERS     how many at a time, 1 unless given\n"
         "  --max-step H   largest arclength step, instead of the study's explore.step\n"
-        "  --seconds S    stop after that time; the same command goes on from there. Needed where more than\n"
-        "                 200 modes take part\n"
+        "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command goes on\n"
+        "                 from there. Needed where more than 200 modes take part\n"
         "\n"
         "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,

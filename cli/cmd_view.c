@@ -128,7 +128,7 @@ static int serve(const char *path, const view_options *o)
     }
 out:
     if (grower)
-        view_grower_stop(grower);
+        view_grower_leave(grower);
     view_server_stop(server); /* requests end before what they use */
     view_grower_free(grower);
     view_shelf_close(shelf);

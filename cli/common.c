@@ -51,7 +51,7 @@ int cli_report(ric_status status)
                                                              * something before */
         detail = "";
     fprintf(stderr, "ricochet: %s\n", detail[0] ? detail : ric_status_text(status));
-    return status == RIC_E_INPUT ? CLI_WRONG : CLI_FAILED;
+    return status == RIC_E_INPUT ? CLI_WRONG : status == RIC_E_INTERRUPTED ? CLI_INTERRUPTED : CLI_FAILED;
 }
 
 int cli_wrong(const char *format, ...)

@@ -7,10 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../src/atlas.h"
+#include "../src/crew.h"
 #include "../src/study.h"
 #include "view.h"
 
-#define SAME 1e-7 /* relative: ends of a branch in two runs, of which one met more junctions on the way */
+#define SHARE 1.25 /* an extension lasts at least so many times as long as it takes to come to something new */
 
 struct view_grower {
     view_shelf *shelf;
@@ -18,7 +20,10 @@ struct view_grower {
     pthread_t thread;
     pthread_mutex_t lock;
     bool begun, running, stop; /* a thread was started and not joined; it works; it is asked to stop */
-    bool restoring;
+    bool leaving;              /* the server ends */
+    const ric_atlas *before;   /* of the running thread: what is extended, and whether it was left as it is */
+    bool kept;
+    double news;               /* seconds until the extension came to something that was not done before; 0: not yet */
     double seconds;
     view_budgets budgets;
     ric_progress progress;
@@ -45,11 +50,19 @@ void view_grower_stop(view_grower *g)
     pthread_mutex_unlock(&g->lock);
 }
 
+void view_grower_leave(view_grower *g)
+{
+    pthread_mutex_lock(&g->lock);
+    g->stop = g->running;
+    g->leaving = true;
+    pthread_mutex_unlock(&g->lock);
+}
+
 void view_grower_free(view_grower *g)
 {
     if (!g)
         return;
-    view_grower_stop(g);
+    view_grower_leave(g);
     if (g->begun)
         pthread_join(g->thread, NULL);
     pthread_mutex_destroy(&g->lock);
@@ -71,7 +84,11 @@ static bool report(const ric_progress *now, void *user)
     view_grower *g = user;
     pthread_mutex_lock(&g->lock);
     g->progress = *now;
-    const bool stop = !g->restoring && (g->stop || (g->budgets.seconds > 0 && now->seconds > g->budgets.seconds));
+    if (now->fresh && g->news == 0)
+        g->news = now->seconds;
+    /* as `ricochet run --seconds`: whoever is stopped on the way to where he was never comes further */
+    const bool over = g->budgets.seconds > 0 && now->fresh && now->seconds > fmax(g->budgets.seconds, SHARE * g->news);
+    const bool stop = g->stop || over;
     pthread_mutex_unlock(&g->lock);
     return stop;
 }
@@ -107,61 +124,27 @@ static ric_status raise_budgets(ric_study *study, const view_budgets *b)
     return status ? status : raise_budget(study, "multiply", b->multiply);
 }
 
+/* What an extension has found until it is stopped may lack branches that were there, because larger budgets shape them
+ * anew: then the atlas stays as it was, and the finished work is kept in the file for the next time. So it does when
+ * the server ends, which shall not take the time to write. */
+static bool worth(void *user, const ric_atlas *unfinished)
+{
+    view_grower *g = user;
+    pthread_mutex_lock(&g->lock);
+    const bool leaving = g->leaving;
+    pthread_mutex_unlock(&g->lock);
+    g->kept = leaving || !ric_atlas_contains(unfinished, g->before);
+    return !g->kept;
+}
+
 static ric_status explore(view_grower *g, const ric_study *study)
 {
     const ric_run_options options = {.workers = g->workers, .progress = report, .user = g};
-    return ric_explore(study, view_shelf_path(g->shelf), &options);
+    const ric_explore_more more = {.worth = worth, .user = g};
+    return ric_explore_with(study, view_shelf_path(g->shelf), &options, &more, NULL);
 }
 
-static bool close_to(double a, double b)
-{
-    return fabs(a - b) <= SAME * (fabs(a) + fabs(b));
-}
-
-/* Whether two branches of different runs are the same curve. */
-static bool same_branch(const ric_branch *a, const ric_branch *b)
-{
-    return a->letters == b->letters && a->symmetric == b->symmetric && a->mode == b->mode &&
-           !memcmp(a->word, b->word, (size_t)a->letters * sizeof *a->word) && close_to(a->energy_min, b->energy_min) &&
-           close_to(a->energy_max, b->energy_max) && close_to(a->frequency_min, b->frequency_min) &&
-           close_to(a->frequency_max, b->frequency_max);
-}
-
-/* Whether every branch of `small` is in `large`. */
-static bool contains(const ric_atlas *large, const ric_atlas *small)
-{
-    const int n = ric_atlas_n_branch(large);
-    for (int id = 1; id <= ric_atlas_n_branch(small); id++) {
-        ric_branch a, b;
-        bool found = false;
-        if (ric_atlas_branch(small, id, &a))
-            return false;
-        for (int k = 1; k <= n && !found; k++) /* numbers shift a little, so that it is mostly near */
-            found = !ric_atlas_branch(large, 1 + (id - 1 + k - 1) % n, &b) && same_branch(&a, &b);
-        if (!found)
-            return false;
-    }
-    return true;
-}
-
-/* An extension that was stopped has written what it had, which may lack branches that were there, because larger
- * budgets shape them anew. Its finished work is kept in the file for the next time, but the tables then go back to the
- * study of before, which costs no tracing. */
-static ric_status put_back(view_grower *g, const ric_study *before, const ric_atlas *old, bool *done)
-{
-    ric_atlas *atlas = NULL;
-    ric_status status = ric_atlas_read(view_shelf_path(g->shelf), &atlas);
-    *done = !status && !contains(atlas, old);
-    ric_atlas_free(atlas);
-    if (!*done)
-        return status;
-    pthread_mutex_lock(&g->lock);
-    g->restoring = true;
-    pthread_mutex_unlock(&g->lock);
-    return explore(g, before);
-}
-
-static void finish(view_grower *g, ric_status status, int n_before, bool restored)
+static void finish(view_grower *g, ric_status status, int n_before, bool kept)
 {
     char message[sizeof g->message];
     view_data *data = NULL;
@@ -173,7 +156,7 @@ static void finish(view_grower *g, ric_status status, int n_before, bool restore
     if (!failed) {
         data = view_data_take(g->shelf);
         const int n = ric_atlas_n_branch(data->atlas) - n_before;
-        if (restored)
+        if (kept)
             snprintf(message, sizeof message,
                      "stopped early: the atlas is as before, and the work that was finished is kept in it for the next "
                      "time");
@@ -191,24 +174,18 @@ static void finish(view_grower *g, ric_status status, int n_before, bool restore
 static void *work(void *user)
 {
     view_grower *g = user;
-    ric_study *before = NULL, *larger = NULL;
-    bool restored = false;
+    ric_study *larger = NULL;
     view_data *data = view_data_take(g->shelf);
     const int n_before = ric_atlas_n_branch(data->atlas);
-    ric_status status = study_of(g, data, &before);
-    if (!status)
-        status = study_of(g, data, &larger);
+    g->before = data->atlas;
+    g->kept = false;
+    ric_status status = study_of(g, data, &larger);
     if (!status)
         status = raise_budgets(larger, &g->budgets);
     if (!status)
         status = explore(g, larger);
-    if (status == RIC_E_INTERRUPTED) {
-        const ric_status back = put_back(g, before, data->atlas, &restored);
-        status = back ? back : status;
-    }
     view_data_release(g->shelf, data);
-    finish(g, status, n_before, restored);
-    ric_study_free(before);
+    finish(g, status, n_before, g->kept);
     ric_study_free(larger);
     return NULL;
 }
@@ -244,14 +221,15 @@ ric_status view_grower_start(view_grower *g, const view_budgets *budgets)
     if (status)
         return status;
     pthread_mutex_lock(&g->lock);
-    if (g->running) {
+    if (g->running || g->leaving) {
         pthread_mutex_unlock(&g->lock);
         return RIC_E_BUSY;
     }
     if (g->begun)
         pthread_join(g->thread, NULL);
     g->budgets = *budgets;
-    g->stop = g->restoring = g->failed = false;
+    g->stop = g->failed = false;
+    g->news = 0;
     g->progress = (ric_progress){0};
     g->message[0] = '\0';
     g->running = g->begun = !pthread_create(&g->thread, NULL, work, g);
@@ -264,10 +242,10 @@ json_t *view_grower_status(view_grower *g)
 {
     pthread_mutex_lock(&g->lock);
     const ric_progress *p = &g->progress;
-    json_t *object = json_pack("{s:b,s:b,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "stopping",
-                               g->stop && g->running, "restoring", g->restoring && g->running, "failed", g->failed,
+    json_t *object = json_pack("{s:b,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "stopping",
+                               g->stop && g->running, "failed", g->failed,
                                "message", g->message, "branches", p->branches, "junctions", p->junctions, "open",
-                               p->open, "depth", p->depth, "seconds", p->seconds);
+                               p->open, "labels", p->labels, "depth", p->depth, "seconds", p->seconds);
     pthread_mutex_unlock(&g->lock);
     return object;
 }

@@ -535,6 +535,8 @@ typedef struct {
     int branches, junctions, open; /* so far, and departures not yet taken */
     double seconds;
     int depth;
+    int fresh;                     /* steps of branches, branches and labels that this run has added to the file */
+    int labels;                    /* at the end: junctions whose label is still to be measured */
 } ric_progress;
 
 typedef struct {

@@ -30,6 +30,9 @@ struct ric_atlas {
     ric_junction_record *junctions; /* [n_junction], id = index + 1 */
 };
 
+/* Whether every branch of `small` is in `large`, as far as words and ends tell. */
+bool ric_atlas_contains(const ric_atlas *large, const ric_atlas *small);
+
 /* Releases what the records own, not the array itself. */
 void ric_branch_record_free(ric_branch_record *branch);
 void ric_junction_record_free(ric_junction_record *junction);

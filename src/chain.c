@@ -5,6 +5,7 @@
 
 #include <lapacke.h>
 
+#include "halt.h"
 #include "status.h"
 
 #define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within
@@ -204,8 +205,18 @@ static void set_residual(ric_chain *c, const double *u, double largest)
     if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
 }
 
+/* Nothing is known of the orbit any more. */
+static bool halted(ric_chain *c)
+{
+    if (!ric_halt((double)c->n_flight * c->n * (8 + c->n))) return false;
+    c->residual = HUGE_VAL;
+    c->singular = true;
+    return true;
+}
+
 void ric_chain_fly(ric_chain *c, const double *u)
 {
+    if (halted(c)) return;
     double largest = fabs(start_state(c, u));
     for (int k = 0; k < c->n_flight; k++) {
         double gap = fabs(fly_one(c, c->n, k, u + c->n_start + k));
@@ -421,6 +432,7 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
 void ric_chain_evaluate(ric_chain *c, const double *u)
 {
     bool whole = ric_general(c);
+    if (halted(c)) return;
     if (c->parts > 1) {
         evaluate(c, u, c->n, whole, true);
         return;

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "chart_rows.h"
-#include "multiplicity.h"
 
 /* Whether a run starts at a mode. */
 static bool started(const ric_explore_options *o, int mode)
@@ -109,9 +108,6 @@ typedef struct {
     const ric_graph *graph;
     ric_sheet *sheets;
     ric_mark *marks;
-    ric_atlas *atlas;
-    ric_status (*beside)(void *user, const ric_atlas *atlas);
-    void *user;
 } workshop;
 
 static ric_status sheet_in_shop(void *user, int i)
@@ -125,19 +121,6 @@ static ric_status mark_in_shop(void *user, int i)
     const workshop *s = user;
     int node = s->marks[i].index;
     return ric_mark_make(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
-}
-
-/* What goes on beside comes first, because it takes longest; then C_ab of one junction after the other. */
-static ric_status measure_in_shop(void *user, int i)
-{
-    const workshop *s = user;
-    if (i == 0) return s->beside ? s->beside(s->user, s->atlas) : RIC_OK;
-    const ric_node *node = s->marks[i - 1].node;
-    ric_junction *row = &s->marks[i - 1].record.row;
-    if (!node || (node->kind != RIC_KIND_EXTREMUM && node->kind != RIC_KIND_BRANCH_POINT &&
-                  node->kind != RIC_KIND_MULTIPLICATION))
-        return RIC_OK;
-    return ric_multiplicity(s->graph->model, node, &row->a, &row->b, &row->decided);
 }
 
 /* Junctions are numbered, and branches in the order of what they meet. */
@@ -172,8 +155,7 @@ static ric_status bind_branches(const ric_graph *g, const ric_study *study, int 
     return RIC_OK;
 }
 
-ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool finished,
-                            ric_status (*beside)(void *user, const ric_atlas *atlas), void *user, ric_atlas **out)
+ric_status ric_chart(ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
 {
     ric_status status = RIC_OK;
     const ric_model *m = g->model;
@@ -190,8 +172,7 @@ ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool fin
         goto out;
     }
     if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
-    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark, .atlas = atlas, .beside = beside,
-                     .user = user};
+    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark};
     n_sheet += g->n_edge;
     mark_used(g, used);
     for (int i = 0; i < g->n_node; i++)
@@ -201,8 +182,7 @@ ric_status ric_chart_beside(const ric_graph *g, const ric_study *study, bool fin
     if ((status = put_in_order(n_mark, marks, n_sheet, sheets, id))) goto out;
     atlas->finished = finished;
     if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
-    shop.marks = marks;
-    status = ric_parallel(g->n_worker, n_mark + 1, measure_in_shop, &shop);
+    status = ric_marks_measure(g, n_mark, marks, &atlas->finished);
     if (!status) status = ric_marks_label(n_mark, marks);
     if (!status) status = ric_marks_name(study, n_mark, marks);
     if (status) goto out;
@@ -221,9 +201,4 @@ out:
     free(used);
     ric_atlas_free(atlas);
     return status;
-}
-
-ric_status ric_chart(const ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
-{
-    return ric_chart_beside(g, study, finished, NULL, NULL, out);
 }

@@ -5,11 +5,8 @@
 #include "atlas.h"
 #include "graph.h"
 
-ric_status ric_chart(const ric_graph *graph, const ric_study *study, bool finished, ric_atlas **out);
-
-/* The same, and meanwhile, on some thread, beside(user, atlas) is called once, if there is one: the branches of the
- * atlas are done, and its junctions, whose labels take all workers, are not there yet. */
-ric_status ric_chart_beside(const ric_graph *graph, const ric_study *study, bool finished,
-                            ric_status (*beside)(void *user, const ric_atlas *atlas), void *user, ric_atlas **out);
+/* Labels that are in the store of the graph are taken from there, others are measured and put there. When a stop is
+ * asked for (ric_graph_stopped) the rest stays unmeasured, and the atlas unfinished. */
+ric_status ric_chart(ric_graph *graph, const ric_study *study, bool finished, ric_atlas **out);
 
 #endif

@@ -167,6 +167,7 @@ static char *junction_label(const ric_junction *row, int number)
     const char *l = letter(row->kind);
     if (row->kind == RIC_KIND_GRAZING)
         snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
+    else if (*l == 'C' && row->b == 0) snprintf(text, sizeof text, "C%d_??", number); /* not measured yet */
     else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
     else snprintf(text, sizeof text, "%s%d", l, number);
     return strdup(text);

@@ -66,6 +66,9 @@ ric_status ric_mark_energies(const ric_graph *graph, int mode, ric_sheet *sheet,
 /* qsort: by impacts, energy, frequency and kind. */
 int ric_mark_order(const void *p, const void *q);
 
+/* C_ab of one junction after the other; those that a stop leaves unmeasured have a = b = 0, and then *all is false. */
+ric_status ric_marks_measure(ric_graph *graph, int n, ric_mark *marks, bool *all);
+
 /* Labels: within a family junctions are numbered in the order of their ids. */
 ric_status ric_marks_label(int n, ric_mark *marks);
 

@@ -15,10 +15,19 @@ typedef struct ric_crew {
     void *user;
 } ric_crew;
 
-/* ric_explore with a crew, which may be NULL, and with the atlas that was written, if `out` is not NULL: free *out,
- * which is NULL after a failure. */
-ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew,
-                            ric_atlas **out);
+/* What ric_explore can be given besides; any of them may be NULL. */
+typedef struct {
+    const ric_crew *crew;
+    /* Whether an atlas that a stop has left unfinished is worth more than the tables of the file, which it then
+     * replaces; NULL: it always is. The work is kept in either case. */
+    bool (*worth)(void *user, const ric_atlas *unfinished);
+    void *user;
+} ric_explore_more;
+
+/* ric_explore, and the atlas that was written, if `out` is not NULL: free *out, which is NULL after a failure
+ * other than RIC_E_INTERRUPTED. */
+ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run,
+                            const ric_explore_more *more, ric_atlas **out);
 
 /* At the other end: what is needed to prepare departures of a study. */
 typedef struct ric_hand ric_hand;

@@ -79,16 +79,10 @@ static ric_status check_springs(const ric_study *study)
     return status;
 }
 
-/* Beside the labels of junctions. */
-static ric_status write_branches(void *store, const ric_atlas *atlas)
-{
-    return ric_store_write_branches(store, atlas);
-}
-
 /* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or
  * on request to stop. */
-ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run, const ric_crew *crew,
-                            ric_atlas **out)
+ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run,
+                            const ric_explore_more *more, ric_atlas **out)
 {
     ric_store *store = NULL;
     ric_graph *graph = NULL;
@@ -103,17 +97,20 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if ((status = ric_store_open(path, study, &store))) goto out;
     if ((status = ric_store_set_solver(store, ric_trace_version()))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
-    graph->crew = crew;
+    graph->crew = more->crew;
     if ((status = ric_store_starts_get(store, &starts))) goto out;
     if ((status = ric_starts_parse(ric_study_model(study), starts, &graph->starts))) goto out;
     status = ric_graph_explore(graph, run);
     if (status && status != RIC_E_INTERRUPTED) goto out;
-    written = ric_chart_beside(graph, study, status == RIC_OK, write_branches, store, &atlas);
-    written = ric_store_write_junctions(store, written, atlas);
+    written = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
+    if (!written) written = ric_chart(graph, study, status == RIC_OK, &atlas);
+    if (!written && (atlas->finished || !more->worth || more->worth(more->user, atlas)))
+        written = ric_store_write(store, atlas);
     if (written) status = written;
-    else if (status) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request; the same command goes on from here");
+    else if (!atlas->finished)
+        status = ric_fail(RIC_E_INTERRUPTED, "stopped on request; the same command goes on from here");
 out:
-    if (out && !status) *out = atlas;
+    if (out && (!status || status == RIC_E_INTERRUPTED)) *out = atlas;
     else ric_atlas_free(atlas);
     ric_graph_free(graph);
     ric_store_close(store);
@@ -123,7 +120,7 @@ out:
 
 ric_status ric_explore(const ric_study *study, const char *path, const ric_run_options *run)
 {
-    return ric_explore_with(study, path, run, NULL, NULL);
+    return ric_explore_with(study, path, run, &(ric_explore_more){0}, NULL);
 }
 
 /* --------------------------------------------------------- at the other end */

@@ -7,6 +7,7 @@
 #include "crossing.h"
 #include "depart.h"
 #include "graph_parts.h"
+#include "pause.h"
 #include "ring.h"
 #include "pack.h"
 #include "status.h"
@@ -23,88 +24,209 @@
 
 /* ------------------------------------------------------------------- tracing */
 
+/* What is traced: departure `choice` of a node (side -1: the other way, at a branch that passes); or the way back from
+ * the end of a trace of that departure, `along`, to its other end. */
+typedef struct {
+    const ric_limits *limits; /* outlive the trace */
+    const ric_node *node;
+    unsigned choice;
+    int side;
+    const ric_trace *along;
+} course;
+
 /* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
-static void trace_key(const ric_limits *l, const ric_node *node, unsigned choice, int side, char *key, size_t size)
+static void trace_key(const course *way, char *key, size_t size)
 {
+    const ric_limits *l = way->limits;
+    const ric_node *node = way->node;
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
     int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
-                        node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, choice, side,
+                        node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, way->choice,
+                        way->side,
                         l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply, hash);
-    if (l->n_asked) snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
+    if (l->n_asked)
+        used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
+    if (way->along) snprintf(key + used, size - (size_t)used, " back");
+}
+
+/* A trace that was broken off is kept beside those that are finished, with the attempt that it belongs to. */
+static const char *paused_key(const char *key, char *out, size_t size)
+{
+    snprintf(out, size, "%s paused", key);
+    return out;
 }
 
 /* For later runs, or for the owner of the graph. */
 static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, size_t size)
 {
-    if (ric_starved()) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) return whole;
+    (g->owner ? g->owner : g)->fresh++;
     if (g->recall.worker) ric_memo_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
-    return g->store ? ric_store_trace_put(g->store, key, blob ? blob : "", size) : RIC_OK;
+    if (!g->store) return RIC_OK;
+    char name[1040];
+    ric_status status = ric_store_trace_put(g->store, key, blob ? blob : "", size);
+    return status ? status : ric_store_trace_drop(g->store, paused_key(key, name, sizeof name));
+}
+
+static ric_status keep_paused(ric_graph *g, const char *key, int parts, const ric_trace *tr)
+{
+    char name[1040];
+    void *blob = NULL;
+    size_t size;
+    ric_status status = ric_trace_pause(tr, parts, &blob, &size);
+    paused_key(key, name, sizeof name);
+    if (!status && g->store) status = ric_store_trace_put(g->store, name, blob, size);
+    else if (!status && g->recall.worker) ric_memo_put(g->recall.memo, name, strlen(name), blob, size);
+    free(blob);
+    return status;
+}
+
+/* *out stays NULL where there is none; what cannot be read is traced from its start. */
+static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char *key, int *parts, ric_trace **out)
+{
+    char name[1040];
+    void *blob = NULL;
+    size_t size = 0;
+    ric_status status = RIC_OK;
+    paused_key(key, name, sizeof name);
+    *parts = 0;
+    *out = NULL;
+    if (g->store) status = ric_store_trace_get(g->store, name, &blob, &size);
+    else if (g->recall.worker) blob = ric_memo_take(g->recall.memo, name, strlen(name), &size);
+    if (blob && ric_trace_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM) status = RIC_E_NOMEM;
+    free(blob);
+    return status;
+}
+
+/* The start of a trace that goes from the end of `tr` back along it. */
+static ric_status turn_back(const ric_trace *tr, ric_trace **out)
+{
+    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
+                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
+                            1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
+    ric_chain *chain = ric_chain_copy(tr->chain);
+    double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
+    if (!back) {
+        ric_chain_free(chain);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
+    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, tr->limits, out);
+    free(back);
+    return status;
 }
 
 /* *out stays NULL where nothing admissible departs. */
-static ric_status trace_once(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice,
-                             int side, ric_trace **out)
+static ric_status set_out(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
 {
     ric_chain *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
-    *out = NULL;
-    ric_status status = ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore);
-    if (!status && chain && !(status = ric_trace_create(chain, u0, t0, ignore, limits, out)))
-        status = ric_trace_run(*out);
-    if (status) {
-        ric_trace_free(*out);
-        *out = NULL;
-    }
+    if (way->along) return turn_back(way->along, out);
+    ric_status status = ric_node_depart(m, node, way->choice, way->side, &chain, &u0, &t0, &ignore);
+    if (!status && chain) status = ric_trace_create(chain, u0, t0, ignore, way->limits, out);
     free(u0);
     free(t0);
     return status;
 }
 
-/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
- * sought once more with inner nodes, and with more of them (nodes.h). What the last attempt finds counts. */
-static ric_status trace_in_parts(const ric_model *m, const ric_limits *limits, const ric_node *node, unsigned choice,
-                                 int side, ric_trace **out)
+/* *out that is not NULL before is a trace that was broken off, and goes on; as it does after RIC_E_INTERRUPTED. */
+static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
 {
-    ric_status status = trace_once(m, limits, node, choice, side, out);
-    for (int parts = PARTS; m->smooth && parts <= MOST_PARTS; parts *= MORE_PARTS) {
-        bool lost = *out && ((*out)->stop == RIC_STOP_FAILED || (*out)->steep);
-        if ((!lost && status != RIC_E_NUMERIC) || node->cycle->parts >= parts) continue;
-        ric_node *divided = ric_node_copy(node);
-        if (!divided) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
-        divided->cycle->parts = parts;
+    ric_status status = *out ? RIC_OK : ric_trust(set_out(m, way, node, out));
+    bool begun = !status;
+    if (begun && *out) status = ric_trace_run(*out);
+    if (status && !(begun && status == RIC_E_INTERRUPTED)) {
         ric_trace_free(*out);
-        status = trace_once(m, limits, divided, choice, side, out);
-        ric_node_free(divided);
+        *out = NULL;
     }
     return status;
 }
 
-/* As trace_departure, within limits that outlive the trace. */
-static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side,
-                               ric_trace **out)
+/* The next number of parts between inner nodes that is worth an attempt, 0: none. */
+static int more_parts(const ric_model *m, const course *way, int parts)
+{
+    if (!m->smooth || way->along) return 0;
+    do parts = parts ? MORE_PARTS * parts : PARTS;
+    while (parts <= way->node->cycle->parts);
+    return parts <= MOST_PARTS ? parts : 0;
+}
+
+/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
+ * sought once more with inner nodes, and with more of them (nodes.h). What the last attempt finds counts. *parts: the
+ * attempt, 0 the first; with *out it is one that was broken off. */
+static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts, ric_trace **out)
+{
+    for (;;) {
+        ric_node *divided = ric_node_copy(way->node);
+        if (!divided) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        if (*parts) divided->cycle->parts = *parts;
+        ric_status status = trace_once(m, way, divided, out);
+        ric_node_free(divided);
+        bool lost = *out && ((*out)->stop == RIC_STOP_FAILED || (*out)->steep);
+        int more = status == RIC_E_NUMERIC || (!status && lost) ? more_parts(m, way, *parts) : 0;
+        if (!more) return status;
+        *parts = more;
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+}
+
+/* A trace that is kept: as nothing where nothing departs, as the reason where it could not be traced. */
+static const char refused[] = "refused: ";
+
+static ric_status pack_outcome(ric_status status, const ric_trace *tr, void **blob, size_t *size)
+{
+    *size = 0;
+    if (!status) return tr ? ric_trace_pack(tr, blob, size) : RIC_OK;
+    const char *why = ric_detail();
+    *size = sizeof refused + strlen(why);
+    if (!(*blob = malloc(*size))) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
+    snprintf(*blob, *size, "%s%s", refused, why);
+    return RIC_OK;
+}
+
+static ric_status unpack_outcome(const ric_model *m, const ric_limits *limits, const char *blob, size_t size,
+                                 ric_trace **out)
+{
+    size_t head = sizeof refused - 1;
+    if (size == 0) return RIC_OK;
+    if (size > head && !memcmp(blob, refused, head) && !blob[size - 1])
+        return ric_fail(RIC_E_NUMERIC, "%s", blob + head);
+    return ric_trace_unpack(m, limits, blob, size, out);
+}
+
+static ric_status trace_course(ric_graph *g, const course *way, ric_trace **out)
 {
     char key[1024];
     void *blob = NULL;
     size_t size;
+    int parts;
     ric_status status = RIC_OK;
     *out = NULL;
-    trace_key(limits, node, choice, side, key, sizeof key);
+    trace_key(way, key, sizeof key);
     if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
     bool stored = blob != NULL;
     if (!blob && g->recall.memo && !g->recall.worker) blob = ric_memo_take(g->recall.memo, key, strlen(key), &size);
     if (blob) {
-        status = size ? ric_trace_unpack(g->model, limits, blob, size, out) : RIC_OK;
-        if (!status && !stored) status = keep_trace(g, key, blob, size);
+        if (!stored) status = keep_trace(g, key, blob, size);
+        if (!status) status = unpack_outcome(g->model, way->limits, blob, size, out);
         free(blob);
         return status;
     }
-    if ((status = trace_in_parts(g->model, limits, node, choice, side, out))) return status;
-    if (g->store || g->recall.worker) {
-        if (!(status = *out ? ric_trace_pack(*out, &blob, &size) : (size = 0, RIC_OK)))
-            status = keep_trace(g, key, blob, size);
+    if ((status = take_paused(g, way->limits, key, &parts, out))) return status;
+    status = trace_in_parts(g->model, way, &parts, out);
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) status = whole;
+    if (status == RIC_E_INTERRUPTED && (*out || parts) && keep_paused(g, key, parts, *out)) status = RIC_E_NOMEM;
+    if ((!status || status == RIC_E_NUMERIC) && (g->store || g->recall.worker)) {
+        ric_status kept = pack_outcome(status, *out, &blob, &size);
+        if (!kept) kept = keep_trace(g, key, blob, size);
+        if (kept) status = kept;
+        else if (status) status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof refused - 1);
     }
     if (status) {
         ric_trace_free(*out);
@@ -112,6 +234,13 @@ static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric
     }
     free(blob);
     return status;
+}
+
+/* As trace_departure, within limits that outlive the trace. */
+static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side,
+                               ric_trace **out)
+{
+    return trace_course(g, &(course){limits, node, choice, side, NULL}, out);
 }
 
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A
@@ -131,7 +260,7 @@ bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choi
     void *blob = NULL;
     size_t size;
     if (!g->store) return false;
-    trace_key(&g->limits, node, choice, 1, key, sizeof key);
+    trace_key(&(course){&g->limits, node, choice, 1, NULL}, key, sizeof key);
     bool found = !ric_store_trace_get(g->store, key, &blob, &size) && blob;
     free(blob);
     return found;
@@ -251,7 +380,7 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
     }
     if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
     ric_cycle_free(cycle);
-    return status;
+    return ric_trust(status);
 }
 
 /* ------------------------------------------------------------------- edges */
@@ -409,6 +538,9 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     e->mode = mode;
     ric_status status = note_orbits(e);
     for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
+    status = ric_trust(status);
+    /* no branch with some of its junctions */
+    if (status == RIC_E_INTERRUPTED) ric_edge_release(&g->edges[--g->n_edge]);
     return status;
 }
 
@@ -437,10 +569,17 @@ static void supersede(ric_graph *g)
     }
 }
 
+/* What was taken for known is not, because following it was broken off. */
+static void reopen(ric_status status, ric_node *node, unsigned choice)
+{
+    for (int i = 0; i < node->n_departure && status == RIC_E_INTERRUPTED; i++)
+        if (node->departures[i].choice == choice) node->departures[i].state = RIC_DEPARTURE_OPEN;
+}
+
 ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, bool *taken)
 {
     ric_trace *tr = NULL;
-    int to;
+    int to = -1;
     unsigned arrive;
     bool turned = false;
     ric_status status = trace_departure(g, g->nodes[from], choice, 1, &tr);
@@ -455,33 +594,11 @@ ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, 
     if (turned) status = finish_edge(g, tr, to, arrive, from, choice, depth, mode);
     else status = finish_edge(g, tr, from, choice, to, arrive, depth, mode);
     if (!status) supersede(g);
+    else if (to >= 0) reopen(status, g->nodes[to], arrive);
     return status;
 out:
+    if (to >= 0) reopen(status, g->nodes[to], arrive);
     ric_trace_free(tr);
-    return status;
-}
-
-/* Traces from the end of `tr` back along it, to its other end. */
-static ric_status trace_back(const ric_trace *tr, ric_trace **out)
-{
-    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
-                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
-                            1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
-    ric_chain *chain = ric_chain_copy(tr->chain);
-    double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
-    *out = NULL;
-    if (!back) {
-        ric_chain_free(chain);
-        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
-    }
-    for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
-    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, tr->limits, out);
-    if (!status) status = ric_trace_run(*out);
-    free(back);
-    if (status) {
-        ric_trace_free(*out);
-        *out = NULL;
-    }
     return status;
 }
 
@@ -503,13 +620,15 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
         bool taken;
         ric_graph_mark(g, g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
         status = ric_graph_follow(g, to[i], arrive[i], depth, &taken);
+        reopen(status, g->nodes[to[i]], arrive[i]);
         goto out;
     }
     /* neither end is a junction that branches depart from */
     int first = tr[0]->end.u ? 0 : 1, far;
     unsigned choice;
     if (!tr[first]->end.u) goto out;
-    if ((status = trace_back(tr[first], &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
+    const course back = {tr[first]->limits, g->nodes[inside], through, first ? -1 : 1, tr[first]};
+    if ((status = trace_course(g, &back, &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
     status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
     whole = NULL;

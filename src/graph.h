@@ -32,7 +32,8 @@ typedef struct {
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 
-typedef struct {
+typedef struct ric_graph ric_graph;
+struct ric_graph {
     const ric_study *study;
     const ric_model *model;
     const ric_explore_options *options;
@@ -46,6 +47,8 @@ typedef struct {
     ric_progress progress;
     struct timespec start;
     atomic_bool stopping;    /* somebody asked to stop */
+    atomic_int fresh;        /* steps, traces and labels that this exploration has added to what is kept */
+    ric_graph *owner;        /* of a worker's graph; NULL: it is the owner's own */
     int n_worker;            /* departures that are followed at a time */
     ric_workers *workers;    /* NULL: none beside the owner */
     ric_starts starts;       /* orbits given to start from, owned */
@@ -57,13 +60,15 @@ typedef struct {
     ric_edge *edges;
     uint64_t shuffle;        /* 0; else departures of one depth are taken in another order: for tests, which expect the
                               * same atlas */
-} ric_graph;
+};
 
 ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph **out);
 void ric_graph_free(ric_graph *graph);
 
 /* Everything within the study's budgets; `run` may be NULL. RIC_E_INTERRUPTED leaves a consistent, unfinished graph. */
 ric_status ric_graph_explore(ric_graph *graph, const ric_run_options *run);
+/* Shows whoever runs the exploration how far it is, and asks whether to stop. */
+bool ric_graph_stopped(ric_graph *graph);
 /* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. Takes
  * over the node. */
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice);

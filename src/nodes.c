@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "halt.h"
 #include "status.h"
 
 /* ---------------------------------------------------------------- the parts */
@@ -66,6 +67,12 @@ static bool again(ric_chain *c, const double *from, const double *u)
     return false;
 }
 
+/* A flight that was broken off is none that is known. */
+static void forget(ric_chain *c)
+{
+    if (ric_halted()) memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
+}
+
 bool ric_nodes_fly(ric_chain *c, int k, const double *u)
 {
     const ric_model *m = c->model;
@@ -75,6 +82,7 @@ bool ric_nodes_fly(ric_chain *c, int k, const double *u)
     if (c->parts == 1) {
         ric_flight_smooth(m, *u, start, c->map + c->stride * (size_t)k, &c->lost, end);
         ric_flight_rate(m, 0, end, c->rate + n2 * k);
+        forget(c);
         return true;
     }
     c->lost = 0;
@@ -89,6 +97,7 @@ bool ric_nodes_fly(ric_chain *c, int k, const double *u)
     }
     memcpy(end, end_of(c, c->parts - 1), (size_t)n2 * sizeof *end);
     memcpy(c->rate, rate_of(c, c->parts - 1), (size_t)n2 * sizeof *end);
+    forget(c);
     return true;
 }
 

@@ -8,7 +8,7 @@
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
  * stored is dropped when a run begins (ric_trace_version). */
-#define PACK_FORMAT 4
+#define PACK_FORMAT 5
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
 #define SANE 10000000
@@ -133,6 +133,7 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     tr->n_point = tr->point_capacity = h.n_point;
     int n_test = RIC_N_TEST + tr->n_resonance + limits->n_asked;
     if (!(tr->events = calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
+    tr->event_capacity = h.n_event + 1;
     for (int i = 0; i < h.n_event; i++) {
         tr->n_event = i + 1;
         if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->events[i])) goto damaged;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "halt.h"
 #include "phase.h"
 
 /* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both
@@ -177,7 +178,7 @@ static void search_flight(search *q, sample first, sample last)
     int top = 0;
     left[0] = first;
     right[0] = last;
-    while (top >= 0) {
+    while (top >= 0 && !ric_halt(16 * q->n)) {
         sample l = left[top], r = right[top];
         bool single;
         top--;

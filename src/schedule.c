@@ -1,14 +1,53 @@
 /* The order of work: which departures lie within the budgets, in what order they are taken, and what is handed to
  * workers ahead of that. */
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "graph_parts.h"
+#include "halt.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
 #define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
+
+static double seconds_since(const struct timespec *start)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
+}
+
+/* Shows how far the owner has come and asks whether to stop. */
+static bool stopped(void *user)
+{
+    ric_graph *g = user;
+    if (!g->run || !g->run->progress) return false;
+    g->progress.branches = g->n_edge;
+    g->progress.junctions = g->n_node;
+    g->progress.fresh = g->fresh;
+    g->progress.seconds = seconds_since(&g->start);
+    if (g->run->progress(&g->progress, g->run->user)) g->stopping = true;
+    return g->stopping;
+}
+
+bool ric_graph_stopped(ric_graph *g)
+{
+    return stopped(g);
+}
+
+/* The same for a worker, who follows the owner. */
+static bool owner_stopped(void *user)
+{
+    return ((ric_graph *)user)->stopping;
+}
+
+/* A step of a trace is kept, even if the trace itself is not finished (pause.h). */
+static void count_step(void *user)
+{
+    ((ric_graph *)user)->fresh++;
+}
 
 /* `multiple`: of the node, or that of a duplicate of it. */
 static ric_budgets budgets_at(const ric_graph *g, const ric_node *node, int multiple)
@@ -61,7 +100,7 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         d->state = RIC_DEPARTURE_OVER_BUDGET;
         return RIC_OK;
     }
-    if (d->job && !ric_workers_await(g->workers, d->job, g->limits.stop, g->limits.user))
+    if (d->job && !ric_workers_await(g->workers, d->job, stopped, g))
         return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
     if (ric_node_passes(node, choice)) {
@@ -84,7 +123,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
         status = ric_graph_follow(g, index, choice, depth, &taken);
         if (!status && !taken) node->departures[place].state = RIC_DEPARTURE_INADMISSIBLE;
     }
-    if (ric_starved()) status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) status = whole;
     if (status == RIC_E_INTERRUPTED || status == RIC_E_NOMEM) node->departures[place].state = RIC_DEPARTURE_OPEN;
     if (status == RIC_E_NUMERIC) {
         node->departures[place].state = RIC_DEPARTURE_REFUSED;
@@ -174,13 +214,6 @@ static ric_status list_duplicates(ric_graph *g, int depth)
     return RIC_OK;
 }
 
-static double seconds_since(const struct timespec *start)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
-}
-
 /* Now and then what was traced is made safe against a kill. */
 static ric_status save_now_and_then(ric_graph *g, double *saved)
 {
@@ -188,24 +221,6 @@ static ric_status save_now_and_then(ric_graph *g, double *saved)
     if (!g->store || now - *saved < SAVE_EVERY) return RIC_OK;
     *saved = now;
     return ric_store_commit(g->store);
-}
-
-/* Shows how far the owner has come and asks whether to stop. */
-static bool stopped(void *user)
-{
-    ric_graph *g = user;
-    if (!g->run || !g->run->progress) return false;
-    g->progress.branches = g->n_edge;
-    g->progress.junctions = g->n_node;
-    g->progress.seconds = seconds_since(&g->start);
-    if (g->run->progress(&g->progress, g->run->user)) g->stopping = true;
-    return g->stopping;
-}
-
-/* The same for a worker, who follows the owner. */
-static bool owner_stopped(void *user)
-{
-    return ((ric_graph *)user)->stopping;
 }
 
 static void refuse_all(ric_graph *g, const char *why)
@@ -228,13 +243,15 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
         return;
     }
     *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .deep = g->deep,
-                         .largest = g->largest, .recall = {g->recall.memo, true}};
-    alone->limits.stop = alone->deep.stop = owner_stopped;
+                         .largest = g->largest, .recall = {g->recall.memo, true}, .owner = g};
+    alone->limits.stepped = alone->deep.stepped = count_step;
     alone->limits.user = alone->deep.user = g;
+    ric_halt_ask(owner_stopped, g);
     for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
     if (ric_graph_append(alone, node) == 0)
         for (int i = 0; i < node->n_departure; i++)
             if (node->departures[i].choice == choice) take(alone, 0, i, 1); /* an error is met again by the owner */
+    ric_halt_ask(NULL, NULL);
     ric_graph_free(alone);
 }
 
@@ -289,8 +306,9 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     g->run = run;
     g->stopping = false;
     ric_forget_hunger();
-    g->limits.stop = g->deep.stop = stopped;
+    g->limits.stepped = g->deep.stepped = count_step;
     g->limits.user = g->deep.user = g;
+    ric_halt_ask(stopped, g);
     ric_status status = ric_graph_start(g);
     if (status) return status;
     if (g->model->n_part > 1) {
@@ -324,8 +342,20 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         for (int i = 0; i < g->n_node; i++) deeper |= g->nodes[i]->depth > depth;
         if (!deeper) break;
     }
-    if (!status && ric_starved()) status = ric_fail(RIC_E_NOMEM, "no memory for an atlas");
+    status = ric_trust(status);
     return status ? status : ric_graph_settle(g);
+}
+
+/* What workers have left and nobody has asked for: finished traces, and traces that were broken off. Their keys are
+ * texts that begin with a digit (follow.c), those of junctions do not (solve.c). */
+static void save_left(const void *key, size_t key_size, const void *value, size_t size, void *user)
+{
+    ric_store *store = user;
+    char text[1024];
+    if (key_size >= sizeof text || !isdigit(*(const unsigned char *)key)) return;
+    memcpy(text, key, key_size);
+    text[key_size] = 0;
+    ric_store_trace_put(store, text, value, size); /* what cannot be kept is computed again */
 }
 
 ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
@@ -341,7 +371,9 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     status = explore(g, run);
     if (g->crew) g->crew->leave(g->crew->user);
 out:
+    ric_halt_ask(NULL, NULL);
     ric_workers_free(g->workers);
+    if (status == RIC_E_INTERRUPTED && g->store && g->recall.memo) ric_memo_drain(g->recall.memo, save_left, g->store);
     ric_memo_free(g->recall.memo);
     g->workers = NULL;
     g->recall.memo = NULL;

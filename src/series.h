@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "halt.h"
 #include "motion.h"
 
 /* Last terms of the series, relative to the largest coordinate: the terms left out add up to a quarter of it. */
@@ -291,7 +292,7 @@ static inline __attribute__((always_inline)) bool fly_series(const ric_model *m,
     if (!isfinite((double)tau)) return false;
     for (int f = 0; f < contacts; f++) plan(m->contact[f].exponent, &p[f]);
     for (int step = 0; left > 0; step++) {
-        if (step == RIC_SMOOTH_STEPS) return false;
+        if (step == RIC_SMOOTH_STEPS || ric_halt(ORDER * ORDER * (1.0 + contacts) * (1 + columns))) return false;
         memcpy(W, w, 2 * (size_t)n * sizeof *w);
         if (columns) memcpy(A, X, 2 * (size_t)n * columns * sizeof *X);
         for (int j = 0; j < ORDER; j++) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "halt.h"
 #include "status.h"
 
 /* ---------------------------------------------------------------- passages */
@@ -83,6 +84,7 @@ static ric_status find_passage(ric_graph *g, int index, ric_departure *d)
     for (int i = 0; i < g->n_edge; i++) {
         ric_edge *e = &g->edges[i];
         if (e->from == index || e->to == index || !ric_edge_contains(g->model, e, node, &at)) continue;
+        if (ric_halted()) return RIC_OK; /* it may be none; the caller asks, too */
         d->state = RIC_DEPARTURE_KNOWN;
         return ric_edge_attach(e, index, d->choice, at);
     }
@@ -122,8 +124,8 @@ ric_status ric_graph_settle(ric_graph *g)
     for (int i = 0; i < g->n_node && !status; i++)
         for (int j = 0; j < g->nodes[i]->n_departure && !status; j++) {
             ric_departure *d = &g->nodes[i]->departures[j];
-            status = find_passage(g, i, d);
-            if (d->state == RIC_DEPARTURE_OPEN) {
+            status = ric_trust(find_passage(g, i, d));
+            if (!status && d->state == RIC_DEPARTURE_OPEN) {
                 d->state = RIC_DEPARTURE_OVER_BUDGET;
                 d->budget = RIC_BUDGET_DEPTH;
             }

@@ -197,7 +197,12 @@ ric_status ric_solve_node(const ric_model *m, ric_recall recall, ric_solve solve
     if (bytes && size <= 1) status = size ? RIC_OK : ric_fail(RIC_E_NUMERIC, "a junction does not converge");
     else if (bytes) status = ric_node_unpack(m, bytes, size, out);
     else status = compute(m, &solve, cycle, out);
-    if (key && recall.worker && !ric_starved()) keep(recall.memo, key, key_size, status, *out);
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) { /* whatever was found, or was not */
+        ric_node_free(*out);
+        *out = NULL;
+        status = whole;
+    } else if (key && recall.worker) keep(recall.memo, key, key_size, status, *out);
     free(bytes);
     free(key);
     return status;

@@ -38,7 +38,7 @@ struct ric_store {
     ric_database file;
     char *path, *lock_path;
     int lock; /* descriptor that holds the lock, -1 = none */
-    sqlite3_stmt *get, *put;
+    sqlite3_stmt *get, *put, *drop;
     bool tables_begun; /* the tables are being replaced */
 };
 
@@ -167,6 +167,8 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     if (!status)
         status = ric_database_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
                                       &store->put);
+    if (!status)
+        status = ric_database_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
 out:
     if (status)
         ric_store_close(store);
@@ -181,6 +183,7 @@ void ric_store_close(ric_store *store)
         return;
     sqlite3_finalize(store->get);
     sqlite3_finalize(store->put);
+    sqlite3_finalize(store->drop);
     /* What was put is worth keeping; if the disk refuses, the last commit still stands. */
     if (store->file.db && !sqlite3_get_autocommit(store->file.db) &&
         sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
@@ -227,6 +230,18 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
     sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(blob, size));
     status = code ? ric_database_fail(store->file, code) : ric_database_step(store->file, store->put, &row);
     sqlite3_clear_bindings(store->put);
+    return status;
+}
+
+ric_status ric_store_trace_drop(ric_store *store, const char *key)
+{
+    bool row;
+    ric_status status = begin(store->file);
+    if (status)
+        return status;
+    sqlite3_bind_text(store->drop, 1, key, -1, SQLITE_STATIC);
+    status = ric_database_step(store->file, store->drop, &row);
+    sqlite3_clear_bindings(store->drop);
     return status;
 }
 

@@ -307,13 +307,28 @@ ric_status ric_trace_keep(ric_trace *tr, const ric_station *p)
 
 /* -------------------------------------------------------------------- start */
 
+ric_status ric_trace_equip(ric_trace *tr)
+{
+    int n = tr->chain->n_unknown, n_pair = tr->chain->n - 1;
+    size_t size = (size_t)n;
+    tr->du = calloc(size, sizeof(double));
+    tr->guess = calloc(size, sizeof(double));
+    tr->start_u = calloc(size, sizeof(double));
+    tr->start_t = calloc(size, sizeof(double));
+    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, n, n_pair) ||
+        !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
+        !station_create(&tr->past, n, n_pair))
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    return ric_floquet_create(tr->chain->n, &tr->floquet);
+}
+
 ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
                             const ric_limits *limits, ric_trace **out)
 {
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
     ric_trace *tr = calloc(1, sizeof *tr);
-    int iterations, n_pair = chain->n - 1;
+    int iterations;
     *out = NULL;
     if (!tr) {
         ric_chain_free(chain);
@@ -325,17 +340,11 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     tr->ignore = ignore;
     tr->end.test = -1;
     tr->stride = sizeof(ric_point) / sizeof(double) + size;
-    tr->du = calloc(size, sizeof(double));
-    tr->guess = calloc(size, sizeof(double));
-    tr->start_u = calloc(size, sizeof(double));
-    tr->start_t = calloc(size, sizeof(double));
-    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, (int)size, n_pair) ||
-        !station_create(&tr->next, (int)size, n_pair) || !station_create(&tr->mid, (int)size, n_pair) ||
-        !station_create(&tr->past, (int)size, n_pair) || !ric_trace_resonances(tr)) {
+    if ((status = ric_trace_equip(tr))) goto out;
+    if (!ric_trace_resonances(tr)) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
         goto out;
     }
-    if ((status = ric_floquet_create(chain->n, &tr->floquet))) goto out;
     memcpy(tr->now.u, u0, size * sizeof *u0);
     ric_chain_evaluate(chain, u0);
     /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the
@@ -618,14 +627,69 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     return ric_trace_keep(tr, &tr->now);
 }
 
+/* ---------------------------------------------------------- from step to step */
+
+ric_trace_place ric_trace_mark(const ric_trace *tr)
+{
+    ric_trace_place here;
+    memset(&here, 0, sizeof here); /* its bytes are stored */
+    memcpy(here.definite, tr->definite, sizeof here.definite);
+    here.step = tr->step;
+    here.step_max = tr->step_max;
+    here.wanted = tr->wanted;
+    here.after = tr->after;
+    here.longest = tr->longest;
+    here.blind = tr->blind;
+    here.lowest = tr->lowest;
+    here.scale = tr->chain->scale;
+    here.n_point = tr->n_point;
+    here.n_event = tr->n_event;
+    here.approaches = tr->approaches;
+    here.avoided = tr->avoided;
+    here.steep = tr->steep;
+    here.has_past = tr->has_past;
+    here.ignore = tr->ignore;
+    return here;
+}
+
+void ric_trace_return(ric_trace *tr, const ric_trace_place *to)
+{
+    for (; tr->n_event > to->n_event; tr->n_event--) {
+        free(tr->events[tr->n_event - 1].u);
+        free(tr->events[tr->n_event - 1].t);
+    }
+    free(tr->end.u);
+    free(tr->end.t);
+    tr->end = (ric_event){.test = -1};
+    tr->arrival = false;
+    tr->stop = 0;
+    tr->why = 0;
+    memcpy(tr->definite, to->definite, sizeof tr->definite);
+    tr->step = to->step;
+    tr->step_max = to->step_max;
+    tr->wanted = to->wanted;
+    tr->after = to->after;
+    tr->longest = to->longest;
+    tr->blind = to->blind;
+    tr->lowest = to->lowest;
+    tr->chain->scale = to->scale;
+    tr->n_point = to->n_point;
+    tr->approaches = to->approaches;
+    tr->avoided = to->avoided;
+    tr->steep = to->steep;
+    tr->has_past = to->has_past;
+    tr->ignore = to->ignore;
+}
+
 ric_status ric_trace_run(ric_trace *tr)
 {
     bool done = false;
     ric_status status = RIC_OK;
-    for (int step = 0; !done && !status; step++) {
-        status = ric_trace_advance(tr, &done);
-        if (step % 32 == 31 && tr->limits->stop && tr->limits->stop(tr->limits->user))
-            return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+    while (!done && !status) {
+        const ric_trace_place here = ric_trace_mark(tr);
+        status = ric_trust(ric_trace_advance(tr, &done));
+        if (status == RIC_E_INTERRUPTED) ric_trace_return(tr, &here);
+        else if (tr->limits->stepped) tr->limits->stepped(tr->limits->user);
     }
     return status;
 }

@@ -82,7 +82,7 @@ typedef struct {
     int n_asked;         /* energies and frequencies whose passages are events */
     ric_asked asked[RIC_ASKED_MAX];
     bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
-    bool (*stop)(void *user); /* NULL, or asked now and then whether to leave a trace unfinished */
+    void (*stepped)(void *user); /* NULL, or told of every step */
     void *user;
 } ric_limits;
 
@@ -127,15 +127,31 @@ typedef struct {
     long evaluations;
 } ric_trace;
 
+/* Room for the stations of a trace that has its chain. */
+ric_status ric_trace_equip(ric_trace *trace);
 /* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the
  * kernel there, but for a singular start). */
 ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
                             const ric_limits *limits, ric_trace **out);
 void ric_trace_free(ric_trace *trace);
 
+/* All that a step changes and the next one reads, but for the stations: those of the last two steps are left alone
+ * until a step has succeeded (ric_trace_advance). */
+typedef struct {
+    double definite[RIC_N_TEST];
+    double step, step_max, wanted, after, longest, blind, lowest, scale;
+    int32_t n_point, n_event, approaches, avoided, steep, has_past;
+    uint32_t ignore;
+} ric_trace_place;
+
+ric_trace_place ric_trace_mark(const ric_trace *trace);
+/* Undoes what a step has done that was broken off. */
+void ric_trace_return(ric_trace *trace, const ric_trace_place *place);
+
 /* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
 ric_status ric_trace_advance(ric_trace *trace, bool *done);
-/* Steps to the end, or to RIC_E_INTERRUPTED. */
+/* Steps to the end; or to RIC_E_INTERRUPTED (halt.h), and then the trace stands where its last step ended and can be run
+ * again, with the same outcome. */
 ric_status ric_trace_run(ric_trace *trace);
 
 /* The orbit at the unknowns u of the trace's chain, flown there; symmetries are those of the form. NULL: no memory. */

@@ -144,12 +144,12 @@ export interface CascadeRow {
 export interface Extension {
   running: boolean;
   stopping: boolean;
-  restoring: boolean;
   failed: boolean;
   message: string;
   branches: number;
   junctions: number;
   open: number;
+  labels: number;
   depth: number;
   seconds: number;
 }

@@ -159,8 +159,8 @@ export class Grow {
     const e = this.extension;
     if (!e) return "";
     if (!e.running) return e.message;
-    const what = e.restoring ? "Putting back the branches of before" : e.stopping ? "Stopping" : "Computing";
-    return `${what}: ${e.branches} branches, ${e.junctions} junctions, ${e.open} open departures, ${e.seconds.toFixed(0)} s`;
+    const what = e.stopping ? "Stopping" : "Computing";
+    return `${what}: ${e.branches} branches, ${e.junctions} junctions, ${e.labels ? `${e.labels} labels left` : `${e.open} open departures`}, ${e.seconds.toFixed(0)} s`;
   }
 
   /* ------------------------------------------------------------------- run */
@@ -175,7 +175,7 @@ export class Grow {
     try {
       this.take(await extend(budgets));
     } catch (e) {
-      this.extension = { running: false, stopping: false, restoring: false, failed: true, message: (e as Error).message, branches: 0, junctions: 0, open: 0, depth: 0, seconds: 0 };
+      this.extension = { running: false, stopping: false, failed: true, message: (e as Error).message, branches: 0, junctions: 0, open: 0, labels: 0, depth: 0, seconds: 0 };
       this.show();
     }
     this.schedule(150);
@@ -206,7 +206,7 @@ export class Grow {
     try {
       status = await getStatus();
     } catch {
-      this.events.progress({ running: false, stopping: false, restoring: false, failed: true, message: "The server does not answer; has ricochet view ended?", branches: 0, junctions: 0, open: 0, depth: 0, seconds: 0 });
+      this.events.progress({ running: false, stopping: false, failed: true, message: "The server does not answer; has ricochet view ended?", branches: 0, junctions: 0, open: 0, labels: 0, depth: 0, seconds: 0 });
     }
     if (status) {
       this.take(status.extension);

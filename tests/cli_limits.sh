@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Runs with a limit: they stop in time whatever they are doing, say what is left, and the next one goes on from there.
+set -u
+. tests/tap.sh
+
+# A chain of eight masses under a law of power 99: a single branch of it takes minutes.
+python3 - >"$folder/slow.yaml" <<'P'
+n = 8
+row = lambda f: "[" + ", ".join(map(str, f)) + "]"
+print("title: A chain\nmodel:")
+print("  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
+print("  stiffness:", row(row(2 + 0.1 * i if i == j else -int(abs(i - j) == 1) for j in range(n)) for i in range(n)))
+print("  contacts:")
+for i in range(0, n, 2):
+    print(f"    - {{normal: {row(int(j == i) for j in range(n))}, law: power, exponent: 99, length: 1, reference: {1 + 0.1 * i}}}")
+print("explore: {start: [1], energy: [0.01, 20], frequency: [0.3, 10], multiply: 2, depth: 2}")
+P
+cat >"$folder/many.yaml" <<'Y'
+title: Two masses
+model:
+  mass: [[2, 0], [0, 1]]
+  stiffness: [[9, -1], [-1, 1]]
+  contacts:
+    - {normal: [-1, 1], clearance: 1, law: rigid}
+explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 18, multiply: 4, depth: 2}
+Y
+
+stops() { # CODE PATTERN SECONDS COMMAND...: ends with that code and message, and within that time
+    local code=$1 pattern=$2 limit=$3 got=0 begin
+    shift 3
+    begin=$(date +%s%N)
+    "$@" >"$folder/out" 2>&1 || got=$?
+    cat "$folder/out"
+    echo "exit $got after $((($(date +%s%N) - begin) / 1000000)) ms"
+    sanitized && limit=$((20 * limit))
+    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/out" && [ $((($(date +%s%N) - begin) / 1000000)) -lt $((1000 * limit)) ]
+}
+points() { # of the trace that was broken off
+    python3 - "$folder/slow.ricochet" <<'P'
+import sqlite3, sys
+rows = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True).execute("SELECT length(blob) FROM trace WHERE key LIKE '% paused'").fetchall()
+print(sum(n for n, in rows))
+P
+}
+run_slow() { "$ricochet" run "$folder/slow.yaml" -o "$folder/slow.ricochet" --seconds 1; }
+
+ok 'a run that is in the midst of one branch stops in time' stops 3 'the 1 s given are over' 10 run_slow
+ok 'it says what is left and how to go on' grep -q 'departures of depth 0 are left' "$folder/out"
+before=$(points)
+run_slow 2>/dev/null
+further() { echo "$before, then $(points)"; [ "$before" -gt 0 ] && [ "$(points)" -gt "$before" ]; }
+ok 'the next one is further along the branch' further
+interrupted() {
+    "$ricochet" run "$folder/slow.yaml" -o "$folder/slow.ricochet" &
+    sleep 1
+    kill -INT $!
+    wait $!
+}
+ok 'Ctrl-C ends it at once, with another exit code' stops 130 'continues there' 10 interrupted
+
+ok 'a run with many branches stops in time' stops 3 'labels are not measured yet' 10 "$ricochet" run "$folder/many.yaml" -o "$folder/many.ricochet" --seconds 1
+shown() {
+    "$ricochet" report "$folder/many.ricochet" | grep 'not measured yet' || return 1
+    "$ricochet" junctions "$folder/many.ricochet" --json | python3 -c '
+import json, sys
+rows = [j for j in json.load(sys.stdin) if "??" in j["label"]]
+assert rows and all(j["a"] is None and j["b"] is None and j["decided"] is None for j in rows)'
+}
+ok 'junctions without a label are shown as such' shown
+finish

@@ -1,0 +1,120 @@
+/* Runs that are stopped again and again, in the midst of whatever they do: each comes a step further, what it leaves is
+ * an atlas, and the last one ends with the bits of a run that nobody has disturbed. */
+#include "stored_atlases.h"
+
+#include "explored.h"
+#include "sample.h"
+
+/* Asked by the kernels about every millisecond of work: from the `after`-th question on which something new has been
+ * kept, the answer is yes. */
+typedef struct {
+    int asked, after;
+} impatience;
+
+static bool impatient(const ric_progress *now, void *user)
+{
+    impatience *i = user;
+    return ++i->asked > i->after && now->fresh > 0;
+}
+
+static ric_atlas *read_back(const char *path)
+{
+    ric_atlas *atlas = NULL;
+    if (ric_atlas_read(path, &atlas)) fail_msg("%s: %s", path, ric_detail());
+    return atlas;
+}
+
+/* What a stopped run leaves: no junction without a label may look as if it had one. */
+static int count_unmeasured(const ric_atlas *atlas)
+{
+    int n = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        assert_int_equal(ric_atlas_junction(atlas, id, &j), RIC_OK);
+        if (j.label[0] != 'C') continue;
+        assert_int_equal(j.b == 0, strstr(j.label, "??") != NULL);
+        n += j.b == 0;
+    }
+    return n;
+}
+
+/* The number of stops until the run has come to its end; *unmeasured: of them with labels left. */
+static int run_in_pieces(const ric_study *study, const char *path, int workers, int *unmeasured)
+{
+    int stops = 0;
+    for (ric_status status = RIC_E_INTERRUPTED; status; stops++) {
+        impatience i = {.after = stops % 7 * stops % 5};
+        const ric_run_options options = {.workers = workers, .progress = impatient, .user = &i};
+        status = ric_explore(study, path, &options);
+        if (status && status != RIC_E_INTERRUPTED) fail_msg("%s", ric_detail());
+        ric_atlas *atlas = read_back(path);
+        assert_int_equal(ric_atlas_finished(atlas), status == RIC_OK);
+        *unmeasured += count_unmeasured(atlas) > 0;
+        ric_atlas_free(atlas);
+        if (stops > 3000) fail_msg("stopped %d times, and no end", stops);
+    }
+    return stops - 1;
+}
+
+static void stop_and_compare(const char *text, int least)
+{
+    char home[] = "/tmp/ricochet-stops-XXXXXX", whole[64], pieces[64];
+    ric_study *study = study_of(text);
+    assert_non_null(mkdtemp(home));
+    snprintf(whole, sizeof whole, "%s/whole", home);
+    assert_int_equal(ric_explore(study, whole, NULL), RIC_OK);
+    ric_atlas *undisturbed = read_back(whole);
+    for (int workers = 1; workers <= 2; workers++) {
+        int unmeasured = 0;
+        snprintf(pieces, sizeof pieces, "%s/pieces-%d", home, workers);
+        int stops = run_in_pieces(study, pieces, workers, &unmeasured);
+        ric_atlas *atlas = read_back(pieces);
+        assert_true(same_atlas(atlas, undisturbed));
+        print_message("%d branches: %d stops, %d of them with labels left\n", ric_atlas_n_branch(atlas), stops,
+                      unmeasured);
+        if (workers == 1) assert_true(stops >= least);
+        ric_atlas_free(atlas);
+        unlink(pieces);
+    }
+    ric_atlas_free(undisturbed);
+    unlink(whole);
+    rmdir(home);
+    ric_study_free(study);
+}
+
+#define PAIR "title: A pair\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+
+static void stops_and_branches(void **state)
+{
+    (void)state;
+    stop_and_compare(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
+                          "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, multiply: 2, depth: 2}\n",
+                     20);
+}
+
+static void springs(void **state)
+{
+    (void)state;
+    stop_and_compare(PAIR "    - {normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 20}\n"
+                          "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 2, depth: 1}\n",
+                     5);
+}
+
+/* Single branches take longer than a run is given. */
+static void power_law(void **state)
+{
+    (void)state;
+    stop_and_compare(PAIR "    - {normal: [-1, 1], law: power, exponent: 9, length: 1, reference: 1}\n"
+                          "explore: {energy: [0, 20], frequency: [0.2, 10], multiply: 2, depth: 1}\n",
+                     50);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stops_and_branches),
+        cmocka_unit_test(springs),
+        cmocka_unit_test(power_law),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
