@@ -153,7 +153,7 @@ static bool turned_round(const ric_trace *tr, const double *at, const double *be
 
 bool ric_arrival_meets(const ric_trace *tr, const double *at, const double *beside, double *aside)
 {
-    return turned_round(tr, at, beside, 0, tr->chain->model->symmetric ? 3 : 1, aside);
+    return turned_round(tr, at, beside, 0, ric_cycle_operations(tr->chain->model) - 1, aside);
 }
 
 bool ric_arrival_passes(const ric_trace *tr, const double *at, const double *beside)

@@ -369,6 +369,7 @@ static void reverse_time(const ric_model *m, ric_cycle *c)
 
 ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift, bool reverse, bool mirror)
 {
+    if (mirror && !ric_cycle_mirrors(m, c)) return NULL;
     ric_cycle *out = ric_cycle_create(c->n, c->N);
     if (!out || !rotate(m, c, modulo(shift, c->N), out)) {
         ric_cycle_free(out);
@@ -388,7 +389,14 @@ bool ric_cycle_mirrors(const ric_model *m, const ric_cycle *c)
 {
     for (int i = 0; i < c->N; i++)
         if (c->face[i] >= 0 && m->face[c->face[i]].mirror < 0) return false;
+    for (int f = 0; c->closed >> f && f < m->n_face; f++) /* also what never opens */
+        if (c->closed >> f & 1 && m->face[f].mirror < 0) return false;
     return true;
+}
+
+int ric_cycle_operations(const ric_model *m)
+{
+    return m->symmetric ? 4 : 2;
 }
 
 /* Index of impact i among the kept ones. */
@@ -520,7 +528,7 @@ static double image_distance(const ric_model *m, const ric_cycle *a, const ric_c
 bool ric_cycle_alike(const ric_model *m, const ric_cycle *a, const ric_cycle *b)
 {
     bool found = false;
-    for (int op = 0; a->N == b->N && op < (m->symmetric ? 4 : 2); op++)
+    for (int op = 0; a->N == b->N && op < ric_cycle_operations(m); op++)
         for (int s = 0; s < a->N && !found; s++) found = same_word(m, a, b, s, op & 1, op & 2);
     return found;
 }
@@ -530,7 +538,7 @@ bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b,
 {
     double nearest = HUGE_VAL;
     if (a->N != b->N) return false;
-    for (int op = 0; op < (m->symmetric ? 4 : 2); op++)
+    for (int op = 0; op < ric_cycle_operations(m); op++)
         for (int s = 0; s < a->N; s++) {
             double distance = image_distance(m, a, b, s, op & 1, op & 2);
             if (distance > tolerance || distance >= nearest) continue;
@@ -569,7 +577,7 @@ ric_cycle *ric_cycle_nearest(const ric_model *m, const ric_cycle *orbit, const r
     ric_cycle *best = NULL;
     double least = limit;
     if (m->smooth && orbit->pure < 0 && orbit->flip < 0) return ric_cycle_nearest_phase(m, orbit, near, limit);
-    for (int op = 0; op < (m->symmetric ? 4 : 2); op++)
+    for (int op = 0; op < ric_cycle_operations(m); op++)
         for (int k = 0; k < near->N; k++) {
             ric_cycle *image = ric_cycle_transform(m, near, k, op & 1, op & 2);
             double distance = image ? ric_cycle_distance(orbit, image) : HUGE_VAL;
@@ -663,7 +671,7 @@ int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b)
 ric_cycle *ric_cycle_canonical(const ric_model *m, const ric_cycle *c)
 {
     ric_cycle *best = ric_cycle_copy(c);
-    for (int op = 0; best && op < (m->symmetric ? 4 : 2); op++)
+    for (int op = 0; best && op < ric_cycle_operations(m); op++)
         for (int s = 0; s < c->N; s++) {
             ric_cycle *image = ric_cycle_transform(m, c, s, op & 1, op & 2);
             if (image && ric_cycle_compare(ric_cycle_springs(m), image, best) < 0) {

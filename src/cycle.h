@@ -53,7 +53,12 @@ void ric_cycle_at_time(const ric_model *model, const ric_cycle *cycle, double t,
 double ric_cycle_period(const ric_cycle *cycle);
 double ric_cycle_energy(const ric_model *model, const ric_cycle *cycle);
 
-/* The same orbit started at impact `shift`, then run backwards (impact 0 stays first), then mirrored. */
+/* Operations that take every motion of the structure to one: below this number, bit 0 for time reversal and bit 1 for
+ * x -> -x. A motion that only meets contacts with both sides may have a mirror image, and be its own, in a structure
+ * where others have none. */
+int ric_cycle_operations(const ric_model *model);
+/* The same orbit started at impact `shift`, then run backwards (impact 0 stays first), then mirrored. NULL: no memory,
+ * or a face that it meets has no opposite. */
 ric_cycle *ric_cycle_transform(const ric_model *model, const ric_cycle *cycle, int shift, bool reverse, bool mirror);
 /* Whether x -> -x takes every face of the orbit to a face. */
 bool ric_cycle_mirrors(const ric_model *model, const ric_cycle *cycle);

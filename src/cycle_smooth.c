@@ -189,7 +189,7 @@ ric_cycle *ric_cycle_nearest_phase(const ric_model *m, const ric_cycle *orbit, c
 {
     ric_cycle *best = NULL;
     double least = limit;
-    for (int op = 0; op < (m->symmetric ? 4 : 2); op++) {
+    for (int op = 0; op < ric_cycle_operations(m); op++) {
         ric_cycle *image = ric_cycle_transform(m, near, 0, op & 1, op & 2);
         if (!image) continue;
         ric_cycle_phase(m, orbit, image);
@@ -210,7 +210,7 @@ ric_cycle *ric_cycle_nearest_phase(const ric_model *m, const ric_cycle *orbit, c
 bool ric_cycle_find_mirrors(const ric_model *m, ric_cycle *c, int copies, double tolerance)
 {
     double period = ric_cycle_period(c) / copies;
-    for (int flip = 0; flip < (m->symmetric ? 2 : 1); flip++) {
+    for (int flip = 0; flip < ric_cycle_operations(m) / 2; flip++) {
         ric_cycle *image = ric_cycle_transform(m, c, 0, true, flip), *once = image ? ric_cycle_copy(c) : NULL;
         bool found = once && ric_cycle_mark(image, 2) && ric_cycle_mark(once, 2);
         for (int i = 0; found && i < 2; i++) once->tau[i] = image->tau[i] = period / 2;

@@ -10,7 +10,7 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 {
     uint64_t image = 0;
     for (int f = 0; closed >> f && f < m->n_face; f++)
-        if (closed >> f & 1) image |= (uint64_t)1 << m->face[f].mirror;
+        if (closed >> f & 1 && m->face[f].mirror >= 0) image |= (uint64_t)1 << m->face[f].mirror;
     return image;
 }
 

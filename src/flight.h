@@ -29,7 +29,7 @@ static inline uint64_t ric_flight_toggle(const ric_model *m, uint64_t closed, in
     return face >= 0 && m->face[face].spring > 0 ? closed ^ (uint64_t)1 << face : closed;
 }
 
-/* The same of the mirror image x -> -x. */
+/* The same of the mirror image x -> -x, which has to exist: all of them have an opposite. */
 uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed);
 
 /* What an event at a face does to the velocities p [n]: an impact turns them round, a spring leaves them. */

@@ -318,10 +318,12 @@ static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node 
     ric_problem problem = ric_node_problem(node, choice);
     ric_cycle *whole = ric_problem_cycle(node->cycle, &problem);
     if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
-    for (int k = 0; k < 4 * whole->N; k++) {
+    int operations = ric_cycle_operations(g->model);
+    for (int k = 0; k < operations * whole->N; k++) {
         ric_chain *chain = NULL;
         double *u = NULL, off = 0;
-        ric_cycle *image = ric_cycle_transform(g->model, whole, k / 4, k & 1, k & 2);
+        int op = k % operations;
+        ric_cycle *image = ric_cycle_transform(g->model, whole, k / operations, op & 1, op & 2);
         bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && same_problem(chain, c);
         for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
         if (fits && off < nearest) {

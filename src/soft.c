@@ -133,7 +133,7 @@ static int side_of(const ric_node *node, const touch *touches, unsigned choice)
 /* Whether w is the state of a touch, or of its image run backwards or mirrored. */
 static bool is_touch(const ric_model *m, const touch *t, int face, const double *w)
 {
-    for (int op = 0; op < (m->symmetric ? 4 : 2); op++) {
+    for (int op = 0; op < ric_cycle_operations(m); op++) {
         double sign = op & 2 ? -1 : 1, back = op & 1 ? -1 : 1, off = 0, size = 1;
         if (face != (op & 2 ? m->face[t->face].mirror : t->face)) continue;
         for (int i = 0; i < m->n; i++) {

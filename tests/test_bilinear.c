@@ -4,6 +4,8 @@
 
 #include "simulated_models.h"
 
+#include "explored.h"
+
 #include "model.h"
 #include "flight.h"
 #include "phase.h"
@@ -382,12 +384,30 @@ static void starts(void **state)
     ric_model_free(model);
 }
 
+/* Branches that arrive, in a structure whose contacts have one side: the orbits at their ends have no images under
+ * x -> -x. */
+static void one_sided(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[0.645, 0], [0, 1.305]]\n  stiffness: [[5.93, -4.0809], [-4.0809, 5.4961]]\n  contacts:\n"
+        "    - {normal: [0, 1], clearance: 1.235, sides: upper, law: rigid}\n"
+        "    - {normal: [-1, 1], clearance: 1.582, sides: lower, law: bilinear, stiffness: 305.372}\n"
+        "explore: {energy: [0, 14.689], frequency: [0.2533, 10.3057], impacts: 10, multiply: 2, depth: 3}\n");
+    int points = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        for (int i = 0, n = branch_of(atlas, id).n_point; i < n; i++, points++) point_passes(atlas, id, i);
+    assert_true(points > 300);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(flights),  cmocka_unit_test(deviations), cmocka_unit_test(energies),
         cmocka_unit_test(chords),   cmocka_unit_test(sets),       cmocka_unit_test(accelerations),
         cmocka_unit_test(one_mass), cmocka_unit_test(starts),     cmocka_unit_test(replay),
+        cmocka_unit_test(one_sided),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

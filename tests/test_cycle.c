@@ -345,6 +345,36 @@ static void touches_are_dropped(void **state)
     ric_study_free(study);
 }
 
+/* Images under x -> -x exist where every face that is met has an opposite, and where every spring has one that is closed
+ * all the while. */
+static void images_that_exist(void **state)
+{
+    (void)state;
+    double M[] = {0.645, 0, 0, 1.305}, K[] = {5.93, -4.0809, -4.0809, 5.4961}, b[] = {0, 1, -1, 1};
+    ric_contact contacts[2] = {
+        {.normal = b, .clearance = 1.235, .sides = RIC_SIDES_UPPER},
+        {.normal = b + 2, .clearance = 1.582, .sides = RIC_SIDES_LOWER, .law = RIC_LAW_BILINEAR, .stiffness = 300}};
+    for (int sides = 0; sides < 2; sides++) {
+        ric_model *m = NULL;
+        for (int f = 0; sides && f < 2; f++) contacts[f].sides = RIC_SIDES_BOTH;
+        assert_int_equal(ric_model_create(2, M, K, 2, contacts, 1, &m), RIC_OK);
+        assert_int_equal(ric_cycle_operations(m), sides ? 4 : 2);
+        for (int spring = 0; spring < 2; spring++) {
+            ric_cycle *c = ric_cycle_create(2, 1);
+            c->tau[0] = 1;
+            c->closed = spring ? 2 : 0;
+            ric_cycle *image = ric_cycle_transform(m, c, 0, false, true), *back = ric_cycle_transform(m, c, 0, true, 0);
+            assert_int_equal(ric_cycle_mirrors(m, c), sides);
+            assert_int_equal(image != NULL, sides);
+            assert_non_null(back);
+            ric_cycle_free(c);
+            ric_cycle_free(image);
+            ric_cycle_free(back);
+        }
+        ric_model_free(m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -354,6 +384,7 @@ int main(void)
         cmocka_unit_test(symmetries_are_found),
         cmocka_unit_test(canonical_is_invariant),
         cmocka_unit_test(touches_are_dropped),
+        cmocka_unit_test(images_that_exist),
     };
     return cmocka_run_group_tests_name("cycle", tests, NULL, NULL);
 }
