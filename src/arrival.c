@@ -212,7 +212,7 @@ ric_status ric_arrival_settle(ric_chain *c, double *u)
     }
     ric_chain_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (c->residual <= ric_trace_tolerance(c) && moved <= SAME_ORBIT * c->scale)
+    if (ric_trace_solved(c) && moved <= SAME_ORBIT * c->scale)
         memcpy(u, v, (size_t)columns * sizeof *u);
 out:
     free(J);

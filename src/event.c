@@ -233,9 +233,8 @@ static ric_status close_up(ric_trace *tr, const double *home, double s)
     tr->stop = RIC_STOP_CLOSED;
     tr->why = RIC_WHY_CLOSED;
     memcpy(tr->mid.u, home, (size_t)tr->chain->n_unknown * sizeof *home);
-    tr->mid.row = *(const ric_point *)tr->points;
-    tr->mid.row.arclength = s;
-    return ric_trace_keep(tr, &tr->mid);
+    ric_status status = ric_trace_fill(tr, s, &tr->mid);
+    return status ? status : ric_trace_keep(tr, &tr->mid);
 }
 
 typedef struct { int test; double x; } root;
@@ -317,8 +316,6 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
 
 /* ---------------------------------------------------------- what was asked for */
 
-static void complete_row(ric_trace *tr, ric_station *p);
-
 /* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the cubic. */
 static ric_status look(ric_trace *tr, bool solve, double x, double h, ric_station *out, bool *good)
 {
@@ -326,9 +323,7 @@ static ric_status look(ric_trace *tr, bool solve, double x, double h, ric_statio
     if (solve) return ric_event_solve(tr, x, h, out, good);
     ric_event_cubic(tr, x, h, out->u);
     memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
-    out->s = tr->now.s + (tr->next.s - tr->now.s) * (x / h);
-    complete_row(tr, out);
-    return RIC_OK;
+    return ric_trace_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
 }
 
 static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double b, double h)
@@ -584,17 +579,6 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
     return status;
 }
 
-/* Energy, frequency and residual of an end that was not solved as a station. */
-static void complete_row(ric_trace *tr, ric_station *p)
-{
-    const ric_model *m = tr->chain->model;
-    ric_chain_fly(tr->chain, p->u);
-    p->row.energy = ric_chain_energy(tr->chain) * m->energy_unit;
-    p->row.frequency = 6.283185307179586477 / ric_chain_time(tr->chain, p->u) * m->omega_ref;
-    p->row.residual = (float)tr->chain->residual;
-    p->row.stable = RIC_STABLE_UNDECIDED;
-}
-
 ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
 {
     int test;
@@ -621,11 +605,13 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
         tr->arrival = read == RIC_TEST_DET;
         end_by(tr, test);
         if (tr->arrival && (status = ric_arrival_settle(tr->chain, tr->mid.u))) return status;
-        complete_row(tr, &tr->mid);
+        if ((status = ric_trace_fill(tr, tr->mid.s, &tr->mid))) return status;
+        tr->mid.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     } else if (test < 0) {
         return close_up(tr, home, s);
     } else {
         if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
+        tr->mid.solved &= good;
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;

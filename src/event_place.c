@@ -30,9 +30,10 @@ ric_status ric_event_solve(ric_trace *tr, double x, double h, ric_station *out, 
     ric_event_cubic(tr, x, h, out->u);
     *good = ric_trace_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
     tr->evaluations += iterations + 1;
+    out->solved = *good;
+    out->s = a->s + (tr->next.s - a->s) * (x / h);
     if (!*good) return RIC_OK;
     double sign = ric_trace_tangent(c, a->t, out->t);
-    out->s = a->s + (tr->next.s - a->s) * (x / h);
     return ric_trace_examine(tr, out, sign);
 }
 
@@ -206,7 +207,5 @@ void ric_bridge_station(const ric_trace *tr, const ric_bridge *q, double x, doub
     }
     for (int j = 0; j < size; j++) out->t[j] /= sqrt(norm);
     out->s = tr->now.s + (tr->next.s - tr->now.s) * x / h;
-    /* the row is that of the nearest end but for what the cubics give */
-    out->row = tr->next.row;
-    out->row.arclength = out->s;
+    out->solved = false; /* until it has been looked at */
 }

@@ -287,9 +287,10 @@ static bool departs(const ric_node *node)
  * tells. */
 static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric_node *node, unsigned *choice)
 {
-    int side;
-    const double *last = tr->points + (size_t)(tr->n_point - 2) * tr->stride + sizeof(ric_point) / sizeof(double);
-    ric_cycle *near = ric_trace_cycle(tr, last);
+    int side, last = tr->n_point - 1;
+    const ric_point *row = (const ric_point *)(tr->points + (size_t)last * tr->stride);
+    if (last > 0 && row->arclength >= tr->end.s) row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
+    ric_cycle *near = ric_trace_cycle(tr, (const double *)(row + 1));
     if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     ric_status status = ric_ring_class(g->model, node, near, choice, &side);
     ric_cycle_free(near);
@@ -335,16 +336,7 @@ static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node 
         free(u);
     }
     ric_cycle_free(whole);
-    if (nearest == END_NEAR * c->scale) return RIC_OK;
-    double *last = tr->points + (size_t)(tr->n_point - 1) * tr->stride;
-    ric_point *row = (ric_point *)last;
-    memcpy(tr->end.u, best, sizeof best);
-    memcpy(last + sizeof *row / sizeof *last, best, sizeof best);
-    ric_chain_fly(c, best);
-    row->energy = ric_chain_energy(c) * g->model->energy_unit;
-    row->frequency = TWO_PI / ric_chain_time(c, best) * g->model->omega_ref;
-    row->residual = (float)c->residual;
-    return RIC_OK;
+    return nearest == END_NEAR * c->scale ? RIC_OK : ric_trace_end_at(tr, best);
 }
 
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */

@@ -136,19 +136,13 @@ out:
     return status;
 }
 
-/* Energy, frequency and residual of an orbit that is no station; in its tests everything is at zero. */
-static void fill_row(ric_trace *tr, double s, ric_station *p)
+/* An orbit that is no station; in its tests everything is at zero. */
+static ric_status fill_row(ric_trace *tr, double s, ric_station *p)
 {
-    const ric_chain *c = tr->chain;
-    ric_chain_fly(tr->chain, p->u);
-    p->s = s;
-    memcpy(p->t, tr->now.t, (size_t)c->n_unknown * sizeof *p->t);
-    p->row = tr->now.row;
-    p->row.arclength = s;
-    p->row.energy = ric_chain_energy(c) * c->model->energy_unit;
-    p->row.frequency = TWO_PI / ric_chain_time(c, p->u) * c->model->omega_ref;
-    p->row.residual = (float)c->residual;
+    memcpy(p->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *p->t);
+    ric_status status = ric_trace_fill(tr, s, p);
     p->row.stable = RIC_STABLE_UNDECIDED;
+    return status;
 }
 
 /* For one order. At distance d the mean is off by d^2 (by d at order 3, where the branch passes with a slope). */
@@ -182,7 +176,7 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
     }
     tr->longest = fmin(tr->longest, *h);
     if (!*found) return RIC_OK;
-    fill_row(tr, tr->now.s + left, out);
+    if ((status = fill_row(tr, tr->now.s + left, out))) return status;
     if (order == 3) *h = 2 * left; /* as far beyond */
     return RIC_OK;
 }

@@ -21,8 +21,9 @@
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
-#define LOST 2.5e-10         /* a fourth of the largest residual of an orbit: where more is rounding, nothing is known
-                              * of it */
+#define ACCEPTED 4           /* tolerances: the largest residual of an orbit that is stored */
+#define LOST 2.5e-10         /* the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is
+                              * known of an orbit */
 #define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a
                               * stored start */
 #define MEASURED 4           /* safety of a measured error */
@@ -76,6 +77,11 @@ double ric_trace_blur(const ric_chain *c, int test)
     return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
 }
 
+bool ric_trace_solved(const ric_chain *c)
+{
+    return c->residual <= ACCEPTED * fmin(ric_trace_tolerance(c), LOST);
+}
+
 bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du,
                        int *iterations)
 {
@@ -89,7 +95,7 @@ bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const doub
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
         double tolerance = fmin(ric_trace_tolerance(c), LOST);
         if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
-        if (i > 2 && c->residual > 0.5 * last) return c->residual <= 4 * tolerance;
+        if (i > 2 && c->residual > 0.5 * last) return ric_trace_solved(c);
         last = c->residual;
         ric_chain_step(c, true, 0, du);
         if (normal) {
@@ -242,35 +248,59 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
     return RIC_OK;
 }
 
+typedef struct { double reach, approach, closing, time, energy; } margin;
+
+/* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
+static ric_status measure(ric_trace *tr, double s, const double *u, ric_station *p, margin *out)
+{
+    const ric_chain *c = tr->chain;
+    const ric_model *m = c->model;
+    ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
+    if (!status) status = ric_floquet_compute(c, &tr->floquet);
+    if (status) return status;
+    *out = (margin){.reach = ric_reach(c, u, NULL), .approach = smallest_approach(c, false),
+                     .closing = smallest_approach(c, true), .time = ric_chain_time(c, u),
+                     .energy = ric_chain_energy(c)};
+    p->solved = ric_trace_solved(c);
+    p->row = (ric_point){.arclength = s, .energy = out->energy * m->energy_unit,
+                         .frequency = TWO_PI / out->time * m->omega_ref, .trace = tr->floquet.trace_asinh,
+                         .rotation = tr->floquet.rotation, .reach = out->reach > 0 ? out->reach : NAN,
+                         .approach = out->closing < HUGE_VAL ? out->closing * m->omega_ref : NAN,
+                         .residual = (float)c->residual, .stable = tr->floquet.stable};
+    return RIC_OK;
+}
+
+ric_status ric_trace_fill(ric_trace *tr, double s, ric_station *p)
+{
+    margin unused;
+    p->s = s;
+    ric_chain_fly(tr->chain, p->u);
+    return measure(tr, s, p->u, p, &unused);
+}
+
 ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
 {
     ric_chain *c = tr->chain;
-    const ric_model *m = c->model;
     const ric_limits *lim = tr->limits;
-    tr->steep |= m->smooth && ric_trace_tolerance(c) > STEEP;
-    ric_status status = ric_floquet_compute(c, &tr->floquet);
+    margin now;
+    tr->steep |= c->model->smooth && ric_trace_tolerance(c) > STEEP;
+    ric_status status = measure(tr, p->s, p->u, p, &now);
     if (status) return status;
-    double reach = ric_reach(c, p->u, NULL), approach = smallest_approach(c, false), time = ric_chain_time(c, p->u);
-    double energy = ric_chain_energy(c), slope = 0, closing = smallest_approach(c, true);
+    double slope = 0;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) slope += p->t[k];
     double *F = p->test;
     sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
-    F[RIC_TEST_REACH] = 1 - reach;
-    F[RIC_TEST_APPROACH] = fmin(approach, smallest_touch(c, p->u));
+    F[RIC_TEST_REACH] = 1 - now.reach;
+    F[RIC_TEST_APPROACH] = fmin(now.approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
     F[RIC_TEST_SLOPE] = definite(ric_chain_energy_slope(c, p->t) / c->scale, ric_trace_blur(c, RIC_TEST_SLOPE));
     F[RIC_TEST_PERIOD] = definite(slope, ric_trace_blur(c, RIC_TEST_PERIOD));
-    F[RIC_TEST_E_MAX] = lim->energy[1] - energy;
-    F[RIC_TEST_E_MIN] = energy - tr->lowest;
-    F[RIC_TEST_F_MAX] = time - lim->period[0];
-    F[RIC_TEST_F_MIN] = lim->period[1] - time;
-    p->row = (ric_point){.arclength = p->s, .energy = energy * m->energy_unit,
-                         .frequency = TWO_PI / time * m->omega_ref, .trace = tr->floquet.trace_asinh,
-                         .rotation = tr->floquet.rotation, .reach = reach > 0 ? reach : NAN,
-                         .approach = closing < HUGE_VAL ? closing * m->omega_ref : NAN, .residual = (float)c->residual,
-                         .stable = tr->floquet.stable};
-    return keep_definite(tr, p, approach);
+    F[RIC_TEST_E_MAX] = lim->energy[1] - now.energy;
+    F[RIC_TEST_E_MIN] = now.energy - tr->lowest;
+    F[RIC_TEST_F_MAX] = now.time - lim->period[0];
+    F[RIC_TEST_F_MIN] = lim->period[1] - now.time;
+    return keep_definite(tr, p, now.approach);
 }
 
 static bool station_create(ric_station *p, int size, int n_pair)
@@ -290,8 +320,17 @@ static void station_free(ric_station *p)
 
 /* ------------------------------------------------------------------- points */
 
+static void write_point(ric_trace *tr, int i, const ric_point *row, const double *u)
+{
+    double *out = tr->points + (size_t)i * tr->stride;
+    memcpy(out, row, sizeof *row);
+    memcpy(out + sizeof *row / sizeof *out, u, (size_t)tr->chain->n_unknown * sizeof *out);
+}
+
 ric_status ric_trace_keep(ric_trace *tr, const ric_station *p)
 {
+    bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
+    if (!p->solved || penetrates) return RIC_OK;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity ? tr->point_capacity + tr->point_capacity / 2 : 64;
         double *grown = realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
@@ -299,9 +338,22 @@ ric_status ric_trace_keep(ric_trace *tr, const ric_station *p)
         tr->points = grown;
         tr->point_capacity = capacity;
     }
-    double *out = tr->points + (size_t)tr->n_point++ * tr->stride;
-    memcpy(out, &p->row, sizeof p->row);
-    memcpy(out + sizeof p->row / sizeof *out, p->u, (size_t)tr->chain->n_unknown * sizeof *out);
+    write_point(tr, tr->n_point++, &p->row, p->u);
+    return RIC_OK;
+}
+
+ric_status ric_trace_end_at(ric_trace *tr, const double *u)
+{
+    double own[tr->chain->n_unknown];
+    memcpy(own, u, sizeof own);
+    ric_station p = {.u = own};
+    ric_status status = ric_trace_fill(tr, tr->end.s, &p);
+    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    if (status || !p.solved) return status;
+    p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
+    memcpy(tr->end.u, own, sizeof own);
+    if (last->arclength < tr->end.s) return ric_trace_keep(tr, &p);
+    write_point(tr, tr->n_point - 1, &p.row, own);
     return RIC_OK;
 }
 
@@ -360,6 +412,10 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     /* families that reach into the window begin below it */
     if (ric_chain_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
     if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
+    if (!tr->now.solved) {
+        status = ric_fail(RIC_E_NUMERIC, "the start of a branch is no orbit: residual %g", chain->residual);
+        goto out;
+    }
     for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
@@ -691,5 +747,6 @@ ric_status ric_trace_run(ric_trace *tr)
         if (status == RIC_E_INTERRUPTED) ric_trace_return(tr, &here);
         else if (tr->limits->stepped) tr->limits->stepped(tr->limits->user);
     }
+    if (!status && tr->n_point == 0) return ric_fail(RIC_E_NUMERIC, "no orbit of the branch can be solved for");
     return status;
 }

@@ -13,7 +13,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 3
+#define RIC_NUMERICS 4
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -65,6 +65,7 @@ typedef struct {
     double hidden[3];    /* below it the sign of their tests is lost in rounding */
     double *own;         /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
+    bool solved;         /* its residual is rounding: only such orbits are stored */
 } ric_station;
 
 typedef struct {
@@ -164,13 +165,22 @@ bool ric_trace_resonances(ric_trace *trace);
 /* What a test beyond the resonances looks for; NULL for other tests. */
 const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
 
-/* Stores a point of the branch. */
+/* Everything that a stored point says of the orbit at station->u, and whether it is solved; the chain is left flown
+ * there. Its test functions, and stability next to another branch, are the caller's. */
+ric_status ric_trace_fill(ric_trace *trace, double s, ric_station *station);
+/* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than rounding,
+ * as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch come by here,
+ * but for the last one, which the orbit of its junction may replace. */
 ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
+/* The orbit at u becomes the end of the branch, stored if it is solved. */
+ric_status ric_trace_end_at(ric_trace *trace, const double *u);
 
 /* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True
  * when converged. */
 bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target,
                        double *du, int *iterations);
+/* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
+bool ric_trace_solved(const ric_chain *chain);
 /* Residual that counts as rounding for a chain. */
 double ric_trace_tolerance(const ric_chain *chain);
 /* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over

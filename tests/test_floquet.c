@@ -411,6 +411,60 @@ static void closed_springs_count(void **state)
     assert_true(t.closed >= 60 / every() && t.stable >= 10 && t.skipped <= t.done / 4);
 }
 
+/* ------------------------------------------------------------------ rows */
+
+static bool near(double a, double b, double scale)
+{
+    return (isnan(a) && isnan(b)) || fabs(a - b) <= 1e-9 * scale;
+}
+
+/* Everything that is stored of a point belongs to the orbit that is stored, at the ends too, which are read off cubics
+ * or replaced by the orbit of a junction; and that orbit is solved. */
+static void check_rows(ric_trace *trace, const char *where)
+{
+    double *u = malloc((size_t)trace->chain->n_unknown * sizeof *u);
+    for (int i = 0; i < trace->n_point; i++) {
+        const ric_point *row = (const ric_point *)(trace->points + (size_t)i * trace->stride);
+        ric_station p = {.u = u};
+        memcpy(u, row + 1, (size_t)trace->chain->n_unknown * sizeof *u);
+        assert_int_equal(ric_trace_fill(trace, row->arclength, &p), RIC_OK);
+        if (!p.solved) fail_msg("%s, point %d of %d: residual %.3g", where, i, trace->n_point, p.row.residual);
+        if (!near(row->energy, p.row.energy, 1 + row->energy) ||
+            !near(row->frequency, p.row.frequency, row->frequency) || !near(row->reach, p.row.reach, 1) ||
+            !near(row->approach, p.row.approach, 1) ||
+            (fabs(row->trace) < 10 && !near(row->trace, p.row.trace, 1000 * (1 + trace->floquet.error))))
+            fail_msg("%s, point %d of %d: E %.12g omega %.12g trace %.12g reach %.12g approach %.12g stored, %.12g %.12g "
+                     "%.12g %.12g %.12g found", where, i, trace->n_point, row->energy, row->frequency, row->trace,
+                     row->reach, row->approach, p.row.energy, p.row.frequency, p.row.trace, p.row.reach,
+                     p.row.approach);
+    }
+    free(u);
+}
+
+static void rows_belong_to_orbits(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"examples/two-springs/study.yaml", "examples/stop-and-spring/study.yaml",
+                                        "examples/paper/power-21.yaml", "examples/paper/power-3.yaml"};
+    int arrivals = 0;
+    for (size_t s = 0; s < sizeof files / sizeof *files; s++) {
+        ric_study *study = NULL;
+        ric_graph *graph = NULL;
+        assert_int_equal(ric_study_read(files[s], &study), RIC_OK);
+        assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+        assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+        for (int e = 0; e < graph->n_edge; e++) {
+            char where[96];
+            snprintf(where, sizeof where, "%s, branch %d", files[s], e);
+            arrivals += graph->edges[e].trace && graph->edges[e].trace->arrival;
+            if (graph->edges[e].trace) check_rows(graph->edges[e].trace, where);
+        }
+        ric_graph_free(graph);
+        ric_study_free(study);
+    }
+    assert_true(arrivals > 5);
+}
+
 /* -------------------------------------------------------------- near a grazing */
 
 static int count_bits(unsigned x)
@@ -627,6 +681,7 @@ int main(void)
         cmocka_unit_test(forms_agree),
         cmocka_unit_test(simulator_agrees),
         cmocka_unit_test(closed_springs_count),
+        cmocka_unit_test(rows_belong_to_orbits),
         cmocka_unit_test(growth_near_grazing),
         cmocka_unit_test(small_beside_large),
         cmocka_unit_test(lost_or_right),
