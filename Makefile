@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build demo paper test check long ten time picture bench sanitize race memcheck faults fuzz clean
+.PHONY: help setup setup-tests build demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -24,6 +24,7 @@ help:
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
 	@echo "make faults    let every allocation and every writing call of a run fail once"
+	@echo "make attack    judge the atlases of 2,000 random structures, ATTACK='-n 60 --seed 1' for fewer"
 	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
 	@echo "make picture   take the screenshot of ricochet view that the documentation shows"
 	@echo "make setup     install the packages that are missing (all of the above do it, too)"
@@ -116,6 +117,10 @@ memcheck: setup-tests build
 
 faults: setup-tests build
 	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli_faults.sh
+
+ATTACK ?= -n 2000 --seed 1 -j 2 --quiet --compare step,order,workers --folder $(BUILD)/attack --log $(BUILD)/attack.json
+attack: setup-tests build
+	@tools/attack/attack --program $(BUILD)/ricochet $(ATTACK)
 
 SECONDS ?= 60
 $(FUZZ)/build.ninja: export CC = $(FUZZ_CC)

@@ -1,0 +1,172 @@
+"""Driver: makes structures from seeds, has the program explore each, and judges what it says. README.md beside this file."""
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"  # one process per worker is enough
+
+import argparse
+import collections
+import json
+import multiprocessing
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+
+import numpy as np
+
+import compare
+import structures
+from judge import judge
+
+
+class TooLong(Exception):
+    pass
+
+
+def _alarm(_signal, _frame):
+    raise TooLong
+
+
+def call(command, limit):
+    """(exit code, stderr); exit code None where it took longer than `limit` seconds."""
+    try:
+        out = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit, check=False)
+        return out.returncode, out.stderr
+    except subprocess.TimeoutExpired:
+        return None, ""
+
+
+def one(task):
+    """Everything about one seed, as a dictionary that goes into the log."""
+    seed, o = task
+    kind, text, study = structures.make(seed, o["kind"], o["small"])
+    out = {"seed": seed, "kind": kind, "text": text, "findings": [], "counts": {}, "named": []}
+    signal.signal(signal.SIGALRM, _alarm)
+    with tempfile.TemporaryDirectory(prefix="attack-") as folder:
+        path, atlas = os.path.join(folder, "study.yaml"), os.path.join(folder, "atlas.ricochet")
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(study, file, indent=1)
+        begin = time.time()
+        try:
+            signal.alarm(o["limit"] * 4)
+            _run(out, o, study, path, atlas, folder)
+        except TooLong:
+            out["skipped"] = f"the judge took more than {o['limit'] * 4} s"
+        except Exception:  # a judge that breaks is a finding on the judge
+            out["findings"].append({"kind": "judge", "where": "", "text": traceback.format_exc()})
+        finally:
+            signal.alarm(0)
+        out["seconds"] = round(time.time() - begin, 2)
+    if out["findings"] and o["folder"]:
+        os.makedirs(o["folder"], exist_ok=True)
+        with open(os.path.join(o["folder"], f"{seed}.yaml"), "w", encoding="utf-8") as file:
+            json.dump(study, file, indent=1)
+    return out
+
+
+def _run(out, o, study, path, atlas, folder):
+    code, errors = call([o["program"], "run", path, "-o", atlas], o["limit"])
+    if code is None:
+        out["skipped"] = f"the run took more than {o['limit']} s"
+        return
+    if code in (1, 2) and errors.strip():
+        out["refused"] = errors.strip()[-300:]
+        return
+    if code:
+        out["findings"].append({"kind": "crash", "where": "run", "text": f"exit {code}: {errors[-300:]}"})
+        return
+    verdict = judge(study, atlas, o["program"], o["points"], out["seed"])
+    out["findings"] += verdict.findings
+    out["counts"] = dict(verdict.counts)
+    if o["verify"]:
+        code, errors = call([o["program"], "verify", atlas], o["limit"] * 2)
+        if code is None:
+            out["counts"]["verify too long"] = 1
+        elif code:
+            out["findings"].append({"kind": "verify", "where": "", "text": f"exit {code}: {errors[-300:]}"})
+    if o["compare"]:
+        findings, named = compare.variants(o["program"], study, atlas, folder, o["compare"].split(","), o["limit"])
+        out["findings"] += findings
+        out["named"] = named
+
+
+def parse():
+    p = argparse.ArgumentParser(prog="tools/attack/attack", description=__doc__)
+    p.add_argument("--program", default="build/ricochet")
+    p.add_argument("-n", "--structures", type=int, default=60)
+    p.add_argument("--seed", type=int, default=1, help="of the first structure; the others follow")
+    p.add_argument("--kind", choices=structures.KINDS, help="one kind only; otherwise all four in turn")
+    p.add_argument("-j", type=int, default=1, help="workers")
+    p.add_argument("--limit", type=int, default=60, help="seconds for the run of one structure")
+    p.add_argument("--points", type=int, default=400, help="stored points per structure that are judged, about")
+    p.add_argument("--small", action="store_true", help="smaller budgets")
+    p.add_argument("--verify", action="store_true", help="`ricochet verify` has to pass, too")
+    p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")
+    p.add_argument("--folder", help="keeps the studies of findings")
+    p.add_argument("--log", help="JSON lines, one per structure")
+    p.add_argument("--quiet", action="store_true", help="the table only")
+    return p.parse_args()
+
+
+def show(out):
+    kinds = collections.Counter(f["kind"] for f in out["findings"])
+    note = out.get("skipped") or out.get("refused", "")
+    print(f"seed {out['seed']} {out['kind']}: {out['text']}; {out['counts'].get('orbits', 0)} orbits, {out['seconds']} s"
+          + (f" [{note}]" if note else ""), flush=True)
+    for kind, count in sorted(kinds.items()):
+        first = next(f for f in out["findings"] if f["kind"] == kind)
+        print(f"    {count} x {kind}: {first['where']}: {first['text']}", flush=True)
+
+
+def table(results):
+    kinds = collections.defaultdict(collections.Counter)
+    total = collections.Counter()
+    for r in results:
+        row = kinds[r["kind"]]
+        row["structures"] += 1
+        row["refused"] += "refused" in r
+        row["skipped"] += "skipped" in r
+        row["with findings"] += bool(r["findings"])
+        row["orbits"] += r["counts"].get("orbits", 0)
+        total.update(r["counts"])
+        for f in r["findings"]:
+            total["finding: " + f["kind"]] += 1
+        total["differences that are named"] += len(r["named"])
+    columns = ("structures", "refused", "skipped", "orbits", "with findings")
+    print("kind      " + "".join(f"{c:>15}" for c in columns))
+    for kind, row in sorted(kinds.items()):
+        print(f"{kind:10}" + "".join(f"{row[c]:15}" for c in columns))
+    for name, value in sorted(total.items()):
+        print(f"{value:10} {name}")
+
+
+def main():
+    options = vars(parse())
+    options["program"] = os.path.abspath(options["program"])
+    if not os.access(options["program"], os.X_OK):
+        sys.exit(f"{options['program']} is no program: build it first, or name it with --program")
+    first, count = options["seed"], options["structures"]
+    print(f"structures {first} to {first + count - 1}", flush=True)
+    tasks = [(seed, options) for seed in range(first, first + count)]
+    results = []
+    log = open(options["log"], "a", encoding="utf-8") if options["log"] else None
+    with multiprocessing.Pool(options["j"], maxtasksperchild=50) as pool:
+        for out in pool.imap_unordered(one, tasks):
+            results.append(out)
+            if log:
+                log.write(json.dumps(out, default=str) + "\n")
+                log.flush()
+            if out["findings"] or not options["quiet"]:
+                show(out)
+    table(results)
+    found = sum(len(r["findings"]) for r in results)
+    print(f"{found} findings in {sum(bool(r['findings']) for r in results)} of {count} structures")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    np.seterr(all="ignore")
+    sys.exit(main())

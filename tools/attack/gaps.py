@@ -1,0 +1,125 @@
+"""How far gaps open between events: stationary points and kinks of s(t) over each flight, from a grid finer than the fastest
+mode by 2 pi / 0.05, each sign change of the slope polished. A pair of stationary points between two grid points lifts s by less
+than 0.05^4/384 = 2e-8 of its amplitude and may be missed."""
+import numpy as np
+
+import arithmetic as ar
+
+FINE = 0.05  # radians of the fastest mode between grid points
+MOST = 6000
+
+
+class Reach:
+    """`stationary` [P]: largest s/d at maxima in flight; `kink` [P]: at hits of other contacts with a local maximum there;
+    `event` [P]: at any event of other contacts. A closed face counts the other way round, 2 - s/d."""
+
+    def __init__(self, chain):
+        P = len(chain.u)
+        self.stationary = np.full(P, -np.inf)
+        self.kink = np.full(P, -np.inf)
+        self.values = [[] for _ in range(P)]  # at all stationary points, and at all hits of other contacts
+        self.event = np.full(P, -np.inf)
+        self.touches = np.zeros(P, dtype=int)
+        self.where = [""] * P
+        for k in range(chain.N):
+            self._flight(chain, k)
+            self._at_event(chain, k)
+
+    def _sides(self, structure, contact, closed):
+        """(factor of s/d, offset) of the faces that count."""
+        faces = [(f, face) for f, face in enumerate(structure.faces) if face.contact == contact]
+        shut = [(f, face) for f, face in faces if f in closed]
+        if shut:
+            return [(f, -face.side / float(face.limit), 2.0) for f, face in shut]
+        return [(f, face.side / float(face.limit), 0.0) for f, face in faces]
+
+    def _flight(self, chain, k):
+        s, closed = chain.s, chain.closed[k]
+        vectors, lam, rest = (ar.double(x) for x in s.phase(closed))
+        u, v = (ar.double(x) for x in chain.after[k])
+        tau = ar.double(chain.tau[:, k])
+        w = np.sqrt(np.maximum(lam, 0))
+        count = int(min(MOST, max(8, np.ceil(max(tau.max(), 0) * w.max() / FINE))))
+        y, yd = (u - rest) @ vectors, v @ vectors
+        t = tau[:, None] * np.linspace(0, 1, count + 1)[None]
+        for contact, c in enumerate(s.c):
+            sides = self._sides(s, contact, closed)
+            if not sides:
+                continue
+            g = ar.double(c) @ vectors
+            base = float(ar.double(c) @ rest)
+            slope = _slope(g, w, y, yd, t)
+            for f, factor, offset in sides:
+                sign = np.sign(factor)
+                if offset:
+                    self._deepest(sign, slope, t, g, w, y, yd, factor, offset, base)
+                turn = (sign * slope[:, :-1] > 0) & (sign * slope[:, 1:] <= 0)
+                p, i = np.nonzero(turn)
+                if len(p) == 0:
+                    continue
+                lower, upper = t[p, i], t[p, i + 1]
+                for _ in range(50):
+                    middle = (lower + upper) / 2
+                    rising = sign * _slope(g, w, y[p], yd[p], middle[:, None])[:, 0] > 0
+                    lower, upper = np.where(rising, middle, lower), np.where(rising, upper, middle)
+                    if _ > 28:
+                        break
+                at = (lower + upper) / 2
+                near = (at < 1e-7 * tau[p]) | (at > (1 - 1e-7) * tau[p])
+                value = factor * (base + _value(g, w, y[p], yd[p], at[:, None])[:, 0]) + offset
+                for q, z, at_end in zip(p, value, near):
+                    if at_end and abs(z - 1) < 1e-6:
+                        continue
+                    self.values[q].append(float(z))
+                    if z > self.stationary[q]:
+                        self.stationary[q], self.where[q] = z, f"face {f}, flight {k}"
+                    if abs(z - 1) < 1e-8:
+                        self.touches[q] += 1
+
+    def _deepest(self, sign, slope, t, g, w, y, yd, factor, offset, base):
+        turn = (sign * slope[:, :-1] < 0) & (sign * slope[:, 1:] >= 0)
+        for p, i in zip(*np.nonzero(turn)):
+            # the parabola through the slopes
+            a, b = slope[p, i], slope[p, i + 1]
+            at = t[p, i] + (t[p, i + 1] - t[p, i]) * a / (a - b)
+            value = factor * (base + _value(g, w, y[p:p + 1], yd[p:p + 1], np.array([[at]]))[0, 0]) + offset
+            self.values[p].append(float(value))
+
+    def _at_event(self, chain, k):
+        s = chain.s
+        f, kind = chain.events[(k + 1) % chain.N]
+        (u, v), (_, after) = chain.before[k], chain.after[k + 1]
+        for contact, c in enumerate(s.c):
+            if contact == s.faces[f].contact:
+                continue
+            gap, before, behind = ar.double(u @ c), ar.double(v @ c), ar.double(after @ c)
+            for _, factor, offset in self._sides(s, contact, chain.closed[k]):
+                value = factor * gap + offset
+                self.event = np.maximum(self.event, value)
+                if kind == "hit":
+                    bends = (factor * before > 0) & (factor * behind < 0)
+                    for listed, z in zip(self.values, value):
+                        listed.append(float(z))
+                    self.kink = np.maximum(self.kink, np.where(bends, value, -np.inf))
+
+    def worst(self):
+        return np.maximum(np.maximum(self.stationary, self.event), self.kink)
+
+    def says(self, i, reach):
+        """Whether the program may call this the reach of orbit i: the gap at some stationary point or at a hit of another contact,
+        and not less than at any maximum. (What is less than the largest maximum would hide how near the next face is.)"""
+        largest = max(self.stationary[i], self.kink[i])
+        if max(self.values[i], default=0) < 0.05 or reach < 0.05:
+            return largest < 0.05 + reach
+        return reach > largest - 1e-6 and any(abs(z - reach) <= 1e-6 * max(1, abs(reach)) for z in self.values[i])
+
+
+def _slope(g, w, y, yd, t):
+    angle = t[..., None] * w
+    return ((yd[:, None, :] * np.cos(angle) - y[:, None, :] * w * np.sin(angle)) * g).sum(axis=-1)
+
+
+def _value(g, w, y, yd, t):
+    angle = t[..., None] * w
+    sine = np.where(w > 0, np.sin(angle) / np.where(w > 0, w, 1), t[..., None])
+    return ((y[:, None, :] * np.cos(angle) + yd[:, None, :] * sine) * g).sum(axis=-1)

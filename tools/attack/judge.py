@@ -1,0 +1,512 @@
+"""The judge of one atlas: everything it says of its orbits is computed again from the study, M, K and the contacts.
+
+`judge(...)` gives a Verdict: findings (what is wrong), and counts of what was confirmed and of what cannot be decided.
+"""
+import collections
+import json
+import math
+import sqlite3
+import subprocess
+
+import mpmath
+import numpy as np
+
+import arithmetic as ar
+import gaps
+import orbits
+import smooth
+from structure import Structure, read_word
+
+RESIDUAL = 1e-11  # of a stored orbit in its equations, relative to its size; times the square root of the stiffest phase
+DISTANCE = 1e-8  # from a stored orbit to the nearest solution, relative
+TOUCH = 1e-8  # by which reach may pass 1, s/d
+NUMBER = 1e-8  # relative: energies, frequencies, margins
+SIMILAR = 1e-7  # relative: symmetries of an orbit
+FACTOR = 200.0  # rounding of the program over what one rounding of the stored numbers does to a multiplier
+HOPELESS = 1e-3  # a multiplier less certain than this, relative, is not compared
+MP_POINTS = 6  # per structure that are worth 50 digits
+YES, NO, UNDECIDED = 1, 0, 2
+
+
+class Verdict:
+    def __init__(self):
+        self.findings, self.counts = [], collections.Counter()
+
+    def find(self, kind, where, text):
+        self.findings.append({"kind": kind, "where": where, "text": text})
+
+
+def floats(blob):
+    return np.frombuffer(blob, dtype="<f8")
+
+
+class Atlas:
+    def __init__(self, path):
+        db = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        db.row_factory = sqlite3.Row
+        self.branches = db.execute("SELECT * FROM branch ORDER BY id").fetchall()
+        self.junctions = db.execute("SELECT * FROM junction ORDER BY id").fetchall()
+        self.meta = dict(db.execute("SELECT key, value FROM meta").fetchall())
+        self.points = collections.defaultdict(list)
+        for row in db.execute("SELECT * FROM point ORDER BY branch, point"):
+            self.points[row["branch"]].append(row)
+        self.on_branch = collections.defaultdict(list)
+        for row in db.execute("SELECT * FROM branch_junction ORDER BY branch, position"):
+            self.on_branch[row["branch"]].append(row)
+        db.close()
+
+
+def close(a, b, relative, absolute=0.0):
+    return abs(a - b) <= relative * max(abs(a), abs(b)) + absolute
+
+
+class Judge:
+    def __init__(self, model, atlas, program=None, path=None, budget=400, rng=None, multiplier_calls=8):
+        self.model, self.atlas, self.program, self.path = model, atlas, program, path
+        self.s = Structure(model)
+        self._exact = None
+        self.verdict, self.rng = Verdict(), rng or np.random.default_rng(1)
+        total = sum(len(p) for p in atlas.points.values())
+        self.share, self.share_all = max(1, math.ceil(total / budget)), budget // 10**6
+        self.calls, self.fine_left = multiplier_calls, MP_POINTS
+
+    def exact(self):
+        if self._exact is None:
+            self._exact = Structure(self.model, exact=True)
+        return self._exact
+
+    def run(self):
+        v = self.verdict
+        for branch in self.atlas.branches:
+            rows = self.atlas.points[branch["id"]]
+            if len(rows) != branch["points"]:
+                v.find("rows", f"branch {branch['id']}", f"{branch['points']} points said, {len(rows)} there")
+            if not rows:
+                continue
+            rows = self._sample(rows)
+            with np.errstate(all="ignore"):
+                try:
+                    if self.s.power:
+                        self._power(branch, rows)
+                    elif branch["word"]:
+                        self._branch(branch, rows)
+                    else:
+                        self._linear(branch, rows)
+                except ArithmeticError as error:
+                    v.counts["not replayed"] += len(rows)
+                    v.counts[str(error)] += 1
+        with np.errstate(all="ignore"):
+            self._junctions()
+        return v
+
+    def _sample(self, rows):
+        """Every share-th point from a random one on, both ends and their neighbours."""
+        if self.share == 1:
+            return rows
+        first = int(self.rng.integers(self.share))
+        picked = set(range(first, len(rows), self.share)) | {0, 1, len(rows) - 2, len(rows) - 1}
+        return [rows[i] for i in sorted(picked) if 0 <= i < len(rows)]
+
+    # ---- branches
+
+    def _numbers(self, branch, rows):
+        """What rows say of themselves."""
+        v = self.verdict
+        for row in rows:
+            where = f"branch {branch['id']} {branch['label']} point {row['point']}"
+            omega = 2 * math.pi / float(floats(row["flights"]).sum())
+            if not close(row["frequency"], omega, 1e-11) or not close(row["period"], 2 * math.pi / row["frequency"], 1e-14):
+                v.find("frequency", where, f"{row['frequency']!r} said, {omega!r} from flights")
+            if row["trace"] is not None and row["trace_asinh"] is not None:
+                if not close(math.asinh(row["trace"] / 2), row["trace_asinh"], 1e-12, 1e-300):
+                    v.find("trace", where, "trace and trace_asinh differ")
+            if row["rotation"] is not None and row["trace"] is not None:
+                if not close(2 * math.cos(2 * math.pi * row["rotation"]), row["trace"], 1e-6, 1e-6):
+                    v.find("rotation", where, f"rotation {row['rotation']!r} and trace {row['trace']!r} differ")
+
+    def _linear(self, branch, rows):
+        """Linear modes: motion without impacts; period from the frequencies, gaps from the amplitude."""
+        self._numbers(branch, rows)
+        s, v = self.s, self.verdict
+        raw = s.raw_energy(np.stack([floats(r["state"]) for r in rows]), frozenset())
+        lam = np.sqrt(np.maximum(ar.double(s.all_lam), 0))
+        for row, E in zip(rows, ar.double(raw)):
+            where = f"branch {branch['id']} {branch['label']} point {row['point']}"
+            v.counts["linear"] += 1
+            if not close(E, row["energy"], NUMBER, 1e-12):
+                v.find("energy", where, f"{row['energy']!r} said, {E!r} from matrices")
+            if np.abs(lam - row["frequency"]).min() > 1e-9 * row["frequency"]:
+                v.find("frequency", where, "no frequency of the structure")
+        states = np.stack([floats(r["state"]) for r in rows])
+        half = states.shape[1] // 2
+        for contact in self.model["contacts"]:
+            b, scale = np.array(contact["normal"], dtype=float), float(s.d) / contact["clearance"]
+            omega = rows[0]["frequency"]
+            amplitude = np.hypot(states[:, :half] @ b, states[:, half:] @ b / omega) * scale
+            for row, a in zip(rows, amplitude):
+                if a > 1 + TOUCH:
+                    v.find("penetration", f"branch {branch['id']} point {row['point']}", f"linear motion opens a gap to {a!r}")
+
+    def chain_of(self, word, rows, structure=None):
+        structure = structure or self.s
+        events, closed = read_word(structure, word)
+        states = np.stack([floats(r["state"]) for r in rows])
+        tau = np.stack([floats(r["flights"]) for r in rows])
+        if tau.shape[1] != len(events):
+            raise ValueError(f"{tau.shape[1]} flights for {len(events)} events")
+        u, v, lost = structure.from_stored(states)
+        tau = ar.array(tau, structure.exact) * ar.number(structure.omega_ref, structure.exact)
+        return orbits.Chain(structure, events, closed, u, v, tau), states, lost
+
+    def _stiff(self):
+        """How much a closing spring may multiply rounding: the fastest frequency of all phases met so far, over that of the structure."""
+        return max(1.0, max(float(ar.double(lam).max()) for _, lam, _ in self.s.phases.values()) ** 0.5)
+
+    def _branch(self, branch, rows):
+        v, s = self.verdict, self.s
+        name = f"branch {branch['id']} {branch['label']}"
+        self._numbers(branch, rows)
+        try:
+            chain, states, lost = self.chain_of(branch["word"], rows)
+        except (ValueError, IndexError) as error:
+            v.find("word", name, str(error))
+            return
+        v.counts["orbits"] += len(rows)
+        if not chain.sound:
+            v.find("word", name, f"{branch['word']} does not open what it closes")
+            return
+        if lost > 1e-9:
+            v.find("unseen", name, f"{lost:.1e} of the state is in modes that no contact sees")
+        start = chain.relative_residual() / self._stiff()
+        fine, moved = orbits.polish(chain)
+        left = fine.relative_residual()
+        energies = ar.double(s.raw_energy(states, chain.first_closed))
+        reach = gaps.Reach(fine)
+        size = fine.size()[1]
+        slow = np.min([ar.double(x) for x in fine.speed], axis=0) / size
+        ends = {0, branch["points"] - 1}
+        for i, row in enumerate(rows):
+            where = f"{name} point {row['point']}"
+            if start[i] > RESIDUAL or not math.isfinite(start[i]):
+                v.find("residual", where, f"stored orbit misses its equations by {start[i]:.1e}")
+            elif moved[i] > DISTANCE or left[i] > 1e-14:
+                v.counts["loose"] += 1
+                if moved[i] > 1e-6:
+                    v.find("distance", where, f"nearest solution is {moved[i]:.1e} away, residual left {left[i]:.1e}")
+            if not close(energies[i], row["energy"], NUMBER):
+                v.find("energy", where, f"{row['energy']!r} said, {energies[i]!r} from matrices")
+            if ar.double(fine.tau[i]).min() < -1e-9:
+                v.find("sequence", where, f"flight time {ar.double(fine.tau[i]).min():.1e}")
+            if slow[i] < -1e-8:
+                v.find("sequence", where, f"a face is left where it should be met, speed {slow[i]:.1e}")
+            worst = reach.worst()[i]
+            if worst > 1 + (TOUCH if row["point"] not in ends else 1e-6):
+                v.find("penetration", where, f"gap opens to {worst!r} ({reach.where[i]})")
+            self._margins(row, reach, fine, i, where)
+        self._repeats(branch, fine, rows)
+        self._symmetries(branch, fine, rows, slow)
+        if s.n > 1:
+            self._multipliers(branch, rows, fine)
+
+    def _margins(self, row, reach, chain, i, where):
+        v = self.verdict
+        if row["reach"] is not None:
+            v.counts["reach"] += 1
+            if not reach.says(i, row["reach"]):
+                v.find("reach", where, f"{row['reach']!r} said, {float(max(reach.stationary[i], reach.kink[i]))!r} found")
+        speeds = [abs(float(x[i])) * self.s.omega_ref for x in chain.speed]
+        least, size = min(speeds), chain.size()[1][i]
+        if row["approach"] is not None:
+            v.counts["approach"] += 1
+            if not close(row["approach"], least, 1e-6, 1e-9 * size * self.s.omega_ref):
+                v.find("approach", where, f"{row['approach']!r} said, {least!r} found")
+
+    def _repeats(self, branch, chain, rows):
+        """An orbit that is a shorter one gone through several times has no branch of its own."""
+        N = chain.N
+        u0, v0 = chain.after[0]
+        su, sv = chain.size()
+        for part in range(1, N):
+            if N % part or chain.events[part:] + chain.events[:part] != chain.events:
+                continue
+            u, v = chain.after[part]
+            off = np.maximum(np.abs(ar.double(u - u0)).max(axis=1) / su, np.abs(ar.double(v - v0)).max(axis=1) / sv)
+            for i in np.nonzero(off < 1e-10)[0]:
+                if rows[i]["point"] not in (0, branch["points"] - 1):
+                    self.verdict.find("repeats", f"branch {branch['id']} {branch['label']} point {rows[i]['point']}",
+                                      f"repeats itself after {part} of {N} events")
+            return
+
+    def _symmetries(self, branch, chain, rows, slow):
+        s, v = self.s, self.verdict
+        su, sv = chain.size()
+
+        def distance(a, b):
+            return np.maximum(np.abs(ar.double(a[0] - b[0])).max(axis=1) / su, np.abs(ar.double(a[1] - b[1])).max(axis=1) / sv)
+
+        u0, v0 = chain.after[0]
+        half = [distance((-chain.after[k][0], -chain.after[k][1]), (u0, v0)) for k in range(chain.N)]
+        symmetric = np.min(half, axis=0)
+        back = []
+        for k in range(1, chain.N + 1):
+            u, w = chain.before[k - 1]
+            back += [distance((u, -w), (u0, v0)), distance((-u, w), (u0, v0))]
+        reversible = np.min(back, axis=0)
+        middle = [i for i, r in enumerate(rows) if 0 < r["point"] < branch["points"] - 1 and slow[i] > 1e-4]
+        for said, found, what in ((branch["symmetric"], symmetric, "symmetric"), (branch["reversible"], reversible, "reversible")):
+            for i in range(len(rows)):
+                v.counts[what] += bool(said)
+                if said and found[i] > SIMILAR * max(1, 1e-3 / max(slow[i], 1e-9)):
+                    v.find(what, f"branch {branch['id']} {branch['label']} point {rows[i]['point']}",
+                           f"said to be {what}, {found[i]:.1e} off")
+            if not said and len(middle) > 3 and max(found[i] for i in middle) < 1e-10:
+                v.find(what, f"branch {branch['id']} {branch['label']}", f"all {len(middle)} inner orbits are {what}, not said")
+
+    # ---- multipliers
+
+    def _shaken(self, chain, size):
+        unknowns = chain.weights()[0]
+        return chain.moved(ar.array(self.rng.choice([-1.0, 1.0], unknowns.shape) * size, chain.s.exact)
+                           * ar.array(unknowns, chain.s.exact))
+
+    def _rho(self, chain):
+        return orbits.pairs(orbits.reduced(chain, orbits.monodromy(chain)))
+
+    def _multipliers(self, branch, rows, fine):
+        rho = self._rho(fine)
+        coarse = [self._rho(self._shaken(fine, 2e-16)) for _ in range(2)]
+        again = [self._rho(self._shaken(fine, 3e-19)) for _ in range(2)]
+        said = self._said(branch, rows)
+
+        def redo(i):
+            chain, _, _ = self.chain_of(branch["word"], [rows[i]], self.exact())
+            chain, _ = orbits.polish(chain, rounds=4)
+            if chain.relative_residual()[0] > 1e-35:
+                return None
+            return [self._rho(chain)[0]] + [self._rho(self._shaken(chain, 1e-40))[0] for _ in range(2)]
+
+        self._compare(branch, rows, rho, coarse, again, said, redo)
+
+    def _compare(self, branch, rows, rho, coarse, again, said, redo):
+        v, n = self.verdict, self.s.n
+        for i, row in enumerate(rows):
+            where = f"branch {branch['id']} {branch['label']} point {row['point']}"
+            blur = [np.abs(c[i] - rho[i]) for c in coarse]
+            spread = np.max(blur, axis=0) if n > 1 else np.zeros(0)
+            self._flag(row, where, rho[i], [c[i] for c in coarse], [a[i] for a in again], lambda i=i: redo(i))
+            if n == 2:
+                if row["trace_asinh"] is None or row["trace"] is None:
+                    continue
+                v.counts["multipliers"] += 1
+                allowed = 1e-9 * (1 + abs(rho[i][0])) + FACTOR * spread[0]
+                if not allowed < HOPELESS * (1 + abs(rho[i][0])):
+                    v.counts["multipliers lost"] += 1
+                elif abs(row["trace"] - rho[i][0]) > allowed:
+                    v.find("multiplier", where, f"trace {row['trace']!r} said, {float(rho[i][0])!r} found, allowed {allowed:.1e}")
+            elif said is not None and row["point"] in said:
+                self._compare_pairs(said[row["point"]], rho[i], spread, where)
+
+    def _compare_pairs(self, said, rho, spread, where):
+        v = self.verdict
+        lost = any(x is None or x[0] is None for x in said)
+        told = [complex(x[0], x[1]) for x in said if x is not None and x[0] is not None]
+        told = [x + 1 / x for x in told if x != 0]
+        v.counts["multipliers"] += 1
+        if lost:
+            v.counts["multipliers not given"] += 1
+        for x in told:
+            j = int(np.argmin(np.abs(rho - x)))
+            gap = np.sort(np.abs(rho - rho[j]))
+            near = gap[1] if len(gap) > 1 else np.inf
+            # Two pairs that all but meet move like the root of what moves their sum.
+            # A small one beside a large one is known to the rounding of the large one.
+            allowed = 1e-8 * (1 + abs(rho[j])) + FACTOR * spread[j] + 4e-15 * np.abs(rho).max()
+            if near < 1e-2 * (1 + abs(rho[j])):
+                allowed = max(allowed, 1e-6 * (1 + abs(rho[j])))
+            if not allowed < HOPELESS * (1 + abs(rho[j])):
+                v.counts["multipliers lost"] += 1
+            elif abs(x - rho[j]) > allowed:
+                v.find("multiplier", where, f"pair {x!r} said, nearest {rho[j]!r}, allowed {allowed:.1e}")
+
+    def _said(self, branch, rows):
+        """Multipliers as the program lists them, for more than two modes."""
+        if self.s.n <= 2 or not self.program or self.calls <= 0:
+            return None
+        self.calls -= 1
+        out = subprocess.run([self.program, "points", self.path, "--branch", str(branch["id"]), "--json"], capture_output=True,
+                             text=True, timeout=120, check=False)
+        if out.returncode:
+            self.verdict.find("program", f"branch {branch['id']}", f"points: exit {out.returncode} {out.stderr[-200:]}")
+            return None
+        return {p["point"]: p["multipliers"] or [] for p in json.loads(out.stdout)}
+
+    @staticmethod
+    def stable(rho):
+        """YES or NO by these numbers, whatever their error."""
+        rho = np.asarray(rho, dtype=complex)
+        if not np.isfinite(rho).all():
+            return None
+        real = np.abs(rho.imag) <= 1e-12 * (1 + np.abs(rho))
+        return YES if real.all() and (np.abs(rho.real) < 2).all() else NO
+
+    def _flag(self, row, where, rho, coarse, again, redo):
+        v = self.verdict
+        said = row["stable"]
+        if said == UNDECIDED:
+            v.counts["flags undecided"] += 1
+            return
+        mine = {self.stable(r) for r in [rho] + coarse}
+        if mine == {said}:
+            v.counts["flags confirmed"] += 1
+            return
+        fine = {self.stable(r) for r in [rho] + again}
+        if len(fine) == 1 and None not in fine:
+            if fine == {said}:
+                v.counts["flags confirmed finely"] += 1
+                return
+        elif self.fine_left <= 0:
+            v.counts["flags not confirmed"] += 1
+            return
+        self.fine_left -= 1
+        better = redo() if self.fine_left >= 0 else None
+        if better is None and len(mine) == 1 and None not in mine:
+            better = [rho] + coarse
+        if better is None:
+            v.counts["flags not confirmed"] += 1
+            return
+        finest = {self.stable(r) for r in better}
+        if finest == {said}:
+            v.counts["flags confirmed finely"] += 1
+        elif len(finest) > 1 or None in finest:
+            v.counts["flags not confirmed"] += 1
+        else:
+            margin = np.abs(np.abs(np.asarray(better[0])) - 2).min()
+            v.find("flag", where, f"stable {('no', 'yes')[said]} said, rho {[str(complex(x)) for x in better[0]]}, "
+                                  f"{margin:.1e} from 2")
+
+    # ---- power laws
+
+    def _power(self, branch, rows):
+        s, v = self.s, self.verdict
+        self._numbers(branch, rows)
+        name = f"branch {branch['id']} {branch['label']}"
+        if len(rows) > 10 and self.share_all < len(rows):
+            keep = sorted({0, len(rows) - 1} | set(int(i) for i in self.rng.choice(len(rows), 8, replace=False)))
+            rows = [rows[i] for i in keep]
+        v.counts["orbits"] += len(rows)
+        states = np.stack([floats(r["state"]) for r in rows])
+        u0, v0, _ = s.from_stored(states)
+        T0 = np.array([float(floats(r["flights"]).sum()) for r in rows]).astype(ar.LONG) * s.omega_ref
+        energies = ar.double(s.raw_energy(states, frozenset()))
+        u, w, T, X, start, moved, left = smooth.polish(s, u0, v0, T0)
+        if s.n > 1:
+            rho, coarse = self._power_rho(u, w, X), []
+            again = []
+            for size, out in ((2e-16, coarse), (3e-19, again)):
+                scale = np.abs(ar.double(u)).max(axis=1)[:, None], np.abs(ar.double(w)).max(axis=1)[:, None]
+                shaken = [x + self.rng.choice([-1.0, 1.0], x.shape) * size * z for x, z in zip((u, w), scale)]
+                out.append(self._power_rho(*shaken, smooth.integrate(s, *shaken, T)[2]))
+        growth = np.abs(ar.double(X)).max(axis=(1, 2))
+        for i, row in enumerate(rows):
+            where = f"{name} point {row['point']}"
+            if start[i] > 1e-9 * max(1, 1e-6 * growth[i]):
+                v.find("residual", where, f"stored orbit returns {start[i]:.1e} off, growth {growth[i]:.1e}")
+            if moved[i] > 1e-6 and left[i] < 1e-13:
+                v.find("distance", where, f"nearest solution is {moved[i]:.1e} away")
+            if not close(energies[i], row["energy"], NUMBER):
+                v.find("energy", where, f"{row['energy']!r} said, {energies[i]!r} from matrices")
+        scale = np.abs(ar.double(u)).max(axis=1) + np.abs(ar.double(w)).max(axis=1)
+        if branch["symmetric"]:
+            a, b, _ = smooth.integrate(s, u, w, T / 2, neighbours=False)
+            off = np.maximum(np.abs(ar.double(a + u)).max(axis=1), np.abs(ar.double(b + w)).max(axis=1)) / scale
+            for i in np.nonzero(off > SIMILAR)[0]:
+                v.find("symmetric", f"{name} point {rows[i]['point']}", f"said to be symmetric, {off[i]:.1e} off")
+        if branch["reversible"]:
+            off = np.minimum(np.abs(ar.double(u)).max(axis=1), np.abs(ar.double(w)).max(axis=1)) / scale
+            for i in np.nonzero(off > SIMILAR)[0]:
+                v.find("reversible", f"{name} point {rows[i]['point']}", f"said to start at a mirror point, {off[i]:.1e} off")
+        if s.n > 1:
+            self._compare(branch, rows, rho, coarse, again, self._said(branch, rows), lambda i: None)
+
+    def _power_rho(self, u, w, X):
+        a = smooth.acceleration(self.s, u)
+        return orbits.pairs(orbits.section_map(np.concatenate([w, a], axis=1), np.concatenate([-a, w], axis=1), X, False))
+
+    # ---- junctions
+
+    def _junctions(self):
+        v = self.verdict
+        for j in self.atlas.junctions:
+            where = f"junction {j['id']} {j['label']}"
+            v.counts["junctions"] += 1
+            multiple = j["multiple"] or 1
+            flights = floats(j["flights"])
+            total = float(flights.sum())
+            if total > 0:
+                omega = 2 * math.pi / total / multiple
+                if not close(omega, j["frequency"], 1e-9):
+                    v.find("frequency", where, f"{j['frequency']!r} said, {omega!r} from flights")
+            if not self.s.power and j["word"]:
+                self._junction(j, where)
+
+    def _junction(self, j, where):
+        v, s = self.verdict, self.s
+        try:
+            chain, states, _ = self.chain_of(j["word"], [j])
+        except (ValueError, IndexError) as error:
+            v.find("word", where, str(error))
+            return
+        energy = float(s.raw_energy(states, chain.first_closed)[0])
+        if not close(energy, j["energy"], 1e-9):
+            v.find("energy", where, f"{j['energy']!r} said, {energy!r} from matrices")
+        start = chain.relative_residual()[0] / self._stiff()
+        if start > RESIDUAL:
+            v.find("residual", where, f"stored orbit misses its equations by {start:.1e}")
+            return
+        reach = gaps.Reach(chain)
+        if reach.worst()[0] > 1 + 1e-6:
+            v.find("penetration", where, f"gap opens to {reach.worst()[0]!r} ({reach.where[0]})")
+        speeds = np.array([float(x[0]) for x in chain.speed]) / chain.size()[1][0]
+        if j["kind"] == "grazing":
+            near = abs(reach.stationary[0] - 1) < 1e-7 or np.abs(speeds).min() < 1e-6
+            if not near:
+                v.find("grazing", where, f"no touch: reach {reach.stationary[0]!r}, least speed {np.abs(speeds).min():.1e}")
+        elif j["kind"] == "multiplication" and j["rotation_q"] and s.n > 1:
+            self._rotation(j, chain, where)
+        elif j["kind"] in ("extremum", "branch-point", "period-extremum"):
+            self._singular(j, chain, where)
+
+    def _rotation(self, j, chain, where):
+        fine, _ = orbits.polish(chain)
+        rho = self._rho(fine)[0]
+        blur = np.max([np.abs(self._rho(self._shaken(fine, 1e-15))[0] - rho) for _ in range(3)], axis=0)
+        want = 2 * math.cos(2 * math.pi * j["rotation_p"] / j["rotation_q"])
+        k = int(np.argmin(np.abs(rho - want)))
+        if abs(rho[k] - want) > 1e-6 + 1e3 * blur[k]:
+            self.verdict.find("rotation", where, f"rotation {j['rotation_p']}/{j['rotation_q']} needs rho {want}, "
+                                                 f"nearest {rho[k]!r} +- {blur[k]:.1e}")
+
+    def _singular(self, j, chain, where):
+        """At an extremum the curve has no slope in energy; at a branch point the kernel has a second direction."""
+        v, n = self.verdict, self.s.n
+        U, sv, Vt = (x[0] for x in chain.singular())
+        unknowns = chain.weights()[0][0]
+        # the square problem has one redundant equation and one direction along the curve
+        second = sv[-2] if len(sv) > 1 else 1
+        if j["kind"] == "branch-point":
+            if second > 1e-4 * sv[0] ** 0:
+                v.find("branch-point", where, f"second smallest singular value {second:.1e}")
+            return
+        u, w = ar.double(chain.after[0][0][0]), ar.double(chain.after[0][1][0])
+        a = ar.double(chain.s.acceleration(chain.first_closed, chain.after[0][0])[0])
+        tangent = Vt[-1] * unknowns
+        slope = float((-a) @ tangent[:n] + w @ tangent[n:2 * n])
+        E = float(chain.s.energy(chain.first_closed, *chain.after[0])[0])
+        period = float(tangent[2 * n:].sum() / ar.double(chain.tau[0]).sum())
+        value = slope / E if j["kind"] == "extremum" else period
+        if abs(value) > 1e-6 + 1e-13 / second:
+            v.find(j["kind"], where, f"slope along the branch {value:.1e} (second singular value {second:.1e})")
+
+
+def judge(study, path, program=None, budget=400, seed=1):
+    return Judge(study["model"], Atlas(path), program, path, budget, np.random.default_rng(seed)).run()

@@ -1,0 +1,118 @@
+"""Whether the judge sees: faults are planted in copies of atlases, and each has to be found under its own name."""
+import json
+import os
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+import structures
+from judge import Atlas, Judge
+
+SEEDS = (8, 24, 37, 18, 11)  # rigid with three and with two modes, bilinear, mixed, power law
+
+
+def _float_blob(change):
+    def edit(blob, rng):
+        numbers = list(struct.unpack(f"<{len(blob) // 8}d", blob))
+        return struct.pack(f"<{len(numbers)}d", *change(numbers, rng))
+    return edit
+
+
+def _one_off(numbers, rng):
+    i = int(np.argmax(np.abs(numbers)))
+    numbers[i] *= 1 + 1e-6
+    return numbers
+
+
+# table.column: what is done to a value of it, what finds it (any of these kinds), which rows it can be done to
+FAULTS = {
+    "energy": (lambda x, rng: x * (1 + 1e-6), {"energy"}, "energy > 0"),
+    "frequency": (lambda x, rng: x * (1 + 1e-8), {"frequency"}, "1"),
+    "state": (_float_blob(_one_off), {"residual", "energy"}, "1"),
+    "flights": (_float_blob(_one_off), {"residual", "frequency"}, "1"),
+    "stable": (lambda x, rng: 1 - x, {"flag"}, "stable < 2 AND abs(trace) < 1e6 AND abs(abs(trace) - 2) > 1e-6"),
+    "trace": (lambda x, rng: x + 1e-6 * (1 + abs(x)), {"multiplier", "trace"}, "abs(trace) < 1e4"),
+    "trace_asinh": (lambda x, rng: x + 1e-6, {"trace"}, "trace IS NOT NULL"),
+    "reach": (lambda x, rng: x * 0.999, {"reach"}, "reach > 0.1"),
+    "approach": (lambda x, rng: x * 1.001, {"approach"}, "approach > 1e-2"),
+    "rotation": (lambda x, rng: (x + 1e-3) % 1, {"rotation"}, "rotation IS NOT NULL"),
+}
+BRANCH_FAULTS = {
+    "symmetric": (lambda x, rng: 1, {"symmetric"}, "symmetric = 0"),
+    "word": (lambda x, rng: x[::-1].translate(str.maketrans("01", "10")) + "0", {"word", "residual", "sequence"}, "1"),
+    "points": (lambda x, rng: x + 1, {"rows"}, "1"),
+}
+JUNCTION_FAULTS = {
+    "energy": (lambda x, rng: x * (1 + 1e-6), {"energy"}, "energy > 0"),
+    "frequency": (lambda x, rng: x * (1 + 1e-6), {"frequency"}, "1"),
+    "state": (_float_blob(_one_off), {"residual", "energy"}, "1"),
+    "rotation_q": (lambda x, rng: x + 1, {"rotation"}, "kind = 'multiplication'"),
+}
+
+
+def _plant(atlas, table, column, fault, rng):
+    """The row of a copy that is changed, drawn by chance: of a branch with impacts, or of a power law. None if there is none."""
+    db = sqlite3.connect(atlas)
+    edit, _, where = fault
+    key = {"point": "branch IN (SELECT id FROM branch WHERE word <> '')", "branch": "word <> ''", "junction": "word <> ''"}[table]
+    if column in ("frequency", "energy", "stable", "trace", "trace_asinh"):
+        key += " OR NOT EXISTS (SELECT 1 FROM branch WHERE word <> '')"
+    name = "branch, point" if table == "point" else "id, id"
+    rows = db.execute(f"SELECT {name}, {column} FROM {table} WHERE ({key}) AND ({where})").fetchall()
+    if rows:
+        first, second, value = rows[int(rng.integers(len(rows)))]
+        one = "branch = ? AND point = ?" if table == "point" else "id = ? AND id = ?"
+        db.execute(f"UPDATE {table} SET {column} = ? WHERE {one}", (edit(value, rng), first, second))
+        db.commit()
+    db.close()
+    return (first, second) if rows else None
+
+
+def _findings(study, path, table, row):
+    """Of that branch, point or junction alone."""
+    atlas = Atlas(path)
+    atlas.branches = [b for b in atlas.branches if table != "junction" and b["id"] == row[0]]
+    atlas.junctions = [j for j in atlas.junctions if table == "junction" and j["id"] == row[0]]
+    if table == "point":
+        atlas.points = {row[0]: [p for p in atlas.points[row[0]] if p["point"] == row[1]]}
+    return {(f["kind"], f["where"]) for f in Judge(study["model"], atlas, budget=10**9).run().findings}
+
+
+def main():
+    program, rng = os.path.abspath(sys.argv[1]), np.random.default_rng(1)
+    done = missed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for seed in SEEDS:
+            _, text, study = structures.make(seed)
+            path, atlas = os.path.join(folder, "study.yaml"), os.path.join(folder, f"{seed}.ricochet")
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(study, file)
+            subprocess.run([program, "run", path, "-o", atlas], check=True, capture_output=True)
+            with open(atlas, "rb") as file:
+                original = file.read()
+            for table, faults in (("point", FAULTS), ("branch", BRANCH_FAULTS), ("junction", JUNCTION_FAULTS)):
+                if study["model"]["contacts"][0]["law"] == "power" and table != "point":
+                    continue
+                for column, fault in faults.items():
+                    copy = os.path.join(folder, "copy.ricochet")
+                    with open(copy, "wb") as file:
+                        file.write(original)
+                    row = _plant(copy, table, column, fault, rng)
+                    if row is None:
+                        continue
+                    found = _findings(study, copy, table, row) - _findings(study, atlas, table, row)
+                    seen = any(kind in fault[1] for kind, _ in found)
+                    done += 1
+                    missed += not seen
+                    print(f"{'ok' if seen else 'not ok'} {done} - {table}.{column} of seed {seed} ({text})", flush=True)
+    print(f"1..{done}")
+    return 1 if missed or not done else 0
+
+
+if __name__ == "__main__":
+    np.seterr(all="ignore")
+    sys.exit(main())

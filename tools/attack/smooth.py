@@ -1,0 +1,137 @@
+"""Motion under power laws and its neighbours, by Taylor series in long doubles, many orbits at a time, each with its own step."""
+import numpy as np
+
+import arithmetic as ar
+
+ORDER = 30
+STEPS = 4000
+
+
+class _Power:
+    """Coefficients of s^(m-1) as those of s come in: binary products of series."""
+
+    def __init__(self, m, shape):
+        self.plan, power, rest = [], 0, m - 1  # power 0: s itself
+        names, have, result = 1, 0, None
+        while rest:
+            if rest & 1:
+                if result is None:
+                    result = have
+                else:
+                    self.plan.append((names, result, have))
+                    result, names = names, names + 1
+            rest >>= 1
+            if rest:
+                self.plan.append((names, have, have))
+                have, names = names, names + 1
+        self.result = result
+        self.series = np.zeros((names, ORDER + 1) + shape, dtype=ar.LONG)
+
+    def add(self, j, s):
+        self.series[0, j] = s
+        for target, a, b in self.plan:
+            self.series[target, j] = (self.series[a, :j + 1] * self.series[b, j::-1]).sum(axis=0)
+        return self.series[self.result]
+
+
+def _expand(structure, u, v, X, tau_only=False):
+    """Taylor coefficients of u [ORDER+3, P, n] and of the upper half of the neighbours [ORDER+3, P, n, columns]."""
+    P, n = u.shape
+    U = np.zeros((ORDER + 3, P, n), dtype=ar.LONG)
+    U[0], U[1] = u, v
+    columns = 0 if X is None else X.shape[2]
+    W = np.zeros((ORDER + 3, P, n, columns), dtype=ar.LONG)
+    if columns:
+        W[0], W[1] = X[:, :n], X[:, n:]
+    powers = [(_Power(m, (P,)), structure.c[i], m, k) for i, m, k in structure.powers]
+    gaps = [np.zeros((ORDER + 1, P, columns), dtype=ar.LONG) for _ in powers]
+    for j in range(ORDER + 1):
+        force = -(U[j] @ structure.A)
+        bend = -(structure.A @ W[j]) if columns else None
+        for (power, c, m, k), gap in zip(powers, gaps):
+            s = power.series[0]
+            q = power.add(j, U[j] @ c)
+            force = force - k * (q[:j + 1] * s[j::-1]).sum(axis=0)[:, None] * c
+            if columns:
+                gap[j] = c @ W[j]
+                bend = bend - (k * m) * c[:, None] * (q[:j + 1, :, None] * gap[j::-1]).sum(axis=0)[:, None, :]
+        U[j + 2] = force / ((j + 1) * (j + 2))
+        if columns:
+            W[j + 2] = bend / ((j + 1) * (j + 2))
+    return U, W
+
+
+def integrate(structure, u, v, T, neighbours=True, tolerance=1e-19):
+    """States after the times T [P], and the matrices [P, 2n, 2n] of small deviations (None without)."""
+    P, n = u.shape
+    X = None
+    if neighbours:
+        X = np.zeros((P, 2 * n, 2 * n), dtype=ar.LONG)
+        X[:, range(2 * n), range(2 * n)] = 1
+    left = T.copy()
+    j = np.arange(ORDER + 3, dtype=ar.LONG)
+    for _ in range(STEPS):
+        if not (left > 0).any():
+            return u, v, X
+        U, W = _expand(structure, u, v, X)
+        size = np.abs(U[0]).max(axis=1) + np.abs(U[1]).max(axis=1)
+        h = left.copy()
+        for order in (ORDER + 2, ORDER + 1, ORDER):
+            last = np.abs(U[order]).max(axis=1) + 1e-4000
+            h = np.minimum(h, (tolerance * size / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
+        # A power beyond the order shows late: as far as Cauchy's bound on s^m, with s from its first terms, stays at that level.
+        if X is not None:
+            scale = np.abs(X).max(axis=(1, 2))
+            for order in (ORDER + 2, ORDER + 1):
+                last = np.abs(W[order]).max(axis=(1, 2)) + 1e-4000
+                h = np.minimum(h, (tolerance * scale / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
+        h = np.where(left > 0, h, 0)
+        powers = h[None, :] ** j[:, None]
+        slopes = j[1:, None] * h[None, :] ** j[None, :-1].T
+        u, v = (U * powers[:, :, None]).sum(axis=0), (U[1:] * slopes[:, :, None]).sum(axis=0)
+        if X is not None:
+            X = np.concatenate([(W * powers[:, :, None, None]).sum(axis=0), (W[1:] * slopes[:, :, None, None]).sum(axis=0)], axis=1)
+        left = left - h
+        left = np.where(left < 1e-18 * T, 0, left)
+    raise ArithmeticError(f"more than {STEPS} steps")
+
+
+def acceleration(structure, u):
+    out = -(u @ structure.A)
+    for i, m, k in structure.powers:
+        c = structure.c[i]
+        out = out - k * ((u @ c) ** m)[:, None] * c
+    return out
+
+
+def energy(structure, u, v):
+    sum_ = (ar.dot(v, v) + ar.dot(u, u @ structure.A)) / 2
+    for i, m, k in structure.powers:
+        sum_ = sum_ + k * (u @ structure.c[i]) ** (m + 1) / (m + 1)
+    return sum_
+
+
+def polish(structure, u, v, T, rounds=2, cut=1e-10):
+    """The nearest periodic orbits, their matrices, what the closure lacked at the start (relative) and how far they are."""
+    n, first = structure.n, None
+    start = np.concatenate([u, v, T[:, None]], axis=1)
+    for _ in range(rounds + 1):
+        a, b, X = integrate(structure, u, v, T)
+        su, sv = np.abs(ar.double(u)).max(axis=1) + np.abs(ar.double(v)).max(axis=1), np.abs(ar.double(v)).max(axis=1)
+        sv = np.maximum(sv, su)
+        weight = np.concatenate([su[:, None] * np.ones((1, n)), sv[:, None] * np.ones((1, n))], axis=1)
+        gap = ar.double(np.concatenate([a - u, b - v], axis=1)) / weight
+        if first is None:
+            first = np.abs(gap).max(axis=1)
+        if _ == rounds:
+            break
+        rate = np.concatenate([b, acceleration(structure, a)], axis=1)
+        J = np.concatenate([ar.double(X) - np.eye(2 * n), ar.double(rate)[:, :, None]], axis=2)
+        unknowns = np.concatenate([weight, ar.double(T)[:, None]], axis=1)
+        J = J * unknowns[:, None, :] / weight[:, :, None]
+        U, s, Vt = np.linalg.svd(J, full_matrices=False)
+        inverse = np.where(s > cut * s[:, :1], 1 / np.maximum(s, 1e-300), 0)
+        step = -np.einsum("pji,pj->pi", Vt, inverse * np.einsum("pji,pj->pi", U, gap)) * unknowns
+        u, v, T = u + step[:, :n], v + step[:, n:2 * n], T + step[:, 2 * n]
+    moved = ar.double(np.concatenate([u, v, T[:, None]], axis=1) - start) / np.concatenate([weight, ar.double(T)[:, None]], axis=1)
+    return u, v, T, X, first, np.abs(moved).max(axis=1), np.abs(gap).max(axis=1)

@@ -1,0 +1,153 @@
+"""Random structures: everything from a seed, as a study that names every option but the tolerances."""
+import numpy as np
+
+KINDS = ("rigid", "bilinear", "mixed", "power")
+
+
+def _round(x, digits=4):
+    return float(f"{x:.{digits}g}")
+
+
+def _matrices(rng, n, flavour):
+    """Mass and stiffness with entries that are sums of few digits, so that rows of a free body add up to zero exactly."""
+    if flavour == "chain" or flavour == "free":
+        mass = np.diag(rng.integers(1, 9, n) / 4.0)
+        k = rng.integers(1, 33, n + 1) / 4.0
+        if flavour == "free":
+            k[0] = k[n] = 0
+        stiffness = np.diag(k[:n] + k[1:]) - np.diag(k[1:n], 1) - np.diag(k[1:n], -1)
+        return mass, stiffness
+    if flavour == "equal":
+        mass = np.eye(n)
+        stiffness = np.eye(n) * 2.0
+        for i in range(n - 1):
+            if rng.random() < 0.3:
+                stiffness[i, i] += 1
+        return mass, stiffness
+    a = rng.integers(-4, 5, (n, n)) / 8.0
+    mass = a @ a.T + np.diag(rng.integers(2, 9, n) / 4.0)
+    if flavour == "resonant":
+        low = np.linalg.cholesky(mass)
+        q, _ = np.linalg.qr(rng.standard_normal((n, n)))
+        ratio = np.array([1, 2, 3, 1, 4])[:n] + rng.choice([0, 1e-9, 1e-6, 1e-3, 1e-2]) * rng.standard_normal(n)
+        stiffness = low @ q @ np.diag(ratio**2) @ q.T @ low.T
+        return mass, (stiffness + stiffness.T) / 2
+    b = rng.integers(-8, 9, (n, n)) / 4.0
+    return mass, b @ b.T + np.diag(rng.integers(1, 9, n) / 4.0)
+
+
+def _normals(rng, n, count):
+    out = []
+    for _ in range(count):
+        b = np.zeros(n)
+        i = rng.integers(n)
+        choice = rng.random()
+        if n > 1 and choice < 0.5:
+            j = (i + 1) % n
+            b[i], b[j] = -1, 1
+        elif n > 1 and choice < 0.6:
+            b = rng.integers(-2, 3, n).astype(float)
+            b[i] = 1
+        else:
+            b[i] = 1
+        if not any(abs(abs(b @ o) - np.sqrt((b @ b) * (o @ o))) < 1e-12 for o in out):
+            out.append(b)
+    return out
+
+
+def _contact(rng, kind, law, b, d, typical):
+    contact = {"normal": [float(x) for x in b], "law": law}
+    if law == "power":
+        contact["exponent"] = int(rng.choice([3, 5, 7, 9, 11, 15, 21]))
+        if rng.random() < 0.5:
+            contact["stiffness"] = _round(typical * 10 ** rng.uniform(-1.5, 1.5) / d ** (contact["exponent"] - 1))
+        else:
+            contact["length"], contact["reference"] = _round(d), _round(typical * 10 ** rng.uniform(-1, 1))
+        return contact
+    contact["clearance"] = _round(d)
+    contact["sides"] = str(rng.choice(["both", "both", "both", "upper", "lower"]))
+    if law == "bilinear":
+        exponent = rng.choice([rng.uniform(-3, 0), rng.uniform(-1, 2), rng.uniform(-1, 2), rng.uniform(2, 6)])
+        contact["stiffness"] = _round(typical * 10 ** exponent)
+    return contact
+
+
+def make(seed, kind=None, small=False):
+    """(kind, what it is, study) of a seed."""
+    rng = np.random.default_rng(seed)
+    kind = kind or KINDS[seed % 4]
+    n = int(rng.choice([1, 2, 2, 2, 3, 3, 4, 5])) if kind in ("rigid", "bilinear") else int(rng.choice([2, 2, 2, 3, 3, 4, 5]))
+    flavour = str(rng.choice(["full", "full", "full", "chain", "chain", "resonant", "free", "equal"]))
+    if n == 1 or (flavour == "free" and kind == "power"):
+        flavour = "full"
+    mass, stiffness = _matrices(rng, n, flavour)
+    count = int(rng.choice([1, 1, 2, 2, 3])) if kind != "mixed" else int(rng.choice([2, 2, 3]))
+    count = min(count, max(n, 1)) if kind != "mixed" else count
+    normals = _normals(rng, n, count)
+    while kind == "mixed" and len(normals) < 2:
+        normals = _normals(rng, n, count + 2)[:count]
+    length = 10.0 ** rng.choice([0, 0, 0, -3, 1])
+    pace = 10.0 ** rng.choice([0, 0, 0, 2.7])
+    stiffness = stiffness * _round(pace**2, 2)
+    lam = np.linalg.eigvalsh(np.linalg.solve(np.linalg.cholesky(mass), np.linalg.solve(np.linalg.cholesky(mass), stiffness).T))
+    omega = np.sqrt(np.maximum(lam, 0))
+    zero = omega < 1e-6 * omega.max()
+    typical = float(np.median(np.diag(stiffness)))
+    spacing = str(rng.choice(["plain", "plain", "plain", "equal", "near", "tiny"]))
+    d = [_round(length * rng.uniform(0.5, 2), 3) for _ in normals]
+    if spacing == "equal":
+        d = [d[0]] * len(d)
+    elif spacing == "near":
+        d = [d[0] * (1 + i * float(rng.choice([1e-9, 1e-6, 1e-3]))) for i in range(len(d))]
+    elif spacing == "tiny" and len(d) > 1:
+        d[1] = d[0] * 1e-3
+    laws = {"rigid": ["rigid"], "bilinear": ["bilinear"], "power": ["power"], "mixed": ["rigid", "bilinear"]}[kind]
+    laws = [laws[i] if i < len(laws) else str(rng.choice(laws)) for i in range(len(normals))]
+    if kind != "mixed":
+        laws = [laws[0]] * len(normals)
+    elif rng.random() < 0.5:
+        laws.reverse()
+    contacts = [_contact(rng, kind, law, b, x, typical) for law, b, x in zip(laws, normals, d)]
+    window = _windows(rng, mass, stiffness, omega, zero, contacts, kind)
+    model = {"mass": mass.tolist(), "stiffness": stiffness.tolist(), "contacts": contacts}
+    most = int(rng.choice([3, 4, 6])) if small else int(rng.choice([4, 6, 8]))
+    if n > 3 or len(contacts) > 2:
+        most = min(most, 5)
+    explore = {
+        "start": "modes", "energy": window[0], "frequency": window[1], "impacts": most,
+        "multiply": int(rng.choice([1, 2, 2, 3])) if not small else int(rng.choice([1, 2])),
+        "depth": int(rng.choice([1, 2, 2])) if n < 4 else 1,
+    }
+    if kind == "power":
+        explore["multiply"] = 1 if n > 3 else int(rng.choice([1, 2]))
+        explore["depth"] = 1
+    text = f"{n} dof, {flavour}, {spacing} clearances, {'+'.join(laws)}"
+    return kind, text, {"title": f"seed {seed}", "model": model, "explore": explore}
+
+
+def _windows(rng, mass, stiffness, omega, zero, contacts, kind):
+    """Scaled energies up to a few times a typical grazing energy; frequencies around those of the modes."""
+    low = np.linalg.cholesky(mass)
+    lam, q = np.linalg.eigh(np.linalg.solve(low, np.linalg.solve(low, stiffness).T))
+    modes = np.linalg.solve(low.T, q)
+    first = contacts[0]
+    d = first.get("clearance", first.get("length", 1.0))
+    energies = []
+    for contact in contacts:
+        c = modes.T @ np.array(contact["normal"])
+        for i in range(len(c)):
+            if zero[i] or abs(c[i]) < 1e-9 * np.abs(c).max():
+                continue
+            if kind == "power":
+                m = contact["exponent"]
+                if "length" in contact:
+                    reach = contact["length"]
+                else:
+                    reach = (omega[i] ** 2 / (contact["stiffness"] * c[i] ** 2)) ** (1 / (m - 1))
+            else:
+                reach = contact["clearance"]
+            energies.append(omega[i] ** 2 * reach**2 / (2 * c[i] ** 2) / d**2)
+    energies = np.sort(energies) if energies else np.array([1.0])
+    top = energies[min(len(energies) - 1, int(rng.integers(1, 3)))] * rng.uniform(1.5, 6)
+    slow = omega[~zero].min() if (~zero).any() else 1.0
+    return [0, _round(float(top))], [_round(float(slow * 0.2)), _round(float(omega.max() * 3))]
