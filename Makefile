@@ -88,8 +88,9 @@ BUSY ?= 2
 ten: setup-tests build
 	@tools/ten -n $(TIMES) -b $(BUSY) $(BUILD)
 
-time: build
+time: setup-tests build
 	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
+	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli_view_page.sh
 
 picture: setup-tests build
 	@mkdir -p $(DEMO)

