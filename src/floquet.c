@@ -281,7 +281,7 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
     f->rotation = NAN;
     if (minus <= 0 && plus >= 0) {
-        double angle = atan2(sqrt(-minus * plus), rho) / TWO_PI; /* in [0, 1/2] */
+        double angle = atan2(sqrt(fabs(minus * plus)), rho) / TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
         if (twist > 0) angle = 1 - angle;
         f->rotation = fmod(quarter ? 2 * angle : angle, 1);
     }
