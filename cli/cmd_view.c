@@ -15,7 +15,13 @@
 #ifdef WITH_VIEW
 #include "view.h"
 
-enum { FIRST_PORT = 8787 };
+enum {
+    FIRST_PORT = 8787,
+    PAGE_PATH = 4096,
+    PAGE_SECONDS = 60,  /* that a browser may take to start */
+    LEAVING_SECONDS = 2,
+};
+#define PAGE_NAME "/open.html"
 
 /* ------------------------------------------------------------------ browser */
 
@@ -32,11 +38,50 @@ static bool on_path(const char *program)
     return found;
 }
 
+static void remove_page(char *page)
+{
+    if (!*page)
+        return;
+    unlink(page);
+    page[strlen(page) - strlen(PAGE_NAME)] = '\0';
+    rmdir(page);
+    *page = '\0';
+}
+
+static bool has_browser(void)
+{
+    return on_path("xdg-open") && (getenv("DISPLAY") || getenv("WAYLAND_DISPLAY"));
+}
+
+/* The arguments of a program are for everybody on the machine to read: the browser is not given the address, which
+ * holds the token, but a file that only its owner can read, and that leads there. *page: its path, "" if there is
+ * none. */
+static bool write_page(const char *address, char *page)
+{
+    const char *home = getenv("XDG_RUNTIME_DIR");
+    if (!home || !*home)
+        home = getenv("TMPDIR");
+    const int n = snprintf(page, PAGE_PATH - sizeof PAGE_NAME, "%s/ricochet-XXXXXX", home && *home ? home : "/tmp");
+    if (n < 0 || n >= (int)(PAGE_PATH - sizeof PAGE_NAME) || !mkdtemp(page)) {
+        *page = '\0';
+        return false;
+    }
+    strcpy(page + n, PAGE_NAME);
+    const int fd = open(page, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    const bool written = fd >= 0 &&
+        dprintf(fd, "<!doctype html><meta charset=utf-8><title>ricochet</title>"
+                    "<meta http-equiv=refresh content=\"0;url=%s\"><a href=\"%s\">ricochet view</a>\n",
+                address, address) > 0;
+    if (fd >= 0)
+        close(fd);
+    if (!written)
+        remove_page(page);
+    return written;
+}
+
 /* Twice forked, so that the browser is nobody's child to wait for; quiet, because browsers are not. */
 static bool open_browser(const char *address)
 {
-    if (!on_path("xdg-open") || (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY")))
-        return false;
     const pid_t child = fork();
     if (child == 0) {
         const int nothing = open("/dev/null", O_RDWR);
@@ -64,7 +109,7 @@ typedef struct {
     bool browser;
 } view_options;
 
-static void announce(const view_server *server, const view_options *o, const char *path)
+static void announce(const view_server *server, const view_options *o, const char *path, char *page)
 {
     const char *address = view_server_address(server);
     if (!view_server_loopback(server))
@@ -73,21 +118,38 @@ static void announce(const view_server *server, const view_options *o, const cha
                 "encrypted\n",
                 path);
     printf("%s\n", address);
-    fflush(stdout);
-    if (o->browser && open_browser(address))
+    if (fflush(stdout)) /* nobody would know */
+        fprintf(stderr, "ricochet: view: the address cannot be written (%s); it is %s\n", strerror(errno), address);
+    if (o->browser && has_browser() && write_page(address, page) && open_browser(page))
         fputs("opened in the browser; ", stderr);
     fputs("Ctrl-C ends it\n", stderr);
 }
 
 /* Until a signal comes. What another run writes into the atlas appears on the pages. */
-static void wait_and_watch(view_shelf *shelf, view_grower *grower)
+static void wait_and_watch(view_server *server, view_shelf *shelf, view_grower *grower, char *page)
 {
     const struct timespec tick = {.tv_nsec = 100000000};
     for (unsigned long n = 1; !cli_stopped(); n++) {
         nanosleep(&tick, NULL);
+        view_server_tidy(server);
+        if (*page && (view_server_visited(server) || n > 10 * PAGE_SECONDS))
+            remove_page(page);
         if (n % 10 == 0 && !view_grower_busy(grower) && view_shelf_stale(shelf) && view_shelf_reload(shelf))
             fprintf(stderr, "ricochet: %s; the pages keep to what was there before\n", ric_detail());
     }
+}
+
+/* What has not heard of the end by now is left as by a kill, which an atlas survives. */
+static void leave(int number)
+{
+    (void)number;
+    _exit(CLI_DONE);
+}
+
+static void leave_soon(void)
+{
+    signal(SIGALRM, leave);
+    alarm(LEAVING_SECONDS);
 }
 
 /* Threads inherit the mask of the one that starts them: signals are for the main thread, which alone reads whether
@@ -106,6 +168,7 @@ static int serve(const char *path, const view_options *o)
     view_shelf *shelf = NULL;
     view_grower *grower = NULL;
     view_server *server = NULL;
+    char page[PAGE_PATH] = "";
     int code = CLI_FAILED;
     ric_status status = view_shelf_open(path, &shelf);
     if (!status)
@@ -120,13 +183,15 @@ static int serve(const char *path, const view_options *o)
     server = view_server_start(shelf, grower, &o->where);
     block_signals(false);
     if (server) {
-        announce(server, o, path);
-        wait_and_watch(shelf, grower);
+        announce(server, o, path, page);
+        wait_and_watch(server, shelf, grower, page);
+        leave_soon();
         if (view_grower_busy(grower))
             fputs("ricochet: stopping the extension; what was done is kept\n", stderr);
         code = CLI_DONE;
     }
 out:
+    remove_page(page);
     if (grower)
         view_grower_leave(grower);
     view_server_stop(server); /* requests end before what they use */

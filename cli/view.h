@@ -81,6 +81,27 @@ bool view_grower_busy(view_grower *grower);
 /* running, progress, and how the last one ended. */
 json_t *view_grower_status(view_grower *grower);
 
+/* ------------------------------------------------------------ connections (view_lines.c) */
+
+enum {
+    VIEW_LINES_MAX = 96,
+    VIEW_LINES_SPARE = 24,  /* kept free: whoever waits longest for the rest of its request makes room */
+    VIEW_LINE_SECONDS = 10, /* for all of the head of a request, and as much for its body */
+};
+
+typedef struct view_lines view_lines;
+typedef struct view_line view_line;
+
+view_lines *view_lines_create(void);
+void view_lines_free(view_lines *lines);
+/* NULL, which the others take: no memory. */
+view_line *view_lines_open(view_lines *lines, int socket);
+void view_lines_close(view_lines *lines, view_line *line);
+/* From now on the connection waits for a head or a body, or for our answer. */
+void view_line_waits(view_lines *lines, view_line *line, bool waits);
+/* Hangs up on those that take too long; to be called now and then. */
+void view_lines_tidy(view_lines *lines);
+
 /* ------------------------------------------------------------ HTTP (view_http.c) */
 
 typedef struct view_server view_server;
@@ -95,6 +116,10 @@ typedef struct {
 bool view_address_valid(const char *text);
 /* Listens and answers until it is stopped. On failure NULL, after a message on stderr. */
 view_server *view_server_start(view_shelf *shelf, view_grower *grower, const view_listen *where);
+/* Hangs up on connections that only keep others out; to be called now and then. */
+void view_server_tidy(view_server *server);
+/* Whether somebody has come with the token. */
+bool view_server_visited(const view_server *server);
 void view_server_stop(view_server *server);
 bool view_server_loopback(const view_server *server);
 /* http://127.0.0.1:8787/?token=...; borrowed. */

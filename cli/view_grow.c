@@ -6,9 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "../src/atlas.h"
 #include "../src/crew.h"
+#include "../src/status.h"
 #include "../src/study.h"
 #include "view.h"
 
@@ -179,7 +181,11 @@ static void *work(void *user)
     const int n_before = ric_atlas_n_branch(data->atlas);
     g->before = data->atlas;
     g->kept = false;
-    ric_status status = study_of(g, data, &larger);
+    /* a run would begin a new one */
+    ric_status status = access(view_shelf_path(g->shelf), F_OK)
+                            ? ric_fail(RIC_E_IO, "%s: the file is gone, and there is nothing to extend",
+                                       view_shelf_path(g->shelf))
+                            : study_of(g, data, &larger);
     if (!status)
         status = raise_budgets(larger, &g->budgets);
     if (!status)

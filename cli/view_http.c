@@ -13,6 +13,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,13 +22,17 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "../src/halt.h"
 #include "view.h"
 
 enum {
     BODY_MAX = 4096,            /* bytes of a request; the largest that the page sends has 80 */
-    HEAD_MAX = 32768,           /* bytes of its first lines */
-    CONNECTIONS_MAX = 96,
-    IDLE_SECONDS = 30,
+    HEAD_MAX = 1 << 18,         /* bytes of its first lines, and of what is made of them */
+    SWALLOW_MAX = 16 << 20,     /* bytes of a request that is refused, which are read all the same: an answer to
+                                 * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
+    ARGUMENTS_MAX = 32,
+    IDLE_SECONDS = 30,          /* of an answer that nobody takes */
+    COMPUTING_SECONDS = 20,     /* for one answer */
     COMPUTING_MAX = 4,          /* computing at one time */
     PORTS_TRIED = 20,
     TOKEN_BYTES = 16,
@@ -40,8 +45,10 @@ struct view_server {
     view_shelf *shelf;
     view_grower *grower;
     struct MHD_Daemon *daemon;
-    pthread_mutex_t lock;       /* of the next three */
-    bucket any, computing;
+    view_lines *lines;
+    atomic_bool ending, visited;
+    pthread_mutex_t lock;       /* of the next five */
+    bucket stray, any, own, computing; /* requests that go by another name; without the token; with it; that compute */
     int n_computing;
     char token[2 * TOKEN_BYTES + 1], mark[17]; /* mark: of this start of the server, for entity tags */
     char address[200];
@@ -49,7 +56,13 @@ struct view_server {
     int port;
 };
 
-typedef struct { size_t n; bool too_large; char body[BODY_MAX + 1]; } request;
+/* verdict: a status, known before the body has come and said after it; 0: none yet. */
+typedef struct {
+    size_t n, swallowed;
+    unsigned verdict;
+    const char *why;
+    char body[BODY_MAX + 1];
+} request;
 
 /* What a route has come to. */
 typedef struct {
@@ -59,6 +72,8 @@ typedef struct {
 } answer;
 
 /* ------------------------------------------------------------------- limits */
+
+static const char no_token[] = "the token is missing or wrong; open the address that ricochet view has printed";
 
 static bool take_drop(view_server *server, bucket *b)
 {
@@ -127,6 +142,15 @@ static bool token_right(const view_server *server, const char *given)
     for (int i = 0; i < 2 * TOKEN_BYTES; i++)
         differs |= (unsigned char)(given[i] ^ server->token[i]);
     return differs == 0;
+}
+
+static bool brings_token(view_server *server, struct MHD_Connection *connection)
+{
+    const bool right = token_right(server,
+                                   MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token"));
+    if (right)
+        server->visited = true;
+    return right;
 }
 
 /* ----------------------------------------------------------------- replies */
@@ -256,9 +280,12 @@ static unsigned http_status(ric_status status)
     case RIC_E_RANGE: return MHD_HTTP_NOT_FOUND;
     case RIC_E_NUMERIC: return MHD_HTTP_UNPROCESSABLE_CONTENT;
     case RIC_E_BUSY: return MHD_HTTP_CONFLICT;
+    case RIC_E_INTERRUPTED: return MHD_HTTP_SERVICE_UNAVAILABLE;
     default: return MHD_HTTP_INTERNAL_SERVER_ERROR;
     }
 }
+
+static const char too_large[] = "a request has at most 4096 bytes";
 
 static answer from_status(ric_status status, json_t *json)
 {
@@ -279,10 +306,13 @@ static answer get_orbit(struct MHD_Connection *connection, const view_data *data
             n++;
             at = (view_at)i;
         }
+    int point;
     if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) || n != 1 ||
-        !read_number(argument(connection, names[at]), &value))
+        !read_number(argument(connection, names[at]), &value) ||
+        (at == VIEW_AT_POINT && !read_integer(argument(connection, names[at]), 1 << 30, &point)))
         return (answer){MHD_HTTP_BAD_REQUEST, NULL,
-                        "branch and one of point, energy, frequency and arclength are needed, as numbers"};
+                        "branch and one of point, energy, frequency and arclength are needed, as numbers, the first "
+                        "two as whole ones"};
     const ric_status status = view_orbits(data->atlas, branch, at, value, &rows);
     return from_status(status, rows);
 }
@@ -316,11 +346,29 @@ static answer get_cascades(struct MHD_Connection *connection, const view_data *d
     return (answer){MHD_HTTP_OK, rows, NULL};
 }
 
-static int budget(const json_t *object, const char *key)
+/* A budget as a whole number, 0 where it stays as it is. */
+static bool read_budget(const json_t *object, const char *key, int *out)
 {
     const json_t *value = json_object_get(object, key);
     const json_int_t n = json_integer_value(value);
-    return n > 0 && n <= 1000000 ? (int)n : 0;
+    *out = n >= 0 && n <= 1000000 ? (int)n : 0;
+    return !value || (json_is_integer(value) && n >= 0 && n <= 1000000);
+}
+
+/* Whether these are the keys of an extension, and something in them asks for one. */
+static bool read_budgets(const json_t *object, view_budgets *out)
+{
+    static const char *const keys[] = {"depth", "impacts", "multiply", "seconds", "energy", "frequency"};
+    int seconds = 0;
+    size_t known = 0;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        known += json_object_get(object, keys[i]) != NULL;
+    const bool read = read_budget(object, "depth", &out->depth) && read_budget(object, "impacts", &out->impacts) &&
+                      read_budget(object, "multiply", &out->multiply) && read_budget(object, "seconds", &seconds);
+    out->seconds = seconds;
+    out->somewhere = json_object_get(object, "energy") || json_object_get(object, "frequency");
+    return read && known == json_object_size(object) &&
+           (out->depth || out->impacts || out->multiply || out->seconds > 0 || out->somewhere);
 }
 
 /* [lower, upper]; what is no such thing is not finite, and refused later. */
@@ -336,16 +384,13 @@ static void window(const json_t *object, const char *key, double out[2])
 static answer post_extend(view_server *server, const request *r)
 {
     json_t *object = json_loadb(r->body, r->n, JSON_REJECT_DUPLICATES, NULL);
-    if (!json_is_object(object)) {
+    view_budgets wanted = {0};
+    if (!json_is_object(object) || !read_budgets(object, &wanted)) {
         json_decref(object);
         return (answer){MHD_HTTP_BAD_REQUEST, NULL,
-                        "the body must be an object with depth, impacts, multiply, seconds, energy, frequency"};
+                        "the body must be an object with some of depth, impacts, multiply, seconds (whole numbers from "
+                        "0), energy, frequency"};
     }
-    view_budgets wanted = {.depth = budget(object, "depth"),
-                           .impacts = budget(object, "impacts"),
-                           .multiply = budget(object, "multiply"),
-                           .seconds = budget(object, "seconds")};
-    wanted.somewhere = json_object_get(object, "energy") || json_object_get(object, "frequency");
     window(object, "energy", wanted.energy);
     window(object, "frequency", wanted.frequency);
     json_decref(object);
@@ -403,18 +448,37 @@ static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *
     return queue(connection, MHD_HTTP_OK, response);
 }
 
+/* How long an answer may take. */
+typedef struct { view_server *server; struct timespec since; } patience;
+
+static bool exhausted(void *user)
+{
+    const patience *p = user;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return p->server->ending || now.tv_sec - p->since.tv_sec > COMPUTING_SECONDS;
+}
+
 typedef answer (*computed)(struct MHD_Connection *connection, const view_data *data);
 
 static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, computed what,
                                const view_data *data)
 {
-    if (!token_right(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token")))
-        return refuse(connection, MHD_HTTP_FORBIDDEN,
-                      "the token is missing or wrong; open the address that ricochet view has printed");
+    if (!brings_token(server, connection))
+        return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
     if (!begin_computing(server))
         return refuse(connection, MHD_HTTP_TOO_MANY_REQUESTS, "too many requests at once; again in a second");
-    const answer a = what(connection, data);
+    patience p = {.server = server};
+    clock_gettime(CLOCK_MONOTONIC, &p.since);
+    ric_halt_ask(exhausted, &p);
+    answer a = what(connection, data);
+    const bool halted = ric_halted();
+    ric_halt_ask(NULL, NULL);
     end_computing(server);
+    if (halted) {
+        json_decref(a.json);
+        a = (answer){MHD_HTTP_SERVICE_UNAVAILABLE, NULL, "this took too long, and was broken off"};
+    }
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
 
@@ -450,9 +514,8 @@ static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *c
     const bool extend = !strcmp(path, "/api/extend");
     if (!extend && strcmp(path, "/api/stop") != 0)
         return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
-    if (!token_right(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token")))
-        return refuse(connection, MHD_HTTP_FORBIDDEN,
-                      "the token is missing or wrong; open the address that ricochet view has printed");
+    if (!brings_token(server, connection))
+        return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
     if (!extend) {
         view_grower_stop(server->grower);
         return reply_json(connection, MHD_HTTP_OK, view_grower_status(server->grower), NULL);
@@ -461,40 +524,83 @@ static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *c
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
 
-/* What is known before the body: whether the request is one that will be answered at all. */
+static enum MHD_Result count_one(void *user, enum MHD_ValueKind kind, const char *key, const char *value)
+{
+    (void)kind;
+    (void)key;
+    (void)value;
+    ++*(int *)user;
+    return MHD_YES;
+}
+
+static int count_arguments(struct MHD_Connection *connection)
+{
+    int n = 0;
+    MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, count_one, &n);
+    return n;
+}
+
+/* What is known before the body: whether the request is one that will be answered at all. Host first: whoever comes by
+ * another name uses up nothing of those who come by the right one; nor does one without the token of those who have
+ * it. */
+static void judge(view_server *server, struct MHD_Connection *connection, const char *method, request *r)
+{
+    static const char busy[] = "too many requests at once; again in a second";
+    const char *length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
+    const bool named = host_allowed(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host"));
+    bucket *from = !named ? &server->stray : brings_token(server, connection) ? &server->own : &server->any;
+    if (!take_drop(server, from)) {
+        r->verdict = MHD_HTTP_TOO_MANY_REQUESTS;
+        r->why = busy;
+    } else if (!named) {
+        r->verdict = MHD_HTTP_MISDIRECTED_REQUEST;
+        r->why = "this server does not go by that name";
+    } else if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0 && strcmp(method, "POST") != 0) {
+        r->verdict = MHD_HTTP_METHOD_NOT_ALLOWED;
+        r->why = "GET, HEAD and POST only";
+    } else if (count_arguments(connection) > ARGUMENTS_MAX) {
+        r->verdict = MHD_HTTP_URI_TOO_LONG;
+        r->why = "no page has so many arguments";
+    } else if (length && (strlen(length) > 9 || atol(length) > BODY_MAX)) {
+        r->verdict = MHD_HTTP_CONTENT_TOO_LARGE;
+        r->why = too_large;
+    }
+}
+
+/* The first look at a request. Whoever asks before he sends, or would send more than is read, hears at once that there
+ * is no use; others when they have sent it. */
 static enum MHD_Result first_look(view_server *server, struct MHD_Connection *connection, const char *method,
                                   request **out)
 {
+    request *r = *out = calloc(1, sizeof **out);
+    if (!r)
+        return MHD_NO;
+    judge(server, connection, method, r);
     const char *length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
-    if (!take_drop(server, &server->any))
-        return refuse(connection, MHD_HTTP_TOO_MANY_REQUESTS, "too many requests at once; again in a second");
-    if (!host_allowed(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host")))
-        return refuse(connection, MHD_HTTP_MISDIRECTED_REQUEST, "this server does not go by that name");
-    if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0 && strcmp(method, "POST") != 0)
-        return refuse(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "GET, HEAD and POST only");
-    if (length && (strlen(length) > 9 || atol(length) > BODY_MAX))
-        return refuse(connection, MHD_HTTP_CONTENT_TOO_LARGE, "a request has at most 4096 bytes");
-    *out = calloc(1, sizeof **out);
-    return *out ? MHD_YES : MHD_NO;
+    const bool asks = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Expect") != NULL;
+    const bool endless = length && (strlen(length) > 9 || atol(length) > SWALLOW_MAX);
+    return r->verdict && (asks || endless) ? refuse(connection, r->verdict, r->why) : MHD_YES;
 }
 
-static enum MHD_Result handle(void *user, struct MHD_Connection *connection, const char *path, const char *method,
-                              const char *version, const char *body, size_t *body_size, void **state)
+/* A part of the body: kept, or swallowed up to a limit, beyond which the connection is closed. */
+static bool take_part(request *r, const char *body, size_t size)
 {
-    view_server *server = user;
-    request *r = *state;
-    (void)version;
-    if (!r)
-        return first_look(server, connection, method, (request **)state);
-    if (*body_size) {
-        if (r->n + *body_size > BODY_MAX) /* a body of unknown length that has grown too long: the connection is
-                                           * closed */
-            return MHD_NO;
-        memcpy(r->body + r->n, body, *body_size);
-        r->n += *body_size;
-        *body_size = 0;
-        return MHD_YES;
+    if (!r->verdict && r->n + size > BODY_MAX) {
+        r->verdict = MHD_HTTP_CONTENT_TOO_LARGE;
+        r->why = too_large;
     }
+    if (r->verdict)
+        return (r->swallowed += size) <= SWALLOW_MAX;
+    memcpy(r->body + r->n, body, size);
+    r->n += size;
+    return true;
+}
+
+static enum MHD_Result answer_request(view_server *server, struct MHD_Connection *connection, const char *path,
+                                      const char *method, const request *r)
+{
+    if (r->verdict)
+        return refuse(connection, r->verdict, r->why);
     if (!strcmp(method, "POST"))
         return answer_post(server, connection, path, r);
     view_data *data = view_data_take(server->shelf);
@@ -503,13 +609,60 @@ static enum MHD_Result handle(void *user, struct MHD_Connection *connection, con
     return result;
 }
 
-static void forget(void *user, struct MHD_Connection *connection, void **state, enum MHD_RequestTerminationCode why)
+static view_line *line_of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    return info ? info->socket_context : NULL;
+}
+
+static enum MHD_Result handle(void *user, struct MHD_Connection *connection, const char *path, const char *method,
+                              const char *version, const char *body, size_t *body_size, void **state)
+{
+    view_server *server = user;
+    request *r = *state;
+    (void)version;
+    if (!r) {
+        view_line_waits(server->lines, line_of(connection), true); /* for the body: its time begins */
+        return first_look(server, connection, method, (request **)state);
+    }
+    if (*body_size) {
+        const bool room = take_part(r, body, *body_size);
+        *body_size = 0;
+        return room ? MHD_YES : MHD_NO;
+    }
+    view_line_waits(server->lines, line_of(connection), false);
+    return answer_request(server, connection, path, method, r);
+}
+
+/* A connection begins and ends. */
+static void connected(void *user, struct MHD_Connection *connection, void **context,
+                      enum MHD_ConnectionNotificationCode code)
+{
+    view_server *server = user;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED) {
+        const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+        *context = info ? view_lines_open(server->lines, info->connect_fd) : NULL;
+    } else {
+        view_lines_close(server->lines, *context);
+        *context = NULL;
+    }
+}
+
+/* A text with a NUL in it would be read as what stands before that: it stays as it is written, which names nothing. */
+static size_t unescape(void *user, struct MHD_Connection *connection, char *text)
 {
     (void)user;
     (void)connection;
+    return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
+}
+
+static void forget(void *user, struct MHD_Connection *connection, void **state, enum MHD_RequestTerminationCode why)
+{
+    view_server *server = user;
     (void)why;
     free(*state);
     *state = NULL;
+    view_line_waits(server->lines, line_of(connection), true);
 }
 
 /* ------------------------------------------------------------------- socket */
@@ -612,12 +765,13 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
     }
     server->shelf = shelf;
     server->grower = grower;
-    server->any = (bucket){.burst = 1000, .rate = 500, .left = 1000};
-    server->computing = (bucket){.burst = 240, .rate = 120, .left = 240};
-    clock_gettime(CLOCK_MONOTONIC, &server->any.last);
-    server->computing.last = server->any.last;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    server->stray = server->any = server->own = (bucket){.burst = 1000, .rate = 500, .left = 1000, .last = now};
+    server->computing = (bucket){.burst = 240, .rate = 120, .left = 240, .last = now};
     pthread_mutex_init(&server->lock, NULL);
-    const int fd = open_socket(server, where);
+    server->lines = view_lines_create();
+    const int fd = server->lines ? open_socket(server, where) : -1;
     if (fd < 0) {
         view_server_stop(server);
         return NULL;
@@ -626,9 +780,10 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
                                           MHD_USE_ERROR_LOG,
                                       0, NULL, NULL, handle, server, MHD_OPTION_EXTERNAL_LOGGER, keep_quiet, NULL,
                                       MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
-                                      (unsigned)CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_SECONDS,
+                                      (unsigned)VIEW_LINES_MAX, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_SECONDS,
                                       MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)HEAD_MAX, MHD_OPTION_NOTIFY_COMPLETED,
-                                      forget, NULL, MHD_OPTION_END);
+                                      forget, server, MHD_OPTION_NOTIFY_CONNECTION, connected, server,
+                                      MHD_OPTION_UNESCAPE_CALLBACK, unescape, NULL, MHD_OPTION_END);
     if (!server->daemon) {
         fputs("ricochet: the server cannot be started\n", stderr);
         close(fd);
@@ -642,10 +797,22 @@ void view_server_stop(view_server *server)
 {
     if (!server)
         return;
+    server->ending = true;
     if (server->daemon)
         MHD_stop_daemon(server->daemon);
+    view_lines_free(server->lines);
     pthread_mutex_destroy(&server->lock);
     free(server);
+}
+
+void view_server_tidy(view_server *server)
+{
+    view_lines_tidy(server->lines);
+}
+
+bool view_server_visited(const view_server *server)
+{
+    return server->visited;
 }
 
 bool view_server_loopback(const view_server *server)

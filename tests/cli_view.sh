@@ -221,4 +221,31 @@ ok 'elsewhere than on the loopback it warns' grep -q WARNING "$folder/err"
 ok 'there, addresses are hosts' gives 200 -H "Host: 192.168.0.1:$port" "http://127.0.0.1:$port/"
 ok 'names are not' gives 421 -H "Host: evil.example:$port" "http://127.0.0.1:$port/"
 finish_server INT
+
+full() { # an address that nobody reads is said elsewhere
+    "$ricochet" view "$atlas" --no-browser --port 0 >/dev/full 2>"$folder/err" &
+    pid=$!
+    for _ in $(seq 100); do grep -q 'token=' "$folder/err" && break; sleep 0.05; done
+    finish_server INT
+    cat "$folder/err"
+    grep -q 'http://127.0.0.1:[0-9]*/?token=' "$folder/err"
+}
+ok 'where it serves is said although nothing can be written' full
+browser() { # what a browser is given stands in the list of processes
+    mkdir -p "$folder/bin" "$folder/run"
+    printf '#!/bin/sh\necho "$1" >"%s/opened"; cp "$1" "%s/page"; stat -c %%a "$1" >"%s/mode"\n' "$folder" "$folder" "$folder" >"$folder/bin/xdg-open"
+    chmod +x "$folder/bin/xdg-open"
+    PATH=$folder/bin:$PATH DISPLAY=:0 XDG_RUNTIME_DIR=$folder/run "$ricochet" view "$atlas" --port 0 >"$folder/url" 2>"$folder/err" &
+    pid=$!
+    for _ in $(seq 100); do [ -s "$folder/mode" ] && break; sleep 0.05; done
+    token=$(sed 's/.*token=//' "$folder/url")
+    cat "$folder/opened"
+    grep -q "$token" "$folder/page" && ! grep -q "$token" "$folder/opened" && [ "$(cat "$folder/mode")" = 600 ] || return 1
+    gives 200 -H "X-Ricochet-Token: $token" "$(sed 's,/?token.*,,' "$folder/url")/api/status"
+    sleep 0.5
+    [ -z "$(ls "$folder/run")" ] || { ls "$folder/run"; return 1; }
+    finish_server INT
+}
+ok 'the token is in no list of processes, and the page with it is gone when it has been used' browser
+ok 'hostile requests' tools/attack/view_http.py --short "$ricochet" "$atlas"
 finish
