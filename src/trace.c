@@ -27,6 +27,7 @@
 #define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a
                               * stored start */
 #define MEASURED 4           /* safety of a measured error */
+#define NEAR_BORDER 100      /* of the error of rho: nearer to the border of stability it is measured */
 #define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8            /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
@@ -248,15 +249,53 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
     return RIC_OK;
 }
 
+/* How far inside the stable region all rho of the map in use are, or, negative, how far outside the farthest is, x, as
+ * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. */
+static double stable_margin(const ric_floquet *f)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) {
+        double inside = 2 - fabs(f->own[2 * i]), aside = -fabs(f->own[2 * i + 1]);
+        least = fmin(least, aside < 0 ? fmin(inside, aside) : inside);
+    }
+    return least < 0 ? (isinf(least) ? -2 : 2 * least / (2 - least)) : least;
+}
+
+/* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
+ * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow. What is so near to the
+ * border that this may count is measured, as signs are in keep_definite. */
+ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
+{
+    int size = c->n_unknown;
+    double approach = fmax(fabs(smallest_approach(c, false)), DBL_MIN), at = stable_margin(f), seen = 0,
+           error = f->error * (at < 0 ? (2 + at) / 2 * ((2 + at) / 2) : 1),
+           blur = 1 + (1 + 1 / approach) * c->scale / c->smallest,
+           move = rounding(c) * c->scale * (1 + 1 / c->smallest), moved[size];
+    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * error * blur)) return RIC_OK;
+    ric_stability stable = f->stable;
+    ric_status status = RIC_OK;
+    for (unsigned way = 1; way <= 2 && !status && isfinite(move); way++) {
+        unsigned bits = way * 2654435769u;
+        for (int i = 0; i < size; i++) moved[i] = u[i] + ric_moved(&bits, move);
+        ric_chain_fly(c, moved);
+        if (!(status = ric_floquet_compute(c, f))) seen = fmax(seen, MEASURED * fabs(stable_margin(f) - at));
+    }
+    ric_chain_fly(c, u);
+    if (!status) status = ric_floquet_compute(c, f);
+    f->stable = isfinite(move) && fabs(at) > error + seen ? stable : RIC_STABLE_UNDECIDED;
+    return status;
+}
+
 typedef struct { double reach, approach, closing, time, energy; } margin;
 
 /* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
 static ric_status measure(ric_trace *tr, double s, const double *u, ric_station *p, margin *out)
 {
-    const ric_chain *c = tr->chain;
+    ric_chain *c = tr->chain;
     const ric_model *m = c->model;
     ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
     if (!status) status = ric_floquet_compute(c, &tr->floquet);
+    if (!status) status = ric_trace_judge(c, u, &tr->floquet);
     if (status) return status;
     *out = (margin){.reach = ric_reach(c, u, NULL), .approach = smallest_approach(c, false),
                      .closing = smallest_approach(c, true), .time = ric_chain_time(c, u),
@@ -274,7 +313,7 @@ ric_status ric_trace_fill(ric_trace *tr, double s, ric_station *p)
 {
     margin unused;
     p->s = s;
-    ric_chain_fly(tr->chain, p->u);
+    ric_chain_evaluate(tr->chain, p->u);
     return measure(tr, s, p->u, p, &unused);
 }
 

@@ -13,7 +13,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 4
+#define RIC_NUMERICS 5
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -165,8 +165,8 @@ bool ric_trace_resonances(ric_trace *trace);
 /* What a test beyond the resonances looks for; NULL for other tests. */
 const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
 
-/* Everything that a stored point says of the orbit at station->u, and whether it is solved; the chain is left flown
- * there. Its test functions, and stability next to another branch, are the caller's. */
+/* Everything that a stored point says of the orbit at station->u, and whether it is solved; the chain is left
+ * evaluated there. Its test functions, and stability next to another branch, are the caller's. */
 ric_status ric_trace_fill(ric_trace *trace, double s, ric_station *station);
 /* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than rounding,
  * as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch come by here,
@@ -179,6 +179,9 @@ ric_status ric_trace_end_at(ric_trace *trace, const double *u);
  * when converged. */
 bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target,
                        double *du, int *iterations);
+/* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit itself:
+ * undecided where that may count. */
+ric_status ric_trace_judge(ric_chain *chain, const double *u, ric_floquet *floquet);
 /* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
 bool ric_trace_solved(const ric_chain *chain);
 /* Residual that counts as rounding for a chain. */

@@ -465,6 +465,76 @@ static void rows_belong_to_orbits(void **state)
     assert_true(arrivals > 5);
 }
 
+/* Stability at u, and at states that are the same orbit but for rounding. With `judge`, as
+ * it is stored. */
+static ric_stability flag_at(ric_chain *c, const double *u, bool judge)
+{
+    ric_floquet f = multipliers(c, u);
+    if (judge) assert_int_equal(ric_trace_judge(c, u, &f), RIC_OK);
+    ric_stability stable = f.stable;
+    ric_floquet_release(&f);
+    return stable;
+}
+
+static bool contradicts(ric_chain *c, const double *u, bool judge)
+{
+    double v[c->n_unknown], du[c->n_unknown];
+    bool yes = false, no = false;
+    for (int k = 0; k < 6; k++) {
+        int steps;
+        ric_stability flag = RIC_STABLE_UNDECIDED;
+        for (int i = 0; i < c->n_unknown; i++) v[i] = u[i] * (1 + 1e-15 * k * uniform(-1, 1));
+        if (ric_trace_correct(c, v, NULL, NULL, 0, du, &steps)) flag = flag_at(c, v, judge);
+        yes |= flag == RIC_STABLE_YES;
+        no |= flag == RIC_STABLE_NO;
+    }
+    return yes && no;
+}
+
+/* Towards points where stability is undecided: of two solutions that differ by rounding none may be called stable and
+ * the other one not. */
+static void flags_agree(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"examples/fractal-base/study.yaml", "examples/three-masses/study.yaml",
+                                        "examples/elementary/study.yaml"};
+    int borders = 0, raw = 0;
+    for (size_t s = 0; s < sizeof files / sizeof *files; s++) {
+        ric_study *study = NULL;
+        ric_graph *graph = NULL;
+        seed_now = s;
+        assert_int_equal(ric_study_read(files[s], &study), RIC_OK);
+        assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+        assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+        for (int e = 0; e < graph->n_edge; e++) {
+            const ric_trace *trace = graph->edges[e].trace;
+            for (int i = 0; trace && i + 1 < trace->n_point; i++) {
+                ric_chain *c = trace->chain;
+                int size = c->n_unknown, steps;
+                const ric_point *p = (const ric_point *)(trace->points + (size_t)i * trace->stride),
+                                *q = (const ric_point *)((const double *)p + trace->stride);
+                const double *a = (const double *)(p + 1), *b = (const double *)(q + 1);
+                double u[size], du[size];
+                if ((p->stable == RIC_STABLE_UNDECIDED) == (q->stable == RIC_STABLE_UNDECIDED)) continue;
+                borders++;
+                for (double x = 0.3; x > 1e-12; x /= 1.7) {
+                    double y = p->stable == RIC_STABLE_UNDECIDED ? x : 1 - x;
+                    for (int k = 0; k < size; k++) u[k] = a[k] + y * (b[k] - a[k]);
+                    if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &steps)) break;
+                    raw += contradicts(c, u, false);
+                    if (contradicts(c, u, true))
+                        fail_msg("%s, branch %d, beside point %d: stable, and not, by rounding", files[s], e, i);
+                }
+            }
+        }
+        ric_graph_free(graph);
+        ric_study_free(study);
+    }
+    print_message("# %d borders; %d places where rounding decides a bound that knows of no error of the orbit\n", borders,
+                  raw);
+    assert_true(borders >= 10 && raw > 0);
+}
+
 /* -------------------------------------------------------------- near a grazing */
 
 static int count_bits(unsigned x)
@@ -682,6 +752,7 @@ int main(void)
         cmocka_unit_test(simulator_agrees),
         cmocka_unit_test(closed_springs_count),
         cmocka_unit_test(rows_belong_to_orbits),
+        cmocka_unit_test(flags_agree),
         cmocka_unit_test(growth_near_grazing),
         cmocka_unit_test(small_beside_large),
         cmocka_unit_test(lost_or_right),
