@@ -103,7 +103,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
         [RIC_BUDGET_WINDOW] = "outside the windows", [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
         [RIC_BUDGET_IMPACTS] = "more than `impacts`", [RIC_BUDGET_SYMMETRIC] = "not symmetric",
         [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated", [RIC_BUDGET_DEPTH] = "beyond `depth`"};
-    struct { json_int_t taken, known, inadmissible, over[RIC_N_BUDGET]; } sum = {0}; /* of a file that may say any int */
+    /* of a file that may say any int */
+    struct { json_int_t taken, known, inadmissible, over[RIC_N_BUDGET]; } sum = {0};
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction junction;
         ric_status status = ric_atlas_junction(atlas, id, &junction);

@@ -18,8 +18,8 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
     *exists = *empty = false;
     if (stat(path, &found)) {
         if (errno == ENOENT && !lstat(path, &found))
-            return ric_fail(RIC_E_IO, "%s: a symbolic link to a file that is not there; remove it, or choose another name",
-                            path);
+            return ric_fail(RIC_E_IO,
+                            "%s: a symbolic link to a file that is not there; remove it, or choose another name", path);
         return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
     }
     if (!S_ISREG(found.st_mode))

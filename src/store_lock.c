@@ -148,8 +148,9 @@ static ric_status refuse_lock(int lock, int reason, const char *atlas)
     char holder[160];
     read_signature(lock, holder, sizeof holder);
     return reason == EWOULDBLOCK
-               ? ric_fail(RIC_E_BUSY, "%s: in use by another run (%s); wait for its end, or choose another file with -o",
-                          atlas, *holder ? holder : "it did not sign")
+               ? ric_fail(RIC_E_BUSY,
+                          "%s: in use by another run (%s); wait for its end, or choose another file with -o", atlas,
+                          *holder ? holder : "it did not sign")
                : ric_fail(RIC_E_IO, "%s: cannot be locked (%s); choose a file on another disk with -o", atlas,
                           strerror(reason));
 }
@@ -205,7 +206,8 @@ static const char *wrong_journal(int file, off_t size, bool log)
     static const unsigned char zeros[8] = {0};
     if (size == 0) return NULL;
     if (log)
-        return starts_or_ends(file, size, 0, "\x37\x7f\x06\x82", 4) || starts_or_ends(file, size, 0, "\x37\x7f\x06\x83", 4)
+        return starts_or_ends(file, size, 0, "\x37\x7f\x06\x82", 4) ||
+                       starts_or_ends(file, size, 0, "\x37\x7f\x06\x83", 4)
                    ? NULL
                    : "a file with other contents";
     if (!starts_or_ends(file, size, 0, journal_magic, 8) && !starts_or_ends(file, size, 0, zeros, 8))
@@ -251,7 +253,8 @@ bool ric_store_left_ahead(const char *atlas)
 {
     char mode = 0, *real = ric_store_resolve(atlas), *log = real ? beside(real, "-wal") : NULL;
     struct stat waiting;
-    int file = log && (stat(log, &waiting) || waiting.st_size == 0) ? open(real, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : -1;
+    bool nothing = log && (stat(log, &waiting) || waiting.st_size == 0);
+    int file = nothing ? open(real, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : -1;
     if (file >= 0) {
         if (pread(file, &mode, 1, 19) != 1) mode = 0;
         close(file);

@@ -46,7 +46,8 @@ ric_status ric_store_fail_foreign(const char *path);
 ric_status ric_database_fail(ric_database file, int code);
 /* `wait`: ms until a locked file is given up. */
 ric_status ric_database_open(const char *path, int flags, int wait, ric_database *out);
-/* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody writes meanwhile. */
+/* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody writes
+ * meanwhile. */
 ric_status ric_database_open_still(const char *path, ric_database *out);
 ric_status ric_database_run(ric_database file, const char *sql);
 ric_status ric_database_prepare(ric_database file, const char *sql, sqlite3_stmt **out);

@@ -143,8 +143,8 @@ static ric_status reader_status(const row_reader *row, ric_database file, const 
         return ric_store_fail_memory();
     if (sqlite3_column_count(row->query) > 1 && strcmp(sqlite3_column_name(row->query, 0), "id"))
         snprintf(sub, sizeof sub, ", %lld", (long long)sqlite3_column_int64(row->query, 1));
-    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table, (long long)sqlite3_column_int64(row->query, 0), sub,
-             sqlite3_column_name(row->query, row->at), row->wrong);
+    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table,
+             (long long)sqlite3_column_int64(row->query, 0), sub, sqlite3_column_name(row->query, row->at), row->wrong);
     return ric_store_fail_damaged(file.path, what);
 }
 

@@ -55,7 +55,6 @@ static ric_status check_range(const judge *j, const char *field, double value, d
                                         : refuse(j, field, "%.6g is not between %g and %g", value, min, max);
 }
 
-/* The energy of a state [2 n_dof], and the sum of the sizes of its terms: from the raw matrices, ric_model_energy. */
 static bool is_finite(int n, const double *values, double max)
 {
     for (int i = 0; i < n; i++)
@@ -63,6 +62,7 @@ static bool is_finite(int n, const double *values, double max)
     return true;
 }
 
+/* The sum of the sizes of the terms that ric_model_energy adds for the structure. */
 static double size_of_terms(const ric_model *m, const double *x, const double *v)
 {
     double sum = 0;
@@ -76,7 +76,8 @@ static ric_status check_state(const judge *j, const double *state, double energy
 {
     int n = j->model->n_dof;
     const double *x = state, *v = state + n;
-    if (!is_finite(2 * n, state, LARGEST)) return refuse(j, "state", "a number in it is not finite, or beyond %g", LARGEST);
+    if (!is_finite(2 * n, state, LARGEST))
+        return refuse(j, "state", "a number in it is not finite, or beyond %g", LARGEST);
     double found = ric_model_energy(j->model, x, v);
     return fabs(found - energy) <= AGREE * fabs(energy) + CANCEL * size_of_terms(j->model, x, v)
                ? RIC_OK
@@ -87,7 +88,8 @@ static ric_status check_state(const judge *j, const double *state, double energy
 static ric_status check_flights(const judge *j, int n, const double *flights, double omega)
 {
     double sum = 0, period = TWO_PI / omega;
-    if (!is_finite(n, flights, LARGEST)) return refuse(j, "flights", "a number in it is not finite, or beyond %g", LARGEST);
+    if (!is_finite(n, flights, LARGEST))
+        return refuse(j, "flights", "a number in it is not finite, or beyond %g", LARGEST);
     for (int i = 0; i < n; i++) {
         sum += flights[i];
         if (flights[i] < -SLACK * period) return refuse(j, "flights", "%.6g s is less than no time", flights[i]);
@@ -189,8 +191,8 @@ static bool lists(const ric_junction *at, int branch)
 }
 
 /* A junction that a branch names lists that branch. `met` counts, once for each branch, what lists each junction. */
-static ric_status check_named(judge *j, const ric_atlas *atlas, const ric_branch *b, int id, const char *field, int *met,
-                              int *last)
+static ric_status check_named(judge *j, const ric_atlas *atlas, const ric_branch *b, int id, const char *field,
+                              int *met, int *last)
 {
     if (!id) return RIC_OK;
     if (!lists(&atlas->junctions[id - 1].row, b->id))
