@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "crossing.h"
+#include "c_locale.h"
 #include "depart.h"
 #include "graph_parts.h"
 #include "pause.h"
@@ -42,10 +43,12 @@ static void trace_key(const course *way, char *key, size_t size)
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
+    locale_t before = ric_c_locale_enter();
     int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
                         node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, way->choice,
                         way->side,
                         l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply, hash);
+    ric_c_locale_leave(before);
     if (l->n_asked)
         used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
     if (way->along) snprintf(key + used, size - (size_t)used, " back");

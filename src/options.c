@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "options.h"
+#include "c_locale.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -141,7 +142,7 @@ ric_text_kind ric_text_real(const char *text, double *out)
 {
     if (!is_decimal(text))
         return names_no_finite(text) ? RIC_TEXT_NOT_FINITE : RIC_TEXT_NO_NUMBER;
-    *out = strtod(text, NULL);
+    *out = ric_c_strtod(text, NULL);
     return isfinite(*out) ? RIC_TEXT_NUMBER : RIC_TEXT_NOT_FINITE;
 }
 
@@ -158,11 +159,13 @@ bool ric_text_integer(const char *text, long *out)
 void ric_text_write(double value, FILE *out)
 {
     char text[40];
+    locale_t before = ric_c_locale_enter();
     for (int precision = 15; precision <= 17; precision++) {
         snprintf(text, sizeof text, "%.*g", precision, value);
         if (strtod(text, NULL) == value)
             break;
     }
+    ric_c_locale_leave(before);
     fputs(text, out);
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "buffer.h"
+#include "c_locale.h"
 #include "status.h"
 #include "trace.h"
 
@@ -34,7 +35,7 @@ static bool take_integer(const char **text, long min, long max, int *out)
 static bool take_number(const char **text, double *out)
 {
     char *end;
-    *out = strtod(*text, &end);
+    *out = ric_c_strtod(*text, &end);
     if (end == *text || !isfinite(*out)) return false;
     *text = end;
     return true;
@@ -102,12 +103,14 @@ char *ric_start_line(int n_dof, int N, bool half, int pure, int flip, const int 
     ric_buffer line;
     if (!ric_buffer_open(&line)) return NULL;
     FILE *out = line.file;
+    locale_t before = ric_c_locale_enter();
     fprintf(out, "%d %d %d %d", N, half, pure, flip);
     for (int i = 0; i < N; i++) fprintf(out, " %d", word[i]);
     for (int i = 0; i < N; i++) fprintf(out, " %a", flights[i]);
     for (int i = 0; i < n_dof; i++) fprintf(out, " %a", x[i]);
     for (int i = 0; i < n_dof; i++) fprintf(out, " %a", v[i]);
     fprintf(out, "\n");
+    ric_c_locale_leave(before);
     return ric_buffer_take(&line);
 }
 

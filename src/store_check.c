@@ -1,6 +1,7 @@
 /* Whether a file is an atlas of ours, whole, and of the model of a study. A foreign, damaged or newer one is refused
  * and left as it is. */
 #include "store_parts.h"
+#include "c_locale.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -259,7 +260,7 @@ static bool same_token(const char *a, size_t n_a, const char *b, size_t n_b)
     char *end_a, *end_b;
     if (n_a == n_b && !memcmp(a, b, n_a))
         return true;
-    double x = strtod(a, &end_a), y = strtod(b, &end_b);
+    double x = ric_c_strtod(a, &end_a), y = ric_c_strtod(b, &end_b);
     return n_a && n_b && end_a == a + n_a && end_b == b + n_b && x == y;
 }
 

@@ -1,5 +1,6 @@
 /* The rows of branches, points and junctions, out: study and atlas to tables. */
 #include "store_parts.h"
+#include "c_locale.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -227,7 +228,9 @@ ric_status ric_store_put_study(ric_database file, const ric_study *study, bool f
         status = ric_store_put_meta(file, "model", model);
     if (!status)
         status = ric_store_put_meta(file, "program", "ricochet " RIC_VERSION);
+    locale_t before = ric_c_locale_enter();
     snprintf(text, sizeof text, "%.17g", ric_study_options(study)->tolerance);
+    ric_c_locale_leave(before);
     if (!status)
         status = ric_store_put_meta(file, "tolerance", text);
     snprintf(text, sizeof text, "%d", ric_model_n_dof(ric_study_model(study)));

@@ -1,0 +1,23 @@
+#include "c_locale.h"
+
+#include <stdlib.h>
+
+locale_t ric_c_locale_enter(void)
+{
+    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    return plain ? uselocale(plain) : (locale_t)0; /* glibc and musl have it at hand and need no memory for it */
+}
+
+void ric_c_locale_leave(locale_t before)
+{
+    locale_t plain = before ? uselocale(before) : (locale_t)0;
+    if (plain && plain != LC_GLOBAL_LOCALE && plain != before) freelocale(plain);
+}
+
+double ric_c_strtod(const char *text, char **end)
+{
+    locale_t before = ric_c_locale_enter();
+    double value = strtod(text, end);
+    ric_c_locale_leave(before);
+    return value;
+}
