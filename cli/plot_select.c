@@ -28,7 +28,7 @@ static void trim(const char *text, size_t n, char out[NAME])
     }
     while (n > 0 && isspace((unsigned char)text[n - 1]))
         n--;
-    snprintf(out, NAME, "%.*s", (int)(n < NAME ? n : NAME - 1), text);
+    snprintf(out, NAME, "%.*s", (int)(n < NAME ? n : 0), text); /* a part of a name is another name */
 }
 
 /* ---------------------------------------------------------------- junctions */

@@ -113,22 +113,33 @@ static void skip(scanner *s)
     }
 }
 
-/* Next word in printable form; "" at the end of the text, and words that are too long are cut
- * (no number is that long). */
-static void next(scanner *s, char out[TOKEN_MAX])
+/* Next word in printable form; "" at the end of the text. A longer one is cut, and then it is no number any more: what
+ * is left of 2.000...0e1 says another one. */
+static bool next(scanner *s, char out[TOKEN_MAX])
 {
     int n = 0;
+    bool whole = true;
     skip(s);
     for (; s->at < s->end && !isspace((unsigned char)*s->at); s->at++)
         if (n + 1 < TOKEN_MAX)
             out[n++] = isprint((unsigned char)*s->at) ? *s->at : '?';
+        else
+            whole = false;
     out[n] = '\0';
+    return whole;
+}
+
+static ric_status too_long(const scanner *s, const char *word)
+{
+    return bad(s, "'%.20s...' has more than %d characters; write the number with fewer, 17 digits name every double", word,
+               TOKEN_MAX - 1);
 }
 
 static ric_status next_integer(scanner *s, const char *what, long max, long *out)
 {
     char word[TOKEN_MAX];
-    next(s, word);
+    if (!next(s, word))
+        return too_long(s, word);
     if (!word[0])
         return bad(s, "the file ends where %s should be", what);
     if (!ric_text_integer(word, out) || *out < 1 || *out > max)
@@ -139,7 +150,8 @@ static ric_status next_integer(scanner *s, const char *what, long max, long *out
 static ric_status next_real(scanner *s, long row, long column, double *out)
 {
     char word[TOKEN_MAX];
-    next(s, word);
+    if (!next(s, word))
+        return too_long(s, word);
     if (!word[0])
         return bad(s, "the file ends where the entry of row %ld, column %ld should be", row, column);
     switch (ric_text_real(word, out)) {
