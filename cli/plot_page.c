@@ -210,10 +210,13 @@ static void put_label(plot_page *page, plot_point at, const char *anchor, double
 {
     FILE *file = page->texts.file;
     fprintf(file, "set label %d '", ++page->n_label);
+    /* gnuplot takes a doubled quote for one quote, but not where a text begins with it: it is added as a text of its
+     * own. Within double quotes it would look for commands. */
     for (size_t i = 0; i < n; i++) {
         if (text[i] == '\'')
-            fputc('\'', file);
-        fputc(text[i] == '\n' ? ' ' : text[i], file);
+            fputs("'.\"'\".'", file);
+        else
+            fputc((unsigned char)text[i] < ' ' || text[i] == 0x7f ? ' ' : text[i], file);
     }
     /* FONT(..) is a function of the script: the terminals measure type in different units. */
     fprintf(file, "' at %.2f,%.2f %s front %s font FONT(%.2f) tc rgb '%s'\n", at.x, at.y, anchor,

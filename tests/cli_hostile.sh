@@ -103,6 +103,12 @@ link_drawn() {
     "$ricochet" plot fep "$atlas" -o "$folder/p.svg" && [ -L "$folder/p.svg" ] && grep -q '<svg' "$dear"
 }
 if command -v gnuplot >/dev/null; then
+    quoted() { # quotes in a title, also at its beginning
+        sed "s/^title:.*/title: \"'t Hooft's ''plot''\"/" examples/elementary/study.yaml >"$folder/h.yaml"
+        "$ricochet" run "$folder/h.yaml" -o "$folder/h.ricochet" && "$ricochet" plot fep "$folder/h.ricochet" -o "$folder/h.svg" &&
+            grep -q "'t Hooft's ''plot''" "$folder/h.svg"
+    }
+    ok 'quotes in a title are drawn' quoted
     ok 'a picture goes through a link to a file' link_drawn
     ok 'a picture is not made through a link to nothing' drawn nothing 'a symbolic link to nothing'
     ok 'a picture does not take the place of a folder' drawn folder 'a folder'
