@@ -82,6 +82,10 @@ json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d);
 /* Appends a row. */
 ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double d, json_t *rows);
 
+/* The text with what would steer a terminal written out, \x1b for ESC; line breaks stay where `lines`. Study, names
+ * and file names may come from anyone. To be freed; NULL without memory. */
+char *cli_visible(const char *text, bool lines);
+
 /* Takes --json or --csv out of argv; false (with a message) when both are given. */
 bool cli_take_format(int *argc, char **argv, cli_format *format);
 /* Takes `--name VALUE` (or --name=VALUE) out of argv; *value stays NULL when it is absent. False with a message when

@@ -150,12 +150,19 @@ static const char *plural(int n)
     return n == 1 ? "" : "s";
 }
 
+/* A text of the study, between two others; nothing if it has none. */
+static void print_quoted(const char *before, const char *text, const char *after)
+{
+    char *visible = text && *text ? cli_visible(text, false) : NULL;
+    if (visible) printf("%s%s%s", before, visible, after);
+    free(visible);
+}
+
 static void print_head(const facts *f, const ric_study *study)
 {
     const ric_model *model = f->model;
     int parts = ric_model_n_part(model);
-    if (ric_study_title(study)[0])
-        printf("%s\n\n", ric_study_title(study));
+    print_quoted("", ric_study_title(study), "\n\n");
     if (is_smooth(f)) {
         ric_contact first;
         bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
@@ -214,8 +221,9 @@ static void print_contact(const facts *f, int contact)
         (!is_smooth(f) && ric_model_face(f->model, f->face[contact], NULL, NULL, &mirror)))
         return;
     if (is_smooth(f)) {
-        printf("\ncontact %d%s%s%s: ", contact + 1, about.name ? " '" : "", about.name ? about.name : "",
-               about.name ? "'" : "");
+        printf("\ncontact %d", contact + 1);
+        print_quoted(" '", about.name, "'");
+        printf(": ");
         if (about.length > 0)
             printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length,
                    about.exponent);
@@ -227,8 +235,9 @@ static void print_contact(const facts *f, int contact)
     else
         snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
     if (!is_smooth(f)) {
-        printf("\ncontact %d%s%s%s: %s, clearance %g, %s", contact + 1, about.name ? " '" : "",
-               about.name ? about.name : "", about.name ? "'" : "", sides[about.sides], about.clearance, faces);
+        printf("\ncontact %d", contact + 1);
+        print_quoted(" '", about.name, "'");
+        printf(": %s, clearance %g, %s", sides[about.sides], about.clearance, faces);
         if (about.law == RIC_LAW_BILINEAR)
             printf(", a spring of stiffness %g beyond\n", about.stiffness);
         else

@@ -42,6 +42,35 @@ bool cli_stopped(void)
 
 /* ---------------------------------------------------------------- messages */
 
+/* Bytes of a character that steers: a control of ASCII, one of Latin-1 (U+0080 to U+009F), or one that turns the
+ * direction of writing (U+202A to U+202E, U+2066 to U+2069); else 0. */
+static int steering(const unsigned char *c)
+{
+    if (*c < ' ' || *c == 0x7f) return 1;
+    if (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) return 2;
+    if (*c == 0xe2 && c[1] == 0x80 && c[2] >= 0xaa && c[2] <= 0xae) return 3;
+    return *c == 0xe2 && c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9 ? 3 : 0;
+}
+
+char *cli_visible(const char *text, bool lines)
+{
+    char *all = malloc(4 * strlen(text) + 1), *out = all;
+    for (const unsigned char *c = (const unsigned char *)text; all && *c;) {
+        int n = *c == '\n' && lines ? 0 : steering(c);
+        if (!n) *out++ = (char)*c++;
+        for (; n > 0; n--) out += sprintf(out, "\\x%02x", *c++);
+    }
+    if (all) *out = '\0';
+    return all;
+}
+
+static void put_visible(const char *text)
+{
+    char *visible = cli_visible(text, true);
+    fputs(visible ? visible : "out of memory", stderr);
+    free(visible);
+}
+
 int cli_report(ric_status status)
 {
     if (status == RIC_OK)
@@ -50,18 +79,26 @@ int cli_report(ric_status status)
     if (status == RIC_E_NOMEM && !strstr(detail, "memory")) /* the command itself had none; the detail is that of
                                                              * something before */
         detail = "";
-    fprintf(stderr, "ricochet: %s\n", detail[0] ? detail : ric_status_text(status));
+    fputs("ricochet: ", stderr);
+    put_visible(detail[0] ? detail : ric_status_text(status));
+    fputc('\n', stderr);
     return status == RIC_E_INPUT ? CLI_WRONG : status == RIC_E_INTERRUPTED ? CLI_INTERRUPTED : CLI_FAILED;
 }
 
 int cli_wrong(const char *format, ...)
 {
     va_list arguments;
-    fputs("ricochet: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    int size = vsnprintf(NULL, 0, format, arguments);
     va_end(arguments);
+    char *text = size < 0 ? NULL : malloc((size_t)size + 1);
+    va_start(arguments, format);
+    if (text) vsnprintf(text, (size_t)size + 1, format, arguments);
+    va_end(arguments);
+    fputs("ricochet: ", stderr);
+    put_visible(text ? text : "out of memory");
     fputc('\n', stderr);
+    free(text);
     return CLI_WRONG;
 }
 

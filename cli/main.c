@@ -1,5 +1,8 @@
 /* ricochet: finds the command and runs it. */
+#define _XOPEN_SOURCE 700
+
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -92,6 +95,7 @@ int cli_main(int argc, char **argv)
 {
     /* The locale stays "C": numbers are written with a decimal point everywhere. */
     cli_watch_memory();
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is then an error like a full disk, and has a message */
     int code = dispatch(argc, argv);
     errno = 0;
     if ((fflush(stdout) || ferror(stdout)) && code == CLI_DONE) {

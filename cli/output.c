@@ -260,7 +260,9 @@ static bool print_table(const json_t *rows, const char *const *columns)
         width[k] = width_of(columns[k]);
         numeric[k] = is_numeric(rows, columns[k]);
         for (size_t i = 0; i < n_row; i++) {
-            char *text = cells[i * n_column + k] = cell_text(json_array_get(rows, i), columns[k], CLI_TEXT);
+            char *cell = cell_text(json_array_get(rows, i), columns[k], CLI_TEXT),
+                 *text = cells[i * n_column + k] = cell ? cli_visible(cell, false) : NULL;
+            free(cell);
             if (!text)
                 goto out;
             width[k] = width_of(shown(text)) > width[k] ? width_of(shown(text)) : width[k];

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "c_locale.h"
 #include "chart_rows.h"
 #include "halt.h"
 #include "multiplicity.h"
@@ -43,8 +44,10 @@ static void label_key(const ric_node *node, char *key, size_t size)
     hash = mixed(hash, (size_t)c->N * sizeof *c->face, c->face);
     hash = mixed(hash, (size_t)c->N * sizeof *c->tau, c->tau);
     hash = mixed(hash, 2 * (size_t)c->n * sizeof *c->w, c->w);
+    locale_t before = ric_c_locale_enter();
     snprintf(key, size, "label %d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half, c->pure,
              node->multiple, node->energy, node->period, hash);
+    ric_c_locale_leave(before);
 }
 
 /* Whether the label has been measured before. */

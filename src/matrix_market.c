@@ -131,8 +131,8 @@ static bool next(scanner *s, char out[TOKEN_MAX])
 
 static ric_status too_long(const scanner *s, const char *word)
 {
-    return bad(s, "'%.20s...' has more than %d characters; write the number with fewer, 17 digits name every double", word,
-               TOKEN_MAX - 1);
+    return bad(s, "'%.20s...' has more than %d characters; write the number with fewer, 17 digits name every double",
+               word, TOKEN_MAX - 1);
 }
 
 static ric_status next_integer(scanner *s, const char *what, long max, long *out)

@@ -116,6 +116,40 @@ if command -v gnuplot >/dev/null; then
     rm -rf "$folder/p.svg"
 fi
 
+# Texts of a study and of its atlas steer no terminal.
+steering=$(printf '[\001-\010\013-\037\177]')
+inert() { # COMMAND...: exit status and output without control characters, the text written out
+    "$ricochet" "$@" >"$folder-out" 2>&1
+    cat -v "$folder-out" | head -5
+    ! LC_ALL=C grep -q "$steering" "$folder-out" && grep -q '\\x1b\[2J' "$folder-out"
+}
+sed -e 's/^title:.*/title: "a \\e[2J"/' -e 's/- normal:/- name: "b \\e[2J"\n      normal:/' examples/elementary/study.yaml >"$folder/t.yaml"
+cp "$atlas" "$folder/t.ricochet"
+sql "$folder/t.ricochet" "UPDATE branch SET label = 'c ' || char(27) || '[2J' || char(10) || 'd'" "UPDATE junction SET name = 'c ' || char(27) || '[2J'" >/dev/null
+tools/attack/atlas_digest.py "$folder/t.ricochet" >/dev/null
+ok 'check writes out what would steer a terminal' inert check "$folder/t.yaml"
+ok 'branches writes out what would steer a terminal' inert branches "$folder/t.ricochet"
+ok 'junctions writes out what would steer a terminal' inert junctions "$folder/t.ricochet"
+ok 'a message writes out what would steer a terminal' inert check "$folder/$(printf '\033[2J')"
+rm -f "$folder"/t.*
+
+small_files() { # a limit of the size of files is an error with a message, and what was there stays
+    cp "$atlas" "$folder/l.ricochet"
+    (ulimit -f 330; "$ricochet" run "$folder/more.yaml" -o "$folder/l.ricochet") >"$folder-out" 2>&1
+    local code=$?
+    cat "$folder-out"
+    [ $code = 1 ] && grep -q '^ricochet: .*l.ricochet: ' "$folder-out" && "$ricochet" branches "$folder/l.ricochet"
+}
+ok 'a file that may not grow is reported' small_files
+
+full() { # who cannot be told where the pages are is not served
+    timeout 20 "$ricochet" view "$atlas" --port 0 --no-browser >/dev/full 2>"$folder-out"
+    local code=$?
+    cat "$folder-out"
+    [ $code = 1 ] && grep -q 'cannot be written' "$folder-out"
+}
+if ! "$ricochet" view --help | grep -q 'built without'; then ok 'view says that its address cannot be written' full; fi
+
 names_another() { # a journal can have SQLite remove a file of any name: such a one is refused
     laid file "$folder/x"
     python3 -c 'import sys, struct
@@ -143,5 +177,8 @@ through() { # a link to an atlas is the atlas
     "$ricochet" run "$folder/more.yaml" -o "$folder/named" >/dev/null && [ -L "$folder/named" ] && "$ricochet" branches "$folder/named" >/dev/null
 }
 ok 'a link to an atlas stands for it' through
+
+# The short form of tools/attack/craft.py: fields of every table replaced by hostile values. More under the sanitizers: 10,000, some hours.
+ok 'a hundred atlases with hostile values end in answers or messages' tools/attack/craft.py --program "$ricochet" --count 100 --seed 7 --short
 
 finish

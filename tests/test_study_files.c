@@ -114,8 +114,10 @@ static void bad_matrix_files(void **state)
     matrix_file_refused(COORDINATE "2 2 2\n1 1 nan\n2 2 1\n",
                         "M.mtx:3: the entry of row 1, column 1 is 'nan'; entries must be finite");
 #define ZEROS "0000000000000000000000000000000000000000000000000000000000000000000"
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 2." ZEROS "e1\n", "M.mtx:4: '2.000000000000000000...' has more than");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 " ZEROS "2 1\n", "M.mtx:4: '00000000000000000000...' has more than");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 2." ZEROS "e1\n",
+                        "M.mtx:4: '2.000000000000000000...' has more than");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 " ZEROS "2 1\n",
+                        "M.mtx:4: '00000000000000000000...' has more than");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D0\n", "M.mtx:4: the entry of row 2, column 2 is '1D0'");
     matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1\n0.5\n0\n1\n", "not symmetric");
     matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1 0 0\n", "the file ends");
