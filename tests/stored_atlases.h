@@ -133,7 +133,8 @@ static inline ric_branch_record random_branch(int id, int n_junction, const ric_
         .id = id, .label = branch.label, .impacts = n, .letters = n, .word = branch.word, .symmetric = below(2),
         .reversible = below(2), .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25,
         .n_point = 1 + below(30), .energy_min = energy, .energy_max = energy * (1 + random_share()),
-        .frequency_min = frequency, .frequency_max = id % 3 ? frequency : NAN, .from = below(n_junction + 1), .to = below(n_junction + 1),
+        .frequency_min = frequency, .frequency_max = id % 3 ? frequency : NAN,
+        .from = below(n_junction + 1), .to = below(n_junction + 1),
         .stop = (ric_stop)below(6), .why = branch.why, .n_junction = n_inner, .junctions = branch.junctions,
         .junction_at = branch.junction_at, .depth = below(9), .mode = below(ric_model_n_dof(model)) + 1};
     fill_points(&branch, model);
