@@ -9,7 +9,6 @@
 #include "motion.h"
 #include "status.h"
 
-#define BEFORE (1 - 1e-4) /* just before a grazing the functions that are singular there still have their sign */
 /* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has
  * jumped. */
 #define JUMP 1e-7
@@ -18,8 +17,6 @@
 #define EMERGED 100
 /* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
 #define ASIDE_STEPS 3
-/* Part of the largest step within which two pairs that pass a resonance count as one event. */
-#define TOGETHER 1e-6
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
 /* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through
@@ -32,6 +29,14 @@
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
+#define POLE 0.1 /* of 1, its largest value, of the test of a resonance that has changed its sign: lambda + 1/lambda went
+                  * through infinity, or rounding made it jump */
+#define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
+#define PASSES 4 /* looks at one step, the later ones with the events of the one before among the points */
+#define BRIDGED 6 /* pieces of a step over a branch point */
+#define NEAREST 1e-7 /* distance from an end with poles, of the size of the orbit, up to which events are looked for:
+                      * nearer by orbits are known to rounding over the distance */
+#define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
 #define STRETCHES 3 /* of a step, between its extrema of energy and of period */
 #define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter
                         * steps */
@@ -52,28 +57,6 @@ static bool watched(const ric_trace *tr, int test)
     /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that could be crossed */
     if (test == RIC_TEST_DET && tr->longest < HUGE_VAL) return false;
     return !(tr->limits->ghost && (free_of_ghosts & 1u << test));
-}
-
-static int resonances_below(const ric_trace *tr, double rho)
-{
-    return ric_resonance_below(tr->resonances, tr->n_resonance, rho);
-}
-
-static bool all_finite(int n, const double *x)
-{
-    for (int i = 0; i < n; i++)
-        if (!isfinite(x[i])) return false;
-    return true;
-}
-
-/* Whether the parabola through three values of rho passes a resonance within the last step and comes back. */
-static bool turns_at_resonance(const ric_trace *tr, double f0, double f1, double f2, double x0, double x2)
-{
-    double C = ((f2 - f1) / x2 - (f0 - f1) / x0) / (x2 - x0), B = (f2 - f1) / x2 - C * x2, vertex = -B / (2 * C);
-    if (!isfinite(f0 + f1 + f2) || !(vertex > 0 && vertex < x2)) return false;
-    double extreme = f1 + B * vertex / 2, end = fabs(f1 - extreme) < fabs(f2 - extreme) ? f1 : f2;
-    extreme += 0.4 * (extreme - end); /* what the cubic term may add */
-    return resonances_below(tr, extreme) != resonances_below(tr, end);
 }
 
 /* Distance of a zero of the bordered determinant in this step or close behind its end; infinite if there is none. */
@@ -97,26 +80,7 @@ static bool emerges_late(const ric_trace *tr)
 
 bool ric_event_suspicious(const ric_trace *tr, double h)
 {
-    const ric_station *p = &tr->past, *a = &tr->now, *b = &tr->next;
-    if (!tr->has_past || h < 1e-5 * tr->step_max || crossing_ahead(tr, h) < HUGE_VAL) return false;
-    if (emerges_late(tr)) return true;
-    double x0 = p->s - a->s, x2 = b->s - a->s;
-    int pairs = 2 * tr->floquet.n_pair;
-    bool known = all_finite(pairs, p->own) && all_finite(pairs, a->own) && all_finite(pairs, b->own);
-    for (int i = 0; known && i < tr->floquet.n_pair && !(tr->ignore & EVENT_SINGULAR); i++)
-        if (turns_at_resonance(tr, p->own[2 * i], a->own[2 * i], b->own[2 * i], x0, x2)) return true;
-    for (int i = 0; i < RIC_N_TEST; i++) {
-        double f0 = p->test[i], f1 = a->test[i], f2 = b->test[i];
-        if (!watched(tr, i) || f1 * f2 <= 0 || !isfinite(f0 + f1 + f2)) continue;
-        /* f = f1 + B x + C x^2 */
-        double C = ((f2 - f1) / x2 - (f0 - f1) / x0) / (x2 - x0), B = (f2 - f1) / x2 - C * x2, vertex = -B / (2 * C);
-        if (!(vertex > 0 && vertex < x2)) continue;
-        double bottom = f1 + B * vertex / 2, end = fmin(fabs(f1), fabs(f2));
-        /* towards zero, and the cubic term could make up for what is left; what falls by orders beside a grazing dips
-         * far below, and means nothing */
-        if (bottom * f1 < 0.4 * end * fabs(f1) && (fabs(bottom) < fabs(f1) || !(EVENT_SINGULAR & 1u << i))) return true;
-    }
-    return false;
+    return tr->has_past && h >= SHORTEST * tr->chain->scale && crossing_ahead(tr, h) == HUGE_VAL && emerges_late(tr);
 }
 
 /* -------------------------------------------------------------------- keeping */
@@ -245,31 +209,76 @@ static int by_place(const void *a, const void *b)
     return p->x < q->x ? -1 : p->x > q->x ? 1 : p->test - q->test;
 }
 
-/* All zeros of the tests in `which` up to distance `to`, whose functions there are `end`. */
-static ric_status find_roots(ric_trace *tr, unsigned which, double to, const double *end, double h, root *roots, int *n,
-                             bool *retry)
+typedef struct {
+    int n, capacity;
+    root *root;
+} root_list;
+
+static void list_root(root_list *list, int test, double x)
 {
-    for (int i = 0; i < RIC_N_TEST; i++) {
-        double fa = tr->now.test[i], fb = end[i], x;
-        bool zero;
-        if (!(which & 1u << i) || !watched(tr, i)) continue;
-        if (fa == 0 && fb * tr->definite[i] < 0) { /* the sign changed where rounding hid it: as near as can be told */
-            roots[(*n)++] = (root){i, 0};
+    if (list->n < list->capacity) list->root[list->n++] = (root){test, x};
+}
+
+/* Zeros of one test between the points that are known. A sign that rounding hid at some of them has changed at the
+ * first one: as near as can be told. */
+static ric_status find_zeros(ric_trace *tr, int test, double h, root_list *list, bool *retry)
+{
+    const ric_samples *q = &tr->samples;
+    double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
+    for (int i = q->now; i < q->n; i++) {
+        double f = ric_samples_values(tr, i)[test], x;
+        bool zero, open = last == 0;
+        if (isnan(f)) {
+            last = 0;
             continue;
         }
-        if (!(fa * fb < 0)) continue;
-        ric_status status = ric_event_locate(tr, i, 0, fa, to, fb, h, &x, &zero);
+        if (f == 0) {
+            if (i == q->now || ric_samples_values(tr, i - 1)[test] != 0) hidden = q->x[i];
+            continue;
+        }
+        bool changed = last * f < 0, seen = i > q->now && ric_samples_values(tr, i - 1)[test] != 0;
+        last = f;
+        if (!changed || open || i == q->now) continue;
+        if (!seen) {
+            list_root(list, test, hidden);
+            continue;
+        }
+        double a = q->x[i - 1], b = q->x[i];
+        ric_status status = ric_event_locate(tr, test, a, ric_samples_values(tr, i - 1)[test], b, f, h, &x, &zero);
         if (status) return status;
-        if (!zero) {
-            /* the factors of the map may jump where rounding hides them; in a step this short nothing else can have
-             * happened */
-            if ((EVENT_SINGULAR & 1u << i) && h < JUMP * tr->chain->scale) continue;
+        /* the factors of the map may jump where rounding hides them; in a piece this short nothing else can have
+         * happened. The place of a resonance is known well enough there: the junction is solved anew */
+        bool narrow = b - a < JUMP * tr->chain->scale;
+        if (!zero && narrow && test < RIC_N_TEST && EVENT_SINGULAR & 1u << test) continue;
+        if (!zero && narrow && test >= RIC_N_TEST && fabs(ric_event_value(tr, test, &tr->mid)) > POLE) continue;
+        if (!zero && !(narrow && test >= RIC_N_TEST)) {
             *retry = true;
             return RIC_OK;
         }
-        roots[(*n)++] = (root){i, x};
+        list_root(list, test, x);
     }
     return RIC_OK;
+}
+
+static ric_status find_roots(ric_trace *tr, unsigned which, double h, root_list *list, bool *retry)
+{
+    for (int i = 0; i < RIC_N_TEST && !*retry; i++) {
+        ric_status status = which & 1u << i ? find_zeros(tr, i, h, list, retry) : RIC_OK;
+        if (status) return status;
+    }
+    return RIC_OK;
+}
+
+/* Tests of `which` that are looked at in this step. Of those that vanish at the start the ones that do not end a branch
+ * are looked at right behind it. */
+static unsigned seen_in(const ric_trace *tr, unsigned which)
+{
+    unsigned seen = 0, inside = EVENT_SINGULAR | extrema;
+    for (int i = 0; i < RIC_N_TEST; i++) {
+        bool ghost = tr->limits->ghost && free_of_ghosts & 1u << i;
+        if (which & 1u << i && (watched(tr, i) || (inside & tr->ignore & 1u << i && !ghost))) seen |= 1u << i;
+    }
+    return seen;
 }
 
 /* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the
@@ -284,34 +293,53 @@ static bool approach_crossing(ric_trace *tr, double h)
     return true;
 }
 
-/* Functions that are looked at a little before an end of kind `test`: the factors of the map, and where a contact of a
- * spring shrinks to nothing dE/ds and dT/ds, which vanish with it. */
-static unsigned late_at(const ric_trace *tr, int test)
+/* Whether functions may have poles where this test vanishes: an impact loses its speed, or a contact shrinks to nothing.
+ */
+static bool has_poles(int test)
 {
-    return EVENT_SINGULAR | (tr->chain->model->springs && test == RIC_TEST_APPROACH ? extrema : 0);
+    return test == RIC_TEST_REACH || test == RIC_TEST_APPROACH || test == RIC_TEST_FLIGHT;
 }
 
 /* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and
- * its distance. `limit` holds the test functions there, the singular ones a little before. */
-static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, double *limit, bool *retry)
+ * its distance. */
+static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, bool *retry)
 {
-    root roots[RIC_N_TEST];
-    int n = 0;
-    bool good;
+    root roots[RIC_MOST_SAMPLES];
+    root_list list = {.capacity = RIC_MOST_SAMPLES, .root = roots};
     *test = -1;
     *end = h;
-    memcpy(limit, tr->next.test, sizeof tr->next.test);
-    ric_status status = find_roots(tr, which, h, limit, h, roots, &n, retry);
-    if (status || *retry || !n) return status;
-    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    which = seen_in(tr, which);
+    ric_status status = ric_samples_refine(tr, which, false, NAN, NAN, h);
+    if (!status) status = find_roots(tr, which, h, &list, retry);
+    if (status || *retry || !list.n) return status;
+    qsort(roots, (size_t)list.n, sizeof *roots, by_place);
     *test = roots[0].test;
     *end = roots[0].x;
-    if ((status = ric_event_solve(tr, *end, h, &tr->mid, &good))) return status;
-    memcpy(limit, tr->mid.test, sizeof tr->mid.test);
-    if ((status = ric_event_solve(tr, *end * BEFORE, h, &tr->mid, &good))) return status;
-    for (int i = 0; i < RIC_N_TEST; i++)
-        if (late_at(tr, *test) & 1u << i) limit[i] = tr->mid.test[i];
     return RIC_OK;
+}
+
+/* The points of the step for what happens inside, up to distance `to`: where the branch ends there, it is looked at a
+ * little before, and ever nearer if functions may have poles. */
+static ric_status sample(ric_trace *tr, unsigned which, int test, double to, double h)
+{
+    ric_samples *q = &tr->samples;
+    double least = NEAREST * tr->chain->scale, from = NAN, end = NAN;
+    const unsigned margins = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT;
+    bool pairs = tr->n_resonance > 0, poles = tr->ignore & margins;
+    ric_status status = RIC_OK;
+    if (test >= 0 && (status = ric_samples_cut(tr, fmax(to - least, to / 2), h))) return status;
+    if (q->n < q->now + 2) return RIC_OK; /* nothing converges there */
+    double last = q->x[q->n - 1];
+    if (poles) {
+        from = 0;
+        status = ric_samples_approach(tr, 0, last, least, h);
+        for (int k = 0; k < RIC_N_TEST + tr->n_resonance; k++) ric_samples_values(tr, q->now)[k] = NAN;
+    }
+    if (!status && test >= 0 && has_poles(test)) {
+        end = to;
+        status = ric_samples_approach(tr, to, q->x[q->n - 2], least, h);
+    }
+    return status ? status : ric_samples_refine(tr, which, pairs, from, end, h);
 }
 
 /* ---------------------------------------------------------- what was asked for */
@@ -423,12 +451,33 @@ static bool meets_corner(const ric_trace *tr, const ric_bridge *q, double h, dou
     return true;
 }
 
+/* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at between the points
+ * that are known: multipliers may go to and fro beside it. Room for BRIDGED places; returns their number. */
+static int cross_resonance(const ric_trace *tr, const ric_bridge *q, int k, double at, double to, double h, root *out)
+{
+    int test = RIC_N_TEST + k, n = 0;
+    double from = 0, before = ric_event_value(tr, test, &tr->now);
+    double place[BRIDGED] = {q->x[0], q->x[1], at, q->x[2], q->x[3], h};
+    for (int i = 0; i < BRIDGED; i++) {
+        double x = place[i];
+        if (x <= from || x > h) continue;
+        double value = x == h ? ric_event_value(tr, test, &tr->next) : ric_bridge_test(tr, q, test, x);
+        if (before * value < 0) {
+            double root_at = ric_bridge_root(tr, q, test, from, x, before, NAN);
+            if (root_at < to || to == h) out[n++] = (root){test, root_at};
+        }
+        from = x;
+        before = value;
+    }
+    return n;
+}
+
 /* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch
  * ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
 static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, bool *retry)
 {
     ric_bridge q;
-    root roots[RIC_N_TEST + tr->n_resonance];
+    root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
     int n = 0;
     int first = tr->n_event;
     ric_status status = ric_bridge_build(tr, h, &q);
@@ -475,13 +524,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
         if (arrived && x >= at) continue;
         roots[n++] = (root){i, x};
     }
-    for (int k = 0; k < tr->n_resonance; k++) {
-        double before = ric_event_value(tr, RIC_N_TEST + k, &tr->now),
-               after = ric_event_value(tr, RIC_N_TEST + k, &tr->next);
-        if (!(before * after < 0)) continue;
-        double x = ric_bridge_root(tr, &q, RIC_N_TEST + k, 0, h, before, NAN);
-        if (!arrived || x < at) roots[n++] = (root){RIC_N_TEST + k, x};
-    }
+    for (int k = 0; k < tr->n_resonance; k++) n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++) {
         ric_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
@@ -496,82 +539,53 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
     return status;
 }
 
-/* All resonances that a pair passes up to distance `to`, where the pairs are those of `end`; roots has room for every
- * one. *blind grows by the distance, if some pair is lost in rounding. */
-static ric_status find_resonances(ric_trace *tr, double to, const double *end, double h, root *roots, int *n,
-                                  double *blind, bool *retry)
+/* The length on which some pair is lost in rounding; on the way to an end where functions have poles this is no news
+ * nearer than NEAREST. */
+static double lost_length(const ric_trace *tr)
 {
-    const double *start = tr->now.own;
-    int n_pair = tr->floquet.n_pair, known = *n;
-    if (tr->ignore & EVENT_SINGULAR) return RIC_OK; /* at a grazing the multipliers have no bound */
-    if (!all_finite(2 * n_pair, start) || !all_finite(2 * n_pair, end)) {
-        if (n_pair && tr->n_resonance) *blind += to;
-        return RIC_OK;
+    const ric_samples *q = &tr->samples;
+    double length = 0;
+    for (int i = q->now; tr->n_resonance && i + 1 < q->n; i++) {
+        bool lost = isnan(ric_samples_values(tr, i)[RIC_N_TEST]) || isnan(ric_samples_values(tr, i + 1)[RIC_N_TEST]);
+        double piece = q->x[i + 1] - q->x[i];
+        if (lost && piece > RATIO_NEAREST * NEAREST * tr->chain->scale) length += piece;
     }
-    for (int i = 0; i < n_pair; i++) {
-        int a = resonances_below(tr, start[2 * i]), b = resonances_below(tr, end[2 * i]);
-        for (int k = a < b ? a : b; k < (a < b ? b : a); k++) {
-            double value = tr->resonances[k].rho, x;
-            double fa = ric_resonance_test(start, n_pair, value), fb = ric_resonance_test(end, n_pair, value);
-            bool zero, listed = false;
-            for (int j = known; j < *n; j++) listed |= roots[j].test == RIC_N_TEST + k;
-            if (listed) continue;
-            if (!(fa * fb < 0)) { /* two pairs pass the same one: a step for each, if any step tells them apart */
-                *retry = start[2 * i + 1] == 0 && end[2 * i + 1] == 0 && h > TOGETHER * tr->step_max;
-                if (*retry) return RIC_OK;
-                continue;
-            }
-            ric_status status = ric_event_locate(tr, RIC_N_TEST + k, 0, fa, to, fb, h, &x, &zero);
-            if (status) return status;
-            if (!zero && h >= JUMP * tr->chain->scale) { /* in a shorter step its place is known well enough: the
-                                                          * junction is solved anew */
-                *retry = true;
-                return RIC_OK;
-            }
-            roots[(*n)++] = (root){RIC_N_TEST + k, x};
-        }
+    return length;
+}
+
+/* Zeros of all that is looked at inside. Where one function vanishes the others are looked at, too: they tell each
+ * other's ways. */
+static ric_status find_inside(ric_trace *tr, unsigned which, double h, root_list *list, bool *retry)
+{
+    for (int pass = 0; pass < PASSES; pass++) {
+        list->n = 0;
+        ric_status status = find_roots(tr, which, h, list, retry);
+        for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
+            status = find_zeros(tr, RIC_N_TEST + k, h, list, retry);
+        int before = ric_samples_changes(tr, which);
+        for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_samples_add(tr, list->root[i].x, h);
+        if (!status && !*retry && list->n) status = ric_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
+        if (status || *retry || ric_samples_changes(tr, which) == before) return status;
     }
     return RIC_OK;
 }
 
-/* The pairs `own` at the farthest place before an end, at most *to, where none is lost in rounding; what is left of the
- * way in *blind. */
-static ric_status look_before(ric_trace *tr, double h, double *to, double *own, double *blind)
+static ric_status inner_events(ric_trace *tr, double h, int test, double to, bool *retry)
 {
-    int size = 2 * tr->floquet.n_pair;
-    double end = *to;
+    int most = RIC_N_TEST + tr->n_resonance + 4 * RIC_MOST_SAMPLES;
+    root roots[most + STRETCHES * tr->limits->n_asked];
+    root_list list = {.capacity = most, .root = roots};
     bool good;
-    *to *= BEFORE;
-    for (double back = 4 * (1 - BEFORE); !all_finite(size, own) && back < 0.5; back *= 4) {
-        ric_status status = ric_event_solve(tr, end * (1 - back), h, &tr->mid, &good);
-        if (status) return status;
-        memcpy(own, tr->mid.own, (size_t)size * sizeof *own);
-        *blind = end * back;
-        *to = end - *blind;
-    }
-    return RIC_OK;
-}
-
-static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, const double *limit, unsigned late,
-                               bool *retry)
-{
-    int n = 0, size = 2 * tr->floquet.n_pair;
-    root roots[RIC_N_TEST + tr->n_resonance + STRETCHES * tr->limits->n_asked];
-    double own[size + 1], blind = 0;
-    bool good;
-    /* at an end the last look was a little before it */
-    memcpy(own, ends ? tr->mid.own : tr->next.own, (size_t)size * sizeof *own);
-    unsigned inner = ~terminal & ((1u << RIC_N_TEST) - 1);
-    ric_status status = find_roots(tr, inner & ~late, to, limit, h, roots, &n, retry);
-    if (!status && !*retry) status = find_roots(tr, inner & late, ends ? to * BEFORE : to, limit, h, roots, &n, retry);
-    double known = to; /* for the multipliers */
-    if (!status && !*retry && ends && tr->n_resonance) status = look_before(tr, h, &known, own, &blind);
-    if (!status && !*retry) status = find_resonances(tr, known, own, h, roots, &n, &blind, retry);
-    if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &n, retry);
+    unsigned inner = seen_in(tr, ~terminal & ((1u << RIC_N_TEST) - 1));
+    ric_status status = sample(tr, inner, test, to, h);
+    *retry = tr->samples.n < tr->samples.now + 2;
+    if (!status && !*retry) status = find_inside(tr, inner, h, &list, retry);
+    for (int i = 0; i < list.n && !status && !*retry; i++) *retry = roots[i].test == RIC_TEST_DET;
+    if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &list.n, retry);
     if (status || *retry) return status;
-    tr->blind += blind;
-    qsort(roots, (size_t)n, sizeof *roots, by_place);
-    for (int i = 0; i < n && !status; i++)
+    tr->blind += lost_length(tr);
+    qsort(roots, (size_t)list.n, sizeof *roots, by_place);
+    for (int i = 0; i < list.n && !status; i++)
         if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&
             !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
             status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
@@ -582,7 +596,7 @@ static ric_status inner_events(ric_trace *tr, double h, bool ends, double to, co
 ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
 {
     int test;
-    double end, limit[RIC_N_TEST];
+    double end;
     bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
     double home[tr->chain->n_unknown], s;
@@ -591,12 +605,16 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
     unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT)
                                                                                 : terminal;
-    ric_status status = find_end(tr, which, h, &test, &end, limit, retry);
+    ric_samples_begin(tr, h);
+    ric_status status = find_end(tr, which, h, &test, &end, retry);
     if (status || *retry) return status;
-    if (test >= 0 && crossed) crossed = tr->now.test[RIC_TEST_DET] * limit[RIC_TEST_DET] < 0;
+    if (test >= 0 && crossed) {
+        if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
+        crossed = tr->now.test[RIC_TEST_DET] * tr->mid.test[RIC_TEST_DET] < 0;
+    }
     int read = -1; /* the end, read off cubics */
     if (crossed) status = cross(tr, h, &read, &end, retry);
-    else status = inner_events(tr, h, test >= 0, end, limit, late_at(tr, test), retry);
+    else status = inner_events(tr, h, test, end, retry);
     if (status || *retry) return status;
     if (test < 0 && !closed && read < 0) return RIC_OK;
     *done = true;

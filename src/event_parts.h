@@ -24,6 +24,22 @@ double ric_event_value(const ric_trace *trace, int test, const ric_station *stat
 ric_status ric_event_locate(ric_trace *trace, int test, double xa, double fa, double xb, double fb, double h,
                             double *where, bool *zero);
 
+/* Values [RIC_N_TEST + n_resonance] at a point of the step. */
+double *ric_samples_values(const ric_trace *trace, int i);
+/* Starts with the two ends of a step; keeps the last points of a step that has been accepted. */
+void ric_samples_begin(ric_trace *trace, double h);
+void ric_samples_shift(ric_trace *trace);
+/* Drops the points beyond `end`, which becomes the last one. */
+ric_status ric_samples_cut(ric_trace *trace, double end, double h);
+/* One more point, unless one is there; how often the tests `which` and the resonances change their signs. */
+ric_status ric_samples_add(ric_trace *trace, double x, double h);
+int ric_samples_changes(const ric_trace *trace, unsigned which);
+/* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows. from, to: places where
+ * functions may have poles, or NAN. */
+ric_status ric_samples_refine(ric_trace *trace, unsigned which, bool pairs, double from, double to, double h);
+/* More points at distances from `end` that fall from that of `other` to `least`. */
+ric_status ric_samples_approach(ric_trace *trace, double end, double other, double least, double h);
+
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];

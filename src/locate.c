@@ -16,12 +16,17 @@
                          * higher precision */
 #define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit
                          * (a bound: the error is a tenth) */
+#define NARROWEST 1e-10  /* of the size: shorter branches are none */
+#define STRAIGHT 0.2     /* part of its ends by which a function may be off a straight line that passes zero */
+#define AT_ROOT 1e-4     /* distance of lambda + 1/lambda from the root of unity of a multiplication */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define UNDECIDED (-1)
 #define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding /
                           * distance */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
                          * where they came from */
+#define COARSE_GRAIN 0x1p-28 /* the same where what vanishes is regular: the fewer orbits that differ by rounding are
+                              * rounded to different ones */
 
 /* What vanishes at a junction, as a function of the point on the curve. */
 typedef struct {
@@ -132,6 +137,42 @@ static bool solve_finely(criterion *q, double *u)
     return c->residual <= 4 * ric_trace_tolerance(c);
 }
 
+/* Whether the function is a line through zero within h of u on either side. */
+static bool passes(criterion *q, const double *u, const double *normal, double h)
+{
+    static const double place[] = {-1, -0.5, 0.5, 1};
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double v[size], du[size], t[size], f[4], slope = 0, off = 0, noise = 0;
+    for (int i = 0; i < 4; i++) {
+        for (int j = 0; j < size; j++) v[j] = u[j] + place[i] * h * normal[j];
+        if (!ric_trace_correct(c, v, u, normal, place[i] * h, du, &iterations)) return false;
+        double sign = ric_trace_tangent(c, normal, t);
+        f[i] = evaluate(q, v, t, sign);
+        if (isfinite(q->noise)) noise = fmax(noise, q->noise);
+        slope += place[i] * f[i] / 2.5;
+    }
+    for (int i = 0; i < 4; i++) off = fmax(off, fabs(f[i] - slope * place[i]));
+    return fabs(slope) > noise && off < STRAIGHT * fabs(slope);
+}
+
+/* Whether a zero at u stands out of rounding: at some distance the function passes it in a straight line. On a branch
+ * of orbits that belong to families of two parameters, or nearly so, determinants are rounding all along, and bounds of
+ * it tell little. The chain is left at u. */
+static bool stands_out(criterion *q, const double *u)
+{
+    ric_chain *c = q->chain;
+    double normal[c->n_unknown];
+    bool found = false;
+    ric_chain_evaluate(c, u);
+    ric_trace_tangent(c, NULL, normal);
+    for (double h = PLACED; h >= NARROWEST && !found; h /= 10) /* deep in a cascade branches are no longer than that */
+        found = passes(q, u, normal, h * c->scale);
+    for (double h = 10 * PLACED; h <= 1.5 * BESIDE && !found; h *= 10) found = passes(q, u, normal, h * c->scale);
+    ric_chain_evaluate(c, u);
+    return found;
+}
+
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
 static bool solve_criterion(criterion *q, double *u)
 {
@@ -173,10 +214,12 @@ static bool solve_criterion(criterion *q, double *u)
     if (q->test == RIC_TEST_ASKED) return least <= MET;
     bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
                           (q->test == RIC_TEST_ROTATION && c->start != RIC_MIRROR_NONE);
+    if (q->test == RIC_TEST_ROTATION && !by_determinant) return least <= AT_ROOT;
     if (!by_determinant) return true;
     bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
-    return least <= AT_ZERO * c->scale * slope;
+    if (!(least <= AT_ZERO * c->scale * slope)) return false;
+    return !q->last || c->model->smooth || stands_out(q, best);
 }
 
 /* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is
@@ -216,6 +259,7 @@ static int shortest(const ric_chain *c, const double *u)
 ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion what, bool *moved)
 {
     ric_cycle *canonical = NULL, *out = NULL;
+    double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
     for (int pass = 0; pass < 2; pass++) {
         criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked,
                        .last = pass > 0, .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
@@ -224,7 +268,7 @@ ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion 
         bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
         if (good) {
             if (pass)
-                for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
+                for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / grain) * grain;
             ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
                                              * unknowns */
             if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;

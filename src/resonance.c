@@ -77,7 +77,7 @@ double ric_resonance_test(const double *rho, int n_pair, double value)
         double re = rho[2 * i], im = rho[2 * i + 1];
         /* a complex pair is followed by its conjugate */
         if (im > 0) product *= ((re - value) * (re - value) + im * im) / (1 + re * re + im * im);
-        else if (im == 0) product *= (re - value) / (1 + fabs(re));
+        else if (im == 0) product *= (re - value) / sqrt(1 + re * re);
     }
     return product;
 }

@@ -6,6 +6,7 @@
 
 #include "eigen.h"
 #include "event.h"
+#include "event_parts.h"
 #include "motion.h"
 #include "repeat.h"
 #include "status.h"
@@ -17,7 +18,7 @@
                               * and is no guess */
 #define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
 #define SOFT_STEP 0.1        /* first step from the grazing of a spring, of its compliance */
-#define FIRST_STEP 1e-3      /* of the largest step */
+#define FIRST_STEP 3e-5      /* of the size of the unknowns */
 #define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
 #define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
@@ -357,6 +358,12 @@ static void station_free(ric_station *p)
     free(p->own);
 }
 
+static bool samples_create(ric_trace *tr)
+{
+    tr->samples.values = calloc(RIC_MOST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance), sizeof(double));
+    return tr->samples.values;
+}
+
 /* ------------------------------------------------------------------- points */
 
 static void write_point(ric_trace *tr, int i, const ric_point *row, const double *u)
@@ -432,7 +439,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     tr->end.test = -1;
     tr->stride = sizeof(ric_point) / sizeof(double) + size;
     if ((status = ric_trace_equip(tr))) goto out;
-    if (!ric_trace_resonances(tr)) {
+    if (!ric_trace_resonances(tr) || !samples_create(tr)) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
         goto out;
     }
@@ -460,7 +467,7 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->longest = HUGE_VAL;
     tr->step_max = limits->max_step * chain->scale;
-    tr->step = regular                       ? FIRST_STEP * fmin(tr->step_max, 0.1 * chain->scale)
+    tr->step = regular                       ? fmin(FIRST_STEP * chain->scale, tr->step_max)
                : ignore & RIC_SINGULAR_START ? norm
                                              : RIC_LEAVING * chain->scale;
     /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays
@@ -491,6 +498,7 @@ void ric_trace_free(ric_trace *tr)
     }
     free(tr->events);
     free(tr->resonances);
+    free(tr->samples.values);
     free(tr->end.u);
     free(tr->end.t);
     free(tr->points);
@@ -718,6 +726,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     tr->ignore = 0;
     tr->approaches = 0;
     if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
+    ric_samples_shift(tr);
     swap_stations(tr);
     return ric_trace_keep(tr, &tr->now);
 }

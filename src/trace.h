@@ -68,6 +68,16 @@ typedef struct {
     bool solved;         /* its residual is rounding: only such orbits are stored */
 } ric_station;
 
+/* Points of the step at work whose test functions are known, in order, the present one at `now`, and before it some of
+ * the steps before (event_samples.c). */
+enum { RIC_PAST_SAMPLES = 2, RIC_MOST_SAMPLES = 80 };
+typedef struct {
+    int n, now, n_past;
+    double x[RIC_MOST_SAMPLES]; /* distance from the present point */
+    double s[RIC_PAST_SAMPLES]; /* arclength of those before */
+    double *values;             /* [RIC_MOST_SAMPLES * (RIC_N_TEST + n_resonance)] */
+} ric_samples;
+
 typedef struct {
     int test;            /* which function vanished */
     double s;
@@ -103,6 +113,7 @@ typedef struct {
     int n_resonance;
     ric_resonance *resonances;
     ric_station now, next, mid, past;
+    ric_samples samples;
     bool has_past;
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
@@ -122,6 +133,7 @@ typedef struct {
     ric_event end;       /* what stopped the branch (end.test = -1: no event) */
     ric_stop stop;
     bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
+    int unresolved;      /* places where functions may vanish twice, and too near to tell */
     double blind;        /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
     bool arrival;        /* the end is a point where the branch meets its own mirror image */
     ric_why why;

@@ -1,0 +1,119 @@
+/* What a branch passes does not depend on how far apart its points lie. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "explored.h"
+
+static bool near(double a, double b, double tolerance)
+{
+    return fabs(a - b) <= tolerance * fabs(b);
+}
+
+static int count_alike(const ric_atlas *atlas, const ric_junction *like)
+{
+    int count = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        count += j.kind == like->kind && j.impacts == like->impacts && j.multiple == like->multiple &&
+                 near(j.energy, like->energy, 1e-9) && near(j.frequency, like->frequency, 1e-9);
+    }
+    return count;
+}
+
+/* The same junctions with 0.3, 1 and 3 times the usual step. */
+static ric_atlas *same_for_all_steps(const char *text)
+{
+    static const double steps[] = {0.009, 0.09};
+    ric_atlas *usual = explore_text(text);
+    for (int i = 0; i < 2; i++) {
+        ric_atlas *other = explore_text_with(text, NULL, steps[i]);
+        for (int id = 1; id <= ric_atlas_n_junction(usual); id++) {
+            ric_junction j = junction_of(usual, id);
+            if (!count_alike(other, &j)) fail_msg("step %g has no %s at E %.13g", steps[i], j.label, j.energy);
+        }
+        assert_int_equal(ric_atlas_n_junction(usual), ric_atlas_n_junction(other));
+        ric_atlas_free(other);
+    }
+    return usual;
+}
+
+/* A5[12122] has the traces 58, 8 and 77 at three points in a row, and in between goes down to -2, beyond, and back:
+ * ten junctions within 1e-4 of its energy. */
+static void to_and_fro(void **state)
+{
+    (void)state;
+    static const int multiple[] = {4, 3, 2, 2, 3, 4};
+    static const double energy[] = {2.958217208739, 2.958218695781, 2.958220930591,
+                                    2.958349794718, 2.958357088909, 2.958363829987};
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n  mass: [[0.6744622050497642, 0], [0, 0.6744622008599424]]\n"
+        "  stiffness: [[7.128007849809611, -2.3225308268804876], [-2.3225308268804876, 2.3225308268804876]]\n"
+        "  contacts:\n    - {law: rigid, normal: [1, 0], clearance: 1.1478880163862362, sides: both}\n"
+        "    - {law: rigid, normal: [1, -1], clearance: 0.5156261410963043, sides: upper}\n"
+        "explore: {energy: [0, 45.94], frequency: [0.53, 10], impacts: 6, multiply: 4, depth: 3}\n");
+    for (int i = 0; i < 6; i++) {
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            ric_junction j = junction_of(atlas, id);
+            found += j.impacts == 5 && j.multiple == multiple[i] && near(j.energy, energy[i], 1e-10);
+        }
+        if (found != 1) fail_msg("%d multiplications by %d at E %.13g", found, multiple[i], energy[i]);
+    }
+    ric_atlas_free(atlas);
+}
+
+/* A10[0010100101] leaves a branch point and doubles 2e-4 farther on: its trace runs from 2 to -1500 within its first
+ * step. */
+static void beside_the_start(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 2, depth: 3}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        found += j.impacts == 10 && j.multiple == 2 && near(j.energy, 2.519193533, 1e-9);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
+/* Left and right half are alike but for 1e-7, and the stop between their ends all but feels one half of the modes:
+ * A4[0101] at constant frequency consists of orbits of a family with two parameters, nearly, and the determinants that
+ * tell where a symmetry breaks are rounding all along. Their signs are no branch points. */
+static void determinants_of_rounding(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.0250837138369855, 0, 0, 0], [0, 0.7340524401777558, 0, 0], [0, 0, 0.7340524469626444, 0], "
+        "[0, 0, 0, 1.0250836233163552]]\n"
+        "  stiffness: [[5.101790909517448, -0.3249468968386664, 0, 0], "
+        "[-0.3249468968386664, 1.9986307912913917, -1.6736838944527253, 0], "
+        "[0, -1.6736838944527253, 1.9986307912913917, -0.3249468968386664], "
+        "[0, 0, -0.3249468968386664, 5.101790909517448]]\n"
+        "  contacts:\n    - {law: rigid, normal: [1, 0, 0, -1], clearance: 0.9239527338929566, sides: both}\n"
+        "explore: {energy: [0, 12.914412360953323], frequency: [0.3965510327247298, 10], impacts: 4, multiply: 4, "
+        "depth: 3}\n");
+    int seen = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        seen += j.kind == RIC_KIND_BRANCH_POINT && near(j.frequency, 2.23778689417, 1e-9) && j.energy > 2.6;
+    }
+    if (seen) fail_msg("%d branch points on a branch where nothing can be told", seen);
+    ric_atlas_free(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro), cmocka_unit_test(beside_the_start),
+                                       cmocka_unit_test(determinants_of_rounding)};
+    return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
+}
