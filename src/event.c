@@ -29,8 +29,8 @@
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
-#define POLE 0.1 /* of 1, its largest value, of the test of a resonance that has changed its sign: lambda + 1/lambda went
-                  * through infinity, or rounding made it jump */
+#define POLE 0.1 /* of 1, its largest value: the test of a resonance that is above it where it has changed its sign has
+                  * no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
 #define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
 #define PASSES 4 /* looks at one step, the later ones with the events of the one before among the points */
 #define BRIDGED 6 /* pieces of a step over a branch point */
@@ -293,8 +293,8 @@ static bool approach_crossing(ric_trace *tr, double h)
     return true;
 }
 
-/* Whether functions may have poles where this test vanishes: an impact loses its speed, or a contact shrinks to nothing.
- */
+/* Whether functions may have poles where this test vanishes: an impact loses its speed, or a contact shrinks to
+ * nothing. */
 static bool has_poles(int test)
 {
     return test == RIC_TEST_REACH || test == RIC_TEST_APPROACH || test == RIC_TEST_FLIGHT;
