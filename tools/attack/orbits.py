@@ -214,17 +214,25 @@ def pairs(R):
         if h == 0:
             continue
         if h == 1:
-            out[p, 0] = float(-c[1] / c[0])
+            out[p, 0] = _beside_two(-c[1] / c[0]) if ar.exact_of(c) else float(-c[1] / c[0])
             continue
         out[p] = roots(c)
     return out
+
+
+def _beside_two(x):
+    """A number of many digits as a double, on the side of 2 or of -2 where it is."""
+    near = float(x)
+    if abs(near) == 2 and abs(x) != 2:
+        return np.nextafter(near, near * 2 if abs(x) > 2 else 0)
+    return near
 
 
 def roots(c):
     if c.dtype == object:
         try:
             z = mpmath.polyroots(list(c), maxsteps=400, extraprec=400)
-            return np.array(sorted((complex(x) for x in z), key=lambda x: (x.real, x.imag)))
+            return np.array(sorted((complex(_beside_two(x.real), x.imag) for x in z), key=lambda x: (x.real, x.imag)))
         except (mpmath.libmp.NoConvergence, ZeroDivisionError):
             return np.full(len(c) - 1, np.nan + 0j)
     if not np.isfinite(ar.double(c)).all():

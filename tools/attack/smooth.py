@@ -79,13 +79,12 @@ def integrate(structure, u, v, T, neighbours=True, tolerance=1e-19):
         for order in (ORDER + 2, ORDER + 1, ORDER):
             last = np.abs(U[order]).max(axis=1) + 1e-4000
             h = np.minimum(h, (tolerance * size / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
-        # A power beyond the order shows late: as far as Cauchy's bound on s^m, with s from its first terms, stays at that level.
         if X is not None:
             scale = np.abs(X).max(axis=(1, 2))
             for order in (ORDER + 2, ORDER + 1):
                 last = np.abs(W[order]).max(axis=(1, 2)) + 1e-4000
                 h = np.minimum(h, (tolerance * scale / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
-        h = np.where(left > 0, h, 0)
+        h = _sound(structure, U, W if X is not None else None, np.where(left > 0, h, 0), tolerance)
         powers = h[None, :] ** j[:, None]
         slopes = j[1:, None] * h[None, :] ** j[None, :-1].T
         u, v = (U * powers[:, :, None]).sum(axis=0), (U[1:] * slopes[:, :, None]).sum(axis=0)
@@ -94,6 +93,31 @@ def integrate(structure, u, v, T, neighbours=True, tolerance=1e-19):
         left = left - h
         left = np.where(left < 1e-18 * T, 0, left)
     raise ArithmeticError(f"more than {STEPS} steps")
+
+
+def _sound(structure, U, W, h, tolerance):
+    """Steps at whose end the series still solve the equations: a power beyond the order shows late in the coefficients."""
+    j = np.arange(2, ORDER + 3, dtype=ar.LONG)
+    for _ in range(60):
+        powers = h[None, :] ** np.arange(ORDER + 3, dtype=ar.LONG)[:, None]
+        bends = (j * (j - 1))[:, None] * powers[:-2]
+        u = (U * powers[:, :, None]).sum(axis=0)
+        force = acceleration(structure, u)
+        off = np.abs((U[2:] * bends[:, :, None]).sum(axis=0) - force).max(axis=1)
+        allowed = 100 * tolerance * (np.abs(force).max(axis=1) + np.abs(U[0]).max(axis=1) + np.abs(U[1]).max(axis=1))
+        bad = off > allowed
+        if W is not None:
+            w = (W * powers[:, :, None, None]).sum(axis=0)
+            want = -(structure.A @ w)
+            for i, m, k in structure.powers:
+                c = structure.c[i]
+                want = want - (k * m) * ((u @ c) ** (m - 1))[:, None, None] * c[:, None] * (c @ w)[:, None, :]
+            off = np.abs((W[2:] * bends[:, :, None, None]).sum(axis=0) - want).max(axis=(1, 2))
+            bad |= off > 100 * tolerance * (np.abs(want).max(axis=(1, 2)) + np.abs(w).max(axis=(1, 2)))
+        if not bad.any():
+            break
+        h = np.where(bad, h * ar.LONG(0.75), h)
+    return h
 
 
 def acceleration(structure, u):
