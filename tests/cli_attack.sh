@@ -8,4 +8,7 @@ if ! tools/attack/attack --help >/dev/null 2>&1; then
     exit 77
 fi
 ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet"
+for kind in rigid bilinear; do
+    ok "20 $kind structures from seed 1 on" tools/attack/attack --program "$ricochet" -n 20 --seed 1 --kind $kind --small --points 30
+done
 finish

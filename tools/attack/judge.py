@@ -208,7 +208,7 @@ class Judge:
         self._repeats(branch, fine, rows)
         self._symmetries(branch, fine, rows, slow)
         if s.n > 1:
-            self._multipliers(branch, rows, fine)
+            self._multipliers(branch, rows, fine, chain)
 
     def _margins(self, row, reach, chain, i, where):
         v = self.verdict
@@ -274,9 +274,10 @@ class Judge:
     def _rho(self, chain):
         return orbits.pairs(orbits.reduced(chain, orbits.monodromy(chain)))
 
-    def _multipliers(self, branch, rows, fine):
+    def _multipliers(self, branch, rows, fine, stored):
         rho = self._rho(fine)
-        coarse = [self._rho(self._shaken(fine, 2e-16)) for _ in range(2)]
+        # Beside a branch point an orbit is known to rounding over the distance only: the stored one counts as it is, too.
+        coarse = [self._rho(self._shaken(fine, 2e-16)), self._rho(self._shaken(fine, 2e-16)), self._rho(stored)]
         again = [self._rho(self._shaken(fine, 3e-19)) for _ in range(2)]
         said = self._said(branch, rows)
 
@@ -387,7 +388,9 @@ class Judge:
             return
         self.fine_left -= 1
         better = redo() if self.fine_left >= 0 else None
-        if better is None and len(mine) == 1 and None not in mine:
+        distances = np.abs(np.subtract.outer(np.asarray(rho), np.asarray(rho))) + 9 * np.eye(len(rho))
+        crowded = distances.min() < 1e-2  # moves like a root of its rounding
+        if better is None and len(mine) == 1 and None not in mine and not crowded:
             better = [rho] + coarse
         if better is None:
             v.counts["flags not confirmed"] += 1
