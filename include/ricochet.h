@@ -564,6 +564,22 @@ typedef struct {
 /* Replays point `i` of a branch with the simulator. */
 ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check *out);
 
+/* Whether what a stored point says beside its orbit is so. */
+typedef enum { RIC_AGREES_NO, RIC_AGREES_YES, RIC_AGREES_UNCHECKED } ric_agreement;
+
+typedef struct {
+    int branch, point;
+    double multiplier_error, multiplier_bound; /* of the trace over sqrt(trace^2 + 4), n = 2: what it is off by and may
+                                                * be; NaN where there is nothing to compare */
+    ric_agreement multipliers; /* trace and rotation, n = 2 */
+    ric_agreement stable;      /* the flag, any n */
+    ric_agreement numbers;     /* energy, frequency, reach, approach */
+    char finding[200];         /* what does not agree, or why something was not checked; "" otherwise */
+} ric_claims;
+
+/* Recomputes what is stored with point `i` of a branch, from its state and flight times alone. */
+ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_claims *out);
+
 /* ----------------------------------------------------------------- version */
 
 #define RIC_VERSION "0.1.0"

@@ -19,6 +19,9 @@ ric_status ric_simulator_start_modal(ric_simulator *sim, const bool *closed, con
  * small deviation. */
 ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w,
                              ric_real *after);
+/* Largest gap over clearance, at a maximum in a part of the present flight: of the face, or of its image under x -> -x;
+ * of a closed one 2 less that, at a minimum. `best` if none is larger. */
+double ric_simulator_highest(const ric_simulator *sim, int face, bool image, double from, double to, double best);
 void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_real *w);
 
 #endif

@@ -242,6 +242,29 @@ void ric_search_start_reach(ric_simulator *sim)
     }
 }
 
+double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double from, double to, double best)
+{
+    face_t face = sim->face[f];
+    if (image) {
+        real s = face.start + face.level; /* sign * s */
+        face.sign = -face.sign;
+        face.start = -s - face.level;
+        face.rest = -face.rest;
+    }
+    double h = ric_search_panel(&face), more = face.closed ? 2 : 0;
+    if (!isfinite(h)) return best;
+    sample a = ric_search_look(sim, &face, from);
+    while (a.t < to) {
+        sample b = ric_search_look(sim, &face, fmin(to, a.t + h));
+        if (b.t <= a.t) break;
+        double level = (best - more) * (double)face.limit - (double)face.level,
+               top = highest(sim, &face, &a, &b, level);
+        if (top > level) best = ric_search_to_reach(&face, top) + more;
+        a = b;
+    }
+    return best;
+}
+
 double ric_simulator_reach(const ric_simulator *sim)
 {
     double reach = sim->reach;

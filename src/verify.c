@@ -61,7 +61,7 @@ static ric_status load_faces(replay *r)
     return RIC_OK;
 }
 
-static void free_replay(replay *r)
+void ric_replay_close(replay *r)
 {
     ric_simulator_free(r->sim);
     free(r->face);
@@ -178,7 +178,7 @@ static void drop_touches(replay *r)
     }
 }
 
-static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int point)
+ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
 {
     ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
     if (status) return status;
@@ -199,7 +199,7 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     r->energy = ric_model_energy(r->model, r->state, r->state + r->n);
     ric_simulator_modal(r->sim, r->state, r->state + r->n, r->chain);
     r->norm = ric_replay_distance(r, r->chain, NULL);
-    if (r->closed) drop_touches(r);
+    if (r->closed && !touches) drop_touches(r);
     ric_replay_make_chain(r);
     return RIC_OK;
 }
@@ -583,14 +583,14 @@ static ric_status replay_orbit(const ric_atlas *atlas, int branch, int i, bool p
 {
     replay r = {.check = out};
     *out = (ric_check){.branch = branch, .point = i, .condition = 1, .faces_agree = true};
-    ric_status status = set_up(&r, atlas, branch, i);
+    ric_status status = ric_replay_open(&r, atlas, branch, i, false);
     if (status) goto out;
     out->energy_error = ric_replay_part(fabs(r.point.energy - r.energy), r.energy);
     if ((status = check_point(&r, polished))) goto out;
     if (!out->faces_agree) ric_replay_worsen(&out->return_error, 1);
     out->passed = passes(out);
 out:
-    free_replay(&r);
+    ric_replay_close(&r);
     return status;
 }
 

@@ -5,5 +5,6 @@
 #include "ricochet.h"
 
 ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out);
+ric_status ric_verify_smooth_claims(const ric_atlas *atlas, int branch, int point, ric_claims *out);
 
 #endif

@@ -1,0 +1,373 @@
+/* What a stored point says beside its orbit: frequency, reach, approach, multipliers and stability, recomputed on the
+ * replay (docs/theory.md section 11). Nothing here is solved: the stored state is flown for the stored times.
+ *
+ * Multipliers: columns of the variational equations are flown in closed form. At an impact, with dt = -(c.dq) / (c.p),
+ * a the acceleration of the flight that ends there, closed springs included, and R = I - 2 c c' / (c.c),
+ *     dq <- R dq,   dp <- R dp - dt 2 (c.a) / (c.c) c        (saltation: Aizerman and Gantmakher 1958);
+ * a spring that closes or opens changes nothing. Where z(t + T/2) = -z(t) half a period does, as M = H^2. */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "status.h"
+#include "verify_pairs.h"
+#include "verify_parts.h"
+#include "verify_smooth.h"
+
+#define NOISE (8 * DBL_EPSILON) /* of a flight and an impact in double, relative to the norm: as many roundings */
+#define NUMBER 1e-11     /* largest relative error of a frequency, and of a speed over the largest */
+#define REACHED 1e-10    /* of a reach */
+#define MOST_OPEN 1e-11  /* no orbit that is more than this open passes */
+#define UNSEEN 1e-12     /* part of a normal below which a mode is not seen */
+#define IMAGE 1e-9       /* half a period later a symmetric orbit is its image to this part */
+#define NO_SPEED 1e-60   /* relative: no impact is slower */
+#define FLAT 1e-7        /* part of the largest speed: a gap that changes no faster may be at a maximum */
+#define BRIEF 1e-7       /* of the period: a flight of that length begins and ends at once */
+#define AT_FACE 1e-7     /* of a flight: a largest gap that near to an impact on the same contact is that impact */
+
+/* ------------------------------------------------------------- multipliers */
+
+typedef struct {
+    replay *r;
+    real level;          /* of noise */
+    real growth;
+    unsigned bits;
+    int n_seen, *seen;
+} motion;
+
+static void add_noise(motion *m, int size, real norm, real *w)
+{
+    if (!(m->level > 0)) return;
+    for (int i = 0; i < size; i++) w[i] += m->level * norm * ric_pairs_noise(&m->bits);
+}
+
+/* Modes that some contact sees; the others have multipliers of their own, which no impact changes. */
+static int find_seen(const replay *r, int *seen)
+{
+    int count = 0;
+    for (int i = 0; i < r->n; i++) {
+        bool any = false;
+        for (int f = 0; f < r->n_face; f++) any |= fabs(r->face[f].c[i]) > UNSEEN * sqrt(r->face[f].cc);
+        if (any) seen[count++] = i;
+    }
+    return count;
+}
+
+/* A column (kappa dq, dp) [2n] through flight k of length t, without its end. */
+static void fly_column(const replay *r, int k, real t, real *column)
+{
+    int n = r->n;
+    if (r->closed) {
+        for (int i = 0; i < n; i++) column[i] /= r->kappa[i];
+        if (ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column, column))
+            column[0] = NAN;
+        for (int i = 0; i < n; i++) column[i] *= r->kappa[i];
+        return;
+    }
+    for (int i = 0; i < n; i++) {
+        real a = column[i], p = column[n + i], sine, cosine;
+        if (!(r->omega[i] > 0)) {
+            column[i] = a + r->kappa[i] * t * p;
+            continue;
+        }
+        sincosl(r->omega[i] * t, &sine, &cosine);
+        column[i] = a * cosine + p * sine;
+        column[n + i] = p * cosine - a * sine;
+    }
+}
+
+/* Saltation of a column at an impact that is met at w, before it. */
+static void strike_column(const replay *r, const face_t *face, const real *w, const real *pull, real *column)
+{
+    int n = r->n;
+    real gap = 0, push = 0, speed = ric_replay_dot(n, face->c, w + n), least = NO_SPEED * ric_replay_fastest(r, face);
+    if (fabs(speed) < least) speed = copysign(least, speed);
+    for (int i = 0; i < n; i++) {
+        gap += face->c[i] * column[i] / r->kappa[i];
+        push += face->c[i] * column[n + i];
+    }
+    real kick = -gap / speed * ric_replay_dot(n, face->c, pull);
+    for (int i = 0; i < n; i++) {
+        column[i] -= r->kappa[i] * 2 * gap / face->cc * face->c[i];
+        column[n + i] -= 2 * (push + kick) / face->cc * face->c[i];
+    }
+}
+
+static real size_of(int n, const real *x)
+{
+    return sqrt(ric_replay_dot(n, x, x));
+}
+
+/* Columns [columns * 2n] through flight k and its end. */
+static void carry(motion *m, int k, int columns, real *A)
+{
+    replay *r = m->r;
+    int n = r->n;
+    const face_t *face = ric_replay_end_face(r, k);
+    real w[2 * n], pull[n], t = r->tau[k] * (1 + m->level * ric_pairs_noise(&m->bits));
+    memcpy(w, r->chain + (size_t)k * 2 * (size_t)n, sizeof w);
+    for (int i = 0; i < n; i++) w[i] *= r->kappa[i];
+    add_noise(m, 2 * n, r->norm, w);
+    for (int i = 0; i < n; i++) w[i] /= r->kappa[i];
+    ric_replay_fly(r, k, t, w, w);
+    ric_replay_accelerations(r, k, w, pull);
+    for (int j = 0; j < columns; j++) {
+        real *column = A + (size_t)j * 2 * (size_t)n;
+        fly_column(r, k, t, column);
+        if (!(face->spring > 0)) strike_column(r, face, w, pull, column);
+        real size = size_of(2 * n, column);
+        m->growth = fmax(m->growth, size);
+        add_noise(m, 2 * n, m->growth, column); /* entries are known to the rounding of the largest on the way */
+    }
+}
+
+/* Whether the second half of the orbit is the image of the first, in which every face is met on its other side. */
+static bool is_image(const replay *r)
+{
+    int N = r->n_event, half = N / 2;
+    if (!r->branch.symmetric || N % 2 || N == 0) return false;
+    for (int k = 0; k < half; k++) {
+        const face_t *a = &r->face[r->event[k]], *b = &r->face[r->event[k + half]];
+        if (a->contact != b->contact || a->side == b->side) return false;
+    }
+    real image[2 * r->n];
+    const real *w = r->chain + (size_t)half * 2 * (size_t)r->n;
+    for (int i = 0; i < 2 * r->n; i++) image[i] = -w[i];
+    return ric_replay_distance(r, image, r->chain) <= IMAGE * r->norm;
+}
+
+/* rho of one run. */
+static bool run_once(motion *m, bool half, ric_pair *rho)
+{
+    replay *r = m->r;
+    int n = r->n, s = m->n_seen, size = 2 * s, flights = half ? r->n_event / 2 : r->n_event;
+    real *A = calloc((size_t)size * 2 * (size_t)n + (size_t)size * (size_t)size, sizeof *A), force[n], flow[size],
+         gradient[size];
+    if (!A) return false;
+    real *M = A + (size_t)size * 2 * (size_t)n;
+    for (int j = 0; j < size; j++) A[(size_t)j * 2 * (size_t)n + (size_t)(j < s ? m->seen[j] : n + m->seen[j - s])] = 1;
+    for (int k = 0; k < flights; k++) carry(m, k, size, A);
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++)
+            M[i * size + j] = (half ? -1 : 1) * A[(size_t)j * 2 * (size_t)n +
+                                                  (size_t)(i < s ? m->seen[i] : n + m->seen[i - s])];
+    ric_replay_accelerations(r, 0, r->chain, force);
+    for (int i = 0; i < s; i++) {
+        int k = m->seen[i];
+        flow[i] = r->kappa[k] * r->chain[n + k];
+        flow[s + i] = force[k];
+        gradient[i] = -force[k] / r->kappa[k];
+        gradient[s + i] = r->chain[n + k];
+    }
+    bool found = ric_pairs_find(size, M, flow, gradient, rho);
+    free(A);
+    return found;
+}
+
+/* The slowest impact, over the largest speed: mirror points on a face divide by it. */
+static real slowest(const replay *r)
+{
+    real least = 1;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        least = fmin(least, fabs(r->speed[k + 1]) / ric_replay_fastest(r, face));
+    }
+    return least;
+}
+
+/* What the stored digits leave open, relative: the gaps where the orbit meets faces, and its end. */
+static real left_open(const replay *r)
+{
+    size_t step = 2 * (size_t)r->n;
+    real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * step, r->chain) / r->norm;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        open = fmax(open, fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) / face->limit);
+    }
+    return fmin(open, MOST_OPEN);
+}
+
+static ric_status check_multipliers(replay *r, ric_claims *out)
+{
+    int seen[r->n];
+    motion m = {.r = r, .seen = seen, .bits = 20011};
+    m.n_seen = find_seen(r, seen);
+    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r)};
+    pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
+    if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
+    bool found = true;
+    real level = fmax(NOISE, left_open(r));
+    for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair; run++) {
+        m.level = run ? level : 0;
+        m.growth = 1;
+        found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair);
+    }
+    pairs.flights = r->n_flight + 2;
+    pairs.growth = m.growth / fmin(1, fmax(BLUNT, slowest(r)));
+    if (found) ric_pairs_judge(&pairs, m.n_seen, &r->point, out);
+    free(pairs.own);
+    return RIC_OK;
+}
+
+/* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes. */
+static void check_linear(replay *r, ric_claims *out)
+{
+    int seen[r->n], count = find_seen(r, seen), other = -1;
+    bool alone = true;
+    for (int k = 0; k < count; k++) {
+        real turns = r->omega[seen[k]] * r->period / 6.283185307179586476925L;
+        if (fabs(turns - 1) > NUMBER && other < 0) other = seen[k];
+        else alone &= fabs(turns - 1) <= NUMBER;
+    }
+    out->stable = r->point.stable == RIC_STABLE_YES ? RIC_AGREES_YES : RIC_AGREES_NO;
+    if (out->stable == RIC_AGREES_NO) snprintf(out->finding, sizeof out->finding, "a linear mode is stable");
+    if (count != 2 || !alone || other < 0) return;
+    ric_pair own[RIC_PAIR_RUNS];
+    ric_pairs pairs = {.n_pair = 1, .own = own};
+    for (int run = 0; run < RIC_PAIR_RUNS; run++)
+        own[run] = 2 * cos(r->omega[other] * r->period * (1 + (run - 1) * (run > 0) * NOISE));
+    ric_claims trace = *out;
+    ric_point point = r->point;
+    ric_pairs_judge(&pairs, 2, &point, &trace);
+    trace.stable = out->stable;
+    *out = trace;
+}
+
+/* ------------------------------------------------------------ other numbers */
+
+static void say(ric_claims *out, const char *name, double stored, double found)
+{
+    out->numbers = RIC_AGREES_NO;
+    if (!*out->finding)
+        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
+}
+
+static double smallest_approach(const replay *r)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+        if (!face || (face->spring > 0 && ric_replay_opens(r, k))) continue;
+        real speed = face->spring > 0 ? face->side * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
+        least = fmin(least, (double)speed);
+    }
+    return least;
+}
+
+/* Gap over clearance of the face at w, on the scale on which 1 is a touch: of a closed spring what is left until it
+ * opens, from the other side. */
+static real gap_over(const replay *r, const face_t *face, bool image, bool closed, const real *w)
+{
+    real s = (image ? -1 : 1) * face->side * ric_replay_dot(r->n, face->c, w) / face->limit;
+    return closed ? 2 - s : s;
+}
+
+/* The face's contact has a spring that is closed in flight k; *this: its own. */
+static bool is_closed(const replay *r, int k, const face_t *face, bool *this)
+{
+    bool any = *this = false;
+    for (int f = 0; r->closed && f < r->n_face; f++)
+        if (r->face[f].contact == face->contact && r->closed[(size_t)k * (size_t)r->n_face + (size_t)f]) {
+            any = true;
+            *this |= &r->face[f] == face;
+        }
+    return any;
+}
+
+/* The largest gap over clearance. An impact that does not turn the gap back may fall on a maximum, which then lies in
+ * none of the flights or in either, and a contact may be too short to have one; where a branch ends a touch counts as
+ * an impact or as a reach of 1. */
+typedef struct {
+    double sure, also, touched; /* of what counts in any case; of the others too; of touches too */
+} reached;
+
+static void count(reached *r, bool sure, double value)
+{
+    r->touched = fmax(r->touched, value);
+    if (fabs(value - 1) <= REACHED) return;
+    r->also = fmax(r->also, value);
+    if (sure) r->sure = fmax(r->sure, value);
+}
+
+/* Of one face, or of its image, in flight k. */
+static ric_status reach_in_flight(replay *r, int k, int f, bool image, reached *reach)
+{
+    const face_t *face = &r->face[f], *end = ric_replay_end_face(r, k),
+                 *start = ric_replay_end_face(r, (k + r->n_flight - 1) % r->n_flight);
+    bool own, closed = is_closed(r, k, face, &own);
+    if (closed && (!own || image)) return RIC_OK;
+    real t = r->tau[k], edge = AT_FACE * t;
+    bool leaves = start && start->contact == face->contact, meets = end && end->contact == face->contact;
+    double top = ric_simulator_highest(r->sim, f, image, (double)edge, (double)(t - edge), 0),
+           whole = ric_simulator_highest(r->sim, f, image, (double)(leaves ? edge : 0), (double)(meets ? t - edge : t),
+                                         top);
+    bool brief = r->n_event && t <= BRIEF * r->period;
+    count(reach, !brief, top);
+    count(reach, false, whole);
+    const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+    bool smooth = !end || end->spring > 0 ||
+                  fabs(ric_replay_dot(r->n, end->c, face->c)) <= 1e-12 * sqrt(end->cc * face->cc),
+         flat = fabs(ric_replay_dot(r->n, face->c, w + r->n)) <= FLAT * ric_replay_fastest(r, face);
+    double value = (double)gap_over(r, face, image, closed, w);
+    if (!meets && (!smooth || flat)) count(reach, !smooth && !brief, value);
+    return RIC_OK;
+}
+
+/* Largest gap over clearance in flight, of the orbit and, if it is symmetric, of its image. */
+static ric_status find_reach(replay *r, reached *reach)
+{
+    real w[2 * r->n];
+    *reach = (reached){0, 0, 0};
+    for (int k = 0; k < r->n_flight; k++) {
+        const bool *closed = r->closed ? r->closed + (size_t)k * (size_t)r->n_face : NULL;
+        memcpy(w, r->chain + (size_t)k * 2 * (size_t)r->n, sizeof w);
+        if (r->n_event == 0) ric_replay_fly(r, 0, r->period / 8, w, w); /* no largest gap at the very start */
+        ric_status status = ric_simulator_start_modal(r->sim, closed, w);
+        if (status == RIC_E_INPUT) continue; /* beyond a stop: the replay says so */
+        for (int f = 0; f < r->n_face && !status; f++)
+            for (int image = 0; image <= (r->branch.symmetric ? 1 : 0) && !status; image++)
+                status = reach_in_flight(r, k, f, image, reach);
+        if (status) return status;
+    }
+    return RIC_OK;
+}
+
+static ric_status check_numbers(replay *r, ric_claims *out)
+{
+    const ric_point *p = &r->point;
+    double turn = 6.283185307179586476925, omega = (double)(turn / r->period), approach = smallest_approach(r);
+    reached reach;
+    out->numbers = RIC_AGREES_YES;
+    if (!(fabs(p->frequency - omega) <= NUMBER * omega)) say(out, "frequency", p->frequency, omega);
+    if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER)) say(out, "energy", p->energy, r->energy);
+    double fastest = 0;
+    for (int f = 0; f < r->n_face; f++) fastest = fmax(fastest, (double)ric_replay_fastest(r, &r->face[f]));
+    bool none = isinf(approach);
+    if (none != !!isnan(p->approach) || (!none && !(fabs(p->approach - approach) <= NUMBER * fastest)))
+        say(out, "approach", p->approach, none ? NAN : approach);
+    ric_status status = find_reach(r, &reach);
+    double stored = isnan(p->reach) ? 0 : p->reach;
+    bool agrees = fabs(stored - reach.sure) <= REACHED || fabs(stored - reach.also) <= REACHED ||
+                  fabs(stored - reach.touched) <= REACHED;
+    if (!status && !agrees) say(out, "reach", p->reach, reach.touched);
+    return status;
+}
+
+ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_claims *out)
+{
+    replay r = {0};
+    *out = (ric_claims){.branch = branch, .point = i, .multiplier_error = NAN, .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+                        .numbers = RIC_AGREES_UNCHECKED};
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth_claims(atlas, branch, i, out);
+    ric_status status = ric_replay_open(&r, atlas, branch, i, true);
+    if (!status) status = check_numbers(&r, out);
+    if (!status && r.n_event == 0) check_linear(&r, out);
+    else if (!status) status = check_multipliers(&r, out);
+    ric_replay_close(&r);
+    return status;
+}

@@ -1,0 +1,328 @@
+#include "verify_pairs.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+typedef ric_real real;
+
+/* The matrix A of a period has A f = f for the flow f and g' A = g' for the gradient g of the energy, g.f = 0. Two
+ * Householder reflections take f and then g out (deflation: Wilkinson 1965, chapter 9), which leaves the 2(n - 1)
+ * multipliers that say something. Their errors are measured: the whole is computed once as exactly as extended
+ * precision can, and three times with the rounding of a double added to every state, time and column. */
+
+#define SAFETY 64         /* times the largest difference between the runs */
+#define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
+#define UNSAID 1e4        /* an orbit whose flag is undecided may lie this many bounds off the border, or as many roundings of a
+                           * double in the square of what its columns grow to: mirror points make products of two */
+#define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
+
+real ric_pairs_noise(unsigned *bits)
+{
+    *bits = *bits * 1664525u + 1013904223u;
+    return (real)(*bits >> 8) / (1u << 23) - 1;
+}
+
+/* A <- P A P with the reflection P = 1 - 2 u u' / u'u that takes v [m] to a multiple of e_0; other, if given, likewise. */
+static void reflect_all(int m, int ld, real *A, const real *v, real *other)
+{
+    real u[m], norm = 0, uu = 0;
+    for (int i = 0; i < m; i++) norm += v[i] * v[i];
+    norm = sqrt(norm);
+    memcpy(u, v, sizeof u);
+    u[0] += copysign(norm, u[0]);
+    for (int i = 0; i < m; i++) uu += u[i] * u[i];
+    if (!(uu > 0)) return;
+    for (int side = 0; side < 3; side++)
+        for (int i = 0; i < (side < 2 ? m : other ? 1 : 0); i++) {
+            real *x = side == 0 ? A + i : side == 1 ? A + i * ld : other, sum = 0;
+            int stride = side == 0 ? ld : 1;
+            for (int k = 0; k < m; k++) sum += u[k] * x[k * stride];
+            for (int k = 0; k < m; k++) x[k * stride] -= 2 * sum / uu * u[k];
+        }
+}
+
+/* ------------------------------------------------------------- eigenvalues */
+
+typedef long double _Complex complex_t;
+
+/* To Hessenberg form by elimination with pivots (Golub and Van Loan, 7.4.7). */
+static void make_hessenberg(int n, complex_t *A)
+{
+    for (int k = 1; k + 1 < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (cabsl(A[i * n + k - 1]) > cabsl(A[pivot * n + k - 1])) pivot = i;
+        if (A[pivot * n + k - 1] == 0) continue;
+        for (int j = 0; j < n && pivot != k; j++) {
+            complex_t t = A[k * n + j];
+            A[k * n + j] = A[pivot * n + j];
+            A[pivot * n + j] = t;
+        }
+        for (int j = 0; j < n && pivot != k; j++) {
+            complex_t t = A[j * n + k];
+            A[j * n + k] = A[j * n + pivot];
+            A[j * n + pivot] = t;
+        }
+        for (int i = k + 1; i < n; i++) {
+            complex_t factor = A[i * n + k - 1] / A[k * n + k - 1];
+            for (int j = 0; j < n; j++) A[i * n + j] -= factor * A[k * n + j];
+            for (int j = 0; j < n; j++) A[j * n + k] += factor * A[j * n + i];
+        }
+    }
+}
+
+/* One step of the QR algorithm with a shift on rows and columns low .. high (Golub and Van Loan, 7.5). */
+static void turn(int n, int low, int high, complex_t shift, complex_t *A, complex_t *rotation)
+{
+    for (int i = low; i <= high; i++) A[i * n + i] -= shift;
+    for (int k = low; k < high; k++) {
+        complex_t a = A[k * n + k], b = A[(k + 1) * n + k];
+        real size = hypot(cabsl(a), cabsl(b));
+        complex_t c = size > 0 ? a / size : 1, s = size > 0 ? b / size : 0;
+        rotation[2 * k] = c;
+        rotation[2 * k + 1] = s;
+        for (int j = k; j <= high; j++) {
+            complex_t x = A[k * n + j], y = A[(k + 1) * n + j];
+            A[k * n + j] = conj(c) * x + conj(s) * y;
+            A[(k + 1) * n + j] = c * y - s * x;
+        }
+    }
+    for (int k = low; k < high; k++) {
+        complex_t c = rotation[2 * k], s = rotation[2 * k + 1];
+        for (int i = low; i <= (k + 1 < high ? k + 1 : high); i++) {
+            complex_t x = A[i * n + k], y = A[i * n + k + 1];
+            A[i * n + k] = x * c + y * s;
+            A[i * n + k + 1] = conj(c) * y - conj(s) * x;
+        }
+    }
+    for (int i = low; i <= high; i++) A[i * n + i] += shift;
+}
+
+/* The eigenvalue of the last two rows that is nearer to the last entry (Wilkinson's shift). */
+static complex_t choose_shift(int n, int high, const complex_t *A)
+{
+    const complex_t *x = A + (high - 1) * n + high - 1, *y = x + n;
+    complex_t half = (x[0] - y[1]) / 2, root = csqrt(half * half + x[1] * y[0]);
+    if (cabsl(half + root) < cabsl(half - root)) root = -root;
+    return half + root == 0 ? y[1] : y[1] - x[1] * y[0] / (half + root);
+}
+
+static bool eigenvalues(int n, complex_t *A, complex_t *out)
+{
+    enum { STEPS = 60 };
+    complex_t *rotation = calloc(2 * (size_t)n + 2, sizeof *rotation);
+    int high = n - 1, tries = 0;
+    if (!rotation) return false;
+    make_hessenberg(n, A);
+    while (high >= 0 && tries < STEPS) {
+        int low = high;
+        for (; low > 0; low--) {
+            real near = cabsl(A[low * n + low]) + cabsl(A[(low - 1) * n + low - 1]);
+            if (cabsl(A[low * n + low - 1]) <= LDBL_EPSILON * near) break;
+        }
+        if (low == high) {
+            out[high] = A[high * n + high];
+            high--;
+            tries = 0;
+            continue;
+        }
+        complex_t shift = choose_shift(n, high, A);
+        if (++tries % 11 == 10) shift += cabsl(A[high * n + high - 1]); /* out of a circle */
+        turn(n, low, high, shift, A, rotation);
+    }
+    free(rotation);
+    return high < 0;
+}
+
+/* -------------------------------------------------------------------- pairs */
+
+static int by_size(const void *a, const void *b)
+{
+    real x = cabsl(*(const complex_t *)a), y = cabsl(*(const complex_t *)b);
+    return (x < y) - (x > y);
+}
+
+static int by_real_part(const void *a, const void *b)
+{
+    const complex_t x = *(const complex_t *)a, y = *(const complex_t *)b;
+    if (creall(x) != creall(y)) return (creall(x) > creall(y)) - (creall(x) < creall(y));
+    return (cimagl(x) > cimagl(y)) - (cimagl(x) < cimagl(y));
+}
+
+/* lambda and 1 / lambda belong together; rho is made of the larger one, which is known better. */
+static void pair_up(int m, complex_t *lambda, ric_pair *rho)
+{
+    bool used[m];
+    memset(used, 0, sizeof used);
+    qsort(lambda, (size_t)m, sizeof *lambda, by_size);
+    for (int i = 0, k = 0; i < m && k < m / 2; i++) {
+        int partner = -1;
+        if (used[i]) continue;
+        for (int j = i + 1; j < m; j++)
+            if (!used[j] && (partner < 0 || cabsl(lambda[i] * lambda[j] - 1) < cabsl(lambda[i] * lambda[partner] - 1)))
+                partner = j;
+        if (partner >= 0) used[partner] = true;
+        rho[k++] = lambda[i] + 1 / lambda[i];
+    }
+    qsort(rho, (size_t)(m / 2), sizeof *rho, by_real_part);
+}
+
+bool ric_pairs_find(int m, real *A, real *flow, real *gradient, ric_pair *rho)
+{
+    int k = m - 2;
+    reflect_all(m, m, A, flow, gradient);
+    reflect_all(m - 1, m, A + m + 1, gradient + 1, NULL);
+    const real *B = A + 2 * m + 2;
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++)
+            if (!isfinite(B[i * m + j])) return false;
+    if (k == 2) { /* the trace, exact to the last digit where the multipliers are not */
+        rho[0] = B[0] + B[m + 1];
+        return true;
+    }
+    complex_t *C = calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C), *lambda = C ? C + k * k : NULL;
+    if (!C) return false;
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) C[i * k + j] = B[i * m + j];
+    bool found = eigenvalues(k, C, lambda);
+    if (found) pair_up(k, lambda, rho);
+    free(C);
+    return found;
+}
+
+/* ----------------------------------------------------------------- verdict */
+
+static ric_pair own(const ric_pairs *p, int run, int i)
+{
+    return p->own[run * p->n_pair + i];
+}
+
+/* How far the runs are apart in pair i, each of which orders its pairs in its own way. */
+static real spread(const ric_pairs *p, int i)
+{
+    real most = 0;
+    for (int run = 1; run < RIC_PAIR_RUNS; run++) {
+        real off = INFINITY;
+        for (int j = 0; j < p->n_pair; j++) off = fmin(off, cabsl(own(p, run, j) - own(p, 0, i)));
+        if (!(off <= most)) most = off;
+    }
+    return SAFETY * most + RESOLUTION * (1 + cabsl(own(p, 0, i)));
+}
+
+/* Largest number that is certain of how far outside the stable range the pairs are (> 0: unstable), and how far inside
+ * (> 0: stable). */
+static void weigh(const ric_pairs *p, real *outside, real *inside)
+{
+    *outside = -INFINITY;
+    *inside = INFINITY;
+    for (int i = 0; i < p->n_pair; i++) {
+        real error = spread(p, i), re = fabs(creall(own(p, 0, i))), im = fabs(cimagl(own(p, 0, i)));
+        if (isnan(error)) error = INFINITY;
+        real apart = INFINITY;
+        for (int j = 0; j < p->n_pair; j++)
+            if (j != i) apart = fmin(apart, cabsl(own(p, 0, i) - own(p, 0, j)) - error - spread(p, j));
+        *outside = fmax(*outside, fmax(re - 2, im) - error);
+        *inside = fmin(*inside, fmin(2 - re - error, apart));
+        if (im > error) *inside = fmin(*inside, -im);
+    }
+    if (p->n_pair == 0) *outside = -1;
+}
+
+/* Runs that all lie outside decide as well: without a bound, as beside an impact that has no speed. */
+static bool all_outside(const ric_pairs *p)
+{
+    for (int run = 0; run < RIC_PAIR_RUNS; run++) {
+        bool any = false;
+        for (int i = 0; i < p->n_pair; i++) any |= fabs(creall(own(p, run, i))) > 2 + VAGUE;
+        if (!any) return false;
+    }
+    return true;
+}
+
+static const char *flag(int stable)
+{
+    return stable == RIC_STABLE_YES ? "stable" : stable == RIC_STABLE_NO ? "unstable" : "undecided";
+}
+
+static void judge_flag(const ric_pairs *p, const ric_point *stored, ric_claims *out)
+{
+    real outside, inside, border = UNSAID * DBL_EPSILON * p->flights * p->growth * p->growth;
+    weigh(p, &outside, &inside);
+    for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
+    bool unstable = outside > 0, stable = inside > 0, far = all_outside(p);
+    bool wrong = stored->stable == RIC_STABLE_YES  ? unstable || far
+                 : stored->stable == RIC_STABLE_NO ? stable
+                                                   : inside > border || outside > border;
+    bool sure = stored->stable == RIC_STABLE_YES ? stable : stored->stable == RIC_STABLE_NO ? unstable || far : true;
+    out->stable = wrong ? RIC_AGREES_NO : sure ? RIC_AGREES_YES : RIC_AGREES_UNCHECKED;
+    if (wrong && !*out->finding)
+        snprintf(out->finding, sizeof out->finding, "stored as %s, found %s", flag(stored->stable),
+                 flag(stable ? RIC_STABLE_YES : RIC_STABLE_NO));
+}
+
+static real full(const ric_pairs *p, int run, int i)
+{
+    real rho = creall(own(p, run, i));
+    return p->half ? rho * rho - 2 : rho;
+}
+
+/* gamma folded to [0, 1/2], NaN off the unit circle. */
+static real turns(const ric_pairs *p, int run)
+{
+    real rho = creall(own(p, run, 0)), angle;
+    if (!(fabs(rho) <= 2)) return NAN;
+    angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / 6.283185307179586476925L * (p->half ? 2 : 1);
+    return fmin(angle, 1 - angle);
+}
+
+static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
+{
+    real outside, inside, found = turns(p, 0), bound = RESOLUTION, folded = fmin(stored->rotation,
+                                                                              1 - stored->rotation);
+    weigh(p, &outside, &inside);
+    for (int run = 1; run < RIC_PAIR_RUNS; run++) {
+        real other = turns(p, run);
+        bound = isnan(other) || isnan(found) ? INFINITY : fmax(bound, SAFETY * fabs(other - found));
+    }
+    bool wrong = isnan(stored->rotation) ? inside > 0
+                                         : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
+                                               fabs(folded - found) > bound;
+    if (!wrong) return;
+    out->multipliers = RIC_AGREES_NO;
+    if (!*out->finding)
+        snprintf(out->finding, sizeof out->finding, "rotation %.17g stored, %.17g found, bound %.2g", stored->rotation,
+                 (double)found, (double)bound);
+}
+
+/* n = 2: asinh(trace / 2), in which an error is one of the trace over sqrt(trace^2 + 4). */
+static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims *out)
+{
+    real found = asinh(full(p, 0, 0) / 2), bound = 0;
+    for (int run = 1; run < RIC_PAIR_RUNS; run++) {
+        real off = fabs(asinh(full(p, run, 0) / 2) - found);
+        if (!(off <= bound)) bound = off;
+    }
+    bound = SAFETY * bound + RESOLUTION * (1 + fabs(found));
+    out->multiplier_error = (double)fabs(stored->trace - found);
+    out->multiplier_bound = (double)bound;
+    bool vague = !(bound <= VAGUE);
+    out->multipliers = vague                             ? RIC_AGREES_UNCHECKED
+                       : out->multiplier_error <= bound ? RIC_AGREES_YES
+                                                         : RIC_AGREES_NO;
+    if (out->multipliers == RIC_AGREES_NO)
+        snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",
+                 2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * sqrt(4 + full(p, 0, 0) * full(p, 0, 0))));
+}
+
+void ric_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
+{
+    if (p->n_pair == 1 && n_mode == 2) {
+        judge_trace(p, stored, out);
+        judge_rotation(p, stored, out);
+    }
+    judge_flag(p, stored, out);
+}

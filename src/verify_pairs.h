@@ -1,0 +1,34 @@
+/* Multipliers of a replayed orbit from the matrix of its period (docs/theory.md section 11). */
+#ifndef RIC_VERIFY_PAIRS_H
+#define RIC_VERIFY_PAIRS_H
+
+#include <complex.h>
+#include <stdbool.h>
+
+#include "ricochet.h"
+#include "simulate.h"
+
+typedef long double _Complex ric_pair; /* rho = lambda + 1 / lambda */
+
+enum { RIC_PAIR_RUNS = 4 }; /* one as exact as can be, and three with the rounding of doubles added */
+
+/* What several runs make of the multipliers. */
+typedef struct {
+    int n_pair;           /* beside the trivial one */
+    bool half;            /* own: of the map of half a period, joined with x -> -x */
+    int flights;
+    ric_real growth;      /* largest entry of a column on the way, relative to its start */
+    ric_pair *own;        /* [RIC_PAIR_RUNS * n_pair] ascending by real part */
+} ric_pairs;
+
+/* rho [m / 2 - 1] of A [m * m], destroyed, without the pair 1, 1 that the flow [m] and the gradient of the energy [m]
+ * belong to; columns of A are images of unit vectors. False: eigenvalues were not found. */
+bool ric_pairs_find(int m, ric_real *A, ric_real *flow, ric_real *gradient, ric_pair *rho);
+
+/* +-1 by a generator of fixed seed (Knuth, The Art of Computer Programming 2, table 3.3.4.1). */
+ric_real ric_pairs_noise(unsigned *bits);
+
+/* Compares with what is stored: fills in the multipliers and the stable flag of `out`. */
+void ric_pairs_judge(const ric_pairs *pairs, int n_mode, const ric_point *stored, ric_claims *out);
+
+#endif
