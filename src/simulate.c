@@ -408,7 +408,7 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
         return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, ric_search_time(sim, sim->now));
     to = fmax(to, sim->now);
     if (sim->springs) {
-        ric_status gone = ric_springs_go(sim->springs, to - sim->now, sim->y);
+        ric_status gone = ric_springs_go(sim->springs, to - sim->now, sim->y, NULL);
         sim->now = to;
         return gone;
     }

@@ -598,7 +598,7 @@ out:
  * the branch, and past a grazing where it ends: an orbit stands as well if the stored digits do as they are. */
 ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check *out)
 {
-    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, out);
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, out, NULL);
     ric_check stored;
     ric_status status = replay_orbit(atlas, branch, i, true, out);
     if (status || out->passed) return status;

@@ -363,7 +363,8 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
     *out = (ric_claims){.branch = branch, .point = i, .multiplier_error = NAN, .multiplier_bound = NAN,
                         .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_UNCHECKED};
-    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth_claims(atlas, branch, i, out);
+    ric_check check;
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
     ric_status status = ric_replay_open(&r, atlas, branch, i, true);
     if (!status) status = check_numbers(&r, out);
     if (!status && r.n_event == 0) check_linear(&r, out);

@@ -1,14 +1,15 @@
 /* A stored orbit under power-law springs is integrated over its period from the raw matrices (springs.h), and has to
  * return.
  *
- * What the return may lose is measured: neighbours at a small distance on both sides give the matrix of a period, whose
- * largest multiplier is the condition. The last digits of the stored doubles come back multiplied by its norm, which
+ * What the return may lose is measured: the variational equations give the matrix of a period, whose largest multiplier
+ * is the condition. The last digits of the stored doubles come back multiplied by its norm, which
  * may be much more than its multipliers. Where that is beyond STEEP an orbit that does not return is polished: the
  * period is cut into parts, each with a start of its own, and Newton's method closes them all, by the shortest
  * correction. How far that moves the stored start counts as an error of the flight, and what is left between the parts
  * as one of the return. */
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,15 +17,19 @@
 
 #include "springs.h"
 #include "status.h"
+#include "verify_pairs.h"
 #include "verify_smooth.h"
 
 #define FLIGHT 1e-11    /* largest relative error of the energy, and of a polished orbit */
 #define RETURN 1e-9     /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define AMPLIFIED 1e-7
 #define STEEP 1e4       /* beyond it the last digits of the stored doubles matter more than what is checked */
-#define NEAR 1e-7L      /* distance of neighbours, relative: central differences leave its square */
+#define NOISE (8 * DBL_EPSILON) /* of a part in double, relative */
+#define IMAGE 1e-9      /* half a period later a symmetric orbit is its image to this part */
 #define LIGHT 1e3      /* how much less than the stored start the starts of other parts count in a correction */
 #define REGULAR 1e-9    /* singular values below this part of the largest belong to the family and to the energy */
+
+enum { PARTS = 16, SMOOTH_FLIGHTS = 16 };
 
 typedef ric_real real;
 
@@ -66,7 +71,7 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     int n = r->n = 2 * ric_model_n_dof(model);
     if (!(r->stored = calloc((size_t)n + 1, sizeof *r->stored)))
         return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
-    if ((status = divide(r, 1))) return status;
+    if ((status = divide(r, PARTS))) return status;
     if ((status = ric_atlas_point(atlas, branch, point, at, r->stored, r->stored + n))) return status;
     r->period = r->stored[n];
     for (int i = 0; i < n; i++) r->start[i] = r->stored[i];
@@ -78,11 +83,20 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     return ric_springs_create(model, &r->springs);
 }
 
-/* Through one part of the period. */
-static ric_status fly(replay *r, const real *from, real *to)
+/* Through part j of the period: its end, and M and rate there, the derivatives of the end. */
+static ric_status fly(replay *r, int j)
 {
-    if (to != from) memcpy(to, from, (size_t)r->n * sizeof *to);
-    return ric_springs_go(r->springs, r->period / r->parts, to);
+    int n = r->n;
+    double *M = r->M + n * n * j;
+    real *end = r->end + n * j, rate[n];
+    memcpy(end, r->start + n * j, (size_t)n * sizeof *end);
+    for (int i = 0; i < n * n; i++) M[i] = i / n == i % n ? (double)unit(r, i / n) : 0;
+    ric_status status = ric_springs_go(r->springs, r->period / r->parts, end, M);
+    for (int i = 0; i < n * n; i++) M[i] /= (double)unit(r, i / n);
+    ric_springs_accelerations(r->springs, end, rate + n / 2);
+    memcpy(rate, end + n / 2, (size_t)(n / 2) * sizeof *rate);
+    for (int i = 0; i < n; i++) r->rate[n * j + i] = (double)(rate[i] * r->period / r->parts / unit(r, i));
+    return status;
 }
 
 static double distance(const replay *r, const real *a, const real *b)
@@ -109,43 +123,28 @@ static double gap(const replay *r)
 static ric_status fly_all(replay *r)
 {
     ric_status status = RIC_OK;
-    for (int j = 0; j < r->parts && !status; j++) status = fly(r, r->start + r->n * j, r->end + r->n * j);
+    for (int j = 0; j < r->parts && !status; j++) status = fly(r, j);
     return status;
 }
 
-/* M and rate of part j. */
-static ric_status differentiate(replay *r, int j)
+/* One after the other from the first start. */
+static ric_status fly_through(replay *r)
 {
-    int n = r->n;
-    double *M = r->M + n * n * j, *rate = r->rate + n * j;
-    real shifted[n], ahead[n], behind[n];
-    for (int k = 0; k < n; k++) {
-        for (int side = 1; side >= -1; side -= 2) {
-            memcpy(shifted, r->start + n * j, sizeof shifted);
-            shifted[k] += side * NEAR * unit(r, k);
-            ric_status status = fly(r, shifted, side > 0 ? ahead : behind);
-            if (status) return status;
-        }
-        for (int i = 0; i < n; i++) M[i * n + k] = (double)((ahead[i] - behind[i]) / (2 * NEAR * unit(r, i)));
+    ric_status status = RIC_OK;
+    for (int j = 0; j < r->parts && !status; j++) {
+        status = fly(r, j);
+        if (j + 1 < r->parts) memcpy(next(r, j), r->end + r->n * j, (size_t)r->n * sizeof *r->start);
     }
-    /* the flow, from a short time on */
-    real brief = 1e-6L * r->period;
-    memcpy(ahead, r->end + n * j, sizeof ahead);
-    ric_status status = ric_springs_go(r->springs, brief, ahead);
-    for (int i = 0; i < n; i++)
-        rate[i] = (double)((ahead[i] - r->end[n * j + i]) / brief * r->period / r->parts / unit(r, i));
     return status;
 }
 
 /* All parts; *condition, the modulus of the largest multiplier, and *growth, by which errors may return larger in any
  * direction. */
-static ric_status differentiate_all(replay *r, double *condition, double *growth)
+static ric_status find_condition(replay *r, double *condition, double *growth)
 {
     int n = r->n;
     double whole[n * n], product[n * n], re[n], im[n];
     for (int j = 0; j < r->parts; j++) {
-        ric_status status = differentiate(r, j);
-        if (status) return status;
         memcpy(product, r->M + n * n * j, sizeof product);
         for (int i = 0; i < n && j > 0; i++)
             for (int k = 0; k < n; k++) {
@@ -198,18 +197,14 @@ static ric_status correct(replay *r, double *A, double *F, double *values)
 /* Newton's method on all parts of the period, from the stored start on. */
 static ric_status polish(replay *r, double *condition)
 {
-    enum { PARTS = 16, STEPS = 4 };
+    enum { STEPS = 4 };
     double growth;
-    ric_status status = divide(r, PARTS);
-    size_t rows = (size_t)r->n * PARTS;
+    size_t rows = (size_t)r->n * (size_t)r->parts;
     double *A = calloc(rows * (rows + 1) + 2 * (rows + 1), sizeof *A), *F = A ? A + rows * (rows + 1) : NULL;
     if (!A) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
-    for (int j = 0; j < PARTS && !status; j++) {
-        status = fly(r, r->start + r->n * j, r->end + r->n * j);
-        if (j + 1 < PARTS) memcpy(next(r, j), r->end + r->n * j, (size_t)r->n * sizeof *r->start);
-    }
-    for (int step = 0; step < STEPS && !status; step++)
-        if (!(status = differentiate_all(r, condition, &growth))) status = correct(r, A, F, F + rows + 1);
+    ric_status status = RIC_OK;
+    for (int step = 0; step < STEPS && !status; step++) status = correct(r, A, F, F + rows + 1);
+    if (!status) status = find_condition(r, condition, &growth);
     free(A);
     return status;
 }
@@ -225,36 +220,182 @@ static double drift(const replay *r, const ric_model *m, double energy)
     return most;
 }
 
-ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out)
+/* ------------------------------------------------------------------ claims */
+
+/* M of some parts from the first on, as one, with the rounding of doubles added if `level` is not 0. */
+static void multiply(const replay *r, int parts, real level, unsigned *bits, real *whole)
+{
+    int n = r->n;
+    real product[n * n], largest = 1;
+    for (int i = 0; i < n * n; i++) whole[i] = i / n == i % n;
+    for (int j = 0; j < parts; j++) {
+        const double *M = r->M + n * n * j;
+        for (int i = 0; i < n; i++)
+            for (int k = 0; k < n; k++) {
+                real sum = 0;
+                for (int l = 0; l < n; l++) sum += M[i * n + l] * whole[l * n + k];
+                product[i * n + k] = sum;
+                largest = fmaxl(largest, fabsl(sum));
+            }
+        for (int i = 0; i < n * n; i++)
+            whole[i] = product[i] + (level > 0 ? level * largest * ric_pairs_noise(bits) : 0);
+    }
+}
+
+/* The flow and the gradient of the energy at the start, in units of size. */
+static void find_trivial(const replay *r, const ric_model *m, real *flow, real *gradient)
+{
+    int n = r->n, d = n / 2;
+    const double *mass = ric_model_mass(m);
+    real a[d];
+    ric_springs_accelerations(r->springs, r->start, a);
+    for (int i = 0; i < d; i++) {
+        flow[i] = r->start[d + i] / r->size[0];
+        flow[d + i] = a[i] / r->size[1];
+        gradient[i] = gradient[d + i] = 0;
+        for (int j = 0; j < d; j++) {
+            gradient[i] -= mass[i * d + j] * a[j] * r->size[0];
+            gradient[d + i] += mass[i * d + j] * r->start[d + j] * r->size[1];
+        }
+    }
+}
+
+/* Modes that no contact sees have pairs of their own, which are taken out of n_pair. */
+static int drop_unseen(const replay *r, const ric_model *m, bool half, int n_pair, ric_pair *rho)
+{
+    int d = r->n / 2;
+    bool seen[d];
+    double omega[d];
+    if (ric_model_seen(m, seen) || ric_model_frequencies(m, omega)) return n_pair;
+    for (int i = 0; i < d; i++) {
+        if (seen[i]) continue;
+        real alone = (half ? -2 : 2) * cosl(omega[i] * r->period / (half ? 2 : 1));
+        int best = 0;
+        for (int k = 1; k < n_pair; k++)
+            if (cabsl(rho[k] - alone) < cabsl(rho[best] - alone)) best = k;
+        if (n_pair > 0) memmove(rho + best, rho + best + 1, (size_t)(--n_pair - best) * sizeof *rho);
+    }
+    return n_pair;
+}
+
+/* rho of one run, after the columns of all parts. */
+static bool run_once(const replay *r, const ric_model *m, int run, ric_pairs *pairs)
+{
+    int n = r->n, all = n / 2 - 1;
+    unsigned bits = 20011u + 97u * (unsigned)run;
+    real whole[n * n], flow[n], gradient[n];
+    ric_pair rho[all + 1];
+    multiply(r, pairs->half ? r->parts / 2 : r->parts, run ? NOISE : 0, &bits, whole);
+    for (int i = 0; i < n * n; i++) {
+        if (pairs->half) whole[i] = -whole[i];
+        pairs->growth = fmaxl(pairs->growth, fabsl(whole[i]));
+    }
+    find_trivial(r, m, flow, gradient);
+    if (!ric_pairs_find(n, whole, flow, gradient, rho)) return false;
+    if (drop_unseen(r, m, pairs->half, all, rho) != pairs->n_pair) return false;
+    memcpy(pairs->own + run * pairs->n_pair, rho, (size_t)pairs->n_pair * sizeof *rho);
+    return true;
+}
+
+/* Half a period later a symmetric orbit is its image. */
+static bool is_image(const replay *r, const ric_branch *b)
+{
+    real image[r->n];
+    if (!b->symmetric || r->parts % 2) return false;
+    for (int i = 0; i < r->n; i++) image[i] = -r->start[r->n * (r->parts / 2) + i];
+    return distance(r, image, r->start) <= IMAGE;
+}
+
+/* Run 0 has the columns as they are; the others add the rounding of doubles to them, and run 2 and 3 are flown anew
+ * from starts that are off by it, or by what the stored digits leave open. */
+static ric_status check_multipliers(replay *r, const ric_model *m, const ric_branch *b, const ric_point *at,
+                                    ric_claims *out)
+{
+    ric_status status = RIC_OK;
+    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = is_image(r, b), .flights = SMOOTH_FLIGHTS,
+                       .growth = 1};
+    real level = fmaxl(NOISE, gap(r)), *kept = malloc((size_t)(r->n * r->parts) * sizeof *kept);
+    unsigned bits = 4711;
+    bool found = true;
+    if (!kept || !(pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own))) {
+        free(kept);
+        return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
+    }
+    memcpy(kept, r->start, (size_t)(r->n * r->parts) * sizeof *kept);
+    for (int run = 0; run < RIC_PAIR_RUNS && found && !status && pairs.n_pair; run++) {
+        for (int i = 0; run == 2 && i < r->n * r->parts; i++)
+            r->start[i] = kept[i] + level * unit(r, i % r->n) * ric_pairs_noise(&bits);
+        if (run == 2) status = fly_all(r);
+        if (!status) found = run_once(r, m, run, &pairs);
+    }
+    memcpy(r->start, kept, (size_t)(r->n * r->parts) * sizeof *kept);
+    if (found && !status) ric_pairs_judge(&pairs, ric_model_n_mode(m), at, out);
+    free(kept);
+    free(pairs.own);
+    return status;
+}
+
+static void check_numbers(const replay *r, const ric_point *at, double energy, ric_claims *out)
+{
+    double omega = 6.283185307179586476925 / r->stored[r->n];
+    const char *name = !(fabs(at->frequency - omega) <= FLIGHT * omega)  ? "frequency"
+                       : !(fabs(at->energy - energy) <= FLIGHT * energy) ? "energy"
+                       : !isnan(at->approach)                            ? "approach"
+                       : !(isnan(at->reach) || at->reach == 0)           ? "reach"
+                                                                         : NULL;
+    out->numbers = name ? RIC_AGREES_NO : RIC_AGREES_YES;
+    if (name) snprintf(out->finding, sizeof out->finding, "the stored %s is not that of the orbit", name);
+}
+
+/* A mode that no contact sees: a linear motion. */
+static void check_linear(const ric_point *at, ric_claims *out)
+{
+    out->stable = at->stable == RIC_STABLE_YES ? RIC_AGREES_YES : RIC_AGREES_NO;
+    if (out->stable == RIC_AGREES_NO) snprintf(out->finding, sizeof out->finding, "a linear mode is stable");
+}
+
+/* ------------------------------------------------------------------- motion */
+
+/* What is replayed, polished if need be; out, and the energy of the stored state. */
+static ric_status check_motion(replay *r, const ric_model *m, const ric_point *at, ric_check *out, double *energy)
+{
+    double growth;
+    ric_status status = fly_through(r);
+    if (status) return status;
+    *energy = ric_model_energy(m, r->stored, r->stored + r->n / 2);
+    out->energy_error = *energy > 0 ? fabs(at->energy - *energy) / *energy : fabs(at->energy);
+    if ((status = find_condition(r, &out->condition, &growth))) return status;
+    if (growth > STEEP && gap(r) > RETURN * fmax(1, AMPLIFIED * out->condition)) {
+        if ((status = polish(r, &out->condition))) return status;
+        for (int i = 0; i < r->n; i++)
+            out->flight_error = fmax(out->flight_error, (double)(fabsl(r->start[i] - r->stored[i]) / unit(r, i)));
+    }
+    double amplified = fmax(1, AMPLIFIED * out->condition);
+    out->return_error = gap(r);
+    out->energy_error = fmax(out->energy_error, drift(r, m, *energy) / amplified);
+    out->passed = out->flight_error <= FLIGHT && out->energy_error <= FLIGHT && out->return_error <= RETURN * amplified;
+    return RIC_OK;
+}
+
+ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out, ric_claims *claims)
 {
     replay r = {0};
     ric_point at;
+    ric_branch b;
+    double energy;
     const ric_model *m = ric_atlas_model(atlas);
     *out = (ric_check){.branch = branch, .point = point, .condition = 1, .faces_agree = true};
     ric_status status = set_up(&r, atlas, branch, point, &at);
-    if (status || (status = fly_all(&r))) goto out;
-    double energy = ric_model_energy(m, r.stored, r.stored + r.n / 2), growth;
-    out->energy_error = fabs(at.energy - energy) / energy;
-    if ((status = differentiate_all(&r, &out->condition, &growth))) goto out;
-    if (growth > STEEP && gap(&r) > RETURN * fmax(1, AMPLIFIED * out->condition)) {
-        if ((status = polish(&r, &out->condition))) goto out;
-        for (int i = 0; i < r.n; i++)
-            out->flight_error = fmax(out->flight_error, (double)(fabsl(r.start[i] - r.stored[i]) / unit(&r, i)));
-    }
-    double amplified = fmax(1, AMPLIFIED * out->condition);
-    out->return_error = gap(&r);
-    out->energy_error = fmax(out->energy_error, drift(&r, m, energy) / amplified);
-    out->passed = out->flight_error <= FLIGHT && out->energy_error <= FLIGHT && out->return_error <= RETURN * amplified;
+    if (status || (status = ric_atlas_branch(atlas, branch, &b)) || (status = check_motion(&r, m, &at, out, &energy)))
+        goto out;
+    if (!claims) goto out;
+    check_numbers(&r, &at, energy, claims);
+    if (ric_branch_linear(m, &b)) check_linear(&at, claims);
+    else status = check_multipliers(&r, m, &b, &at, claims);
 out:
     ric_springs_free(r.springs);
     free(r.start);
     free(r.M);
     free(r.stored);
     return status;
-}
-
-ric_status ric_verify_smooth_claims(const ric_atlas *atlas, int branch, int point, ric_claims *out)
-{
-    (void)atlas; (void)branch; (void)point; (void)out;
-    return RIC_OK;
 }

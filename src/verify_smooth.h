@@ -4,7 +4,7 @@
 
 #include "ricochet.h"
 
-ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out);
-ric_status ric_verify_smooth_claims(const ric_atlas *atlas, int branch, int point, ric_claims *out);
+/* claims: NULL, or what is stored with the orbit is computed anew as well. */
+ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out, ric_claims *claims);
 
 #endif

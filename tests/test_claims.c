@@ -15,6 +15,9 @@ static const char *const studies[] = {
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: bilinear, stiffness: 30}\n"
     "explore: {energy: [0, 20], frequency: [0.4, 5], impacts: 4, multiply: 2, depth: 2}\n",
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], law: power, exponent: 5, stiffness: 0.7}\n"
+    "explore: {energy: [0, 10], frequency: [0.4, 5], impacts: 4, multiply: 2, depth: 2}\n",
 };
 enum { STUDIES = sizeof studies / sizeof *studies };
 
