@@ -56,8 +56,8 @@ static int find_seen(const replay *r, int *seen)
     return count;
 }
 
-/* A column (kappa dq, dp) [2n] through flight k of length t, without its end. */
-static void fly_column(const replay *r, int k, real t, real *column)
+/* A column (kappa dq, dp) [2n] through flight k of length t, without its end; trig [2n]: cos and sin of omega t. */
+static void fly_column(const replay *r, int k, real t, const real *trig, real *column)
 {
     int n = r->n;
     if (r->closed) {
@@ -68,12 +68,11 @@ static void fly_column(const replay *r, int k, real t, real *column)
         return;
     }
     for (int i = 0; i < n; i++) {
-        real a = column[i], p = column[n + i], sine, cosine;
+        real a = column[i], p = column[n + i], cosine = trig[i], sine = trig[n + i];
         if (!(r->omega[i] > 0)) {
             column[i] = a + r->kappa[i] * t * p;
             continue;
         }
-        sincosl(r->omega[i] * t, &sine, &cosine);
         column[i] = a * cosine + p * sine;
         column[n + i] = p * cosine - a * sine;
     }
@@ -107,16 +106,17 @@ static void carry(motion *m, int k, int columns, real *A)
     replay *r = m->r;
     int n = r->n;
     const face_t *face = ric_replay_end_face(r, k);
-    real w[2 * n], pull[n], t = r->tau[k] * (1 + m->level * ric_pairs_noise(&m->bits));
+    real w[2 * n], pull[n], trig[2 * n], t = r->tau[k] * (1 + m->level * ric_pairs_noise(&m->bits));
     memcpy(w, r->chain + (size_t)k * 2 * (size_t)n, sizeof w);
     for (int i = 0; i < n; i++) w[i] *= r->kappa[i];
     add_noise(m, 2 * n, r->norm, w);
     for (int i = 0; i < n; i++) w[i] /= r->kappa[i];
     ric_replay_fly(r, k, t, w, w);
     ric_replay_accelerations(r, k, w, pull);
+    for (int i = 0; i < n; i++) sincosl(r->omega[i] * t, trig + n + i, trig + i);
     for (int j = 0; j < columns; j++) {
         real *column = A + (size_t)j * 2 * (size_t)n;
-        fly_column(r, k, t, column);
+        fly_column(r, k, t, trig, column);
         if (!(face->spring > 0)) strike_column(r, face, w, pull, column);
         real size = size_of(2 * n, column);
         m->growth = fmax(m->growth, size);
@@ -167,6 +167,18 @@ static bool run_once(motion *m, bool half, ric_pair *rho)
     return found;
 }
 
+/* What the rounding of a displacement becomes through a stiff spring: frequencies with it over the lowest without. */
+static real stiffness(const replay *r)
+{
+    real low = INFINITY, high = 0, spring = 0;
+    for (int i = 0; i < r->n; i++) {
+        high = fmax(high, r->omega[i]);
+        if (r->omega[i] > 0) low = fmin(low, r->omega[i]);
+    }
+    for (int f = 0; f < r->n_face; f++) spring = fmax(spring, r->face[f].spring * r->face[f].cc);
+    return r->closed && isfinite(low) ? sqrt(high * high + spring) / low : 1;
+}
+
 /* The slowest impact, over the largest speed: mirror points on a face divide by it. */
 static real slowest(const replay *r)
 {
@@ -199,7 +211,7 @@ static ric_status check_multipliers(replay *r, ric_claims *out)
     pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
     if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     bool found = true;
-    real level = fmax(NOISE, left_open(r));
+    real level = fmax(NOISE * stiffness(r), left_open(r));
     for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair; run++) {
         m.level = run ? level : 0;
         m.growth = 1;

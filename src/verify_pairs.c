@@ -16,7 +16,7 @@ typedef ric_real real;
 
 #define SAFETY 64         /* times the largest difference between the runs */
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
-#define UNSAID 1e4        /* an orbit whose flag is undecided may lie this many bounds off the border, or as many roundings of a
+#define UNSAID 1e6        /* an orbit whose flag is undecided may lie this many bounds off the border, or as many roundings of a
                            * double in the square of what its columns grow to: mirror points make products of two */
 #define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
 
