@@ -16,8 +16,9 @@ typedef ric_real real;
 
 #define SAFETY 64         /* times the largest difference between the runs */
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
-#define UNSAID 1e6        /* an orbit whose flag is undecided may lie this many bounds off the border, or as many roundings of a
-                           * double in the square of what its columns grow to: mirror points make products of two */
+#define UNSAID 1e6        /* an orbit whose flag is undecided may lie this many bounds off the border, or as many
+                           * roundings of a double in the square of what its columns grow to: mirror points make
+                           * products of two */
 #define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
 
 real ric_pairs_noise(unsigned *bits)
@@ -26,7 +27,8 @@ real ric_pairs_noise(unsigned *bits)
     return (real)(*bits >> 8) / (1u << 23) - 1;
 }
 
-/* A <- P A P with the reflection P = 1 - 2 u u' / u'u that takes v [m] to a multiple of e_0; other, if given, likewise. */
+/* A <- P A P with the reflection P = 1 - 2 u u' / u'u that takes v [m] to a multiple of e_0; other, if given,
+ * likewise. */
 static void reflect_all(int m, int ld, real *A, const real *v, real *other)
 {
     real u[m], norm = 0, uu = 0;
@@ -315,7 +317,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
                                                          : RIC_AGREES_NO;
     if (out->multipliers == RIC_AGREES_NO)
         snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",
-                 2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * sqrt(4 + full(p, 0, 0) * full(p, 0, 0))));
+                 2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * hypot(2, full(p, 0, 0))));
 }
 
 void ric_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
