@@ -46,8 +46,8 @@ typedef struct {
     double *stored;
 } replay;
 
-/* The stored orbit of a point and its chain, from r = {0} on; to be closed in any case. `touches`: contacts of no length
- * stay in the word. */
+/* The stored orbit of a point and its chain, from r = {0} on; to be closed in any case. `touches`: contacts of no
+ * length stay in the word. */
 ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches);
 void ric_replay_close(replay *r);
 real ric_replay_dot(int n, const real *x, const real *y);

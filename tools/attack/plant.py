@@ -7,7 +7,7 @@ A fault is one number of one stored point, or a letter of a word, at a random pl
 
     flag       a stable flag turned
     trace      off by a relative 1e-6, or by ten times the bound that verify gives, whichever is larger (two modes)
-    rotation   off by 1e-6
+    rotation   off by 1e-6, or by what ten times that bound makes of it
     speed      a velocity of the stored state off by a relative 1e-6
     energy, frequency, reach, approach   off by a relative 1e-6, at least by 1e-8
     word       a letter changed
@@ -77,7 +77,11 @@ def plant(rng, db, kind, at, point, check):
     if kind == "rotation":
         if point["rotation"] is None:
             return None, False
-        new = point["rotation"] + (1e-6 if point["rotation"] < 0.5 else -1e-6)
+        slope = 4 * math.pi * abs(math.sin(2 * math.pi * point["rotation"]))  # of trace = 2 cos(2 pi gamma)
+        if check["multiplier_bound"] is None or slope < 1e-4:
+            return None, False
+        off = max(1e-6, 10 * check["multiplier_bound"] * math.hypot(2, 2 * math.sinh(point["trace_asinh"])) / slope)
+        new = point["rotation"] + (off if point["rotation"] < 0.5 else -off)
         return put("rotation", new), check["multipliers_agree"] == "yes"
     if kind == "speed":
         numbers = list(struct.unpack(f"<{len(point['state']) // 8}d", point["state"]))
