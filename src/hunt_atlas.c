@@ -1,3 +1,4 @@
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -232,10 +233,11 @@ static void find_families(const ric_atlas *s, int *family, int *junction_family)
 }
 
 /* What a family meets: junctions of the atlas where something is left to take, or nothing; or one that the atlas has,
- * but gone through another number of times. 0: none. */
+ * but gone through another number of times; or, of the side atlas, a multiplication of more periods than the atlas looks
+ * for on a branch that it has. 0: none. */
 typedef struct {
     int branches, junctions, over_budget, refused, window, failed;
-    int open, settled, again, times;
+    int open, settled, again, times, longer;
 } surroundings;
 
 static void meet(const ric_atlas *a, const ric_junction *j, surroundings *out)
@@ -261,6 +263,44 @@ static void meet(const ric_atlas *a, const ric_junction *j, surroundings *out)
     }
 }
 
+static bool has_junction(const ric_atlas *a, const ric_junction *j)
+{
+    for (int id = 1; id <= ric_atlas_n_junction(a); id++) {
+        ric_junction other;
+        ric_atlas_junction(a, id, &other);
+        if (other.multiple == j->multiple && same_orbit(ric_model_n_dof(ric_atlas_model(a)), j, &other)) return true;
+    }
+    return false;
+}
+
+/* Whether a branch passes this junction of the side atlas that the atlas has, by another junction on it. */
+static bool on_known_branch(const ric_atlas *a, const ric_atlas *s, int junction)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(s); id++) {
+        ric_branch b;
+        ric_atlas_branch(s, id, &b);
+        int ids[b.n_junction + 2], n = junctions_of(&b, ids);
+        bool passes = false, known = false;
+        for (int i = 0; i < b.n_junction; i++) passes |= b.junctions[i] == junction;
+        for (int i = 0; i < n && passes && !known; i++) {
+            ric_junction j;
+            ric_atlas_junction(s, ids[i], &j);
+            known = has_junction(a, &j);
+        }
+        if (known) return true;
+    }
+    return false;
+}
+
+/* The multiplication of the least number of periods among those beyond explore.multiply. */
+static void note_longer(const ric_atlas *a, const ric_atlas *s, const ric_junction *j, surroundings *out)
+{
+    ric_junction best = {.multiple = INT_MAX};
+    if (j->kind != RIC_KIND_MULTIPLICATION || j->multiple <= ric_study_options(ric_atlas_study(a))->multiply) return;
+    if (out->longer) ric_atlas_junction(s, out->longer, &best);
+    if (j->multiple < best.multiple && on_known_branch(a, s, j->id)) out->longer = j->id;
+}
+
 static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int wanted, const int *family,
                                 const int *junction_family)
 {
@@ -281,15 +321,17 @@ static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int want
         out.over_budget += j.departures.over_budget;
         out.refused += j.departures.refused;
         meet(a, &j, &out);
+        note_longer(a, s, &j, &out);
     }
     return out;
 }
 
-static void explain(const ric_atlas *a, const surroundings *f, ric_finding *finding)
+static void explain(const ric_atlas *a, const ric_atlas *s, const surroundings *f, ric_finding *finding)
 {
     ric_junction j;
     int id = f->open ? f->open : f->again ? f->again : f->settled;
-    finding->state = f->open || f->again ? RIC_PREY_BUDGET : f->settled ? RIC_PREY_UNEXPLAINED : RIC_PREY_ISOLATED;
+    bool beyond = f->open || f->again || f->longer;
+    finding->state = beyond ? RIC_PREY_BUDGET : f->settled ? RIC_PREY_UNEXPLAINED : RIC_PREY_ISOLATED;
     if (id) ric_atlas_junction(a, id, &j);
     if (f->open && j.refusal[0])
         snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), refused: %s", j.id,
@@ -304,7 +346,12 @@ static void explain(const ric_atlas *a, const surroundings *f, ric_finding *find
                  "explore.impacts (%d)",
                  f->times, j.id, j.label, ric_study_options(ric_atlas_study(a))->multiply,
                  ric_study_options(ric_atlas_study(a))->impacts);
-    else if (f->settled)
+    else if (f->longer) {
+        ric_atlas_junction(s, f->longer, &j);
+        snprintf(finding->why, sizeof finding->why,
+                 "its family joins the atlas at a multiplication by %d at E %.10g, beyond explore.multiply (%d)",
+                 j.multiple, j.energy, ric_study_options(ric_atlas_study(a))->multiply);
+    } else if (f->settled)
         snprintf(finding->why, sizeof finding->why,
                  "its family joins the atlas at junction %d (%s), where no departure is left", j.id, j.label);
     else
@@ -330,7 +377,7 @@ static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_compari
         }
         finding->family = family[finding->branch];
         surroundings around = look_around(a, s, finding->family, family, junction_family);
-        explain(a, &around, finding);
+        explain(a, s, &around, finding);
     }
     free(family);
     free(junction_family);

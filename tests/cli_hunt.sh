@@ -76,4 +76,20 @@ ok "with the same atlas" same "$folder/whole.txt" "$folder/killed.txt"
 ok "two workers" "$ricochet" run "$folder/study.yaml" -o "$folder/workers.ricochet" -j 2
 tables "$folder/workers.ricochet" >"$folder/workers.txt"
 ok "with the same atlas" same "$folder/whole.txt" "$folder/workers.txt"
+
+# Families that leave a doubling of S2[01]: an atlas that looks for no multiplications does not list it.
+cat >"$folder/single.yaml" <<YAML
+title: No multiplications
+model:
+  mass: [[0.64, 0], [0, 1.941]]
+  stiffness: [[3.4828, -1.5114], [-1.5114, 3.452]]
+  contacts:
+    - {law: rigid, normal: [0, 1], clearance: 0.975, sides: both}
+explore: {energy: [0, 138.465], frequency: [0.2884, 6.0669], impacts: 8, multiply: 1, depth: 3}
+YAML
+single() { "$ricochet" hunt "$folder/single.yaml" --energy 83.0787 --impacts 4 --atlas "$folder/single.ricochet" --csv; }
+ok "an atlas without multiplications" "$ricochet" run "$folder/single.yaml" -o "$folder/single.ricochet"
+single >"$folder/single.csv" 2>"$folder/single.err"
+ok "what leaves one of them is beyond a budget" test "$(grep -c 'a multiplication by 2 at E 9.53965884.*beyond explore.multiply' "$folder/single.csv")" = 4
+ok "and nothing is unexplained" test "$(grep -c ,unexplained, "$folder/single.csv")" = 0
 finish
