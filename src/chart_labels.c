@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "c_locale.h"
 #include "chart_rows.h"
@@ -11,13 +12,14 @@
 #include "multiplicity.h"
 #include "workers.h"
 
-#define SAVE_EVERY 64 /* labels between commits: a second's work where they take long */
+#define SAVE_EVERY 1 /* seconds between commits of labels, at least */
 
 typedef struct {
     ric_graph *graph;
     ric_mark *marks;
     pthread_mutex_t lock; /* of the store, of whom to ask, and of the numbers */
-    int left, unmeasured, unsaved;
+    int left, unmeasured;
+    time_t saved;
 } workshop;
 
 static bool has_label(const ric_mark *mark)
@@ -78,7 +80,12 @@ static ric_status keep(workshop *s, const char *key, const ric_junction *row)
     pthread_mutex_lock(&s->lock);
     s->graph->fresh++;
     if (s->graph->store) status = ric_store_trace_put(s->graph->store, key, label, sizeof label);
-    if (!status && s->graph->store && ++s->unsaved % SAVE_EVERY == 0) status = ric_store_commit(s->graph->store);
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (!status && s->graph->store && now.tv_sec - s->saved > SAVE_EVERY) {
+        status = ric_store_commit(s->graph->store);
+        s->saved = now.tv_sec;
+    }
     pthread_mutex_unlock(&s->lock);
     return status;
 }

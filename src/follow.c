@@ -57,7 +57,7 @@ static void trace_key(const course *way, char *key, size_t size)
 /* A trace that was broken off is kept beside those that are finished, with the attempt that it belongs to. */
 static const char *paused_key(const char *key, char *out, size_t size)
 {
-    snprintf(out, size, "%s paused", key);
+    snprintf(out, size, "%s" RIC_PAUSED, key);
     return out;
 }
 
@@ -98,7 +98,11 @@ static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char
     *parts = 0;
     *out = NULL;
     if (g->store) status = ric_store_trace_get(g->store, name, &blob, &size);
-    else if (g->recall.worker) blob = ric_memo_take(g->recall.memo, name, strlen(name), &size);
+    else if (g->recall.worker) {
+        char lent[1100];
+        int n = snprintf(lent, sizeof lent, "%s%s", RIC_LENT, name);
+        blob = ric_memo_take(g->recall.memo, lent, (size_t)n, &size);
+    }
     if (blob && ric_trace_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM) status = RIC_E_NOMEM;
     free(blob);
     return status;

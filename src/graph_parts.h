@@ -5,6 +5,11 @@
 
 #include "graph.h"
 
+/* Keys of traces that were broken off: that of the trace with this ending; in the memo, where workers find what the
+ * store has of them, behind this beginning. */
+#define RIC_PAUSED " paused"
+#define RIC_LENT "lent "
+
 /* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */
 int ric_graph_add(ric_graph *graph, ric_node *node, int depth);
 /* Takes over a node that no other equals, whose departures are listed. -1: no memory. */

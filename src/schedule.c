@@ -1,6 +1,7 @@
 /* The order of work: which departures lie within the budgets, in what order they are taken, and what is handed to
  * workers ahead of that. */
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -356,6 +357,22 @@ static void save_left(const void *key, size_t key_size, const void *value, size_
     memcpy(text, key, key_size);
     text[key_size] = 0;
     ric_store_trace_put(store, text, value, size); /* what cannot be kept is computed again */
+    if (!strstr(text, RIC_PAUSED) && key_size + sizeof RIC_PAUSED <= sizeof text)
+        ric_store_trace_drop(store, strcat(text, RIC_PAUSED));
+}
+
+/* Workers go on with what was broken off, too, and have no store. */
+static ric_status lend(void *user, const char *key)
+{
+    ric_graph *g = user;
+    void *blob = NULL;
+    size_t size = 0;
+    ric_status status = ric_store_trace_get(g->store, key, &blob, &size);
+    char name[1100];
+    int n = snprintf(name, sizeof name, "%s%s", RIC_LENT, key);
+    if (!status && blob && n < (int)sizeof name) ric_memo_put(g->recall.memo, name, (size_t)n, blob, size);
+    free(blob);
+    return status;
 }
 
 ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
@@ -364,6 +381,7 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     g->n_worker = run && run->workers > 1 ? run->workers : 1;
     if (g->n_worker > 1 || g->crew) {
         if ((status = ric_memo_create(&g->recall.memo))) goto out;
+        if (g->store && (status = ric_store_trace_keys(g->store, RIC_PAUSED, lend, g))) goto out;
         if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g, &g->workers)))
             goto out;
     }

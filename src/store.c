@@ -233,6 +233,22 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
     return status;
 }
 
+ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status (*each)(void *user, const char *key),
+                                void *user)
+{
+    sqlite3_stmt *query = NULL;
+    bool row = false;
+    ric_status status = ric_database_prepare(store->file, "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
+    if (status)
+        return status;
+    sqlite3_bind_text(query, 1, ending, -1, SQLITE_STATIC);
+    while (!(status = ric_database_step(store->file, query, &row)) && row)
+        if ((status = each(user, (const char *)sqlite3_column_text(query, 0))))
+            break;
+    sqlite3_finalize(query);
+    return status;
+}
+
 ric_status ric_store_trace_drop(ric_store *store, const char *key)
 {
     bool row;

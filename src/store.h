@@ -19,6 +19,9 @@ ric_status ric_store_set_solver(ric_store *store, const char *version);
  * none; free(*blob). */
 ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, size_t *size);
 ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size);
+/* Calls `each` for every key that ends with this text, until one fails. */
+ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status (*each)(void *user, const char *key),
+                                void *user);
 ric_status ric_store_trace_drop(ric_store *store, const char *key);
 /* Makes what was put so far durable. */
 ric_status ric_store_commit(ric_store *store);

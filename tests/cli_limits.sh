@@ -35,10 +35,10 @@ stops() { # CODE PATTERN SECONDS COMMAND...: ends with that code and message, an
     sanitized && limit=$((20 * limit))
     [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/out" && [ $((($(date +%s%N) - begin) / 1000000)) -lt $((1000 * limit)) ]
 }
-points() { # of the trace that was broken off
+points() { # of what is kept: bytes, more with every step
     python3 - "$folder/slow.ricochet" <<'P'
 import sqlite3, sys
-rows = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True).execute("SELECT length(blob) FROM trace WHERE key LIKE '% paused'").fetchall()
+rows = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True).execute("SELECT length(blob) FROM trace").fetchall()
 print(sum(n for n, in rows))
 P
 }
@@ -56,6 +56,9 @@ interrupted() {
     kill -INT $!
     wait $!
 }
+before=$(points)
+"$ricochet" run "$folder/slow.yaml" -o "$folder/slow.ricochet" --seconds 1 -j 2 2>/dev/null
+ok 'so is one with workers' further
 ok 'Ctrl-C ends it at once, with another exit code' stops 130 'continues there' 10 interrupted
 
 ok 'a run with many branches stops in time' stops 3 'labels are not measured yet' 10 "$ricochet" run "$folder/many.yaml" -o "$folder/many.ricochet" --seconds 1
