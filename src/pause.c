@@ -7,12 +7,12 @@
 #include "pack.h"
 #include "status.h"
 
-#define PAUSE_FORMAT 1 /* changes with the layout, which is private to one version on one type of machine */
+#define PAUSE_FORMAT 2 /* changes with the layout, which is private to one version on one type of machine */
 
 /* -------------------------------------------------------------------- bytes */
 
 typedef struct {
-    int32_t format, parts, begun, n_unknown, n_pair;
+    int32_t format, parts, begun, n_unknown, n_pair, n_resonance;
 } head;
 
 /* The doubles of a station, and those of the start. */
@@ -54,16 +54,20 @@ static void pass_stations(cursor *c, ric_trace *tr, ric_trace_place *place)
     pass_station(c, &tr->past, size, n_pair);
     pass(c, tr->start_u, (size_t)size * sizeof *tr->start_u);
     pass(c, tr->start_t, (size_t)size * sizeof *tr->start_t);
+    pass(c, tr->samples.s, sizeof tr->samples.s);
+    pass(c, tr->samples.values, RIC_PAST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
 }
 
-static size_t fixed_size(int n_unknown, int n_pair)
+static size_t fixed_size(int n_unknown, int n_pair, int n_resonance)
 {
-    return sizeof(ric_trace_place) + (2 * station_size(n_unknown, n_pair) + 2 * (size_t)n_unknown) * sizeof(double);
+    return sizeof(ric_trace_place) + (2 * station_size(n_unknown, n_pair) + 2 * (size_t)n_unknown +
+                                      RIC_PAST_SAMPLES * (1 + RIC_N_TEST + (size_t)n_resonance)) *
+                                         sizeof(double);
 }
 
 ric_status ric_trace_pause(const ric_trace *trace, int parts, void **blob, size_t *size)
 {
-    head h = {PAUSE_FORMAT, parts, trace != NULL, 0, 0};
+    head h = {PAUSE_FORMAT, parts, trace != NULL, 0, 0, 0};
     void *found = NULL;
     size_t n_found = 0, fixed = 0;
     ric_status status = RIC_OK;
@@ -71,7 +75,8 @@ ric_status ric_trace_pause(const ric_trace *trace, int parts, void **blob, size_
     if (trace) {
         h.n_unknown = trace->chain->n_unknown;
         h.n_pair = trace->floquet.n_pair;
-        fixed = fixed_size(h.n_unknown, h.n_pair);
+        h.n_resonance = trace->n_resonance;
+        fixed = fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
         if ((status = ric_trace_pack(trace, &found, &n_found))) return status;
     }
     *size = sizeof h + fixed + n_found;
@@ -98,7 +103,7 @@ static bool sane(const ric_trace *tr, const ric_trace_place *p)
         if (p->has_past) sum += tr->past.u[i] + tr->past.t[i];
     }
     return isfinite(sum) && p->step > 0 && p->step_max > 0 && p->wanted >= 0 && p->after >= 0 && p->longest > 0 &&
-           p->scale >= 1 && p->n_point == tr->n_point && p->n_event == tr->n_event && tr->n_point > 0 &&
+           p->scale >= 1 && p->n_point == tr->n_point && p->n_event == tr->n_event && tr->n_point > 0 && p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES &&
            (!p->has_past || tr->now.s > tr->past.s);
 }
 
@@ -112,14 +117,17 @@ ric_status ric_trace_resume(const ric_model *model, const ric_limits *limits, co
     *out = NULL;
     if (size < sizeof h) return foreign;
     memcpy(&h, blob, sizeof h);
-    if (h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST || h.n_unknown < 0 || h.n_pair < 0 ||
+    if (h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST || h.n_unknown < 0 || h.n_pair < 0 || h.n_resonance < 0 ||
+        (size_t)h.n_resonance > size ||
         (size_t)h.n_unknown > size || (size_t)h.n_pair > size)
         return foreign;
     if (h.begun) {
-        size_t fixed = sizeof h + fixed_size(h.n_unknown, h.n_pair);
+        size_t fixed = sizeof h + fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
         if (size < fixed) return foreign;
         ric_status status = ric_trace_unpack(model, limits, (const char *)blob + fixed, size - fixed, &tr);
-        if (!status && (tr->chain->n_unknown != h.n_unknown || tr->chain->n - 1 != h.n_pair)) status = foreign;
+        if (!status && (tr->chain->n_unknown != h.n_unknown || tr->chain->n - 1 != h.n_pair ||
+                        tr->n_resonance != h.n_resonance))
+            status = foreign;
         if (!status) status = ric_trace_equip(tr);
         if (!status) {
             ric_trace_place place;

@@ -415,7 +415,7 @@ ric_status ric_trace_equip(ric_trace *tr)
     tr->start_t = calloc(size, sizeof(double));
     if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, n, n_pair) ||
         !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
-        !station_create(&tr->past, n, n_pair))
+        !station_create(&tr->past, n, n_pair) || !samples_create(tr))
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     return ric_floquet_create(tr->chain->n, &tr->floquet);
 }
@@ -438,11 +438,11 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     tr->ignore = ignore;
     tr->end.test = -1;
     tr->stride = sizeof(ric_point) / sizeof(double) + size;
-    if ((status = ric_trace_equip(tr))) goto out;
-    if (!ric_trace_resonances(tr) || !samples_create(tr)) {
+    if (!ric_trace_resonances(tr)) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
         goto out;
     }
+    if ((status = ric_trace_equip(tr))) goto out;
     memcpy(tr->now.u, u0, size * sizeof *u0);
     ric_chain_evaluate(chain, u0);
     /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the
@@ -748,6 +748,8 @@ ric_trace_place ric_trace_mark(const ric_trace *tr)
     here.scale = tr->chain->scale;
     here.n_point = tr->n_point;
     here.n_event = tr->n_event;
+    here.n_past = tr->samples.n_past;
+    here.unresolved = tr->unresolved;
     here.approaches = tr->approaches;
     here.avoided = tr->avoided;
     here.steep = tr->steep;
@@ -778,6 +780,8 @@ void ric_trace_return(ric_trace *tr, const ric_trace_place *to)
     tr->lowest = to->lowest;
     tr->chain->scale = to->scale;
     tr->n_point = to->n_point;
+    tr->samples.n_past = to->n_past;
+    tr->unresolved = to->unresolved;
     tr->approaches = to->approaches;
     tr->avoided = to->avoided;
     tr->steep = to->steep;

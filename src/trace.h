@@ -140,7 +140,7 @@ typedef struct {
     long evaluations;
 } ric_trace;
 
-/* Room for the stations of a trace that has its chain. */
+/* Room for the stations of a trace that has its chain and its resonances. */
 ric_status ric_trace_equip(ric_trace *trace);
 /* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the
  * kernel there, but for a singular start). */
@@ -153,7 +153,7 @@ void ric_trace_free(ric_trace *trace);
 typedef struct {
     double definite[RIC_N_TEST];
     double step, step_max, wanted, after, longest, blind, lowest, scale;
-    int32_t n_point, n_event, approaches, avoided, steep, has_past;
+    int32_t n_point, n_event, n_past, unresolved, approaches, avoided, steep, has_past;
     uint32_t ignore;
 } ric_trace_place;
 
