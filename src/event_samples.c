@@ -28,8 +28,11 @@ static void take(ric_trace *tr, int i, double x, const ric_station *p)
     double *value = ric_samples_values(tr, i);
     tr->samples.x[i] = x;
     memcpy(value, p->test, sizeof p->test);
+    bool lost = false; /* some pair, in rounding: then the others do not tell what is passed */
+    for (int j = 0; j < 2 * tr->floquet.n_pair; j++) lost |= !isfinite(p->own[j]);
     for (int k = 0; k < tr->n_resonance; k++)
-        value[RIC_N_TEST + k] = ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
+        value[RIC_N_TEST + k] =
+            lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
 }
 
 static ric_status insert(ric_trace *tr, double x, double h, bool *good)
