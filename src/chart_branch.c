@@ -55,6 +55,33 @@ static char *branch_label(const ric_model *m, const ric_branch *b)
     return text;
 }
 
+/* The part of the way from a to b on which a line between them lies below a limit. */
+static double part_below(double a, double b, double limit)
+{
+    if (a <= limit && b <= limit) return 1;
+    if (a > limit && b > limit) return 0;
+    double part = (limit - a) / (b - a);
+    return a <= limit ? part : 1 - part;
+}
+
+/* The arclength between two points on which the branch is stable. For two modes the trace passes 2 or -2 at the border,
+ * wherever the points lie; else stability changes at the first junction between them, or half way. A point that is
+ * undecided lies on the border and says nothing of its neighbours. */
+static double stable_between(const ric_branch *b, const ric_point *q, const ric_point *p)
+{
+    double length = p->arclength - q->arclength, edge = asinh(1), change = q->arclength + length / 2;
+    if (isfinite(q->trace) && isfinite(p->trace))
+        return length * (part_below(q->trace, p->trace, edge) - part_below(q->trace, p->trace, -edge));
+    if (p->stable == RIC_STABLE_UNDECIDED) change = p->arclength;
+    else if (q->stable == RIC_STABLE_UNDECIDED) change = q->arclength;
+    else
+        for (int k = b->n_junction - 1; k >= 0; k--)
+            if (b->junction_at[k] >= q->arclength && b->junction_at[k] <= p->arclength) change = b->junction_at[k];
+    return (q->stable == RIC_STABLE_YES) * (change - q->arclength) +
+           (p->stable == RIC_STABLE_YES) * (p->arclength - change);
+}
+
+/* Ranges over the stored points, and the share of the arclength that is stable. */
 static void summarise(ric_branch_record *r)
 {
     ric_branch *b = &r->row;
@@ -69,11 +96,28 @@ static void summarise(ric_branch_record *r)
         b->frequency_max = fmax(b->frequency_max, p->frequency);
         if (!i) continue;
         const ric_point *q = (const ric_point *)(r->points + (size_t)(i - 1) * r->stride);
-        double step = p->arclength - q->arclength;
-        length += step;
-        stable += step * ((p->stable == RIC_STABLE_YES) + (q->stable == RIC_STABLE_YES)) / 2;
+        length += p->arclength - q->arclength;
+        stable += stable_between(b, q, p);
     }
     b->stable_fraction = length > 0 ? stable / length : 0;
+}
+
+/* Extrema of energy and of period are junctions, or so close to a multiplication that they cannot be told from it: with
+ * the junctions the ranges are those of the branch, and not of the points that its steps happen to store. A branch that
+ * passes an orbit of fewer letters goes through it several times. */
+static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
+{
+    for (int k = 0; k < e->n_inner; k++) {
+        const ric_node *node = g->nodes[e->inner[k].node];
+        int letters = ric_cycle_letters(node->cycle), times = letters > 0 ? b->letters / letters : 1;
+        double energy = node->energy * g->model->energy_unit,
+               frequency = TWO_PI / (node->period * times) * g->model->omega_ref;
+        b->energy_min = fmin(b->energy_min, energy);
+        b->energy_max = fmax(b->energy_max, energy);
+        if (g->model->smooth || times < 1) continue;
+        b->frequency_min = fmin(b->frequency_min, frequency);
+        b->frequency_max = fmax(b->frequency_max, frequency);
+    }
 }
 
 static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t, ric_branch_record *r)
@@ -162,8 +206,10 @@ ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
     out->to = e->to;
     out->edge = e;
     ric_status status = fill_points(m, e, &t, r);
-    if (!status) summarise(r);
-    return status;
+    if (status) return status;
+    summarise(r);
+    extend_ranges(g, e, &r->row);
+    return RIC_OK;
 }
 
 ric_status ric_sheet_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
