@@ -20,6 +20,8 @@
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 1000000 };
 #define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred
                           * roundings of 80 bits */
+#define DEVIATION 1e-12  /* of columns, relative to the largest entry: the table is then off by a hundredth of it, some
+                          * roundings of a double; a motion in a slow mode says nothing of what the fast ones need */
 #define ROUNDINGS 90     /* or as many of what the machine, or what pretends to be one, has instead */
 
 typedef ric_real real;
@@ -250,6 +252,19 @@ static real difference(int n, const real *a, const real *b, const real *y)
 }
 
 /* One step of at most H; returns what was done, with y after it, 0 if it fails. */
+/* One stage of the extrapolation of columns; how far it moves them, relative to the largest entry. */
+static double extrapolate_columns(size_t size, double factor, double *Up, const double *Down)
+{
+    double most = 0, largest = 0;
+    for (size_t i = 0; i < size; i++) {
+        double before = Up[i];
+        Up[i] = Down[i] + (Down[i] - Up[i]) * factor;
+        most = fmax(most, fabs(Up[i] - before));
+        largest = fmax(largest, fabs(Up[i]));
+    }
+    return most > 0 ? most / largest : 0;
+}
+
 static real step(ric_springs *s, real H, real *y, double *Y)
 {
     int n = s->n;
@@ -261,6 +276,7 @@ static real step(ric_springs *s, real H, real *y, double *Y)
     for (int attempt = 0; attempt < 60; attempt++) {
         for (int k = 0; k < LEVELS; k++) {
             real *row = s->table + (size_t)k * 2 * n;
+            double moved = 0;
             leap(s, H, 2 * (k + 1), y, a0, a, row, Y, stiff0, s->columns + (size_t)k * size);
             /* Aitken and Neville, in place from the newest row upwards */
             if (k) memcpy(corner, s->table, 2 * (size_t)n * sizeof *corner);
@@ -268,10 +284,10 @@ static real step(ric_springs *s, real H, real *y, double *Y)
                 real ratio = (real)(k + 1) / (j + 1), factor = 1 / (ratio * ratio - 1);
                 real *up = s->table + (size_t)j * 2 * n, *down = up + 2 * n;
                 for (int i = 0; i < 2 * n; i++) up[i] = down[i] + (down[i] - up[i]) * factor;
-                double *Up = s->columns + (size_t)j * size, *Down = Up + size, part = (double)factor;
-                for (size_t i = 0; Y && i < size; i++) Up[i] = Down[i] + (Down[i] - Up[i]) * part;
+                double *Up = s->columns + (size_t)j * size;
+                if (Y) moved = extrapolate_columns(size, (double)factor, Up, Up + size);
             }
-            if (k < 3 || difference(n, s->table, corner, y) > s->tolerance) continue;
+            if (k < 3 || difference(n, s->table, corner, y) > s->tolerance || !(moved <= DEVIATION)) continue;
             memcpy(y, s->table, 2 * (size_t)n * sizeof *y);
             if (Y) memcpy(Y, s->columns, size * sizeof *Y);
             s->step = H * (k < AIM ? 1.5L : k > AIM ? 0.7L : 1);
