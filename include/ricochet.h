@@ -419,6 +419,8 @@ void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, dou
 /* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs, lambda before 1 / lambda.
  * NaN where less than three digits of a pair are left by rounding. */
 ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
+/* As the multipliers have it, whatever is stored with the orbit. */
+ric_stability ric_orbit_stability(const ric_orbit *orbit);
 /* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
 
@@ -569,9 +571,9 @@ typedef enum { RIC_AGREES_NO, RIC_AGREES_YES, RIC_AGREES_UNCHECKED } ric_agreeme
 
 typedef struct {
     int branch, point;
-    double multiplier_error, multiplier_bound; /* of the trace over sqrt(trace^2 + 4), n = 2: what it is off by and may
-                                                * be; NaN where there is nothing to compare */
-    ric_agreement multipliers; /* trace and rotation, n = 2 */
+    double multiplier_error, multiplier_bound; /* of the trace over sqrt(trace^2 + 4), or of pairs likewise: what it is
+                                                * off by and may be; NaN where there is nothing to compare */
+    ric_agreement multipliers; /* trace and rotation, n = 2; else what ric_orbit_multipliers gives */
     ric_agreement stable;      /* the flag, any n */
     ric_agreement numbers;     /* energy, frequency, reach, approach */
     char finding[200];         /* what does not agree, or why something was not checked; "" otherwise */

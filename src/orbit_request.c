@@ -21,6 +21,7 @@ struct ric_orbit {
     ric_point point;
     double *state, *flights;
     double *multipliers;    /* 2 (n - 1) complex */
+    ric_stability stable;   /* as they have it */
 };
 
 static void orbit_free(ric_orbit *o)
@@ -73,6 +74,7 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
     if (m->smooth) o->flights[0] = ric_cycle_period(o->cycle) / m->omega_ref;
     ric_floquet_multipliers(&floquet, o->multipliers);
+    o->stable = floquet.stable;
     double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] >= 0)
@@ -217,6 +219,7 @@ static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitu
         return status;
     }
     double factor = sqrt(amplitude2); /* of the stored state */
+    o->stable = RIC_STABLE_YES;
     for (int j = 0; j < 2 * m->n_dof; j++) o->state[j] *= factor;
     o->point.energy *= amplitude2;
     o->point.reach *= factor;
@@ -306,6 +309,11 @@ ric_status ric_orbit_multipliers(const ric_orbit *o, double *out)
 {
     memcpy(out, o->multipliers, 4 * (size_t)(o->model->n - 1) * sizeof *out);
     return RIC_OK;
+}
+
+ric_stability ric_orbit_stability(const ric_orbit *o)
+{
+    return o->stable;
 }
 
 void ric_orbit_at_time(const ric_orbit *o, double t, double *x, double *v)

@@ -140,14 +140,14 @@ static bool is_image(const replay *r)
 }
 
 /* rho of one run. */
-static bool run_once(motion *m, bool half, ric_pair *rho)
+static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
 {
     replay *r = m->r;
     int n = r->n, s = m->n_seen, size = 2 * s, flights = half ? r->n_event / 2 : r->n_event;
-    real *A = calloc((size_t)size * 2 * (size_t)n + (size_t)size * (size_t)size, sizeof *A), force[n], flow[size],
-         gradient[size];
+    size_t square = (size_t)size * (size_t)size;
+    real *A = calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n], flow[size], gradient[size];
     if (!A) return false;
-    real *M = A + (size_t)size * 2 * (size_t)n;
+    real *M = A + (size_t)size * 2 * (size_t)n, *J = M + square;
     for (int j = 0; j < size; j++) A[(size_t)j * 2 * (size_t)n + (size_t)(j < s ? m->seen[j] : n + m->seen[j - s])] = 1;
     for (int k = 0; k < flights; k++) carry(m, k, size, A);
     for (int i = 0; i < size; i++)
@@ -161,8 +161,10 @@ static bool run_once(motion *m, bool half, ric_pair *rho)
         flow[s + i] = force[k];
         gradient[i] = -force[k] / r->kappa[k];
         gradient[s + i] = r->chain[n + k];
+        J[i * size + s + i] = 1 / r->kappa[k];
+        J[(s + i) * size + i] = -1 / r->kappa[k];
     }
-    bool found = ric_pairs_find(size, M, flow, gradient, rho);
+    bool found = ric_pairs_find(size, M, J, flow, gradient, rho, way);
     free(A);
     return found;
 }
@@ -179,17 +181,6 @@ static real stiffness(const replay *r)
     return r->closed && isfinite(low) ? sqrt(high * high + spring) / low : 1;
 }
 
-/* The slowest impact, over the largest speed: mirror points on a face divide by it. */
-static real slowest(const replay *r)
-{
-    real least = 1;
-    for (int k = 0; k < r->n_flight; k++) {
-        const face_t *face = ric_replay_end_face(r, k);
-        least = fmin(least, fabs(r->speed[k + 1]) / ric_replay_fastest(r, face));
-    }
-    return least;
-}
-
 /* What the stored digits leave open, relative: the gaps where the orbit meets faces, and its end. */
 static real left_open(const replay *r)
 {
@@ -202,12 +193,13 @@ static real left_open(const replay *r)
     return fmin(open, MOST_OPEN);
 }
 
-static ric_status check_multipliers(replay *r, ric_claims *out)
+static ric_status check_multipliers(replay *r, const ric_asked_point *asked, ric_claims *out)
 {
     int seen[r->n];
     motion m = {.r = r, .seen = seen, .bits = 20011};
     m.n_seen = find_seen(r, seen);
-    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r)};
+    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r),
+                       .asked = asked};
     pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
     if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     bool found = true;
@@ -215,20 +207,21 @@ static ric_status check_multipliers(replay *r, ric_claims *out)
     for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair; run++) {
         m.level = run ? level : 0;
         m.growth = 1;
-        found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair);
+        found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair, &pairs.way[run]);
     }
-    pairs.flights = r->n_flight + 2;
-    pairs.growth = m.growth / fmin(1, fmax(BLUNT, slowest(r)));
     if (found) ric_pairs_judge(&pairs, m.n_seen, &r->point, out);
     free(pairs.own);
     return RIC_OK;
 }
 
-/* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes. */
+/* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T / 2 pi, modulo 1. */
 static void check_linear(replay *r, ric_claims *out)
 {
     int seen[r->n], count = find_seen(r, seen), other = -1;
-    bool alone = true;
+    real part = 0;
+    for (int k = 0; k < count; k++)
+        part += pow(r->kappa[seen[k]] * r->chain[seen[k]], 2) + pow(r->chain[r->n + seen[k]], 2);
+    bool alone = part > r->norm * r->norm / 2; /* else no contact sees the mode itself */
     for (int k = 0; k < count; k++) {
         real turns = r->omega[seen[k]] * r->period / 6.283185307179586476925L;
         if (fabs(turns - 1) > NUMBER && other < 0) other = seen[k];
@@ -239,8 +232,11 @@ static void check_linear(replay *r, ric_claims *out)
     if (count != 2 || !alone || other < 0) return;
     ric_pair own[RIC_PAIR_RUNS];
     ric_pairs pairs = {.n_pair = 1, .own = own};
-    for (int run = 0; run < RIC_PAIR_RUNS; run++)
-        own[run] = 2 * cos(r->omega[other] * r->period * (1 + (run - 1) * (run > 0) * NOISE));
+    for (int run = 0; run < RIC_PAIR_RUNS; run++) {
+        real angle = r->omega[other] * r->period * (1 + (run - 1) * (run > 0) * NOISE);
+        own[run] = 2 * cos(angle);
+        pairs.way[run] = sin(angle) < 0 ? -1 : 1;
+    }
     ric_claims trace = *out;
     ric_point point = r->point;
     ric_pairs_judge(&pairs, 2, &point, &trace);
@@ -376,11 +372,14 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
                         .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_UNCHECKED};
     ric_check check;
+    ric_asked_point asked = {0};
     if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
     ric_status status = ric_replay_open(&r, atlas, branch, i, true);
     if (!status) status = check_numbers(&r, out);
     if (!status && r.n_event == 0) check_linear(&r, out);
-    else if (!status) status = check_multipliers(&r, out);
+    else if (!status && !(status = ric_asked_open(atlas, branch, i, &r.point, &asked)))
+        status = check_multipliers(&r, &asked, out);
+    ric_asked_close(&asked);
     ric_replay_close(&r);
     return status;
 }

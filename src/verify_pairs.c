@@ -16,9 +16,10 @@ typedef ric_real real;
 
 #define SAFETY 64         /* times the largest difference between the runs */
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
-#define UNSAID 1e6        /* an orbit whose flag is undecided may lie this many bounds off the border, or as many
-                           * roundings of a double in the square of what its columns grow to: mirror points make
-                           * products of two */
+#define UNSAID 16         /* a flag that the library decides when it is asked again may be stored as undecided this many
+                           * bounds off the border, no farther: between the two lies the rounding of the state */
+#define GIVEN 1e-12       /* rounding of the matrix whose pairs are given on request, relative: tens of roundings in each
+                           * of some hundred steps under a power law */
 #define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
 
 real ric_pairs_noise(unsigned *bits)
@@ -173,17 +174,21 @@ static void pair_up(int m, complex_t *lambda, ric_pair *rho)
     qsort(rho, (size_t)(m / 2), sizeof *rho, by_real_part);
 }
 
-bool ric_pairs_find(int m, real *A, real *flow, real *gradient, ric_pair *rho)
+bool ric_pairs_find(int m, real *A, real *J, real *flow, real *gradient, ric_pair *rho, int *way)
 {
     int k = m - 2;
+    reflect_all(m, m, J, flow, NULL);
     reflect_all(m, m, A, flow, gradient);
+    reflect_all(m - 1, m, J + m + 1, gradient + 1, NULL);
     reflect_all(m - 1, m, A + m + 1, gradient + 1, NULL);
     const real *B = A + 2 * m + 2;
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++)
             if (!isfinite(B[i * m + j])) return false;
     if (k == 2) { /* the trace, exact to the last digit where the multipliers are not */
+        real area = J[2 * m + 3] * B[m]; /* that e_0 and its image span: for a free oscillator negative at first */
         rho[0] = B[0] + B[m + 1];
+        *way = area > 0 ? 1 : area < 0 ? -1 : 0;
         return true;
     }
     complex_t *C = calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C), *lambda = C ? C + k * k : NULL;
@@ -250,18 +255,30 @@ static const char *flag(int stable)
     return stable == RIC_STABLE_YES ? "stable" : stable == RIC_STABLE_NO ? "unstable" : "undecided";
 }
 
+/* Undecided is a statement on what the library knows of the orbit, which is asked again, and need not say so where
+ * branches meet. */
+static ric_agreement judge_undecided(const ric_pairs *p, real outside, real inside, bool far)
+{
+    const ric_asked_point *asked = p->asked;
+    real border = 0;
+    if (asked && (asked->joint || (asked->given && asked->stable == RIC_STABLE_UNDECIDED))) return RIC_AGREES_YES;
+    for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
+    if (inside > border || outside > border || far) return asked && asked->given ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
+    return RIC_AGREES_UNCHECKED;
+}
+
 static void judge_flag(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
-    real outside, inside, border = UNSAID * DBL_EPSILON * p->flights * p->growth * p->growth;
+    real outside, inside;
     weigh(p, &outside, &inside);
-    for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
     bool unstable = outside > 0, stable = inside > 0, far = all_outside(p);
-    bool wrong = stored->stable == RIC_STABLE_YES  ? unstable || far
-                 : stored->stable == RIC_STABLE_NO ? stable
-                                                   : inside > border || outside > border;
-    bool sure = stored->stable == RIC_STABLE_YES ? stable : stored->stable == RIC_STABLE_NO ? unstable || far : true;
-    out->stable = wrong ? RIC_AGREES_NO : sure ? RIC_AGREES_YES : RIC_AGREES_UNCHECKED;
-    if (wrong && !*out->finding)
+    bool wrong = stored->stable == RIC_STABLE_YES ? unstable || far : stable,
+         sure = stored->stable == RIC_STABLE_YES ? stable : unstable || far;
+    out->stable = stored->stable == RIC_STABLE_UNDECIDED ? judge_undecided(p, outside, inside, far)
+                  : wrong                                ? RIC_AGREES_NO
+                  : sure                                 ? RIC_AGREES_YES
+                                                         : RIC_AGREES_UNCHECKED;
+    if (out->stable == RIC_AGREES_NO && !*out->finding)
         snprintf(out->finding, sizeof out->finding, "stored as %s, found %s", flag(stored->stable),
                  flag(stable ? RIC_STABLE_YES : RIC_STABLE_NO));
 }
@@ -272,27 +289,36 @@ static real full(const ric_pairs *p, int run, int i)
     return p->half ? rho * rho - 2 : rho;
 }
 
-/* gamma folded to [0, 1/2], NaN off the unit circle. */
+/* gamma in [0, 1), NaN off the unit circle; the sense is that of the symplectic form (Krein: Yakubovich and
+ * Starzhinskii 1975, chapter 3), against that of a free oscillator. */
 static real turns(const ric_pairs *p, int run)
 {
     real rho = creall(own(p, run, 0)), angle;
     if (!(fabs(rho) <= 2)) return NAN;
-    angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / 6.283185307179586476925L * (p->half ? 2 : 1);
-    return fmin(angle, 1 - angle);
+    angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / 6.283185307179586476925L;
+    if (p->way[run] < 0) angle = 1 - angle;
+    angle = p->half ? 2 * angle : angle;
+    return angle < 1 ? angle : angle - 1;
+}
+
+/* On a circle of one turn. */
+static real apart(real a, real b)
+{
+    real off = fabs(a - b);
+    return fmin(off, 1 - off);
 }
 
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
-    real outside, inside, found = turns(p, 0), bound = RESOLUTION, folded = fmin(stored->rotation,
-                                                                              1 - stored->rotation);
+    real outside, inside, found = turns(p, 0), bound = RESOLUTION;
     weigh(p, &outside, &inside);
     for (int run = 1; run < RIC_PAIR_RUNS; run++) {
         real other = turns(p, run);
-        bound = isnan(other) || isnan(found) ? INFINITY : fmax(bound, SAFETY * fabs(other - found));
+        bound = isnan(other) || isnan(found) ? INFINITY : fmax(bound, SAFETY * apart(other, found));
     }
     bool wrong = isnan(stored->rotation) ? inside > 0
                                          : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
-                                               fabs(folded - found) > bound;
+                                               apart(stored->rotation, found) > bound;
     if (!wrong) return;
     out->multipliers = RIC_AGREES_NO;
     if (!*out->finding)
@@ -320,11 +346,66 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
                  2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * hypot(2, full(p, 0, 0))));
 }
 
+/* Pairs that are near each other go apart like a square root: by what the rounding that the library states of a matrix
+ * makes of them. */
+static real between(const ric_pairs *p, int i)
+{
+    real off = GIVEN * (1 + cabsl(own(p, 0, i))), near = INFINITY;
+    for (int j = 0; j < p->n_pair; j++)
+        if (j != i) near = fmin(near, cabsl(own(p, 0, i) - own(p, 0, j)));
+    return fmin(sqrt(off), off / near);
+}
+
+static void worsen(double *worst, real value)
+{
+    if (isnan(*worst) || value > *worst) *worst = (double)value;
+}
+
+/* One pair that the library gives, z [4], against the nearest that is not yet used. */
+static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used, ric_claims *out)
+{
+    ric_pair rho = CMPLXL(z[0], z[1]) + CMPLXL(z[2], z[3]);
+    real off = INFINITY;
+    int best = -1;
+    if (isnan(creall(rho))) return RIC_AGREES_UNCHECKED;
+    for (int i = 0; i < p->n_pair; i++) {
+        ric_pair at = own(p, 0, i), all = p->half ? at * at - 2 : at;
+        if (used[i] || !(cabsl(all - rho) < off)) continue;
+        off = cabsl(all - rho);
+        best = i;
+    }
+    if (best < 0) return RIC_AGREES_UNCHECKED;
+    used[best] = true;
+    real error = spread(p, best) + between(p, best), at = cabsl(own(p, 0, best)), size = hypot(2, cabsl(rho)),
+         bound = error * (p->half ? 2 * at + error : 1) + RESOLUTION * (1 + cabsl(rho));
+    worsen(&out->multiplier_error, off / size);
+    worsen(&out->multiplier_bound, bound / size);
+    if (!(bound <= VAGUE * fmin(size, hypot(2, p->half ? at * at : at)))) return RIC_AGREES_UNCHECKED;
+    if (off <= bound) return RIC_AGREES_YES;
+    snprintf(out->finding, sizeof out->finding, "multipliers %.17g and %.17g given, their sum is off by %.2g, bound %.2g",
+             z[0], z[2], (double)off, (double)bound);
+    return RIC_AGREES_NO;
+}
+
+/* Any number of modes: every pair that the library gives is one of those found here, each taken once. */
+static void judge_given(const ric_pairs *p, ric_claims *out)
+{
+    bool used[p->n_pair + 1];
+    memset(used, 0, sizeof used);
+    out->multipliers = RIC_AGREES_YES;
+    for (int k = 0; k < p->n_pair; k++) {
+        ric_agreement agrees = judge_pair(p, p->asked->multipliers + 4 * k, used, out);
+        if (agrees == RIC_AGREES_NO || out->multipliers == RIC_AGREES_YES) out->multipliers = agrees;
+    }
+}
+
 void ric_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
 {
     if (p->n_pair == 1 && n_mode == 2) {
         judge_trace(p, stored, out);
         judge_rotation(p, stored, out);
+    } else if (p->asked && p->asked->given && p->asked->n_pair == p->n_pair) {
+        judge_given(p, out);
     }
     judge_flag(p, stored, out);
 }

@@ -29,7 +29,7 @@
 #define LIGHT 1e3      /* how much less than the stored start the starts of other parts count in a correction */
 #define REGULAR 1e-9    /* singular values below this part of the largest belong to the family and to the energy */
 
-enum { PARTS = 16, SMOOTH_FLIGHTS = 16 };
+enum { PARTS = 16 };
 
 typedef ric_real real;
 
@@ -77,6 +77,7 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     for (int i = 0; i < n; i++) r->start[i] = r->stored[i];
     /* a mirror point may have no displacement or no velocity at all: the period joins the two */
     for (int i = 0; i < n; i++) r->size[i >= n / 2] = fmaxl(r->size[i >= n / 2], fabsl(r->start[i]));
+    if (!(r->size[0] + r->size[1] > 0)) r->size[0] = 1; /* at rest for ever */
     real turn = r->period / 6.283185307179586L;
     r->size[0] = fmaxl(r->size[0], r->size[1] * turn);
     r->size[1] = fmaxl(r->size[1], r->size[0] / turn);
@@ -260,41 +261,68 @@ static void find_trivial(const replay *r, const ric_model *m, real *flow, real *
     }
 }
 
-/* Modes that no contact sees have pairs of their own, which are taken out of n_pair. */
-static int drop_unseen(const replay *r, const ric_model *m, bool half, int n_pair, ric_pair *rho)
+/* Shapes [d * k] of the modes that contacts see, and their transpose times the mass, [k * d], which undoes them. */
+static ric_status find_modes(const ric_model *m, int d, int k, real *from, real *to)
 {
-    int d = r->n / 2;
+    double shape[d * d];
     bool seen[d];
-    double omega[d];
-    if (ric_model_seen(m, seen) || ric_model_frequencies(m, omega)) return n_pair;
-    for (int i = 0; i < d; i++) {
-        if (seen[i]) continue;
-        real alone = (half ? -2 : 2) * cosl(omega[i] * r->period / (half ? 2 : 1));
-        int best = 0;
-        for (int k = 1; k < n_pair; k++)
-            if (cabsl(rho[k] - alone) < cabsl(rho[best] - alone)) best = k;
-        if (n_pair > 0) memmove(rho + best, rho + best + 1, (size_t)(--n_pair - best) * sizeof *rho);
+    const double *mass = ric_model_mass(m);
+    ric_status status = ric_model_modes(m, shape);
+    if (!status) status = ric_model_seen(m, seen);
+    for (int i = 0, s = 0; i < d && s < k && !status; i++) {
+        if (!seen[i]) continue;
+        for (int a = 0; a < d; a++) {
+            from[a * k + s] = shape[a * d + i];
+            to[s * d + a] = 0;
+            for (int b = 0; b < d; b++) to[s * d + a] += shape[b * d + i] * mass[b * d + a];
+        }
+        s++;
     }
-    return n_pair;
+    return status;
+}
+
+/* The columns, the flow, the gradient and the form [2 k] in these modes: the others have pairs of their own. In
+ * place. */
+static ric_status see_modes(const replay *r, const ric_model *m, real *whole, real *flow, real *gradient, real *J)
+{
+    int n = r->n, d = n / 2, k = ric_model_n_mode(m);
+    real to[k * d], from[d * k], product[2 * k * n], f[2 * k], g[2 * k];
+    ric_status status = find_modes(m, d, k, from, to);
+    if (status) return status;
+    for (int i = 0; i < 2 * k; i++) {
+        f[i] = g[i] = 0;
+        for (int a = 0; a < d; a++) {
+            f[i] += to[i % k * d + a] * flow[i / k * d + a];
+            g[i] += gradient[i / k * d + a] * from[a * k + i % k];
+        }
+        for (int c = 0; c < n; c++) {
+            product[i * n + c] = 0;
+            for (int a = 0; a < d; a++) product[i * n + c] += to[i % k * d + a] * whole[(i / k * d + a) * n + c];
+        }
+    }
+    for (int i = 0; i < 2 * k; i++)
+        for (int j = 0; j < 2 * k; j++) {
+            whole[i * 2 * k + j] = 0;
+            for (int a = 0; a < d; a++) whole[i * 2 * k + j] += product[i * n + j / k * d + a] * from[a * k + j % k];
+            J[i * 2 * k + j] = i + k == j ? 1 : i == j + k ? -1 : 0;
+        }
+    memcpy(flow, f, sizeof f);
+    memcpy(gradient, g, sizeof g);
+    return RIC_OK;
 }
 
 /* rho of one run, after the columns of all parts. */
 static bool run_once(const replay *r, const ric_model *m, int run, ric_pairs *pairs)
 {
-    int n = r->n, all = n / 2 - 1;
+    int n = r->n;
     unsigned bits = 20011u + 97u * (unsigned)run;
-    real whole[n * n], flow[n], gradient[n];
-    ric_pair rho[all + 1];
+    real whole[n * n], J[n * n], flow[n], gradient[n];
     multiply(r, pairs->half ? r->parts / 2 : r->parts, run ? NOISE : 0, &bits, whole);
-    for (int i = 0; i < n * n; i++) {
-        if (pairs->half) whole[i] = -whole[i];
-        pairs->growth = fmaxl(pairs->growth, fabsl(whole[i]));
-    }
+    for (int i = 0; i < n * n && pairs->half; i++) whole[i] = -whole[i];
     find_trivial(r, m, flow, gradient);
-    if (!ric_pairs_find(n, whole, flow, gradient, rho)) return false;
-    if (drop_unseen(r, m, pairs->half, all, rho) != pairs->n_pair) return false;
-    memcpy(pairs->own + run * pairs->n_pair, rho, (size_t)pairs->n_pair * sizeof *rho);
-    return true;
+    return !see_modes(r, m, whole, flow, gradient, J) &&
+           ric_pairs_find(2 * (pairs->n_pair + 1), whole, J, flow, gradient, pairs->own + run * pairs->n_pair,
+                          &pairs->way[run]);
 }
 
 /* Half a period later a symmetric orbit is its image. */
@@ -309,11 +337,10 @@ static bool is_image(const replay *r, const ric_branch *b)
 /* Run 0 has the columns as they are; the others add the rounding of doubles to them, and run 2 and 3 are flown anew
  * from starts that are off by it, or by what the stored digits leave open. */
 static ric_status check_multipliers(replay *r, const ric_model *m, const ric_branch *b, const ric_point *at,
-                                    ric_claims *out)
+                                    const ric_asked_point *asked, ric_claims *out)
 {
     ric_status status = RIC_OK;
-    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = is_image(r, b), .flights = SMOOTH_FLIGHTS,
-                       .growth = 1};
+    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = is_image(r, b), .asked = asked};
     real level = fmaxl(NOISE, gap(r)), *kept = malloc((size_t)(r->n * r->parts) * sizeof *kept);
     unsigned bits = 4711;
     bool found = true;
@@ -382,6 +409,7 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     replay r = {0};
     ric_point at;
     ric_branch b;
+    ric_asked_point asked = {0};
     double energy;
     const ric_model *m = ric_atlas_model(atlas);
     *out = (ric_check){.branch = branch, .point = point, .condition = 1, .faces_agree = true};
@@ -391,8 +419,10 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     if (!claims) goto out;
     check_numbers(&r, &at, energy, claims);
     if (ric_branch_linear(m, &b)) check_linear(&at, claims);
-    else status = check_multipliers(&r, m, &b, &at, claims);
+    else if (!(status = ric_asked_open(atlas, branch, point, &at, &asked)))
+        status = check_multipliers(&r, m, &b, &at, &asked, claims);
 out:
+    ric_asked_close(&asked);
     ric_springs_free(r.springs);
     free(r.start);
     free(r.M);

@@ -64,10 +64,19 @@ static void plant(ric_atlas *atlas, int branch, int i)
             fail_msg("branch %d, point %d: a %s off by %.3g is not seen", branch, i, numbers[k].name, numbers[k].off);
         *p = kept;
     }
+    if (fabs(p->rotation - 0.5) > turned && p->rotation > turned) {
+        p->rotation = 1 - p->rotation;
+        ric_claims after = claims_of(atlas, branch, i);
+        if (right(&after)) fail_msg("branch %d, point %d: a rotation in the other sense is not seen", branch, i);
+        *p = kept;
+    }
     if (p->stable == RIC_STABLE_UNDECIDED || before.stable != RIC_AGREES_YES) return;
-    p->stable = p->stable == RIC_STABLE_YES ? RIC_STABLE_NO : RIC_STABLE_YES;
-    ric_claims after = claims_of(atlas, branch, i);
-    if (right(&after)) fail_msg("branch %d, point %d: a stable flag turned is not seen", branch, i);
+    for (int flag = RIC_STABLE_NO; flag <= RIC_STABLE_UNDECIDED; flag++) {
+        if (flag == kept.stable) continue;
+        p->stable = flag;
+        ric_claims after = claims_of(atlas, branch, i);
+        if (right(&after)) fail_msg("branch %d, point %d: stored as %d instead of %d", branch, i, flag, kept.stable);
+    }
     *p = kept;
 }
 

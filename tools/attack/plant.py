@@ -5,16 +5,17 @@
 
 A fault is one number of one stored point, or a letter of a word, at a random place:
 
-    flag       a stable flag turned
+    flag       a stable flag turned, to the other or to undecided
     trace      off by a relative 1e-6, or by ten times the bound that verify gives, whichever is larger (two modes)
-    rotation   off by 1e-6, or by what ten times that bound makes of it
+    rotation   off by 1e-6, or by what ten times that bound makes of it, or 1 - gamma
     speed      a velocity of the stored state off by a relative 1e-6
     energy, frequency, reach, approach   off by a relative 1e-6, at least by 1e-8
     word       a letter changed
 
-Many faults go into one copy of an atlas, each at a point of its own, a letter or a frequency into one alone, which may be refused as a whole; the digest is made anew
-(atlas_digest.py) and verify is asked about each of these points. A fault is found if it exits with 1 for that point. Where verify said
-already of the right number that it could not check it, the place is counted apart. The original has to pass. Exit code
+Many faults go into one copy of an atlas, each at a point of its own, a letter or a frequency into one alone, which may
+be refused as a whole; the digest is made anew (atlas_digest.py) and verify is asked about each of these points. A fault
+is found if it exits with 1 for that point. Where verify said already of the right number that it could not check it, the
+place is counted apart. The original has to pass. Exit code
 1 if a fault was missed, or an original does not pass. Standard library only.
 """
 
@@ -64,7 +65,7 @@ def plant(rng, db, kind, at, point, check):
         return f"{column} {point[column]!r} -> {value!r}"
 
     if kind == "flag":
-        new = rng.choice([0, 1]) if point["stable"] == 2 else 1 - point["stable"]
+        new = rng.choice([flag for flag in (0, 1, 2) if flag != point["stable"]])
         return put("stable", new), check["stable_agrees"] == "yes" and point["stable"] != 2
     if kind == "trace":
         if point["trace_asinh"] is None or check["multiplier_bound"] is None:
@@ -82,6 +83,8 @@ def plant(rng, db, kind, at, point, check):
             return None, False
         off = max(1e-6, 10 * check["multiplier_bound"] * math.hypot(2, 2 * math.sinh(point["trace_asinh"])) / slope)
         new = point["rotation"] + (off if point["rotation"] < 0.5 else -off)
+        if rng.random() < 0.3 and abs(point["rotation"] - 0.5) > off and point["rotation"] > off:
+            new = 1 - point["rotation"]
         return put("rotation", new), check["multipliers_agree"] == "yes"
     if kind == "speed":
         numbers = list(struct.unpack(f"<{len(point['state']) // 8}d", point["state"]))
@@ -131,9 +134,10 @@ def open_copy(original, folder):
 
 def judge(program, original, copy, fault, count):
     at, kind, what, known = fault
-    code, rows = verify(program, str(copy), "--branch", str(at[0]), "--point", str(at[1]))
+    point = [] if kind == "word" else ["--point", str(at[1])]  # a word is that of all points of its branch
+    code, rows = verify(program, str(copy), "--branch", str(at[0]), *point)
     count["planted"] += 1
-    if code == 1 and (not rows or not rows[0]["passed"]):  # no rows: refused, for this fault alone
+    if code == 1 and (not rows or not all(row["passed"] for row in rows)):  # no rows: refused, for this fault alone
         count["found"] += 1
     elif code == 0 and not known:
         count["unchecked"] += 1

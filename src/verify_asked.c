@@ -1,0 +1,43 @@
+/* What the library gives of a stored point on request, `points` and `orbit` show it, for the judge to compare: it is
+ * not stored, and nothing of it enters into what the judge finds. */
+#include <stdlib.h>
+
+#include "verify_pairs.h"
+
+static bool two_meet(const ric_atlas *atlas, int id)
+{
+    ric_junction j;
+    return id > 0 && !ric_atlas_junction(atlas, id, &j) &&
+           (j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_MULTIPLICATION);
+}
+
+/* Where a branch ends in another one a multiplier is 1, and the flag undecided by definition. */
+static bool is_joint(const ric_atlas *atlas, const ric_branch *b, int i)
+{
+    return (i == 0 && two_meet(atlas, b->from)) || (i == b->n_point - 1 && two_meet(atlas, b->to));
+}
+
+ric_status ric_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point, ric_asked_point *out)
+{
+    ric_branch b;
+    ric_orbit **orbits = NULL;
+    int n = 0, n_mode = ric_model_n_mode(ric_atlas_model(atlas));
+    *out = (ric_asked_point){0};
+    if (n_mode < 3 && point->stable != RIC_STABLE_UNDECIDED) return RIC_OK; /* all there is is stored */
+    ric_status status = ric_atlas_branch(atlas, branch, &b);
+    if (status) return status;
+    if (!(out->multipliers = calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
+    out->joint = is_joint(atlas, &b, i);
+    /* an orbit that the library does not give cannot be compared */
+    out->given = !ric_orbit_find(atlas, branch, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&
+                 !ric_orbit_multipliers(orbits[0], out->multipliers);
+    if (out->given) out->stable = ric_orbit_stability(orbits[0]);
+    out->n_pair = n_mode - 1;
+    ric_orbits_free(n, orbits);
+    return RIC_OK;
+}
+
+void ric_asked_close(ric_asked_point *asked)
+{
+    free(asked->multipliers);
+}
