@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "model.h"
+#include "region.h"
 #include "status.h"
 
 #define TWO_PI 6.283185307179586477
@@ -21,6 +22,11 @@
 #define CANCEL 1e-12
 /* Largest phase of a mode in one period, ten times what a run admits in its window. */
 #define PHASE 1e8
+/* Longest period, of the longest in the windows of the study and its regions, where branches end: a border is met to
+ * rounding, and this allows for more than a step beyond. What takes longer would be integrated for as long. */
+#define BEYOND 2
+/* Where a multiplier lies exactly at -1 older files have a rotation of minus a half. */
+#define HALF -0.5
 /* How far a touch or a share of time lies beyond its border by rounding. */
 #define SLACK 1e-6
 
@@ -28,6 +34,7 @@ typedef struct {
     const char *path;
     const ric_model *model;
     double fastest; /* rad/s, of the seen modes */
+    double longest; /* s, period */
     const char *table;
     int row, sub; /* id of the branch or junction; number of the point or position, -1: none */
 } judge;
@@ -96,6 +103,9 @@ static ric_status check_flights(const judge *j, int n, const double *flights, do
     }
     if (fabs(sum - period) > AGREE * period)
         return refuse(j, "flights", "together %.6g s where the period is %.6g s", sum, period);
+    if (period > j->longest)
+        return refuse(j, "flights", "a period of %.6g s, where the windows of the study end at %.6g s", period,
+                      j->longest / BEYOND);
     if (j->fastest * period > PHASE)
         return refuse(j, "flights", "the fastest mode turns %.3g times in a period", j->fastest * period / TWO_PI);
     return RIC_OK;
@@ -110,7 +120,7 @@ static ric_status check_point(const judge *j, const ric_branch *branch, const do
     if (!status) status = check_range(j, "energy", p.energy, 0, LARGEST, true);
     if (!status) status = check_range(j, "frequency", p.frequency, 1 / LARGEST, LARGEST, true);
     if (!status) status = check_range(j, "trace_asinh", p.trace, -LARGEST, LARGEST, false);
-    if (!status) status = check_range(j, "rotation", p.rotation, -SLACK, 1, false);
+    if (!status && p.rotation != HALF) status = check_range(j, "rotation", p.rotation, -SLACK, 1, false);
     if (!status) status = check_range(j, "reach", p.reach, -LARGEST, LARGEST, false);
     if (!status) status = check_range(j, "approach", p.approach, -LARGEST, LARGEST, false);
     if (!status) status = check_range(j, "residual", p.residual, 0, 1, true);
@@ -208,7 +218,7 @@ static ric_status check_references(judge *j, const ric_atlas *atlas)
     ric_status status = met ? RIC_OK : ric_store_fail_memory();
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         const ric_branch *b = &atlas->branches[k].row;
-        *j = (judge){j->path, j->model, j->fastest, "branch", b->id, -1};
+        *j = (judge){j->path, j->model, j->fastest, j->longest, "branch", b->id, -1};
         status = check_named(j, atlas, b, b->from, "from_junction", met, last);
         if (!status) status = check_named(j, atlas, b, b->to, "to_junction", met, last);
         j->table = "branch_junction";
@@ -218,7 +228,7 @@ static ric_status check_references(judge *j, const ric_atlas *atlas)
         }
     }
     for (int k = 0; !status && k < atlas->n_junction; k++) {
-        *j = (judge){j->path, j->model, j->fastest, "junction_branch", k + 1, -1};
+        *j = (judge){j->path, j->model, j->fastest, j->longest, "junction_branch", k + 1, -1};
         if (met[k] != atlas->junctions[k].row.n_branch)
             status = refuse(j, "branch", "a branch is listed that neither ends here nor passes");
     }
@@ -229,7 +239,10 @@ static ric_status check_references(judge *j, const ric_atlas *atlas)
 ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas)
 {
     judge j = {.path = path, .model = ric_atlas_model(atlas), .sub = -1};
+    double energy[2], frequency[2];
     ric_status status = RIC_OK;
+    ric_region_window(ric_study_options(atlas->study), energy, frequency);
+    j.longest = BEYOND * TWO_PI / frequency[0];
     for (int i = 0; i < j.model->n_dof; i++)
         if (j.model->seen[i]) j.fastest = fmax(j.fastest, j.model->frequency[i]);
     for (int k = 0; !status && k < atlas->n_branch; k++) {

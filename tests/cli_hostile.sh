@@ -169,6 +169,40 @@ through() { # a link to an atlas is the atlas
 }
 ok 'a link to an atlas stands for it' through
 
+slow() { # an orbit that agrees with itself and lasts longer than the windows of its study is refused, and not integrated
+    cat >"$folder/s.yaml" <<'EOF'
+model:
+  mass: [[2, 0], [0, 1]]
+  stiffness: [[9, -1], [-1, 1]]
+  contacts: [{normal: [-1, 1], law: power, exponent: 3, stiffness: 2}]
+explore: {energy: [0, 6], frequency: [0.3, 8], multiply: 1, depth: 0, step: 0.3}
+EOF
+    "$ricochet" run "$folder/s.yaml" -o "$folder/s.ricochet" >/dev/null || return 1
+    python3 -c 'import sqlite3, struct, sys
+db = sqlite3.connect(sys.argv[1])
+for row in db.execute("SELECT branch, point, frequency, flights FROM point").fetchall():
+    times = struct.unpack(f"<{len(row[3]) // 8}d", row[3])
+    db.execute("UPDATE point SET frequency = ?, flights = ? WHERE branch = ? AND point = ?",
+               [row[2] / 1e4, struct.pack(f"<{len(times)}d", *(1e4 * t for t in times)), *row[:2]])
+db.commit()' "$folder/s.ricochet"
+    tools/attack/atlas_digest.py "$folder/s.ricochet"
+    timeout 20 "$ricochet" verify "$folder/s.ricochet" --all >"$folder-out" 2>&1
+    [ $? = 1 ] && cat "$folder-out" && grep -q 'flights: a period of .* s, where the windows of the study end at 20.944 s' "$folder-out"
+}
+ok 'orbits beyond the windows of the study are refused' slow
+
+half() { # atlases of before have a rotation of -1/2 where a multiplier is exactly -1; others below zero there are none
+    cp "$atlas" "$folder/r.ricochet"
+    sql "$folder/r.ricochet" "UPDATE point SET rotation = $1 WHERE branch = 2 AND point = 1" >/dev/null
+    tools/attack/atlas_digest.py "$folder/r.ricochet" && "$ricochet" branches "$folder/r.ricochet" >"$folder-out" 2>&1
+    local code=$?
+    tail -1 "$folder-out"
+    [ $code = "$2" ]
+}
+ok 'a rotation of -1/2 is read' half -0.5 0
+ok 'a rotation of -0.4 is refused' half -0.4 1
+rm -f "$folder"/s.* "$folder"/r.*
+
 # The short form of tools/attack/craft.py: fields of every table replaced by hostile values. More under the sanitizers: 10,000, some hours.
 ok 'a hundred atlases with hostile values end in answers or messages' tools/attack/craft.py --program "$ricochet" --count 100 --seed 7 --short
 
