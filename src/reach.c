@@ -199,6 +199,13 @@ static void search_flight(search *q, sample first, sample last)
     }
 }
 
+/* Whether the bounds bound anything: numbers that overflow decide no interval, and all of them would be halved. */
+static bool is_bounded(const search *q, sample l, sample r)
+{
+    double sum = fabs(l.s) + fabs(r.s) + q->tau * (fabs(l.ds) + fabs(r.ds)) + q->D4 * pow(q->tau, 4);
+    return isfinite(sum);
+}
+
 static void search_contact(search *q)
 {
     const ric_chain *c = q->chain;
@@ -218,6 +225,10 @@ static void search_contact(search *q)
         double third = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega * omega : 0;
         q->D3 += third;
         q->D4 += third * omega;
+    }
+    if (!is_bounded(q, l, r)) {
+        q->best = HUGE_VAL;
+        return;
     }
     int f0 = c->face[k], f1 = c->face[k + 1];
     q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
@@ -288,6 +299,7 @@ static void search_all(search *q, const double *u)
     q->end = ends + 2 * q->n;
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
+        if (isnan(q->tau)) q->best = HUGE_VAL;
         if (!(q->tau > 0) || (q->chain->model->springs && q->tau < NO_TIME)) continue;
         if (!enter_flight(q)) {
             q->best = HUGE_VAL;

@@ -22,8 +22,9 @@
 #define CANCEL 1e-12
 /* Largest phase of a mode in one period, ten times what a run admits in its window. */
 #define PHASE 1e8
-/* Longest period, of the longest in the windows of the study and its regions, where branches end: a border is met to
- * rounding, and this allows for more than a step beyond. What takes longer would be integrated for as long. */
+/* Longest period, of the longest in the windows of the study and its regions, where branches end, and of the linear
+ * modes, which are listed wherever they lie: a border is met to rounding, and this allows for more than a step beyond.
+ * What takes longer would be integrated for as long. */
 #define BEYOND 2
 /* Where a multiplier lies exactly at -1 older files have a rotation of minus a half. */
 #define HALF -0.5
@@ -104,7 +105,7 @@ static ric_status check_flights(const judge *j, int n, const double *flights, do
     if (fabs(sum - period) > AGREE * period)
         return refuse(j, "flights", "together %.6g s where the period is %.6g s", sum, period);
     if (period > j->longest)
-        return refuse(j, "flights", "a period of %.6g s, where the windows of the study end at %.6g s", period,
+        return refuse(j, "flights", "a period of %.6g s, where the windows and the modes of the study end at %.6g s", period,
                       j->longest / BEYOND);
     if (j->fastest * period > PHASE)
         return refuse(j, "flights", "the fastest mode turns %.3g times in a period", j->fastest * period / TWO_PI);
@@ -242,9 +243,11 @@ ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas)
     double energy[2], frequency[2];
     ric_status status = RIC_OK;
     ric_region_window(ric_study_options(atlas->study), energy, frequency);
-    j.longest = BEYOND * TWO_PI / frequency[0];
-    for (int i = 0; i < j.model->n_dof; i++)
+    for (int i = 0; i < j.model->n_dof; i++) {
         if (j.model->seen[i]) j.fastest = fmax(j.fastest, j.model->frequency[i]);
+        if (j.model->frequency[i] > 0) frequency[0] = fmin(frequency[0], j.model->frequency[i]);
+    }
+    j.longest = BEYOND * TWO_PI / frequency[0];
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         const ric_branch_record *record = &atlas->branches[k];
         j.row = k + 1;

@@ -187,9 +187,17 @@ for row in db.execute("SELECT branch, point, frequency, flights FROM point").fet
 db.commit()' "$folder/s.ricochet"
     tools/attack/atlas_digest.py "$folder/s.ricochet"
     timeout 20 "$ricochet" verify "$folder/s.ricochet" --all >"$folder-out" 2>&1
-    [ $? = 1 ] && cat "$folder-out" && grep -q 'flights: a period of .* s, where the windows of the study end at 20.944 s' "$folder-out"
+    [ $? = 1 ] && cat "$folder-out" && grep -q 'flights: a period of .* s, where the windows and the modes of the study end at 20.944 s' "$folder-out"
 }
 ok 'orbits beyond the windows of the study are refused' slow
+
+outside() { # linear modes are listed wherever they lie
+    sed -e 's/law: power.*/clearance: 1, sides: both, law: rigid}]/' -e 's/\[0.3, 8\]/[2.9, 8]/' "$folder/s.yaml" >"$folder/r.yaml"
+    rm -f "$folder/s.ricochet"
+    "$ricochet" run "$folder/r.yaml" -o "$folder/s.ricochet" >/dev/null &&
+        "$ricochet" points "$folder/s.ricochet" --branch 1 | grep -q ' 0\.928'
+}
+ok 'linear modes beyond the windows are read' outside
 
 half() { # atlases of before have a rotation of -1/2 where a multiplier is exactly -1; others below zero there are none
     cp "$atlas" "$folder/r.ricochet"

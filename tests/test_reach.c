@@ -285,6 +285,34 @@ static void long_flight(void **state)
     ric_model_free(m);
 }
 
+/* What is no number, or too large for one, reaches beyond everything, at once. */
+static void no_numbers(void **state)
+{
+    (void)state;
+    const double hostile[] = {NAN, INFINITY, -INFINITY, 1e300, 1e200};
+    double M[] = {1, 0, 0, 1}, K[] = {1, 0, 0, 39.4}, normal[] = {1, 1};
+    ric_contact contact = {.normal = normal, .clearance = 1};
+    ric_model *m = NULL;
+    int faces[2] = {-1, 0};
+    assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &m), RIC_OK);
+    ric_chain *chain = NULL;
+    assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
+    for (int i = 0; i < 3; i++)
+        for (size_t k = 0; k < sizeof hostile / sizeof *hostile; k++) {
+            double u[3] = {0.31, 0.69, 2};
+            ric_touch list[4];
+            u[i] = hostile[k];
+            ric_chain_fly(chain, u);
+            double reach = ric_reach(chain, u, NULL);
+            bool none = i == 2 && u[2] < 0; /* a flight that takes no time meets nothing */
+            print_message("u[%d] = %g: %g\n", i, u[i], reach);
+            assert_true(none ? reach == 0 : reach > 1e100);
+            ric_reach_all(chain, u, 1 - 1e-12, 4, list);
+        }
+    ric_chain_free(chain);
+    ric_model_free(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +320,7 @@ int main(void)
         cmocka_unit_test(touches_at_one),
         cmocka_unit_test(linear_grazing),
         cmocka_unit_test(long_flight),
+        cmocka_unit_test(no_numbers),
     };
     return cmocka_run_group_tests_name("reach", tests, NULL, NULL);
 }
