@@ -18,7 +18,9 @@
                          * (a bound: the error is a tenth) */
 #define NARROWEST 1e-10  /* of the size: shorter branches are none */
 #define STRAIGHT 0.2     /* part of its ends by which a function may be off a straight line that passes zero */
-#define AT_ROOT 1e-4     /* distance of lambda + 1/lambda from the root of unity of a multiplication */
+#define AT_ROOT 1e-6     /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
+#define NEAR_ROOT 1e-4   /* the same with an error that is larger: farther away there is none */
+#define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 #define UNDECIDED (-1)
 #define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding /
@@ -40,6 +42,7 @@ typedef struct {
     const ric_asked *asked;
     bool last;     /* from a canonical orbit: what is found is kept */
     double noise;  /* rounding in the determinant of the larger problem, beside its zero */
+    double aside;  /* imaginary part of the pair nearest to that of a multiplication */
     double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
 } criterion;
 
@@ -82,15 +85,18 @@ static double larger_determinant(criterion *q, const double *u)
 }
 
 /* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the
- * period is its square, that of the period only touches -2. */
+ * period is its square, that of the period only touches -2. q->aside: its imaginary part. */
 static double off_rotation(criterion *q)
 {
     const ric_chain *c = q->chain;
+    q->aside = HUGE_VAL;
     if (ric_floquet_compute(c, &q->floquet)) return NAN;
     double nearest = HUGE_VAL, target = ric_problem_rho(ric_chain_halves(c), q->rotation[0], q->rotation[1]);
     for (int i = 0; i < q->floquet.n_pair; i++) {
-        double off = q->floquet.own[2 * i] - target;
-        if (fabs(off) < fabs(nearest)) nearest = off;
+        double off = q->floquet.own[2 * i] - target, aside = fabs(q->floquet.own[2 * i + 1]);
+        if (!(hypot(off, aside) < hypot(nearest, q->aside))) continue;
+        nearest = off;
+        q->aside = aside;
     }
     return nearest;
 }
@@ -173,6 +179,51 @@ static bool stands_out(criterion *q, const double *u)
     return found;
 }
 
+/* Error of lambda + 1/lambda at u: of the map, and of the orbit, which is known to rounding, by the slope along the
+ * curve. */
+static double root_error(const criterion *q, double slope)
+{
+    const ric_chain *c = q->chain;
+    return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_trace_tolerance(c) * c->scale;
+}
+
+/* The determinant of the larger problem holds a stiff spring that closes for a short time to rounding times its
+ * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far from
+ * it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved if it
+ * comes nearer. False: it is known that no multiplier has the root. */
+static bool solve_root(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
+    ric_chain_evaluate(c, u);
+    double f0 = off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
+    if (!isfinite(least) || least <= AT_ROOT + error) return true; /* lost, or there */
+    ric_trace_tangent(c, NULL, normal);
+    memcpy(origin, u, sizeof origin);
+    memcpy(best, u, sizeof best);
+    for (int i = 0; i < 20 && fabs(x1) <= AT_ZERO * c->scale; i++) {
+        for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
+        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) break;
+        double f1 = off_rotation(q), distance = hypot(f1, q->aside);
+        if (!isfinite(distance)) break;
+        if (distance < least) {
+            least = distance;
+            memcpy(best, u, sizeof best);
+            error = root_error(q, (f1 - f0) / (x1 - x0));
+        }
+        double next = x1 - f1 * (x1 - x0) / (f1 - f0);
+        if (least <= q->floquet.error || next == x1) break;
+        if (fabs(f1 - f0) < 4 * q->floquet.error) next = 10 * x1; /* nothing but rounding yet */
+        x0 = x1;
+        f0 = f1;
+        x1 = next;
+    }
+    memcpy(u, best, sizeof best);
+    ric_chain_evaluate(c, u);
+    return least <= fmin(NEAR_ROOT, AT_ROOT + error);
+}
+
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
 static bool solve_criterion(criterion *q, double *u)
 {
@@ -214,12 +265,13 @@ static bool solve_criterion(criterion *q, double *u)
     if (q->test == RIC_TEST_ASKED) return least <= MET;
     bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
                           (q->test == RIC_TEST_ROTATION && c->start != RIC_MIRROR_NONE);
-    if (q->test == RIC_TEST_ROTATION && !by_determinant) return least <= AT_ROOT;
+    if (q->test == RIC_TEST_ROTATION && !by_determinant) return solve_root(q, u);
     if (!by_determinant) return true;
     bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     if (!(least <= AT_ZERO * c->scale * slope)) return false;
-    return !q->last || c->model->smooth || stands_out(q, best);
+    if (q->last && !c->model->smooth && !stands_out(q, best)) return false;
+    return !q->last || q->test != RIC_TEST_ROTATION || solve_root(q, u);
 }
 
 /* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is

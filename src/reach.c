@@ -290,6 +290,24 @@ static void choose_faces(search *q, int first)
         }
 }
 
+/* At rest in the middle of a contact, or of a gap between two, that lasts no time the gaps of all others are stationary,
+ * and neither flight beside it has that point inside. */
+static void search_rest(search *q)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    int k = q->flight, last = c->n_flight - 1;
+    bool first = k == 0 && c->start == RIC_MIRROR_REST;
+    if (!ric_chain_touches(c, k) || fabs(q->tau) >= NO_TIME) return;
+    if (!first && (k != last || c->end != RIC_MIRROR_REST)) return;
+    int own = m->face[c->face[first ? 1 : k]].contact;
+    for (int f = 0; f < m->n_face; f += m->face[f].mirror >= 0 ? 2 : 1) {
+        choose_faces(q, f);
+        double s = ric_dot(q->n, m->g + q->contact * q->n, c->w + 2 * q->n * (first ? 0 : k + 1));
+        if (q->contact != own) offer(q, first ? 0 : q->tau, s, (s > 0) != q->closed ? 1 : -1, false);
+    }
+}
+
 static void search_all(search *q, const double *u)
 {
     const ric_chain *c = q->chain;
@@ -300,7 +318,8 @@ static void search_all(search *q, const double *u)
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
         if (isnan(q->tau)) q->best = HUGE_VAL;
-        if (!(q->tau > 0) || (q->chain->model->springs && q->tau < NO_TIME)) continue;
+        if (m->springs) search_rest(q);
+        if (!(q->tau > 0) || (m->springs && q->tau < NO_TIME)) continue;
         if (!enter_flight(q)) {
             q->best = HUGE_VAL;
             continue;

@@ -7,8 +7,10 @@
 #include "explored.h"
 
 #include "model.h"
+#include "floquet.h"
 #include "flight.h"
 #include "phase.h"
+#include "problem.h"
 #include "simulate.h"
 #include "sample.h"
 
@@ -401,13 +403,81 @@ static void one_sided(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Where two contacts become one the rest between them lasts no time. What another gap reaches there is not lost. */
+static void reach_of_a_short_rest(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[0.84375, -0.171875, 0.046875], [-0.171875, 0.90625, -0.21875], "
+        "[0.046875, -0.21875, 1.453125]]\n"
+        "  stiffness: [[9.125, 1.875, -5.875], [1.875, 7.125, 0.125], [-5.875, 0.125, 5.375]]\n  contacts:\n"
+        "    - {normal: [0, 1, 0], clearance: 1.19, sides: both, law: rigid}\n"
+        "    - {normal: [-1, 1, 0], clearance: 0.819, sides: lower, law: bilinear, stiffness: 31.73}\n"
+        "explore: {energy: [0, 8.876], frequency: [0.157, 11.89], impacts: 6, multiply: 1, depth: 2}\n");
+    int close = 0; /* points this near follow the start of a branch only */
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        for (int i = 0, n = branch_of(atlas, id).n_point; i + 1 < n; i++) {
+            ric_point p[2];
+            for (int j = 0; j < 2; j++) assert_int_equal(ric_atlas_point(atlas, id, i + j, &p[j], NULL, NULL), RIC_OK);
+            if (!(fabs(p[1].arclength - p[0].arclength) < 1e-4) || !(p[0].reach < 0.9)) continue;
+            assert_true(fabs(p[1].reach - p[0].reach) < 1e-3);
+            close++;
+        }
+    assert_true(close >= 2);
+    ric_atlas_free(atlas);
+}
+
+/* lambda + 1/lambda nearest to that of the multiplication, whose place it is, minus it. */
+static double off_root(const ric_model *m, const ric_node *node)
+{
+    ric_chain *chain = NULL;
+    ric_floquet floquet;
+    double *u = NULL, off = HUGE_VAL;
+    assert_int_equal(ric_cycle_to_chain(m, node->cycle, &chain, &u), RIC_OK);
+    assert_int_equal(ric_floquet_create(chain->n, &floquet), RIC_OK);
+    ric_chain_fly(chain, u);
+    assert_int_equal(ric_floquet_compute(chain, &floquet), RIC_OK);
+    double rho = ric_problem_rho(ric_chain_halves(chain), node->rotation[0], node->rotation[1]);
+    for (int i = 0; i < floquet.n_pair; i++)
+        off = fmin(off, hypot(floquet.own[2 * i] - rho, floquet.own[2 * i + 1]));
+    ric_floquet_release(&floquet);
+    ric_chain_free(chain);
+    free(u);
+    return off;
+}
+
+/* A stiff spring that is hardly touched: its multipliers run through all they can while the contact grows by 1e-6. */
+static void doubling_of_a_touch(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    ric_graph *graph = NULL;
+    int count = 0;
+    assert_int_equal(
+        ric_study_parse("model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 3]]\n  contacts:\n"
+                        "    - {normal: [-1, 1], clearance: 11.4, sides: upper, law: bilinear, stiffness: 1487000}\n"
+                        "explore: {energy: [0, 4.236], frequency: [0.2828, 5.196], impacts: 5, multiply: 2, depth: 1}"
+                        "\n", "test", ".", &study), RIC_OK);
+    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+    assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+    for (int i = 0; i < graph->n_node; i++)
+        if (graph->nodes[i]->kind == RIC_KIND_MULTIPLICATION && graph->nodes[i]->multiple == 2) {
+            assert_true(off_root(graph->model, graph->nodes[i]) < 1e-6);
+            count++;
+        }
+    assert_true(count > 0);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(flights),  cmocka_unit_test(deviations), cmocka_unit_test(energies),
         cmocka_unit_test(chords),   cmocka_unit_test(sets),       cmocka_unit_test(accelerations),
         cmocka_unit_test(one_mass), cmocka_unit_test(starts),     cmocka_unit_test(replay),
-        cmocka_unit_test(one_sided),
+        cmocka_unit_test(one_sided), cmocka_unit_test(reach_of_a_short_rest),
+        cmocka_unit_test(doubling_of_a_touch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
