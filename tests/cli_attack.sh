@@ -8,7 +8,14 @@ if ! tools/attack/attack --help >/dev/null 2>&1; then
     exit 77
 fi
 ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet"
-for kind in rigid bilinear; do
-    ok "20 $kind structures from seed 1 on" tools/attack/attack --program "$ricochet" -n 20 --seed 1 --kind $kind --small --points 30
-done
+# Kind, first seed, points besides the ends of branches.
+while read -r kind seed points; do
+    ok "15 structures, $kind, from seed $seed on" \
+        tools/attack/attack --program "$ricochet" -n 15 --seed "$seed" --kind "$kind" --small --points "$points"
+done <<'END'
+rigid 1 30
+bilinear 1 30
+mixed 18 30
+power 19 10
+END
 finish

@@ -8,6 +8,7 @@ import argparse
 import collections
 import json
 import multiprocessing
+import resource
 import signal
 import subprocess
 import sys
@@ -39,6 +40,12 @@ def call(command, limit):
         return None, ""
 
 
+def _processor():
+    """Seconds of processor time so far, of this process and of the programs it has run."""
+    use = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return [u.ru_utime + u.ru_stime for u in use]
+
+
 def one(task):
     """Everything about one seed, as a dictionary that goes into the log."""
     seed, o = task
@@ -49,7 +56,7 @@ def one(task):
         path, atlas = os.path.join(folder, "study.yaml"), os.path.join(folder, "atlas.ricochet")
         with open(path, "w", encoding="utf-8") as file:
             json.dump(study, file, indent=1)
-        begin = time.time()
+        begin, before = time.time(), _processor()
         try:
             signal.alarm(o["limit"] * 4)
             _run(out, o, study, path, atlas, folder)
@@ -60,6 +67,7 @@ def one(task):
         finally:
             signal.alarm(0)
         out["seconds"] = round(time.time() - begin, 2)
+        out["judge"], out["program"] = (round(b - a, 3) for a, b in zip(before, _processor()))
     if out["findings"] and o["folder"]:
         os.makedirs(o["folder"], exist_ok=True)
         with open(os.path.join(o["folder"], f"{seed}.yaml"), "w", encoding="utf-8") as file:
@@ -101,7 +109,8 @@ def parse():
     p.add_argument("--kind", choices=structures.KINDS, help="one kind only; otherwise all four in turn")
     p.add_argument("-j", type=int, default=1, help="workers")
     p.add_argument("--limit", type=int, default=60, help="seconds for the run of one structure")
-    p.add_argument("--points", type=int, default=400, help="stored points per structure that are judged, about")
+    p.add_argument("--points", type=int, default=400, help="points per structure that are judged besides the ends of branches")
+    p.add_argument("--least", type=int, default=0, help="structures of each kind that have to be judged, neither refused nor skipped")
     p.add_argument("--small", action="store_true", help="smaller budgets")
     p.add_argument("--verify", action="store_true", help="`ricochet verify` has to pass, too")
     p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")
@@ -129,18 +138,28 @@ def table(results):
         row["structures"] += 1
         row["refused"] += "refused" in r
         row["skipped"] += "skipped" in r
+        row["judged"] += "refused" not in r and "skipped" not in r
+        row["flags confirmed"] += r["counts"].get("flags confirmed", 0) + r["counts"].get("flags confirmed finely", 0)
+        row["not confirmed"] += r["counts"].get("flags not confirmed", 0)
+        row["undecided"] += r["counts"].get("flags undecided", 0)
+        row["multipliers"] += r["counts"].get("multipliers", 0)
+        total["s of processor time, program"] += r["program"]
+        total["s of processor time, judge"] += r["judge"]
         row["with findings"] += bool(r["findings"])
         row["orbits"] += r["counts"].get("orbits", 0)
         total.update(r["counts"])
         for f in r["findings"]:
             total["finding: " + f["kind"]] += 1
         total["differences that are named"] += len(r["named"])
-    columns = ("structures", "refused", "skipped", "orbits", "with findings")
-    print("kind      " + "".join(f"{c:>15}" for c in columns))
-    for kind, row in sorted(kinds.items()):
-        print(f"{kind:10}" + "".join(f"{row[c]:15}" for c in columns))
     for name, value in sorted(total.items()):
-        print(f"{value:10} {name}")
+        print(f"{value:10.0f} {name}")
+    columns = ("structures", "refused", "skipped", "judged", "orbits", "flags confirmed", "not confirmed", "undecided",
+               "multipliers", "with findings")
+    print("kind      " + "".join(f"{c:>16}" for c in columns))
+    for kind, row in sorted(kinds.items()):
+        print(f"{kind:10}" + "".join(f"{row[c]:16}" for c in columns))
+    print("all       " + "".join(f"{sum(row[c] for row in kinds.values()):16}" for c in columns))
+    return {kind: row["judged"] for kind, row in kinds.items()}
 
 
 def main():
@@ -161,10 +180,14 @@ def main():
                 log.flush()
             if out["findings"] or not options["quiet"]:
                 show(out)
-    table(results)
+    judged = table(results)
+    asked = [options["kind"]] if options["kind"] else structures.KINDS
+    few = [f"{kind}: {judged.get(kind, 0)}" for kind in asked if judged.get(kind, 0) < options["least"]]
+    if few:
+        print(f"fewer than {options['least']} structures judged of a kind: {', '.join(few)}")
     found = sum(len(r["findings"]) for r in results)
     print(f"{found} findings in {sum(bool(r['findings']) for r in results)} of {count} structures")
-    return 1 if found else 0
+    return 1 if found or few else 0
 
 
 if __name__ == "__main__":

@@ -67,10 +67,8 @@ class Judge:
         self.s = Structure(model)
         self._exact = None
         self.verdict, self.rng = Verdict(), rng or np.random.default_rng(1)
-        total = sum(len(p) for p in atlas.points.values())
-        self.share, self.share_all = max(1, math.ceil(total / budget)), budget // 10**6
+        self.chosen = self._choose(budget)
         self.calls, self.fine_left = multiplier_calls, MP_POINTS
-        self.few = 10 if budget > 100 else 4  # points of a branch under a power law
 
     def exact(self):
         if self._exact is None:
@@ -85,7 +83,7 @@ class Judge:
                 v.find("rows", f"branch {branch['id']}", f"{branch['points']} points said, {len(rows)} there")
             if not rows:
                 continue
-            rows = self._sample(rows)
+            rows = self._sample(branch["id"], rows)
             with np.errstate(all="ignore"):
                 try:
                     if self.s.power:
@@ -101,13 +99,16 @@ class Judge:
             self._junctions()
         return v
 
-    def _sample(self, rows):
-        """Every share-th point from a random one on, both ends and their neighbours."""
-        if self.share == 1:
-            return rows
-        first = int(self.rng.integers(self.share))
-        picked = set(range(first, len(rows), self.share)) | {0, 1, len(rows) - 2, len(rows) - 1}
-        return [rows[i] for i in sorted(picked) if 0 <= i < len(rows)]
+    def _choose(self, budget):
+        """Points that are judged, (branch, point): both ends of every branch, and `budget` drawn by chance from the structure."""
+        places = [(b, i) for b, rows in sorted(self.atlas.points.items()) for i in range(len(rows))]
+        if len(places) > budget:
+            places = [places[i] for i in self.rng.choice(len(places), budget, replace=False)]
+        ends = {(b, i) for b, rows in self.atlas.points.items() for i in (0, len(rows) - 1)}
+        return set(places) | ends
+
+    def _sample(self, branch, rows):
+        return [row for i, row in enumerate(rows) if (branch, i) in self.chosen]
 
     # ---- branches
 
@@ -278,7 +279,6 @@ class Judge:
         rho = self._rho(fine)
         # Beside a branch point an orbit is known to rounding over the distance only: the stored one counts as it is, too.
         coarse = [self._rho(self._shaken(fine, 2e-16)), self._rho(self._shaken(fine, 2e-16)), self._rho(stored)]
-        again = [self._rho(self._shaken(fine, 3e-19)) for _ in range(2)]
         said = self._said(branch, rows)
 
         def redo(i):
@@ -288,15 +288,22 @@ class Judge:
                 return None
             return [self._rho(chain)[0]] + [self._rho(self._shaken(chain, 1e-40))[0] for _ in range(2)]
 
-        self._compare(branch, rows, rho, coarse, again, said, redo)
+        again = []
 
-    def _compare(self, branch, rows, rho, coarse, again, said, redo):
+        def finer(i):
+            if not again:
+                again.extend(self._rho(self._shaken(fine, 3e-19)) for _ in range(2))
+            return [a[i] for a in again]
+
+        self._compare(branch, rows, rho, coarse, finer, said, redo)
+
+    def _compare(self, branch, rows, rho, coarse, finer, said, redo):
         v, n = self.verdict, self.s.n
         for i, row in enumerate(rows):
             where = f"branch {branch['id']} {branch['label']} point {row['point']}"
             blur = [np.abs(c[i] - rho[i]) for c in coarse]
             spread = np.max(blur, axis=0) if n > 1 else np.zeros(0)
-            self._flag(row, where, rho[i], [c[i] for c in coarse], [a[i] for a in again], lambda i=i: redo(i))
+            self._flag(row, where, rho[i], [c[i] for c in coarse], lambda i=i: finer(i), lambda i=i: redo(i))
             if n == 2:
                 if row["trace_asinh"] is None or row["trace"] is None:
                     continue
@@ -368,7 +375,7 @@ class Judge:
         real = np.abs(rho.imag) <= 1e-12 * (1 + np.abs(rho))
         return YES if real.all() and (np.abs(rho.real) < 2).all() else NO
 
-    def _flag(self, row, where, rho, coarse, again, redo):
+    def _flag(self, row, where, rho, coarse, finer, redo):
         v = self.verdict
         said = row["stable"]
         if said == UNDECIDED:
@@ -378,7 +385,7 @@ class Judge:
         if mine == {said}:
             v.counts["flags confirmed"] += 1
             return
-        fine = {self.stable(r) for r in [rho] + again}
+        fine = {self.stable(r) for r in [rho] + finer()}
         if len(fine) == 1 and None not in fine:
             if fine == {said}:
                 v.counts["flags confirmed finely"] += 1
@@ -412,9 +419,6 @@ class Judge:
         s, v = self.s, self.verdict
         self._numbers(branch, rows)
         name = f"branch {branch['id']} {branch['label']}"
-        if len(rows) > self.few and self.share_all < len(rows):
-            keep = sorted({0, len(rows) - 1} | set(int(i) for i in self.rng.choice(len(rows), self.few - 2, replace=False)))
-            rows = [rows[i] for i in keep]
         states = np.stack([floats(r["state"]) for r in rows])
         u0, v0, lost = s.from_stored(states)
         if np.abs(ar.double(u0)).max() + np.abs(ar.double(v0)).max() < 1e-9 * lost:
@@ -423,17 +427,8 @@ class Judge:
         v.counts["orbits"] += len(rows)
         T0 = np.array([float(floats(r["flights"]).sum()) for r in rows]).astype(ar.LONG) * s.omega_ref
         energies = ar.double(s.raw_energy(states, frozenset()))
-        u, w, T, X, start, moved, left = smooth.polish(s, u0, v0, T0)
-        if s.n > 1:
-            rho, coarse = self._power_rho(u, w, X), []
-            again = []
-            for size, out in ((2e-16, coarse), (3e-19, again)):
-                scale = np.abs(ar.double(u)).max(axis=1)[:, None], np.abs(ar.double(w)).max(axis=1)[:, None]
-                shaken = [x + self.rng.choice([-1.0, 1.0], x.shape) * size * z for x, z in zip((u, w), scale)]
-                out.append(self._power_rho(*shaken, smooth.integrate(s, *shaken, T)[2]))
+        u, w, T, X, start, moved, left, drift = smooth.polish(s, u0, v0, T0)
         growth = np.abs(ar.double(X)).max(axis=(1, 2))
-        a, b, _ = smooth.integrate(s, u, w, T, neighbours=False)
-        drift = np.abs(ar.double(smooth.energy(s, a, b) / smooth.energy(s, u, w) - 1))
         if drift.max() > 1e-15:
             v.counts["not replayed"] += len(rows)  # the judge's own series are not good enough
             return
@@ -456,7 +451,24 @@ class Judge:
             for i in np.nonzero(off > SIMILAR)[0]:
                 v.find("reversible", f"{name} point {rows[i]['point']}", f"said to start at a mirror point, {off[i]:.1e} off")
         if s.n > 1:
-            self._compare(branch, rows, rho, coarse, again, self._said(branch, rows), lambda i: None)
+            self._power_multipliers(branch, rows, u, w, T, X)
+
+    def _power_multipliers(self, branch, rows, u, w, T, X):
+        again = []
+
+        def finer(i):
+            if not again:
+                again.append(self._power_shaken(u, w, T, 3e-19))
+            return [again[0][i]]
+
+        self._compare(branch, rows, self._power_rho(u, w, X), [self._power_shaken(u, w, T, 2e-16)], finer,
+                      self._said(branch, rows), lambda i: None)
+
+    def _power_shaken(self, u, w, T, size):
+        """Pairs of orbits that are so far away, relative."""
+        scales = [np.abs(ar.double(x)).max(axis=1)[:, None] for x in (u, w)]
+        shaken = [x + self.rng.choice([-1.0, 1.0], x.shape) * size * z for x, z in zip((u, w), scales)]
+        return self._power_rho(*shaken, smooth.integrate(self.s, *shaken, T)[2])
 
     def _power_rho(self, u, w, X):
         a = smooth.acceleration(self.s, u)

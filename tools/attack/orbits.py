@@ -160,21 +160,20 @@ def reduced(chain, X):
 
 
 def section_map(flow, gradient, X, exact):
-    size = flow.shape[1]
-    out = []
-    for p in range(len(flow)):
-        q, _ = np.linalg.qr(np.stack([ar.double(flow[p]), ar.double(gradient[p])] + list(np.eye(size)), axis=1))
-        basis = [flow[p], gradient[p]] + [ar.array(q[:, j], exact) for j in range(2, size)]
-        for i in range(size):
-            b = basis[i]
-            for _ in range(2):
-                for j in range(i):
-                    b = b - basis[j] * (basis[j] @ b)
-                b = b / ar.sqrt(np.array([b @ b]))[0]
-            basis[i] = b
-        q = np.stack(basis[2:], axis=1) if size > 2 else ar.zeros((size, 0), exact)
-        out.append(q.T @ X[p] @ q)
-    return np.stack(out)
+    """X on what is perpendicular to flow and gradient [P, m]: bases from doubles, made orthonormal again in their own digits."""
+    P, size = flow.shape
+    start = np.stack([ar.double(flow), ar.double(gradient)], axis=2)
+    q, _ = np.linalg.qr(np.concatenate([start, np.broadcast_to(np.eye(size), (P, size, size))], axis=2))
+    basis = [flow, gradient] + [ar.array(q[:, :, j], exact) for j in range(2, size)]
+    for i in range(size):
+        b = basis[i]
+        for _ in range(2):
+            for j in range(i):
+                b = b - basis[j] * ar.dot(basis[j], b)[:, None]
+            b = b / ar.sqrt(ar.dot(b, b))[:, None]
+        basis[i] = b
+    q = np.stack(basis[2:], axis=2) if size > 2 else ar.zeros((P, size, 0), exact)
+    return q.transpose(0, 2, 1) @ X @ q
 
 
 def pair_polynomial(R):
@@ -208,16 +207,14 @@ def pairs(R):
     """rho = lambda + 1/lambda of all pairs, [P, n-1] complex doubles, sorted; polished in the digits of R."""
     polynomial = pair_polynomial(R)
     P, h = len(R), R.shape[1] // 2
-    out = np.zeros((P, h), dtype=complex if h > 1 else float)
-    for p in range(P):
-        c = polynomial[p]
-        if h == 0:
-            continue
-        if h == 1:
-            out[p, 0] = _beside_two(-c[1] / c[0]) if ar.exact_of(c) else float(-c[1] / c[0])
-            continue
-        out[p] = roots(c)
-    return out
+    if h == 0:
+        return np.zeros((P, 0))
+    if h == 1:
+        ratio = -polynomial[:, 1] / polynomial[:, 0]
+        return np.array([[_beside_two(x) if ar.exact_of(polynomial) else float(x)] for x in ratio])
+    if ar.exact_of(polynomial):
+        return np.array([_exact_roots(c) for c in polynomial])
+    return _long_roots(polynomial)
 
 
 def _beside_two(x):
@@ -228,21 +225,29 @@ def _beside_two(x):
     return near
 
 
-def roots(c):
-    if c.dtype == object:
-        try:
-            z = mpmath.polyroots(list(c), maxsteps=400, extraprec=400)
-            return np.array(sorted((complex(_beside_two(x.real), x.imag) for x in z), key=lambda x: (x.real, x.imag)))
-        except (mpmath.libmp.NoConvergence, ZeroDivisionError):
-            return np.full(len(c) - 1, np.nan + 0j)
-    if not np.isfinite(ar.double(c)).all():
+def _exact_roots(c):
+    try:
+        z = mpmath.polyroots(list(c), maxsteps=400, extraprec=400)
+        return np.array(sorted((complex(_beside_two(x.real), x.imag) for x in z), key=lambda x: (x.real, x.imag)))
+    except (mpmath.libmp.NoConvergence, ZeroDivisionError):
         return np.full(len(c) - 1, np.nan + 0j)
+
+
+def _long_roots(c):
+    """Roots of the monic polynomials [P, h + 1]: eigenvalues of companion matrices, then Newton's method in long doubles."""
+    P, h = c.shape[0], c.shape[1] - 1
+    sound = np.isfinite(ar.double(c)).all(axis=1)
+    companion = np.zeros((P, h, h))
+    companion[:, range(1, h), range(h - 1)] = 1
+    companion[sound, 0, :] = -ar.double(c[sound, 1:])
     with np.errstate(all="ignore"):
-        z = np.roots(ar.double(c)).astype(np.clongdouble)
+        z = np.linalg.eigvals(companion).astype(np.clongdouble)
         for _ in range(4):
-            value, slope = np.clongdouble(0), np.clongdouble(0)
-            for a in c:
-                slope, value = slope * z + value, value * z + a
+            value, slope = z * 0, z * 0
+            for k in range(h + 1):
+                slope, value = slope * z + value, value * z + c[:, k:k + 1]
             step = np.where(slope != 0, value / np.where(slope == 0, 1, slope), 0)
             z = np.where(np.abs(step) < 0.1 * np.abs(z) + 1e-9, z - step, z)
-    return np.array(sorted((complex(x) for x in z), key=lambda x: (x.real, x.imag)))
+    out = np.sort_complex(z.astype(complex))
+    out[~sound] = np.nan
+    return out

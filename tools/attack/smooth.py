@@ -5,6 +5,7 @@ import arithmetic as ar
 
 ORDER = 30
 STEPS = 4000
+SOLVED = 1e-15  # of a closure, relative: another Newton step would not better it by what a double shows
 
 
 class _Power:
@@ -136,7 +137,8 @@ def energy(structure, u, v):
 
 
 def polish(structure, u, v, T, rounds=2, cut=1e-10):
-    """The nearest periodic orbits, their matrices, what the closure lacked at the start (relative) and how far they are."""
+    """The nearest periodic orbits, their matrices, what the closure lacked at the start (relative) how far they are,
+    what the closure lacks at the end, and what one period changes in their energy."""
     n, first = structure.n, None
     start = np.concatenate([u, v, T[:, None]], axis=1)
     for _ in range(rounds + 1):
@@ -147,7 +149,7 @@ def polish(structure, u, v, T, rounds=2, cut=1e-10):
         gap = ar.double(np.concatenate([a - u, b - v], axis=1)) / weight
         if first is None:
             first = np.abs(gap).max(axis=1)
-        if _ == rounds:
+        if _ == rounds or (_ > 0 and np.abs(gap).max() < SOLVED):
             break
         rate = np.concatenate([b, acceleration(structure, a)], axis=1)
         J = np.concatenate([ar.double(X) - np.eye(2 * n), ar.double(rate)[:, :, None]], axis=2)
@@ -158,4 +160,5 @@ def polish(structure, u, v, T, rounds=2, cut=1e-10):
         step = -np.einsum("pji,pj->pi", Vt, inverse * np.einsum("pji,pj->pi", U, gap)) * unknowns
         u, v, T = u + step[:, :n], v + step[:, n:2 * n], T + step[:, 2 * n]
     moved = ar.double(np.concatenate([u, v, T[:, None]], axis=1) - start) / np.concatenate([weight, ar.double(T)[:, None]], axis=1)
-    return u, v, T, X, first, np.abs(moved).max(axis=1), np.abs(gap).max(axis=1)
+    drift = np.abs(ar.double(energy(structure, a, b) / energy(structure, u, v) - 1))
+    return u, v, T, X, first, np.abs(moved).max(axis=1), np.abs(gap).max(axis=1), drift
