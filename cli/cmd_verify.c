@@ -17,9 +17,13 @@
 
 enum { SAMPLE = 5, MOST_WORKERS = 256 };
 
+typedef enum { OF_POINT, OF_BRANCH, OF_JUNCTION } subject;
+static const char *const subject_text[] = {"point", "branch", "junction"};
+
 typedef struct {
+    subject of;
     bool done;
-    ric_check check;
+    ric_check check;            /* of a junction: its id is the point */
     ric_claims claims;
 } result;
 
@@ -39,7 +43,7 @@ typedef struct {
 
 /* --------------------------------------------------------------- what to do */
 
-static ric_status add_point(audit *a, int branch, int point)
+static ric_status add(audit *a, subject of, int branch, int point)
 {
     if (a->n == a->room) {
         int room = a->room ? 2 * a->room : 1024;
@@ -48,7 +52,9 @@ static ric_status add_point(audit *a, int branch, int point)
         a->results = more;
         a->room = room;
     }
-    a->results[a->n++] = (result){.check = {.branch = branch, .point = point}};
+    a->results[a->n++] = (result){.of = of, .check = {.branch = branch, .point = point, .flight_error = NAN,
+                                                       .return_error = NAN, .condition = NAN, .energy_error = NAN,
+                                                       .faces_agree = true, .passed = true}};
     return RIC_OK;
 }
 
@@ -86,15 +92,16 @@ static ric_status add_branch(audit *a, int id, long point)
         ric_point stored;
         status = ric_atlas_point(a->atlas, id, (int)point, &stored, NULL, NULL);
         a->branches = 1;
-        return status ? status : add_point(a, id, (int)point);
+        return status ? status : add(a, OF_POINT, id, (int)point);
     }
     if (branch.n_point == 0) return RIC_OK;
     a->branches++;
-    for (int i = 0; a->all && i < branch.n_point && !status; i++) status = add_point(a, id, i);
+    if ((status = add(a, OF_BRANCH, id, -1))) return status;
+    for (int i = 0; a->all && i < branch.n_point && !status; i++) status = add(a, OF_POINT, id, i);
     if (a->all) return status;
     choose(id, branch.n_point, chosen);
     for (int i = 0; i < 3 + SAMPLE && !status; i++)
-        if (i == 0 || chosen[i] != chosen[i - 1]) status = add_point(a, id, chosen[i]);
+        if (i == 0 || chosen[i] != chosen[i - 1]) status = add(a, OF_POINT, id, chosen[i]);
     return status;
 }
 
@@ -126,8 +133,10 @@ static void *work(void *user)
         if (i >= a->n) break;
         result *r = &a->results[i];
         int branch = r->check.branch, point = r->check.point;
-        ric_status status = ric_verify_point(a->atlas, branch, point, &r->check);
-        if (!status) status = ric_verify_claims(a->atlas, branch, point, &r->claims);
+        ric_status status = r->of == OF_BRANCH     ? ric_verify_branch(a->atlas, branch, &r->claims)
+                            : r->of == OF_JUNCTION ? ric_verify_junction(a->atlas, point, &r->claims)
+                                                   : ric_verify_point(a->atlas, branch, point, &r->check);
+        if (!status && r->of == OF_POINT) status = ric_verify_claims(a->atlas, branch, point, &r->claims);
         if (status) {
             fail(a, status);
             break;
@@ -184,8 +193,10 @@ static void add_row(json_t *rows, const result *r)
     const ric_check *check = &r->check;
     const ric_claims *claims = &r->claims;
     json_t *row = json_object();
-    json_object_set_new(row, "branch", json_integer(check->branch));
-    json_object_set_new(row, "point", json_integer(check->point));
+    json_object_set_new(row, "kind", json_string(subject_text[r->of]));
+    json_object_set_new(row, "branch", r->of == OF_JUNCTION ? json_null() : json_integer(check->branch));
+    json_object_set_new(row, "point", r->of == OF_POINT ? json_integer(check->point) : json_null());
+    json_object_set_new(row, "junction", r->of == OF_JUNCTION ? json_integer(check->point) : json_null());
     json_object_set_new(row, "flight_error", cli_number(check->flight_error));
     json_object_set_new(row, "return_error", cli_number(check->return_error));
     json_object_set_new(row, "condition", cli_number(check->condition));
@@ -205,7 +216,17 @@ static void add_row(json_t *rows, const result *r)
 static void tell_failure(const audit *a, const result *r)
 {
     ric_branch branch;
+    ric_junction junction;
+    if (r->of == OF_JUNCTION) {
+        const char *name = ric_atlas_junction(a->atlas, r->check.point, &junction) ? "" : junction.label;
+        fprintf(stderr, "ricochet: junction %d %s: %s\n", r->check.point, name, r->claims.finding);
+        return;
+    }
     const char *label = ric_atlas_branch(a->atlas, r->check.branch, &branch) ? "" : branch.label;
+    if (r->of == OF_BRANCH) {
+        fprintf(stderr, "ricochet: branch %d %s: %s\n", r->check.branch, label, r->claims.finding);
+        return;
+    }
     fprintf(stderr, "ricochet: branch %d %s, point %d: %s\n", r->check.branch, label, r->check.point,
             !r->check.passed ? "the motion is not what the simulator makes of it" : r->claims.finding);
 }
@@ -213,34 +234,44 @@ static void tell_failure(const audit *a, const result *r)
 static int tell_all(const audit *a)
 {
     enum { TOLD = 10 };
-    int done = 0, failed = 0, open = 0, flags = 0;
+    int points = 0, done = 0, failed = 0, open = 0, flags = 0, rows[3] = {0}, wrong[3] = {0};
     for (int i = 0; i < a->n; i++) {
         const result *r = &a->results[i];
+        points += r->of == OF_POINT;
         if (!r->done) continue;
-        done++;
         if (!passes(r) && failed++ < TOLD) tell_failure(a, r);
+        rows[r->of]++;
+        wrong[r->of] += !passes(r);
+        if (r->of != OF_POINT) continue;
+        done++;
         open += r->claims.multipliers == RIC_AGREES_UNCHECKED && !isnan(r->claims.multiplier_bound);
         flags += r->claims.stable == RIC_AGREES_UNCHECKED;
     }
     if (failed > TOLD) fprintf(stderr, "ricochet: and %d more\n", failed - TOLD);
-    fprintf(stderr, "%d of %d points on %d branch%s agree with the simulator\n", done - failed, done, a->branches,
-            a->branches == 1 ? "" : "es");
+    fprintf(stderr, "%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
+            a->branches, a->branches == 1 ? "" : "es");
+    for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
+        if (wrong[of])
+            fprintf(stderr, "%d of %d rows of %s do not\n", wrong[of], rows[of],
+                    of == OF_BRANCH ? "branches" : "junctions");
     if (open)
         fprintf(stderr, "multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
                 "of theirs\n", open, open == 1 ? "" : "s");
     if (flags)
         fprintf(stderr, "stability not checked at %d point%s: on the border within rounding\n", flags,
                 flags == 1 ? "" : "s");
-    if (done < a->n)
+    bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
+    if (!whole)
         fprintf(stderr, "ricochet: stopped %s: %d of %d points were not looked at\n",
-                cli_stopped() ? "on request" : "when the time given was over", a->n - done, a->n);
-    return failed ? CLI_FAILED : done == a->n ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
+                cli_stopped() ? "on request" : "when the time given was over", points - done, points);
+    return failed ? CLI_FAILED : whole ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
 }
 
 static int print_audit(const audit *a, cli_format format)
 {
     static const char *const columns[] = {
-        "branch", "point", "flight_error", "return_error", "condition", "energy_error", "faces_agree",
+        "kind", "branch", "point", "junction", "flight_error", "return_error", "condition", "energy_error",
+        "faces_agree",
         "multiplier_error", "multiplier_bound", "multipliers_agree", "stable_agrees", "numbers_agree", "passed", NULL};
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
@@ -274,6 +305,8 @@ static int run(int argc, char **argv)
     a.atlas = atlas;
     if (!status && branch) status = add_branch(&a, (int)branch, point);
     for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_branch(&a, id, -1);
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_junction(atlas); id++)
+        status = add(&a, OF_JUNCTION, -1, id);
     if (!status && (status = work_all(&a, (int)workers)) && *a.detail) {
         fprintf(stderr, "ricochet: %s\n", a.detail);
         free(a.results);
@@ -295,7 +328,8 @@ const cli_command cli_verify = {
         "\n"
         "Replays the first, the middle and the last point of every branch and five more with a simulator that\n"
         "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact\n"
-        "itself. What is stored with the orbit is computed anew.\n"
+        "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared\n"
+        "with their points and orbits: one row for each, kind branch or junction.\n"
         "\n"
         "  flight_error   largest relative error of the time and the end of a flight; at most 1e-11\n"
         "  return_error   relative distance from the start after one period; at most 1e-9 max(1, 1e-7\n"

@@ -419,6 +419,8 @@ void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, dou
 /* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs, lambda before 1 / lambda.
  * NaN where less than three digits of a pair are left by rounding. */
 ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
+/* What lambda + 1 / lambda of any pair may be off by, from rounding, absolute. */
+double ric_orbit_multiplier_error(const ric_orbit *orbit);
 /* As the multipliers have it, whatever is stored with the orbit. */
 ric_stability ric_orbit_stability(const ric_orbit *orbit);
 /* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
@@ -581,6 +583,10 @@ typedef struct {
 
 /* Recomputes what is stored with point `i` of a branch, from its state and flight times alone. */
 ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_claims *out);
+/* The row of a branch: ranges, impacts and symmetries, from its points; `numbers` tells. Point is -1. */
+ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out);
+/* The row of a junction: its orbit closes, with its energy and frequency. Branch is -1, point is the id. */
+ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out);
 
 /* ----------------------------------------------------------------- version */
 

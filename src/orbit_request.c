@@ -21,6 +21,7 @@ struct ric_orbit {
     ric_point point;
     double *state, *flights;
     double *multipliers;    /* 2 (n - 1) complex */
+    double error;           /* of the sum of a pair */
     ric_stability stable;   /* as they have it */
 };
 
@@ -74,6 +75,7 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
     if (m->smooth) o->flights[0] = ric_cycle_period(o->cycle) / m->omega_ref;
     ric_floquet_multipliers(&floquet, o->multipliers);
+    o->error = floquet.error;
     o->stable = floquet.stable;
     double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
@@ -309,6 +311,11 @@ ric_status ric_orbit_multipliers(const ric_orbit *o, double *out)
 {
     memcpy(out, o->multipliers, 4 * (size_t)(o->model->n - 1) * sizeof *out);
     return RIC_OK;
+}
+
+double ric_orbit_multiplier_error(const ric_orbit *o)
+{
+    return o->error;
 }
 
 ric_stability ric_orbit_stability(const ric_orbit *o)

@@ -178,19 +178,22 @@ static void drop_touches(replay *r)
     }
 }
 
-ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
+static ric_status prepare(replay *r, const ric_model *model)
 {
-    ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
-    if (status) return status;
-    r->model = ric_atlas_model(atlas);
+    r->model = model;
     r->n = ric_model_n_dof(r->model);
     r->n_face = ric_model_n_face(r->model);
     r->n_flight = r->branch.letters > 0 ? r->branch.letters : 1;
-    if ((status = allocate(r))) return status;
-    if ((status = ric_atlas_point(atlas, branch, point, &r->point, r->state, r->flights))) return status;
-    if ((status = ric_simulator_create(r->model, &r->sim))) return status;
-    if ((status = load_faces(r))) return status;
-    if ((status = load_events(r))) return status;
+    return allocate(r);
+}
+
+/* From the state and the flights. */
+static ric_status make_orbit(replay *r, bool touches)
+{
+    ric_status status = ric_simulator_create(r->model, &r->sim);
+    if (!status) status = load_faces(r);
+    if (!status) status = load_events(r);
+    if (status) return status;
     for (int k = 0; k < r->n_flight; k++) {
         r->tau[k] = r->flights[k];
         r->period += r->tau[k];
@@ -202,6 +205,25 @@ ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int po
     if (r->closed && !touches) drop_touches(r);
     ric_replay_make_chain(r);
     return RIC_OK;
+}
+
+ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
+{
+    ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
+    if (!status) status = prepare(r, ric_atlas_model(atlas));
+    if (!status) status = ric_atlas_point(atlas, branch, point, &r->point, r->state, r->flights);
+    return status ? status : make_orbit(r, touches);
+}
+
+ric_status ric_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
+                                 const double *flights)
+{
+    r->branch = *like;
+    ric_status status = prepare(r, model);
+    if (status) return status;
+    memcpy(r->state, state, 2 * (size_t)r->n * sizeof *state);
+    memcpy(r->flights, flights, (size_t)r->n_flight * sizeof *flights);
+    return make_orbit(r, true);
 }
 
 /* ------------------------------------------------------------------- replay */

@@ -1,8 +1,11 @@
 /* What the library gives of a stored point on request, `points` and `orbit` show it, for the judge to compare: it is
  * not stored, and nothing of it enters into what the judge finds. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "verify_pairs.h"
+
+#define AT_JUNCTION 1e-9 /* of the arclength: a point that near to a junction is the junction */
 
 static bool two_meet(const ric_atlas *atlas, int id)
 {
@@ -11,10 +14,16 @@ static bool two_meet(const ric_atlas *atlas, int id)
            (j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_MULTIPLICATION);
 }
 
-/* Where a branch ends in another one a multiplier is 1, and the flag undecided by definition. */
-static bool is_joint(const ric_atlas *atlas, const ric_branch *b, int i)
+/* Where branches meet a multiplier is 1, and the flag undecided by definition; other multiplications that a branch
+ * passes are decided. */
+static bool is_joint(const ric_atlas *atlas, const ric_branch *b, int i, double arclength)
 {
-    return (i == 0 && two_meet(atlas, b->from)) || (i == b->n_point - 1 && two_meet(atlas, b->to));
+    ric_junction j;
+    bool joint = (i == 0 && two_meet(atlas, b->from)) || (i == b->n_point - 1 && two_meet(atlas, b->to));
+    for (int k = 0; k < b->n_junction && !joint; k++)
+        joint = fabs(b->junction_at[k] - arclength) <= AT_JUNCTION * (1 + arclength) &&
+                two_meet(atlas, b->junctions[k]) && !ric_atlas_junction(atlas, b->junctions[k], &j) && j.multiple <= 2;
+    return joint;
 }
 
 ric_status ric_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point, ric_asked_point *out)
@@ -27,11 +36,14 @@ ric_status ric_asked_open(const ric_atlas *atlas, int branch, int i, const ric_p
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     if (!(out->multipliers = calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
-    out->joint = is_joint(atlas, &b, i);
+    out->joint = is_joint(atlas, &b, i, point->arclength);
     /* an orbit that the library does not give cannot be compared */
     out->given = !ric_orbit_find(atlas, branch, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&
                  !ric_orbit_multipliers(orbits[0], out->multipliers);
-    if (out->given) out->stable = ric_orbit_stability(orbits[0]);
+    if (out->given) {
+        out->stable = ric_orbit_stability(orbits[0]);
+        out->error = ric_orbit_multiplier_error(orbits[0]);
+    }
     out->n_pair = n_mode - 1;
     ric_orbits_free(n, orbits);
     return RIC_OK;

@@ -18,6 +18,7 @@ typedef ric_real real;
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
 #define UNSAID 16         /* a flag that the library decides when it is asked again may be stored as undecided this many
                            * bounds off the border, no farther: between the two lies the rounding of the state */
+#define LOCATED 1e-5      /* where branches meet, rho is on the border to this */
 #define GIVEN 1e-12       /* rounding of the matrix whose pairs are given on request, relative: tens of roundings in each
                            * of some hundred steps under a power law */
 #define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
@@ -261,7 +262,7 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
 {
     const ric_asked_point *asked = p->asked;
     real border = 0;
-    if (asked && (asked->joint || (asked->given && asked->stable == RIC_STABLE_UNDECIDED))) return RIC_AGREES_YES;
+    if (asked && ((asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) || (asked->given && asked->stable == RIC_STABLE_UNDECIDED))) return RIC_AGREES_YES;
     for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
     if (inside > border || outside > border || far) return asked && asked->given ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
     return RIC_AGREES_UNCHECKED;
@@ -377,7 +378,7 @@ static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used,
     if (best < 0) return RIC_AGREES_UNCHECKED;
     used[best] = true;
     real error = spread(p, best) + between(p, best), at = cabsl(own(p, 0, best)), size = hypot(2, cabsl(rho)),
-         bound = error * (p->half ? 2 * at + error : 1) + RESOLUTION * (1 + cabsl(rho));
+         bound = error * (p->half ? 2 * at + error : 1) + RESOLUTION * (1 + cabsl(rho)) + p->asked->error;
     worsen(&out->multiplier_error, off / size);
     worsen(&out->multiplier_bound, bound / size);
     if (!(bound <= VAGUE * fmin(size, hypot(2, p->half ? at * at : at)))) return RIC_AGREES_UNCHECKED;

@@ -17,6 +17,7 @@ typedef struct {
     bool given, joint;   /* joint: the branch ends in another one, so that the flag is undecided */
     ric_stability stable;
     int n_pair;
+    double error;        /* of the sum of a pair, as the library states it */
     double *multipliers; /* [4 * n_pair] as ric_orbit_multipliers gives them */
 } ric_asked_point;
 

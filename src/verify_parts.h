@@ -49,6 +49,9 @@ typedef struct {
 /* The stored orbit of a point and its chain, from r = {0} on; to be closed in any case. `touches`: contacts of no
  * length stay in the word. */
 ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches);
+/* Any other orbit: letters and word of `like`. */
+ric_status ric_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
+                                 const double *flights);
 void ric_replay_close(replay *r);
 real ric_replay_dot(int n, const real *x, const real *y);
 /* |a - b| in the energy norm; b NULL stands for zero. */

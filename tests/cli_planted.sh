@@ -37,6 +37,10 @@ ok "the same on three threads" same
 ok 'the time given is over' ends 3 "$ricochet" verify "$folder/power.ricochet" --all --seconds 1e-9
 cp "$folder/log" "$folder/said"
 ok 'and what was not looked at is counted' counts '^ricochet: stopped when the time given was over: [0-9]+ of [0-9]+ points were not looked at$'
+ok 'a signal stops it' ends 130 timeout --preserve-status -s INT 0.1 "$ricochet" verify "$folder/power.ricochet" --all
+kinds() { "$ricochet" verify "$folder/mixed.ricochet" --json | grep -c "\"kind\": \"$1\"" | grep -qv '^0$'; }
+ok 'rows of branches' kinds branch
+ok 'rows of junctions' kinds junction
 ok 'a point alone' ends 0 "$ricochet" verify "$folder/mixed.ricochet" --branch 1 --point 2
 ok 'no such point' ends 1 "$ricochet" verify "$folder/mixed.ricochet" --branch 1 --point 100000
 ok 'a point of no branch' ends 2 "$ricochet" verify "$folder/mixed.ricochet" --point 2

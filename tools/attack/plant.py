@@ -41,6 +41,7 @@ ENOUGH = 1e-8
 def verify(program, atlas, *more):
     done = subprocess.run([program, "verify", atlas, *more, "--json"], capture_output=True, text=True)
     rows = json.loads(done.stdout) if done.stdout.strip() else []
+    rows.sort(key=lambda row: row["kind"] != "point")
     return done.returncode, rows
 
 
@@ -116,7 +117,7 @@ def plant_letter(rng, db, branch, faces):
 
 def choose(rng, checks, places):
     """Points that pass, each with a kind of fault."""
-    good = [row for row in checks if row["passed"]]
+    good = [row for row in checks if row["passed"] and row["kind"] == "point"]
     rng.shuffle(good)
     return [(row, rng.choice(KINDS)) for row in good[:places]]
 
