@@ -72,6 +72,24 @@ def _plant(atlas, table, column, fault, rng):
     return (first, second) if rows else None
 
 
+def _swap(atlas, kind, rng):
+    """Another orbit of the same branch in the place of a junction of that kind, with its energy and frequency: its id, or None."""
+    db = sqlite3.connect(atlas)
+    rows = db.execute("""SELECT j.id, p.energy, p.frequency, p.state, p.flights FROM junction j
+        JOIN branch o ON o.word = j.word AND (j.id IN (o.from_junction, o.to_junction)
+            OR j.id IN (SELECT junction FROM branch_junction WHERE branch = o.id))
+        JOIN point p ON p.branch = o.id AND p.point BETWEEN 1 AND o.points - 2
+        WHERE j.kind = ? AND j.word <> '' AND length(p.flights) = length(j.flights) AND abs(p.energy - j.energy) > 0.01 * j.energy""",
+                      (kind,)).fetchall()
+    if rows:
+        id_, energy, frequency, state, flights = rows[int(rng.integers(len(rows)))]
+        db.execute("UPDATE junction SET energy = ?, frequency = ?, state = ?, flights = ? WHERE id = ?",
+                   (energy, frequency, state, flights, id_))
+        db.commit()
+    db.close()
+    return (id_, id_) if rows else None
+
+
 def _findings(study, path, table, row):
     """Of that branch, point or junction alone."""
     atlas = Atlas(path)
@@ -94,6 +112,18 @@ def main():
             subprocess.run([program, "run", path, "-o", atlas], check=True, capture_output=True)
             with open(atlas, "rb") as file:
                 original = file.read()
+            for kind in ("extremum", "grazing"):
+                copy = os.path.join(folder, "copy.ricochet")
+                with open(copy, "wb") as file:
+                    file.write(original)
+                row = _swap(copy, kind, rng)
+                if row is None:
+                    continue
+                found = _findings(study, copy, "junction", row) - _findings(study, atlas, "junction", row)
+                seen = any(x == kind for x, _ in found)
+                done += 1
+                missed += not seen
+                print(f"{'ok' if seen else 'not ok'} {done} - another orbit as {kind} of seed {seed} ({text})", flush=True)
             for table, faults in (("point", FAULTS), ("branch", BRANCH_FAULTS), ("junction", JUNCTION_FAULTS)):
                 if study["model"]["contacts"][0]["law"] == "power" and table != "point":
                     continue
