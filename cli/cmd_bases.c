@@ -70,8 +70,7 @@ static void report_left(const ric_atlas *atlas, const ric_bases *bases)
         left += !found;
     }
     if (left)
-        fprintf(stderr,
-                "ricochet: %d branch%s in no base: no path to a backbone with duplicates up to %d; a larger "
+        cli_say("ricochet: %d branch%s in no base: no path to a backbone with duplicates up to %d; a larger "
                 "--duplicates may find one, unless it is the family of a loose mass, which has no linear mode to start "
                 "from\n",
                 left, left == 1 ? " is" : "es are", ric_bases_largest(bases));

@@ -171,20 +171,19 @@ static int summarise(const ric_hunt *h, const ric_comparison *c, int added)
 {
     int counts[4] = {0};
     for (int i = 0; c && i < h->n; i++) counts[c->findings[i].state]++;
-    fprintf(stderr, "%d orbits of up to %d impacts and period up to %g s at energy %g\n", h->n, h->options.impacts,
+    cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", h->n, h->options.impacts,
             h->options.period[1], h->options.energy);
     if (!c) return CLI_DONE;
-    fprintf(stderr,
-            "of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its budgets, %d isolated, %d "
+    cli_say("of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its budgets, %d isolated, %d "
             "unexplained\n",
             c->n_atlas, c->n_again, h->n - counts[RIC_PREY_KNOWN], counts[RIC_PREY_BUDGET], counts[RIC_PREY_ISOLATED],
             counts[RIC_PREY_UNEXPLAINED]);
     for (int i = 0; i < c->n_missed; i++)
-        fprintf(stderr, "not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n",
+        cli_say("not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n",
                 c->missed[i].impacts, c->missed[i].branch, c->missed[i].period, c->missed[i].trace,
                 c->missed[i].approach);
     if (added)
-        fprintf(stderr, "%d start%s added; the next `ricochet run` follows %s\n", added, added == 1 ? "" : "s",
+        cli_say("%d start%s added; the next `ricochet run` follows %s\n", added, added == 1 ? "" : "s",
                 added == 1 ? "it" : "them");
     return counts[RIC_PREY_UNEXPLAINED] ? CLI_FAILED : CLI_DONE;
 }

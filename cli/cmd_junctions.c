@@ -185,8 +185,7 @@ static ric_status all_duplicates(const ric_atlas *atlas, double d, const void *u
             status = duplicate_rows(atlas, &branch, k, d, rows);
     }
     if (!status && w->largest > multiply)
-        fprintf(stderr,
-                "ricochet: q-tuplings with q above %d were not looked for; run the study with 'multiply: %ld' for all "
+        cli_say("ricochet: q-tuplings with q above %d were not looked for; run the study with 'multiply: %ld' for all "
                 "points of the duplicates up to %ld\n",
                 multiply, w->largest, w->largest);
     return status;

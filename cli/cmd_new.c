@@ -73,7 +73,7 @@ static int fail(const char *path)
     if (reason == ENOENT || reason == ENOTDIR)
         return cli_wrong("new: %s: %s; make the folder that it is to lie in first, or choose another name", path,
                          strerror(reason));
-    fprintf(stderr, "ricochet: new: %s: %s; choose another name\n", path, strerror(reason));
+    cli_say("ricochet: new: %s: %s; choose another name\n", path, strerror(reason));
     return CLI_FAILED;
 }
 
@@ -92,7 +92,7 @@ static int create(const char *folder, const char *title)
     }
     file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file < 0 && errno == EEXIST) {
-        fprintf(stderr, "ricochet: new: %s exists and is left as it is; choose another name\n", path);
+        cli_say("ricochet: new: %s exists and is left as it is; choose another name\n", path);
         code = CLI_FAILED;
         goto out;
     }

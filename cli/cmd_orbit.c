@@ -345,7 +345,7 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     if (status)
         return cli_report(status);
     double d = ask->physical ? ric_model_length(ric_atlas_model(atlas)) : 1, unit = energy ? d * d : 1;
-    fprintf(stderr, "ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g\n", ask->branch,
+    cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g\n", ask->branch,
             energy ? "energy" : "frequency", ask->value, unit * (energy ? branch.energy_min : branch.frequency_min),
             unit * (energy ? branch.energy_max : branch.frequency_max));
     return CLI_FAILED;

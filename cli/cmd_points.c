@@ -117,10 +117,10 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
         }
         json_array_append_new(l->rows, row);
     }
-    fprintf(stderr, "ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point,
+    cli_say("ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point,
             ric_stop_text(data.stop), *data.why ? ", " : "", data.why);
     if (data.again >= 0)
-        fprintf(stderr, "ricochet: ghost beyond '%s': admissible again from point %d on\n", end, data.again);
+        cli_say("ricochet: ghost beyond '%s': admissible again from point %d on\n", end, data.again);
     return status;
 }
 
@@ -138,16 +138,14 @@ static int no_ghost(const listing *l, const char *path)
 {
     char from[120], to[120];
     if (l->branch.impacts == 0) {
-        fprintf(stderr,
-                "ricochet: branch %d has no ghost: a linear mode has no impacts and stays the same at any amplitude. "
+        cli_say("ricochet: branch %d has no ghost: a linear mode has no impacts and stays the same at any amplitude. "
                 "The ghosts of the branches that leave it can be listed; `ricochet branches %s` shows them\n",
                 l->branch.id, path);
         return CLI_FAILED;
     }
     name_end(l, l->branch.from, sizeof from, from);
     name_end(l, l->branch.to, sizeof to, to);
-    fprintf(stderr,
-            "ricochet: branch %d has no ghost: a ghost goes on where a grazing or a corner ends a branch, and the ends "
+    cli_say("ricochet: branch %d has no ghost: a ghost goes on where a grazing or a corner ends a branch, and the ends "
             "of this one are: %s; %s. `ricochet branches %s` lists `from` and `to`, `ricochet junctions %s` their "
             "kinds\n",
             l->branch.id, from, to, path, path);

@@ -48,9 +48,9 @@ static bool show_progress(const ric_progress *now, void *user)
     if (d->terminal && seconds_since(&d->shown) > 0.1) {
         fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
         if (now->labels)
-            fprintf(stderr, "%d labels left, %.0f s", now->labels, now->seconds);
+            cli_say("%d labels left, %.0f s", now->labels, now->seconds);
         else
-            fprintf(stderr, "%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
+            cli_say("%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
@@ -90,16 +90,16 @@ static void print_report(const json_t *rows)
         const json_t *value = json_object_get(row, "value");
         if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
-        fprintf(stderr, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
+        cli_say(strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
         last = item;
         if (json_is_string(value))
-            fputs(json_string_value(value), stderr);
+            cli_say("%s", json_string_value(value));
         else if (json_is_integer(value))
-            fprintf(stderr, "%lld", (long long)json_integer_value(value));
+            cli_say("%lld", (long long)json_integer_value(value));
         else
-            fprintf(stderr, "%.1e", json_real_value(value));
+            cli_say("%.1e", json_real_value(value));
         if (*detail)
-            fprintf(stderr, " (%s)", detail);
+            cli_say(" (%s)", detail);
     }
     fputc('\n', stderr);
 }
@@ -110,7 +110,7 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
     json_t *rows = json_array();
     ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
     if (!status) {
-        fprintf(stderr, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
+        cli_say("%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
                 ric_atlas_n_junction(atlas), seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory())
             status = RIC_E_NOMEM;
@@ -173,7 +173,7 @@ static void print_regions(const ric_study *study)
     const char *text = strstr(ric_study_text(study), "\nregions:\n"), *line = text ? text + 1 : NULL;
     for (bool first = true; line && *line && (first || *line == ' '); first = false) {
         const int n = (int)strcspn(line, "\n");
-        fprintf(stderr, "%.*s\n", n, line);
+        cli_say("%.*s\n", n, line);
         line += n + (line[n] == '\n');
     }
 }
@@ -184,8 +184,7 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
     char what[100];
     list_smaller(ric_study_options(old), ric_study_options(now), sizeof what, what);
     if (*what)
-        fprintf(stderr,
-                "ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not "
+        cli_say("ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not "
                 "listed any more, the work is kept\n",
                 path, what);
     if (strstr(what, "regions")) {
@@ -198,20 +197,20 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
 static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas, const display *d)
 {
     if (d->over)
-        fprintf(stderr, "ricochet: the %g s given are over\n", d->seconds);
+        cli_say("ricochet: the %g s given are over\n", d->seconds);
     if (d->kept)
-        fprintf(stderr, "ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
+        cli_say("ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
     else
-        fprintf(stderr, "ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;", path,
+        cli_say("ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;", path,
                 ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
     if (d->last.open > 0)
-        fprintf(stderr, " %d departures of depth %d are left, and what follows from them", d->last.open, d->last.depth);
+        cli_say(" %d departures of depth %d are left, and what follows from them", d->last.open, d->last.depth);
     else
         fputs(" all departures are done", stderr);
     const int unmeasured = cli_unmeasured(atlas);
     if (unmeasured)
-        fprintf(stderr, ", %d labels are not measured yet", unmeasured);
-    fprintf(stderr, "\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
+        cli_say(", %d labels are not measured yet", unmeasured);
+    cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
 

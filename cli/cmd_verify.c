@@ -219,15 +219,15 @@ static void tell_failure(const audit *a, const result *r)
     ric_junction junction;
     if (r->of == OF_JUNCTION) {
         const char *name = ric_atlas_junction(a->atlas, r->check.point, &junction) ? "" : junction.label;
-        fprintf(stderr, "ricochet: junction %d %s: %s\n", r->check.point, name, r->claims.finding);
+        cli_say("ricochet: junction %d %s: %s\n", r->check.point, name, r->claims.finding);
         return;
     }
     const char *label = ric_atlas_branch(a->atlas, r->check.branch, &branch) ? "" : branch.label;
     if (r->of == OF_BRANCH) {
-        fprintf(stderr, "ricochet: branch %d %s: %s\n", r->check.branch, label, r->claims.finding);
+        cli_say("ricochet: branch %d %s: %s\n", r->check.branch, label, r->claims.finding);
         return;
     }
-    fprintf(stderr, "ricochet: branch %d %s, point %d: %s\n", r->check.branch, label, r->check.point,
+    cli_say("ricochet: branch %d %s, point %d: %s\n", r->check.branch, label, r->check.point,
             !r->check.passed ? "the motion is not what the simulator makes of it" : r->claims.finding);
 }
 
@@ -247,22 +247,22 @@ static int tell_all(const audit *a)
         open += r->claims.multipliers == RIC_AGREES_UNCHECKED && !isnan(r->claims.multiplier_bound);
         flags += r->claims.stable == RIC_AGREES_UNCHECKED;
     }
-    if (failed > TOLD) fprintf(stderr, "ricochet: and %d more\n", failed - TOLD);
-    fprintf(stderr, "%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
+    if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
+    cli_say("%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
             a->branches, a->branches == 1 ? "" : "es");
     for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
         if (wrong[of])
-            fprintf(stderr, "%d of %d rows of %s do not\n", wrong[of], rows[of],
+            cli_say("%d of %d rows of %s do not\n", wrong[of], rows[of],
                     of == OF_BRANCH ? "branches" : "junctions");
     if (open)
-        fprintf(stderr, "multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
+        cli_say("multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
                 "of theirs\n", open, open == 1 ? "" : "s");
     if (flags)
-        fprintf(stderr, "stability not checked at %d point%s: on the border within rounding\n", flags,
+        cli_say("stability not checked at %d point%s: on the border within rounding\n", flags,
                 flags == 1 ? "" : "s");
     bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
     if (!whole)
-        fprintf(stderr, "ricochet: stopped %s: %d of %d points were not looked at\n",
+        cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
                 cli_stopped() ? "on request" : "when the time given was over", points - done, points);
     return failed ? CLI_FAILED : whole ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
 }
@@ -308,7 +308,7 @@ static int run(int argc, char **argv)
     for (int id = 1; !status && !branch && id <= ric_atlas_n_junction(atlas); id++)
         status = add(&a, OF_JUNCTION, -1, id);
     if (!status && (status = work_all(&a, (int)workers)) && *a.detail) {
-        fprintf(stderr, "ricochet: %s\n", a.detail);
+        cli_say("ricochet: %s\n", a.detail);
         free(a.results);
         ric_atlas_free(atlas);
         return CLI_FAILED;

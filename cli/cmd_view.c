@@ -113,13 +113,12 @@ static void announce(const view_server *server, const view_options *o, const cha
 {
     const char *address = view_server_address(server);
     if (!view_server_loopback(server))
-        fprintf(stderr,
-                "ricochet: WARNING: whoever reaches this address reads %s, and with the token extends it; nothing is "
+        cli_say("ricochet: WARNING: whoever reaches this address reads %s, and with the token extends it; nothing is "
                 "encrypted\n",
                 path);
     printf("%s\n", address);
     if (fflush(stdout)) /* nobody would know */
-        fprintf(stderr, "ricochet: view: the address cannot be written (%s); it is %s\n", strerror(errno), address);
+        cli_say("ricochet: view: the address cannot be written (%s); it is %s\n", strerror(errno), address);
     if (o->browser && has_browser() && write_page(address, page) && open_browser(page))
         fputs("opened in the browser; ", stderr);
     fputs("Ctrl-C ends it\n", stderr);
@@ -135,7 +134,7 @@ static void wait_and_watch(view_server *server, view_shelf *shelf, view_grower *
         if (*page && (view_server_visited(server) || n > 10 * PAGE_SECONDS))
             remove_page(page);
         if (n % 10 == 0 && !view_grower_busy(grower) && view_shelf_stale(shelf) && view_shelf_reload(shelf))
-            fprintf(stderr, "ricochet: %s; the pages keep to what was there before\n", ric_detail());
+            cli_say("ricochet: %s; the pages keep to what was there before\n", ric_detail());
     }
 }
 

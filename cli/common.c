@@ -85,20 +85,34 @@ int cli_report(ric_status status)
     return status == RIC_E_INPUT ? CLI_WRONG : status == RIC_E_INTERRUPTED ? CLI_INTERRUPTED : CLI_FAILED;
 }
 
-int cli_wrong(const char *format, ...)
+static void put_formatted(const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    int size = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    char *text = size < 0 ? NULL : malloc((size_t)size + 1);
+    if (text) vsnprintf(text, (size_t)size + 1, format, arguments);
+    put_visible(text ? text : "out of memory");
+    free(text);
+}
+
+void cli_say(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    int size = vsnprintf(NULL, 0, format, arguments);
+    put_formatted(format, arguments);
     va_end(arguments);
-    char *text = size < 0 ? NULL : malloc((size_t)size + 1);
-    va_start(arguments, format);
-    if (text) vsnprintf(text, (size_t)size + 1, format, arguments);
-    va_end(arguments);
+}
+
+int cli_wrong(const char *format, ...)
+{
+    va_list arguments;
     fputs("ricochet: ", stderr);
-    put_visible(text ? text : "out of memory");
+    va_start(arguments, format);
+    put_formatted(format, arguments);
+    va_end(arguments);
     fputc('\n', stderr);
-    free(text);
     return CLI_WRONG;
 }
 

@@ -85,10 +85,9 @@ static int report_complaint(FILE *complaint, int status)
             snprintf(last, sizeof last, "%s", line + strspn(line, " \t"));
     last[strcspn(last, "\n")] = '\0';
     if (WIFSIGNALED(status))
-        fprintf(stderr, "ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
+        cli_say("ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
     else
-        fprintf(stderr,
-                "ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo is needed (Debian: "
+        cli_say("ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo is needed (Debian: "
                 "gnuplot-nox)\n",
                 last);
     return CLI_FAILED;
@@ -136,7 +135,7 @@ static int deliver(FILE *result, const char *path)
     memcpy(beside + length, ".XXXXXX", 8);
     file = mkstemp(beside);
     if (file < 0) {
-        fprintf(stderr, "ricochet: cannot write %s: %s\n", path, strerror(errno));
+        cli_say("ricochet: cannot write %s: %s\n", path, strerror(errno));
         goto out;
     }
     const mode_t mask = umask(0);
@@ -144,7 +143,7 @@ static int deliver(FILE *result, const char *path)
     bool good = copy_file(result, file) && fchmod(file, 0666 & ~mask) == 0;
     good &= close(file) == 0;
     if (!good || rename(beside, target) != 0) {
-        fprintf(stderr, "ricochet: cannot write %s: %s\n", path, strerror(errno));
+        cli_say("ricochet: cannot write %s: %s\n", path, strerror(errno));
         unlink(beside);
         goto out;
     }
@@ -161,21 +160,21 @@ int plot_page_write(plot_page *page, const char *path)
     FILE *script = tmpfile(), *result = tmpfile(), *complaint = tmpfile(), *small = NULL;
     int code = CLI_FAILED, status = 0;
     if (!script || !result || !complaint) {
-        fprintf(stderr, "ricochet: no temporary file for the picture: %s\n", strerror(errno));
+        cli_say("ricochet: no temporary file for the picture: %s\n", strerror(errno));
         goto out;
     }
     if (!plot_page_script(page, kind, script) || fseek(script, 0, SEEK_SET) != 0) {
-        fprintf(stderr, "ricochet: the picture could not be prepared: %s\n",
+        cli_say("ricochet: the picture could not be prepared: %s\n",
                 plot_page_failed(page) ? "out of memory" : strerror(errno));
         goto out;
     }
     const int failed = run_gnuplot(script, result, complaint, &status);
     if (failed == ENOENT) {
-        fprintf(stderr, "ricochet: gnuplot is not installed; pictures need it (Debian: apt-get install gnuplot-nox)\n");
+        cli_say("ricochet: gnuplot is not installed; pictures need it (Debian: apt-get install gnuplot-nox)\n");
         goto out;
     }
     if (failed) {
-        fprintf(stderr, "ricochet: gnuplot cannot be started: %s\n", strerror(failed));
+        cli_say("ricochet: gnuplot cannot be started: %s\n", strerror(failed));
         goto out;
     }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !looks_like(result, kind)) {
@@ -183,11 +182,11 @@ int plot_page_write(plot_page *page, const char *path)
         goto out;
     }
     if (kind == PLOT_FORMAT_SVG && !(small = tmpfile())) {
-        fprintf(stderr, "ricochet: no temporary file for the picture: %s\n", strerror(errno));
+        cli_say("ricochet: no temporary file for the picture: %s\n", strerror(errno));
         goto out;
     }
     if (small && (!plot_svg_squeeze(result, small) || fseek(small, 0, SEEK_SET) != 0)) {
-        fprintf(stderr, "ricochet: the picture could not be written: %s\n", strerror(errno));
+        cli_say("ricochet: the picture could not be written: %s\n", strerror(errno));
         goto out;
     }
     code = deliver(small ? small : result, path);

@@ -2,9 +2,11 @@
 #define _XOPEN_SOURCE 700
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli.h"
 
@@ -91,8 +93,25 @@ static int dispatch(int argc, char **argv)
     return unknown_command(argv[1]);
 }
 
+/* A standard stream that is closed is one that cannot be read or written; without this its number goes to the next
+ * file that is opened, and messages into that file. */
+static void hold_streams(void)
+{
+    int fd;
+    do {
+        fd = open("/dev/null", O_WRONLY);
+        if (fd > STDIN_FILENO && fd <= STDERR_FILENO) { /* to be read only, so that writing to it fails */
+            close(fd);
+            fd = open("/dev/null", O_RDONLY);
+        }
+    } while (fd >= 0 && fd <= STDERR_FILENO);
+    if (fd >= 0)
+        close(fd);
+}
+
 int cli_main(int argc, char **argv)
 {
+    hold_streams();
     /* The locale stays "C": numbers are written with a decimal point everywhere. */
     cli_watch_memory();
     signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is then an error like a full disk, and has a message */
@@ -102,5 +121,5 @@ int cli_main(int argc, char **argv)
         fprintf(stderr, "ricochet: the output cannot be written: %s\n", errno ? strerror(errno) : "write error");
         code = CLI_FAILED;
     }
-    return code;
+    return ferror(stderr) && code == CLI_DONE ? CLI_FAILED : code; /* a report or a warning has not arrived */
 }

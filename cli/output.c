@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli.h"
 
@@ -155,12 +156,13 @@ static char *cell_text(const json_t *row, const char *column, cli_format format)
 /* One row per line. */
 static bool print_json(const json_t *rows)
 {
+    const size_t plain = isatty(STDOUT_FILENO) ? JSON_ENSURE_ASCII : 0; /* some characters steer a terminal */
     size_t i, n = json_array_size(rows);
     if (n == 0)
         return puts("[]") >= 0;
     for (i = 0; i < n; i++) {
         fputs(i ? ",\n " : "[\n ", stdout);
-        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17)))
+        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17) | plain))
             return false;
     }
     return puts("\n]") >= 0;
@@ -184,6 +186,17 @@ static void print_csv_cell(const char *text)
     putchar('"');
 }
 
+/* As it is in a file; on a terminal, without what would steer it. */
+static char *csv_text(const json_t *row, const char *column)
+{
+    char *text = cell_text(row, column, CLI_CSV);
+    if (!text || !isatty(STDOUT_FILENO))
+        return text;
+    char *visible = cli_visible(text, true);
+    free(text);
+    return visible;
+}
+
 static bool print_csv(const json_t *rows, const char *const *columns)
 {
     const json_t *row;
@@ -195,7 +208,7 @@ static bool print_csv(const json_t *rows, const char *const *columns)
     putchar('\n');
     json_array_foreach(rows, i, row) {
         for (size_t k = 0; columns[k]; k++) {
-            char *text = cell_text(row, columns[k], CLI_CSV);
+            char *text = csv_text(row, columns[k]);
             if (!text)
                 return false;
             fputs(k ? "," : "", stdout);

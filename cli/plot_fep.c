@@ -183,7 +183,7 @@ static void report_unused(const fep *f)
     for (int i = 0; i < f->options->n_asked; i++) {
         const fep_asked *a = &f->options->asked[i];
         if ((a->what == ASK_LABEL || a->what == ASK_MARK) && !a->used)
-            fprintf(stderr, "ricochet: %s %s: nothing of this name is in the picture\n", questions[a->what], a->text);
+            cli_say("ricochet: %s %s: nothing of this name is in the picture\n", questions[a->what], a->text);
     }
 }
 
@@ -408,7 +408,7 @@ static int draw(fep *f)
         return code;
     missing += f->no_margin;
     if (missing > 0)
-        fprintf(stderr, "ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n",
+        cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n",
                 missing, missing == 1 ? "" : "s");
     report_unused(f);
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)),
@@ -433,7 +433,7 @@ static int draw_page(fep *f)
     for (int i = 0; i < f->n_source; i++)
         total += ric_atlas_n_branch(f->sources[i].atlas);
     if (!(energy.hi > 0) || !(frequency.hi > 0)) {
-        fprintf(stderr, "ricochet: nothing to draw: %s\n",
+        cli_say("ricochet: nothing to draw: %s\n",
                 total ? "no branch of the atlas enters this window" : "the atlas has no branches yet");
         return CLI_FAILED;
     }

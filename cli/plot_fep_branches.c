@@ -73,7 +73,7 @@ static int take_base(fep_source *s, const char *text)
         code = good ? CLI_DONE : cli_report(RIC_E_NOMEM);
         goto out;
     }
-    fprintf(stderr, "ricochet: the atlas has no base %s; `ricochet bases` lists those it has\n", text);
+    cli_say("ricochet: the atlas has no base %s; `ricochet bases` lists those it has\n", text);
 out:
     ric_bases_free(bases);
     return code;
@@ -366,7 +366,7 @@ ric_status fep_find_ghosts(fep *f, fep_source *s)
         }
     }
     if (failed)
-        fprintf(stderr, "ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n", failed,
+        cli_say("ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n", failed,
                 failed == 1 ? "" : "es");
     return status;
 }

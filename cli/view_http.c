@@ -724,7 +724,7 @@ static int open_socket(view_server *server, const view_listen *where)
         fd = listen_at(found, where->port ? where->port + tried : 0);
     while (fd < 0 && errno == EADDRINUSE && !where->exact && ++tried < PORTS_TRIED && where->port + tried < 65536);
     if (fd < 0)
-        fprintf(stderr, "ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address,
+        cli_say("ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address,
                 where->port, strerror(errno));
     else {
         server->loopback = is_loopback(found->ai_addr);

@@ -131,7 +131,36 @@ ok 'check writes out what would steer a terminal' inert check "$folder/t.yaml"
 ok 'branches writes out what would steer a terminal' inert branches "$folder/t.ricochet"
 ok 'junctions writes out what would steer a terminal' inert junctions "$folder/t.ricochet"
 ok 'a message writes out what would steer a terminal' inert check "$folder/$(printf '\033[2J')"
-rm -f "$folder"/t.*
+ok 'a run writes out what would steer a terminal' inert run "$folder/t.yaml" -o "$folder/$(printf '\033[2J').ricochet"
+ok 'a new study writes out what would steer a terminal' inert new "$folder/absent/$(printf '\033[2J')"
+on_terminal() { # COMMAND...: what it writes to a terminal
+    python3 -c 'import pty, sys
+sys.exit(pty.spawn(sys.argv[1:]) >> 8)' "$ricochet" "$@" </dev/null | tr -d '\r' >"$folder-out"
+    cat -v "$folder-out" | head -5
+    ! LC_ALL=C grep -q "$steering" "$folder-out" && grep -q '\\x1b\[2J' "$folder-out"
+}
+ok 'CSV on a terminal steers none' on_terminal branches "$folder/t.ricochet" --csv
+raw() { "$ricochet" branches "$folder/t.ricochet" --csv | grep -qF "$(printf '"c \033[2J')"; }
+ok 'CSV in a file holds the text itself' raw
+rm -f "$folder"/t.* "$folder"/*2J*
+
+# Standard streams that fail or are closed.
+if [ -c /dev/full ]; then
+    unheard() { # the summary of a run is lost, not the atlas
+        "$ricochet" run examples/elementary/study.yaml -o "$folder/u.ricochet" 2>/dev/full
+        [ $? = 1 ] && "$ricochet" branches "$folder/u.ricochet" >/dev/null
+    }
+    ok 'a report that cannot be written is a failure' unheard
+fi
+closed() { # no file that is opened takes the place of a standard stream
+    rm -rf "$folder/u" "$folder/u.ricochet"
+    "$ricochet" new "$folder/v" >/dev/null && "$ricochet" new "$folder/u" >&- 2>"$folder-out"
+    [ $? = 1 ] && grep 'cannot be written' "$folder-out" && sed 's/"u"/"v"/' "$folder/u/study.yaml" | diff - "$folder/v/study.yaml" || return 1
+    "$ricochet" run examples/elementary/study.yaml -o "$folder/u.ricochet" <&- >&- 2>&-
+    [ $? = 1 ] && "$ricochet" branches "$folder/u.ricochet" <&-
+}
+ok 'closed standard streams are not taken for files' closed
+rm -rf "$folder"/u* "$folder"/v
 
 small_files() { # a limit of the size of files is an error with a message
     (ulimit -f 60; "$ricochet" run "$folder/more.yaml" -o "$folder/l.ricochet") >"$folder-out" 2>&1
