@@ -7,6 +7,7 @@
 #include "motion.h"
 #include "status.h"
 
+#define ABOVE 1e-6 /* part by which a start lies above the lower edge of the window */
 #define TWO_PI 6.283185307179586477
 
 /* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts
@@ -19,7 +20,7 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     ric_trace *way = NULL;
     ric_cycle *cycle = NULL;
     int n = m->n, iterations;
-    double u[n + 1], t[n + 1], du[n + 1], energy = 2 * RIC_LINEAR_ENERGY / m->energy_unit;
+    double u[n + 1], t[n + 1], du[n + 1], energy = 2 * m->linear_energy / m->energy_unit;
     ric_limits limits = g->limits;
     *out = NULL;
     if (m->omega[mode] == 0) return RIC_OK;
@@ -34,7 +35,7 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     }
     if (energy > limits.energy[0]) cycle = ric_cycle_from_chain(chain, u);
     else {
-        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + RIC_LINEAR_ENERGY)}, .period = {0, HUGE_VAL},
+        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + ABOVE)}, .period = {0, HUGE_VAL},
                               .max_step = limits.max_step, .max_points = limits.max_points};
         memset(t, 0, sizeof t);
         t[mode] = 1;

@@ -137,17 +137,46 @@ void ric_complement(int n, const double *h, double *E)
     for (int j = 0; n > 1 && h[0] < 0 && j < n; j++) E[j] = -E[j];
 }
 
+#define LINEAR_ENERGY 1e-6 /* amplitudes of a thousandth of the length at which a power law acts */
 #define FAST 20.0 /* ratio to the lowest frequency */
+#define NEAR_ONE 4 /* powers of two by which a unit may be off before it is changed: a digit */
+
+/* The length at which a contact acts: its clearance, or where the force of a power law is that of the structure,
+ * k_c s^m c.c = omega_ref^2 s. */
+static double acting_length(const ric_model *m, int f)
+{
+    const ric_contact *contact = &m->contact[f];
+    double cc = 0, order = contact->exponent - 1, omega2 = m->omega_ref * m->omega_ref;
+    if (contact->law != RIC_LAW_POWER) return contact->clearance;
+    for (int i = 0; i < m->n; i++) cc += m->normal[f * m->n_dof + m->mode[i]] * m->normal[f * m->n_dof + m->mode[i]];
+    if (!(cc > 0)) return HUGE_VAL;
+    return contact->length > 0 ? contact->length * pow(omega2 / (contact->reference * cc), 1 / order)
+                               : pow(omega2 / (contact->stiffness * cc), 1 / order);
+}
+
+/* A power of two near x, so that nothing is rounded by it; 1 as long as that will do. */
+static double unit_near(double x)
+{
+    double exponent = round(log2(x));
+    return fabs(exponent) < NEAR_ONE || !isfinite(exponent) ? 1 : exp2(exponent);
+}
+
+static double length_unit(const ric_model *m)
+{
+    double least = HUGE_VAL;
+    for (int f = 0; f < m->n_contact; f++) least = fmin(least, acting_length(m, f));
+    return unit_near(least / ric_model_length(m));
+}
 
 /* The scaled force of a contact is spring * s^exponent, or spring * (s - gap). */
-static double scaled_spring(const ric_model *m, const ric_contact *contact)
+static double scaled_spring(const ric_model *m, const ric_contact *contact, double unit)
 {
-    double d = ric_model_length(m);
+    double d = ric_model_length(m) * m->length;
     if (contact->law == RIC_LAW_RIGID) return 0;
-    if (contact->law == RIC_LAW_BILINEAR) return contact->stiffness / m->energy_unit;
+    if (contact->law == RIC_LAW_BILINEAR) return contact->stiffness / unit;
     double k = contact->length > 0 ? contact->reference * pow(d / contact->length, contact->exponent - 1)
                                    : contact->stiffness * pow(d, contact->exponent - 1);
-    return k / m->energy_unit;
+    return k / unit;
 }
 
 static void scale_modes(ric_model *m)
@@ -161,8 +190,11 @@ static void scale_modes(ric_model *m)
     double cc = 0;
     for (int i = 0; i < n; i++) cc += m->normal[m->mode[i]] * m->normal[m->mode[i]];
     double unit = sqrt(cc); /* |c_0|, physical */
-    m->energy_unit = m->omega_ref * m->omega_ref / cc;
-    for (int f = 0; f < m->n_contact; f++) m->spring[f] = scaled_spring(m, &m->contact[f]);
+    double stiffness = m->omega_ref * m->omega_ref / cc;
+    m->length = length_unit(m);
+    m->energy_unit = stiffness * m->length * m->length;
+    m->linear_energy = LINEAR_ENERGY * unit_near(m->energy_unit);
+    for (int f = 0; f < m->n_contact; f++) m->spring[f] = scaled_spring(m, &m->contact[f], stiffness);
     for (int i = 0; i < n; i++) {
         int mode = m->mode[i];
         long double omega = ((long double)m->frequency[mode] + m->frequency_low[mode]) / m->omega_ref;
@@ -179,8 +211,8 @@ static void scale_modes(ric_model *m)
                            * do */
         for (int l = 0; l < nd; l++) shape[l] = m->Phi[l * nd + mode];
         for (int j = 0; j < nd; j++) {
-            m->to_modal[i * nd + j] = ric_dot(nd, shape, m->M + j * nd) * unit;
-            m->to_space[j * n + i] = shape[j] / unit;
+            m->to_modal[i * nd + j] = ric_dot(nd, shape, m->M + j * nd) * unit / m->length;
+            m->to_space[j * n + i] = shape[j] / unit * m->length;
         }
     }
 }
@@ -201,7 +233,7 @@ static void make_faces(ric_model *m)
             int mirror = !both ? -1 : side > 0 ? m->n_face + 1 : m->n_face - 1;
             m->face[m->n_face++] = (ric_face){
                 .contact = f, .side = side, .mirror = mirror,
-                .gap = side * m->contact[f].clearance / m->contact[0].clearance, .spring = m->spring[f],
+                .gap = side * m->contact[f].clearance / m->contact[0].clearance / m->length, .spring = m->spring[f],
                 .c = m->c + f * n, .g = m->g + f * n, .cc = ric_dot(n, m->c + f * n, m->c + f * n), .E = E};
         }
     }
@@ -438,10 +470,11 @@ double ric_model_energy(const ric_model *m, const double *x, const double *v)
     double energy = (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
     for (int f = 0; f < m->n_contact; f++) {
         const ric_contact *contact = &m->contact[f];
-        double s = ric_dot(m->n_dof, contact->normal, x), unit = m->energy_unit,
+        double s = ric_dot(m->n_dof, contact->normal, x), unit = m->energy_unit / (m->length * m->length),
                d = contact->clearance / ric_model_length(m);
         if (contact->law == RIC_LAW_POWER)
-            energy += unit * m->spring[f] * pow(s, contact->exponent + 1) / (contact->exponent + 1);
+            energy += m->energy_unit * m->spring[f] * pow(s / m->length, contact->exponent + 1) /
+                      (contact->exponent + 1);
         if (contact->law != RIC_LAW_BILINEAR) continue;
         double over = s > d && contact->sides != RIC_SIDES_LOWER    ? s - d
                       : s < -d && contact->sides != RIC_SIDES_UPPER ? -s - d

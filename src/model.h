@@ -1,8 +1,8 @@
 /* The structure in its own modal frame, as every solver sees it.
  *
- * Scaled frame: length d (clearance of the first contact), time 1/omega_ref (lowest seen frequency that is not zero; 1
- * if there is none), modal mass such that |c_0| = 1. Only seen modes are kept. States are "energy coordinates" w =
- * (a, p) [2 n_mode]: a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where omega_i = 0. Then free flight
+ * Scaled frame: length L (a power of two times d, the clearance of the first contact), time 1/omega_ref (lowest seen
+ * frequency that is not zero; 1 if there is none), modal mass such that |c_0| = 1. Only seen modes are kept. States are
+ * "energy coordinates" w = (a, p) [2 n_mode]: a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where omega_i = 0. Then free flight
  * is a plane rotation per mode, |w|^2 / 2 is the energy (without the a of zero modes), and an impact is a Householder
  * reflection of p (docs/theory.md section 1). */
 #ifndef RIC_MODEL_H
@@ -53,8 +53,12 @@ struct ric_model {
     double *spring;     /* [n_contact] scaled force constants: of s^exponent for law power, of s - d for law bilinear, 0
                          * for law rigid */
     double omega_ref;   /* rad/s */
+    double length;      /* L / d: 1, or a power of two near the shortest length at which a contact acts, over d; states
+                         * in this frame are of order 1 there, and what is relative to 1 + |state| means it */
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
-    double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d */
+    double linear_energy; /* public scaled energy at which branches of law power start, if their window reaches that
+                           * low: there they leave the linear modes */
+    double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d, q by L */
     double *to_space;   /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
     struct ric_phases *phases; /* phase.h: what contacts of law bilinear make of the modes while they are closed */
 };

@@ -84,7 +84,7 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     o->point = (ric_point){.arclength = stored->arclength, .energy = ric_chain_energy(c) * m->energy_unit,
                            .frequency = TWO_PI / ric_chain_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
                            .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN,
-                           .approach = approach < HUGE_VAL ? approach * m->omega_ref : NAN,
+                           .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
                            .residual = (float)c->residual, .stable = floquet.stable};
     *out = o;
     o = NULL;

@@ -44,7 +44,7 @@
 ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step,
                             int max_points)
 {
-    double lowest = m->smooth && energy[0] < RIC_LINEAR_ENERGY ? RIC_LINEAR_ENERGY : energy[0];
+    double lowest = m->smooth ? fmax(energy[0], m->linear_energy) : energy[0];
     double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
     return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
                         .period = {TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
@@ -305,7 +305,7 @@ static ric_status measure(ric_trace *tr, double s, const double *u, ric_station 
     p->row = (ric_point){.arclength = s, .energy = out->energy * m->energy_unit,
                          .frequency = TWO_PI / out->time * m->omega_ref, .trace = tr->floquet.trace_asinh,
                          .rotation = tr->floquet.rotation, .reach = out->reach > 0 ? out->reach : NAN,
-                         .approach = out->closing < HUGE_VAL ? out->closing * m->omega_ref : NAN,
+                         .approach = out->closing < HUGE_VAL ? out->closing * m->length * m->omega_ref : NAN,
                          .residual = (float)c->residual, .stable = tr->floquet.stable};
     return RIC_OK;
 }

@@ -97,10 +97,6 @@ typedef struct {
     void *user;
 } ric_limits;
 
-/* Scaled energy at which branches of law power start, if their window reaches that low: there they leave the linear
- * modes. */
-#define RIC_LINEAR_ENERGY 1e-6
-
 /* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
 ric_limits ric_trace_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step,
                             int max_points);
