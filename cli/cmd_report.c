@@ -118,7 +118,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     }
     add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
     if (cli_unmeasured(atlas))
-        add_count(rows, "junctions without a label", cli_unmeasured(atlas), "not measured yet; the run goes on with them");
+        add_count(rows, "junctions without a label", cli_unmeasured(atlas),
+                  "not measured yet; the run goes on with them");
     if (ric_atlas_n_unplaced(atlas))
         add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
                   "their junction does not converge");

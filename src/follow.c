@@ -296,7 +296,8 @@ static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric
 {
     int side, last = tr->n_point - 1;
     const ric_point *row = (const ric_point *)(tr->points + (size_t)last * tr->stride);
-    if (last > 0 && row->arclength >= tr->end.s) row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
+    if (last > 0 && row->arclength >= tr->end.s)
+        row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
     ric_cycle *near = ric_trace_cycle(tr, (const double *)(row + 1));
     if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     ric_status status = ric_ring_class(g->model, node, near, choice, &side);

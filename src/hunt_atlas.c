@@ -233,8 +233,8 @@ static void find_families(const ric_atlas *s, int *family, int *junction_family)
 }
 
 /* What a family meets: junctions of the atlas where something is left to take, or nothing; or one that the atlas has,
- * but gone through another number of times; or, of the side atlas, a multiplication of more periods than the atlas looks
- * for on a branch that it has. 0: none. */
+ * but gone through another number of times; or, of the side atlas, a multiplication of more periods than the atlas
+ * looks for on a branch that it has. 0: none. */
 typedef struct {
     int branches, junctions, over_budget, refused, window, failed;
     int open, settled, again, times, longer;

@@ -18,7 +18,7 @@
                          * (a bound: the error is a tenth) */
 #define NARROWEST 1e-10  /* of the size: shorter branches are none */
 #define STRAIGHT 0.2     /* part of its ends by which a function may be off a straight line that passes zero */
-#define AT_ROOT 1e-6     /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
+#define AT_ROOT 1e-6 /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
 #define NEAR_ROOT 1e-4   /* the same with an error that is larger: farther away there is none */
 #define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
 #define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
@@ -188,9 +188,9 @@ static double root_error(const criterion *q, double slope)
 }
 
 /* The determinant of the larger problem holds a stiff spring that closes for a short time to rounding times its
- * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far from
- * it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved if it
- * comes nearer. False: it is known that no multiplier has the root. */
+ * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far
+ * from it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved
+ * if it comes nearer. False: it is known that no multiplier has the root. */
 static bool solve_root(criterion *q, double *u)
 {
     ric_chain *c = q->chain;

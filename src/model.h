@@ -2,9 +2,9 @@
  *
  * Scaled frame: length L (a power of two times d, the clearance of the first contact), time 1/omega_ref (lowest seen
  * frequency that is not zero; 1 if there is none), modal mass such that |c_0| = 1. Only seen modes are kept. States are
- * "energy coordinates" w = (a, p) [2 n_mode]: a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where omega_i = 0. Then free flight
- * is a plane rotation per mode, |w|^2 / 2 is the energy (without the a of zero modes), and an impact is a Householder
- * reflection of p (docs/theory.md section 1). */
+ * "energy coordinates" w = (a, p) [2 n_mode]: a_i = kappa_i q_i, p_i = dq_i/dt with kappa_i = omega_i, or 1 where
+ * omega_i = 0. Then free flight is a plane rotation per mode, |w|^2 / 2 is the energy (without the a of zero modes),
+ * and an impact is a Householder reflection of p (docs/theory.md section 1). */
 #ifndef RIC_MODEL_H
 #define RIC_MODEL_H
 

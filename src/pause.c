@@ -103,8 +103,8 @@ static bool sane(const ric_trace *tr, const ric_trace_place *p)
         if (p->has_past) sum += tr->past.u[i] + tr->past.t[i];
     }
     return isfinite(sum) && p->step > 0 && p->step_max > 0 && p->wanted >= 0 && p->after >= 0 && p->longest > 0 &&
-           p->scale >= 1 && p->n_point == tr->n_point && p->n_event == tr->n_event && tr->n_point > 0 && p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES &&
-           (!p->has_past || tr->now.s > tr->past.s);
+           p->scale >= 1 && p->n_point == tr->n_point && p->n_event == tr->n_event && tr->n_point > 0 &&
+           p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!p->has_past || tr->now.s > tr->past.s);
 }
 
 ric_status ric_trace_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size, int *parts,
@@ -117,9 +117,8 @@ ric_status ric_trace_resume(const ric_model *model, const ric_limits *limits, co
     *out = NULL;
     if (size < sizeof h) return foreign;
     memcpy(&h, blob, sizeof h);
-    if (h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST || h.n_unknown < 0 || h.n_pair < 0 || h.n_resonance < 0 ||
-        (size_t)h.n_resonance > size ||
-        (size_t)h.n_unknown > size || (size_t)h.n_pair > size)
+    if (h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST || h.n_unknown < 0 || h.n_pair < 0 ||
+        h.n_resonance < 0 || (size_t)h.n_resonance > size || (size_t)h.n_unknown > size || (size_t)h.n_pair > size)
         return foreign;
     if (h.begun) {
         size_t fixed = sizeof h + fixed_size(h.n_unknown, h.n_pair, h.n_resonance);

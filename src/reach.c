@@ -290,8 +290,8 @@ static void choose_faces(search *q, int first)
         }
 }
 
-/* At rest in the middle of a contact, or of a gap between two, that lasts no time the gaps of all others are stationary,
- * and neither flight beside it has that point inside. */
+/* At rest in the middle of a contact, or of a gap between two, that lasts no time the gaps of all others are
+ * stationary, and neither flight beside it has that point inside. */
 static void search_rest(search *q)
 {
     const ric_chain *c = q->chain;

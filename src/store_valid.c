@@ -105,8 +105,8 @@ static ric_status check_flights(const judge *j, int n, const double *flights, do
     if (fabs(sum - period) > AGREE * period)
         return refuse(j, "flights", "together %.6g s where the period is %.6g s", sum, period);
     if (period > j->longest)
-        return refuse(j, "flights", "a period of %.6g s, where the windows and the modes of the study end at %.6g s", period,
-                      j->longest / BEYOND);
+        return refuse(j, "flights", "a period of %.6g s, where the windows and the modes of the study end at %.6g s",
+                      period, j->longest / BEYOND);
     if (j->fastest * period > PHASE)
         return refuse(j, "flights", "the fastest mode turns %.3g times in a period", j->fastest * period / TWO_PI);
     return RIC_OK;

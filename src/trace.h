@@ -13,7 +13,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 7
+#define RIC_NUMERICS 8
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -159,8 +159,8 @@ void ric_trace_return(ric_trace *trace, const ric_trace_place *place);
 
 /* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
 ric_status ric_trace_advance(ric_trace *trace, bool *done);
-/* Steps to the end; or to RIC_E_INTERRUPTED (halt.h), and then the trace stands where its last step ended and can be run
- * again, with the same outcome. */
+/* Steps to the end; or to RIC_E_INTERRUPTED (halt.h), and then the trace stands where its last step ended and can be
+ * run again, with the same outcome. */
 ric_status ric_trace_run(ric_trace *trace);
 
 /* The orbit at the unknowns u of the trace's chain, flown there; symmetries are those of the form. NULL: no memory. */
@@ -176,9 +176,9 @@ const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
 /* Everything that a stored point says of the orbit at station->u, and whether it is solved; the chain is left
  * evaluated there. Its test functions, and stability next to another branch, are the caller's. */
 ric_status ric_trace_fill(ric_trace *trace, double s, ric_station *station);
-/* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than rounding,
- * as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch come by here,
- * but for the last one, which the orbit of its junction may replace. */
+/* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than
+ * rounding, as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch
+ * come by here, but for the last one, which the orbit of its junction may replace. */
 ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
 /* The orbit at u becomes the end of the branch, stored if it is solved. */
 ric_status ric_trace_end_at(ric_trace *trace, const double *u);
@@ -187,8 +187,8 @@ ric_status ric_trace_end_at(ric_trace *trace, const double *u);
  * when converged. */
 bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target,
                        double *du, int *iterations);
-/* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit itself:
- * undecided where that may count. */
+/* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
+ * itself: undecided where that may count. */
 ric_status ric_trace_judge(ric_chain *chain, const double *u, ric_floquet *floquet);
 /* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
 bool ric_trace_solved(const ric_chain *chain);

@@ -19,8 +19,9 @@ typedef ric_real real;
 #define UNSAID 16         /* a flag that the library decides when it is asked again may be stored as undecided this many
                            * bounds off the border, no farther: between the two lies the rounding of the state */
 #define LOCATED 1e-5      /* where branches meet, rho is on the border to this */
-#define GIVEN 1e-12       /* rounding of the matrix whose pairs are given on request, relative: tens of roundings in each
-                           * of some hundred steps under a power law */
+/* Rounding of the matrix whose pairs are given on request, relative: tens of roundings in each of some hundred steps
+ * under a power law. */
+#define GIVEN 1e-12
 #define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
 
 real ric_pairs_noise(unsigned *bits)
@@ -262,7 +263,9 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
 {
     const ric_asked_point *asked = p->asked;
     real border = 0;
-    if (asked && ((asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) || (asked->given && asked->stable == RIC_STABLE_UNDECIDED))) return RIC_AGREES_YES;
+    if (asked && ((asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
+                  (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
+        return RIC_AGREES_YES;
     for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
     if (inside > border || outside > border || far) return asked && asked->given ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
     return RIC_AGREES_UNCHECKED;
@@ -383,8 +386,9 @@ static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used,
     worsen(&out->multiplier_bound, bound / size);
     if (!(bound <= VAGUE * fmin(size, hypot(2, p->half ? at * at : at)))) return RIC_AGREES_UNCHECKED;
     if (off <= bound) return RIC_AGREES_YES;
-    snprintf(out->finding, sizeof out->finding, "multipliers %.17g and %.17g given, their sum is off by %.2g, bound %.2g",
-             z[0], z[2], (double)off, (double)bound);
+    snprintf(out->finding, sizeof out->finding,
+             "multipliers %.17g and %.17g given, their sum is off by %.2g, bound %.2g", z[0], z[2], (double)off,
+             (double)bound);
     return RIC_AGREES_NO;
 }
 

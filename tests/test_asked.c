@@ -153,7 +153,9 @@ static void they_do_not_depend_on_the_step(void **state)
             bool same = a.kind == b.kind && fabs(a.energy / b.energy - 1) < 1e-12 &&
                         fabs(a.frequency / b.frequency - 1) < 1e-12;
             for (int k = 0; k < 4 && a.kind == RIC_KIND_USER; k++) same = same && fabs(a.state[k] - b.state[k]) < 1e-11;
-            if (!same || strcmp(a.label, b.label)) fail_msg("step %g: %s at E %.15g, omega %.15g becomes %s at E %.15g, omega %.15g", steps[i], a.label, a.energy, a.frequency, b.label, b.energy, b.frequency);
+            if (!same || strcmp(a.label, b.label))
+                fail_msg("step %g: %s at E %.15g, omega %.15g becomes %s at E %.15g, omega %.15g", steps[i], a.label,
+                         a.energy, a.frequency, b.label, b.energy, b.frequency);
         }
         ric_atlas_free(atlas);
     }

@@ -345,8 +345,8 @@ static void touches_are_dropped(void **state)
     ric_study_free(study);
 }
 
-/* Images under x -> -x exist where every face that is met has an opposite, and where every spring has one that is closed
- * all the while. */
+/* Images under x -> -x exist where every face that is met has an opposite, and where every spring has one that is
+ * closed all the while. */
 static void images_that_exist(void **state)
 {
     (void)state;

@@ -433,10 +433,11 @@ static void check_rows(ric_trace *trace, const char *where)
             !near(row->frequency, p.row.frequency, row->frequency) || !near(row->reach, p.row.reach, 1) ||
             !near(row->approach, p.row.approach, 1) ||
             (fabs(row->trace) < 10 && !near(row->trace, p.row.trace, 1000 * (1 + trace->floquet.error))))
-            fail_msg("%s, point %d of %d: E %.12g omega %.12g trace %.12g reach %.12g approach %.12g stored, %.12g %.12g "
-                     "%.12g %.12g %.12g found", where, i, trace->n_point, row->energy, row->frequency, row->trace,
-                     row->reach, row->approach, p.row.energy, p.row.frequency, p.row.trace, p.row.reach,
-                     p.row.approach);
+            fail_msg(
+                "%s, point %d of %d: E %.12g omega %.12g trace %.12g reach %.12g approach %.12g stored, %.12g %.12g "
+                "%.12g %.12g %.12g found",
+                where, i, trace->n_point, row->energy, row->frequency, row->trace, row->reach, row->approach,
+                p.row.energy, p.row.frequency, p.row.trace, p.row.reach, p.row.approach);
     }
     free(u);
 }
@@ -530,8 +531,8 @@ static void flags_agree(void **state)
         ric_graph_free(graph);
         ric_study_free(study);
     }
-    print_message("# %d borders; %d places where rounding decides a bound that knows of no error of the orbit\n", borders,
-                  raw);
+    print_message("# %d borders; %d places where rounding decides a bound that knows of no error of the orbit\n",
+                  borders, raw);
     assert_true(borders >= 10 && raw > 0);
 }
 

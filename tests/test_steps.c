@@ -111,8 +111,8 @@ static void determinants_of_rounding(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Where one of three pairs of multipliers is lost in rounding the atlas says so, for every step on the same branches: no
- * sign of the others stands for it. */
+/* Where one of three pairs of multipliers is lost in rounding the atlas says so, for every step on the same branches:
+ * no sign of the others stands for it. */
 static void lost_pairs_are_said(void **state)
 {
     (void)state;
