@@ -297,8 +297,8 @@ const cli_command cli_run = {
         "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
         "  -j WORKERS     how many at a time, 1 unless given\n"
         "  --max-step H   largest arclength step, instead of the study's explore.step\n"
-        "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command goes\n"
-        "                 on from there. Needed where more than 200 modes take part\n"
+        "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command\n"
+        "                 goes on from there. Needed where more than 200 modes take part\n"
         "\n"
         "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,

@@ -267,6 +267,7 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
         return RIC_AGREES_YES;
     for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
+    if (asked && asked->end) far = false; /* without a bound: an impact of no speed */
     if (inside > border || outside > border || far) return asked && asked->given ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
     return RIC_AGREES_UNCHECKED;
 }

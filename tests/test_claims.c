@@ -72,7 +72,8 @@ static void plant(ric_atlas *atlas, int branch, int i)
     }
     if (p->stable == RIC_STABLE_UNDECIDED || before.stable != RIC_AGREES_YES) return;
     for (int flag = RIC_STABLE_NO; flag <= RIC_STABLE_UNDECIDED; flag++) {
-        bool border = fabs(fabs(sinh(kept.trace)) - 1) < 1e-4; /* where branches meet undecided is right */
+        /* where branches meet undecided is right, and at the orbit of a junction it may be said */
+        bool border = fabs(fabs(sinh(kept.trace)) - 1) < 1e-4 || i == 0 || i == branch_of(atlas, branch).n_point - 1;
         if (flag == kept.stable || (flag == RIC_STABLE_UNDECIDED && border)) continue;
         p->stable = flag;
         ric_claims after = claims_of(atlas, branch, i);
