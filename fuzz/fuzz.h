@@ -27,11 +27,14 @@ static inline void fuzz_need(int good, const char *what)
     _exit(1);
 }
 
-/* Working in a folder of its own, in memory where there is room for it. */
+/* Working in a folder of its own, in that of the run (tools/fuzz.sh), or in memory where there is room for it. */
 static inline void fuzz_enter_folder(void)
 {
-    char shared[] = "/dev/shm/ricochet-fuzz-XXXXXX", other[] = "/tmp/ricochet-fuzz-XXXXXX";
-    const char *folder = mkdtemp(shared);
+    char own[4096], shared[] = "/dev/shm/ricochet-fuzz-XXXXXX", other[] = "/tmp/ricochet-fuzz-XXXXXX";
+    const char *room = getenv("FUZZ_ROOM"), *folder = NULL;
+    int length = room ? snprintf(own, sizeof own, "%s/ricochet-fuzz-XXXXXX", room) : 0;
+    if (length > 0 && length < (int)sizeof own) folder = mkdtemp(own);
+    if (!folder) folder = mkdtemp(shared);
     if (!folder) folder = mkdtemp(other);
     fuzz_need(folder && !chdir(folder), "a folder");
 }

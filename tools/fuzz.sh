@@ -11,6 +11,11 @@ seconds=${2:-60}
 shift $(($# < 2 ? $# : 2))
 corpus=$(realpath fuzz/corpus)
 bad=0
+# The folders of the harnesses lie in one of this run, so that another run keeps its own.
+if [ -d /dev/shm ] && [ -w /dev/shm ]; then room=/dev/shm; else room=${TMPDIR:-/tmp}; fi
+FUZZ_ROOM=$(mktemp -d "$room/ricochet-fuzz-run-XXXXXX") || exit 1
+export FUZZ_ROOM
+trap 'rm -rf "$FUZZ_ROOM"' EXIT
 for name in "${@:-study matrix atlas rows command}"; do
     for harness in $name; do
         mkdir -p "$folder/corpus/$harness"
@@ -21,5 +26,4 @@ for name in "${@:-study matrix atlas rows command}"; do
             "$(sed -n 's/.*Test unit written to/, finding/p' "$log" | tr '\n' ' ')"
     done
 done
-rm -rf /dev/shm/ricochet-fuzz-* /tmp/ricochet-fuzz-*
 exit "$bad"
