@@ -167,14 +167,14 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
  * first comes first. */
 static void asinh_ticks(tick_list *list, double pixels)
 {
-    const int orders = (int)ceil(fmax(fabs(list->low), fabs(list->high)) / log(10));
-    const int every = (int)fmax(1, ceil(orders * 60 / pixels));
+    const double orders = ceil(fmax(fabs(list->low), fabs(list->high)) / log(10)),
+                 every = fmax(1, ceil(orders * 60 / pixels)); /* as many as a trace beyond all doubles may have */
     char text[64];
     add_tick(list, 0, "0");
     for (int sign = -1; sign <= 1; sign += 2) {
         add_tick(list, sign * asinh(1), sign > 0 ? "2" : "-2");
-        for (int e = every; e <= orders; e += every) {
-            snprintf(text, sizeof text, e == 1 ? "%s10" : "%s10^{%d}", sign < 0 ? "-" : "", e);
+        for (double e = every; e <= orders; e += every) {
+            snprintf(text, sizeof text, e == 1 ? "%s10" : "%s10^{%.10g}", sign < 0 ? "-" : "", e);
             add_tick(list, sign * (e < 15 ? asinh(pow(10, e) / 2) : e * log(10)), text);
         }
     }

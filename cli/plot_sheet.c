@@ -1,6 +1,7 @@
 /* Sheets and stroboscopic diagrams: what many orbits along a part of a branch look like together. */
 #define _POSIX_C_SOURCE 200809L
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -235,10 +236,13 @@ static void draw_box(plot_page *page, const view *v, const part *p, double lo, d
         snprintf(text, sizeof text, "%g", i / 4.);
         plot_page_text(page, (plot_point){at.x, at.y - 12}, PLOT_CENTRE, type, "#222222", false, text);
     }
-    for (int i = (int)ceil(v->lo); i <= (int)floor(v->hi); i++) {
-        const plot_point at = project(v, 0, 0, i);
+    double step = 1; /* clearances, so many that there are a few lines */
+    for (int k = 0; (v->hi - v->lo) / step > 12 && step < DBL_MAX / 10; k++)
+        step *= k % 3 == 1 ? 2.5 : 2; /* 1, 2, 5, 10, ... */
+    for (double i = ceil(v->lo / step); i <= floor(v->hi / step); i++) {
+        const plot_point at = project(v, 0, 0, i * step);
         plot_page_line(page, PLOT_FRAME, 2, (plot_point[]){at, {at.x - 4, at.y}});
-        snprintf(text, sizeof text, i < 0 ? "\xe2\x88\x92%d" : "%d", abs(i));
+        snprintf(text, sizeof text, "%s%.10g", i < 0 ? "\xe2\x88\x92" : "", fabs(i * step));
         plot_page_text(page, (plot_point){at.x - 8, at.y}, PLOT_RIGHT, type, "#222222", false, text);
     }
     plot_page_text(page, (plot_point){(front.x + right.x) / 2, front.y - 29}, PLOT_CENTRE, type, "#222222", false,

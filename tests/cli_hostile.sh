@@ -110,6 +110,23 @@ if command -v gnuplot >/dev/null; then
     }
     ok 'quotes in a title are drawn' quoted
     ok 'a picture goes through a link to a file' link_drawn
+    ranges() { # axes of a trace beyond all doubles, and of gaps of a million clearances, have a few ticks
+        cp "$atlas" "$folder/h.ricochet"
+        sql "$folder/h.ricochet" 'UPDATE point SET trace_asinh = 1e15 WHERE branch = 2' >/dev/null
+        tools/attack/atlas_digest.py "$folder/h.ricochet"
+        timeout 20 "$ricochet" plot floquet "$folder/h.ricochet" --branch 2 -o "$folder/h.svg" && grep -q '[0-9]e+14<' "$folder/h.svg" || return 1
+        cp "$atlas" "$folder/h.ricochet"
+        python3 -c 'import sqlite3, struct, sys
+db = sqlite3.connect(sys.argv[1])
+for branch, point, energy, state in db.execute("SELECT branch, point, energy, state FROM point").fetchall():
+    numbers = struct.unpack(f"<{len(state) // 8}d", state)
+    db.execute("UPDATE point SET energy = ?, state = ? WHERE branch = ? AND point = ?",
+               [energy * 1e12, struct.pack(f"<{len(numbers)}d", *(1e6 * x for x in numbers)), branch, point])
+db.commit()' "$folder/h.ricochet"
+        tools/attack/atlas_digest.py "$folder/h.ricochet"
+        timeout 20 "$ricochet" plot sheet "$folder/h.ricochet" --segment 1 -o "$folder/h.svg" && [ "$(grep -o ">[^<]*00000<" "$folder/h.svg" | wc -l)" -ge 3 ]
+    }
+    ok 'axes of absurd ranges have a few ticks' ranges
     ok 'a picture is not made through a link to nothing' drawn nothing 'a symbolic link to nothing'
     ok 'a picture does not take the place of a folder' drawn folder 'a folder'
     ok 'a picture does not take the place of a pipe' drawn pipe 'no plain file'

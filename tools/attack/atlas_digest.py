@@ -10,6 +10,7 @@ program. The digest is FNV-1a with 64 bits (Fowler, Noll, Vo) over the columns t
 order of src/store_check.c; the columns are read from there, so that both stay the same.
 """
 
+import functools
 import pathlib
 import re
 import sqlite3
@@ -32,8 +33,10 @@ class Text(bytes):
     """A text as it lies in the file, which need not be UTF-8."""
 
 
+@functools.cache
 def columns():
-    header = pathlib.Path(__file__).resolve().parents[2] / "src" / "store_parts.h"
+    sources = pathlib.Path(__file__).resolve().parents[2] / "src"
+    header = next(sources.rglob("store_parts.h"))  # whatever folder it lies in
     text = header.read_text().replace("\\\n", " ")
     found = {}
     for table in ORDER:

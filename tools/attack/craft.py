@@ -6,9 +6,10 @@
 Small atlases of every law are made. In copies of them one or two fields of any table are replaced by values that no run
 writes (or rows are deleted, references bent, triggers and views added), the digest is made anew, and commands that use
 that table are run, in a folder that holds nothing else. A finding is a command that is ended by a signal or by the
-sanitizers, one that takes more seconds of the processor than the limit, or ten times as many on the clock, an exit code that is none of ours, a message that is missing, or a file that was
-made or changed. With a build under -Db_sanitize=address,undefined (make sanitize) what is merely read wrongly shows,
-too. Prints the seed and the findings; exit status 1 if there is one. Python's standard library only.
+sanitizers, one that takes more seconds of the processor than the limit, or ten times as many on the clock, an exit code
+that is none of ours, a message that is missing, or a file that was made or changed. With a build under
+-Db_sanitize=address,undefined (make sanitize) what is merely read wrongly shows, too. Prints the seed and the findings;
+exit status 1 if there is one. Python's standard library only.
 """
 
 import argparse
@@ -71,7 +72,11 @@ def looks(branch, out):
         ["hunt", "--energy", "1.5", "--impacts", "2", "--seconds", "2"],
         ["plot", "fep", "-o", out], ["plot", "orbit", "--branch", branch, "--point", "1", "-o", out],
         ["plot", "floquet", "--branch", branch, "-o", out], ["plot", "curves", "--branch", branch, "-o", out],
-        ["plot", "cascade", "-o", out], ["run"],
+        ["plot", "fep", "--duplicates", "3", "--ghosts", "-o", out],
+        ["plot", "orbit", "--junction", "1", "-o", out], ["plot", "orbits", "--orbit", branch + "@0.4", "-o", out],
+        ["plot", "sheet", "--segment", branch, "-o", out], ["plot", "strobe", "--segment", branch, "-o", out],
+        ["plot", "cascade", "--branch", branch, "--doublings", "1", "-o", out],
+        ["plot", "cascade", "--branch", branch, "--circle", "-o", out], ["run"],
     ]
 
 
