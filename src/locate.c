@@ -27,6 +27,7 @@
                           * distance */
 #define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
                          * where they came from */
+#define PASSES 5 /* most of them: where a place is known to less than a grain they need not come to an end */
 #define COARSE_GRAIN 0x1p-28 /* the same where what vanishes is regular: the fewer orbits that differ by rounding are
                               * rounded to different ones */
 
@@ -308,40 +309,55 @@ static int shortest(const ric_chain *c, const double *u)
     return best;
 }
 
+/* Rounds the unknowns u [n] to the grain. *grid: those of the pass before, NULL for none; replaced. True if they are
+ * the same: another pass would find the same bits. */
+static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
+{
+    bool same = *grid && *n_grid == n;
+    for (int i = 0; i < n; i++) u[i] = rint(u[i] / grain) * grain;
+    for (int i = 0; same && i < n; i++) same = u[i] == (*grid)[i];
+    free(*grid);
+    *n_grid = n;
+    if ((*grid = malloc((size_t)n * sizeof **grid))) memcpy(*grid, u, (size_t)n * sizeof **grid);
+    return same;
+}
+
+/* Where an unknown lies between two grains, one source of a junction rounds it up and another down, and what is found
+ * differs in its last bits: it is rounded and solved again until it does not change. */
 ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion what, bool *moved)
 {
-    ric_cycle *canonical = NULL, *out = NULL;
+    ric_cycle *canonical = NULL, *out = NULL, *before = NULL;
+    double *grid = NULL;
+    int n_grid = 0;
+    bool done = false;
     double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
-    for (int pass = 0; pass < 2; pass++) {
+    for (int pass = 0; pass < PASSES && !done; pass++) {
         criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked,
                        .last = pass > 0, .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
         double *u = NULL;
         ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
-        bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u) && !ric_floquet_create(m->n, &q.floquet);
-        if (good) {
-            if (pass)
-                for (int i = 0; i < q.chain->n_unknown; i++) u[i] = rint(u[i] / grain) * grain;
+        bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u);
+        done = good && pass && settled(q.chain->n_unknown, grain, u, &n_grid, &grid);
+        if (good && !done && !ric_floquet_create(m->n, &q.floquet)) {
             ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
                                              * unknowns */
             if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
             if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             good = good && solve_criterion(&q, u);
             out = good ? ric_cycle_from_chain(q.chain, u) : NULL;
-        }
+        } else out = done ? before : NULL;
+        if (!done) ric_cycle_free(before);
         ric_cycle_free(source);
         ric_chain_free(q.chain);
         ric_floquet_release(&q.floquet);
         free(q.along);
         free(u);
-        canonical = NULL;
-        if (!out) return NULL;
-        if (pass == 0) {
-            canonical = ric_cycle_canonical(m, out);
-            ric_cycle_free(out);
-            out = NULL;
-            if (!canonical) return NULL;
-        }
+        before = out;
+        canonical = out && !done && pass + 1 < PASSES ? ric_cycle_canonical(m, out) : NULL;
+        if (!out || (!canonical && !done && pass + 1 < PASSES)) break;
     }
+    free(grid);
+    if (!out) return NULL;
     /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
     /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
     double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;

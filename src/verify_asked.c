@@ -36,7 +36,6 @@ ric_status ric_asked_open(const ric_atlas *atlas, int branch, int i, const ric_p
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     if (!(out->multipliers = calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
-    out->end = (i == 0 && b.from > 0) || (i == b.n_point - 1 && b.to > 0);
     out->joint = is_joint(atlas, &b, i, point->arclength);
     /* an orbit that the library does not give cannot be compared */
     out->given = !ric_orbit_find(atlas, branch, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&

@@ -257,9 +257,17 @@ static const char *flag(int stable)
     return stable == RIC_STABLE_YES ? "stable" : stable == RIC_STABLE_NO ? "unstable" : "undecided";
 }
 
+/* Whether the library gives every pair: where some are lost in rounding it may know, or not, that one is unstable. */
+static bool all_given(const ric_asked_point *asked)
+{
+    bool all = asked && asked->given;
+    for (int i = 0; all && i < 4 * asked->n_pair; i++) all = isfinite(asked->multipliers[i]);
+    return all;
+}
+
 /* Undecided is a statement on what the library knows of the orbit, which is asked again, and need not say so where
  * branches meet. */
-static ric_agreement judge_undecided(const ric_pairs *p, real outside, real inside, bool far)
+static ric_agreement judge_undecided(const ric_pairs *p, real outside, real inside)
 {
     const ric_asked_point *asked = p->asked;
     real border = 0;
@@ -267,9 +275,9 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
         return RIC_AGREES_YES;
     for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
-    if (asked && asked->end) far = false; /* without a bound: an impact of no speed */
-    if (inside > border || outside > border || far) return asked && asked->given ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
-    return RIC_AGREES_UNCHECKED;
+    if (asked && asked->given) border = fmax(border, UNSAID * asked->error);
+    bool clear = inside > border || outside > border;
+    return clear && all_given(asked) ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
 }
 
 static void judge_flag(const ric_pairs *p, const ric_point *stored, ric_claims *out)
@@ -279,7 +287,7 @@ static void judge_flag(const ric_pairs *p, const ric_point *stored, ric_claims *
     bool unstable = outside > 0, stable = inside > 0, far = all_outside(p);
     bool wrong = stored->stable == RIC_STABLE_YES ? unstable || far : stable,
          sure = stored->stable == RIC_STABLE_YES ? stable : unstable || far;
-    out->stable = stored->stable == RIC_STABLE_UNDECIDED ? judge_undecided(p, outside, inside, far)
+    out->stable = stored->stable == RIC_STABLE_UNDECIDED ? judge_undecided(p, outside, inside)
                   : wrong                                ? RIC_AGREES_NO
                   : sure                                 ? RIC_AGREES_YES
                                                          : RIC_AGREES_UNCHECKED;

@@ -14,8 +14,6 @@ enum { RIC_PAIR_RUNS = 4 }; /* one as exact as can be, and three with the roundi
 
 /* What the library gives of a point on request. */
 typedef struct {
-    bool end;            /* the first or last point, at a junction: the orbit stored is that of the junction, where an
-                          * impact may have no speed, and what is given on request lies beside it */
     bool given, joint;   /* joint: the branch ends in another one, so that the flag is undecided */
     ric_stability stable;
     int n_pair;

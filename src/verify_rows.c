@@ -91,10 +91,11 @@ static void check_symmetries(const replay *r, ric_claims *out)
     if (r->n_event == 0) return;
     real half = r->n_event % 2 ? INFINITY : best_fit(r, false, -1),
          back = fmin(best_fit(r, true, 1), best_fit(r, true, -1));
-    if (r->branch.symmetric ? half > IMAGE : half < SOLVED)
-        disagree(out, "symmetric", r->branch.symmetric, half < IMAGE);
-    if (r->branch.reversible ? back > IMAGE : back < SOLVED)
-        disagree(out, "reversible", r->branch.reversible, back < IMAGE);
+    bool more = (!r->branch.symmetric && half < SOLVED) || (!r->branch.reversible && back < SOLVED);
+    if (r->branch.symmetric && half > IMAGE) disagree(out, "symmetric", 1, 0);
+    if (r->branch.reversible && back > IMAGE) disagree(out, "reversible", 1, 0);
+    /* one orbit with a symmetry does not give it to its branch */
+    if (more && out->numbers == RIC_AGREES_YES) out->numbers = RIC_AGREES_UNCHECKED;
 }
 
 ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out)

@@ -81,6 +81,9 @@ static inline void fill_orbit(const ric_model *model, int n_flight, double *stat
     for (int i = 0; i < 2 * n; i++) state[i] = below(8) ? ldexp((double)(int64_t)random_bits(), -60) : 5e-324;
     for (int i = 0; i < n_flight; i++) period += flights[i] = below(8) ? 9 * random_share() + 0.01 : 1e-300;
     if (!(period > 0.01)) period += flights[0] = 2.5;
+    double fit = fmin(1, 30 / period); /* the longest that the window of frequencies has */
+    for (int i = 0; i < n_flight; i++) flights[i] *= fit;
+    period *= fit;
     *energy = ric_model_energy(model, state, state + n);
     *frequency = 2 * 3.14159265358979323846 / period;
 }
