@@ -68,8 +68,8 @@ def looks(branch, out):
     return LOOKS + [
         ["points", "--branch", branch], ["points", "--branch", branch, "--ghost"],
         ["orbit", "--branch", branch, "--point", "1"], ["orbit", "--branch", branch, "--point", "0", "--history", "0.1"],
-        ["orbit", "--branch", branch, "--energy", "1.5"], ["cascade", "--branch", branch, "--follow", "2"],
-        ["hunt", "--energy", "1.5", "--impacts", "2", "--seconds", "2"],
+        ["orbit", "--branch", branch, "--energy", "1.5"], ["cascade", "--branch", branch, "--doublings", "1"],
+        ["hunt", "--energy", "1.5", "--impacts", "1"],
         ["plot", "fep", "-o", out], ["plot", "orbit", "--branch", branch, "--point", "1", "-o", out],
         ["plot", "floquet", "--branch", branch, "-o", out], ["plot", "curves", "--branch", branch, "-o", out],
         ["plot", "fep", "--duplicates", "3", "--ghosts", "-o", out],
@@ -266,6 +266,8 @@ class Attack:
         for words in chosen:
             if words[0] == "run":
                 yield ["run", os.path.join(self.folder, kind + ".yaml"), "-o", path, "--seconds", "3"]
+            elif words[0] == "hunt":
+                yield ["hunt", os.path.join(self.folder, kind + ".yaml"), "--atlas", path, *words[1:]]
             elif words[0] == "plot":
                 yield [*words[:2], path, *words[2:]]
             else:
