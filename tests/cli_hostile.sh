@@ -257,7 +257,7 @@ ok 'a rotation of -1/2 is read' half -0.5 0
 ok 'a rotation of -0.4 is refused' half -0.4 1
 rm -f "$folder"/s.* "$folder"/r.*
 
-# The short form of tools/attack/craft.py: fields of every table replaced by hostile values. More under the sanitizers: 10,000, some hours.
+# The short form of tools/attack/craft.py: fields of every table replaced by hostile values. 10,000 under the sanitizers take half an hour.
 ok 'a hundred atlases with hostile values end in answers or messages' tools/attack/craft.py --program "$ricochet" --count 100 --seed 7 --short
 
 finish
