@@ -85,6 +85,8 @@ ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double 
 /* The text with what would steer a terminal written out, \x1b for ESC; line breaks stay where `lines`. Study, names
  * and file names may come from anyone. To be freed; NULL without memory. */
 char *cli_visible(const char *text, bool lines);
+/* The same to standard output, which takes no memory: half way through a page nothing can be said any more. */
+void cli_print_visible(const char *text, bool lines);
 /* To standard error, as cli_visible() shows it: whatever holds a name or a text is said by this. */
 void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

@@ -153,9 +153,10 @@ static const char *plural(int n)
 /* A text of the study, between two others; nothing if it has none. */
 static void print_quoted(const char *before, const char *text, const char *after)
 {
-    char *visible = text && *text ? cli_visible(text, false) : NULL;
-    if (visible) printf("%s%s%s", before, visible, after);
-    free(visible);
+    if (!text || !*text) return;
+    fputs(before, stdout);
+    cli_print_visible(text, false);
+    fputs(after, stdout);
 }
 
 static void print_head(const facts *f, const ric_study *study)

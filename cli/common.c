@@ -64,6 +64,15 @@ char *cli_visible(const char *text, bool lines)
     return all;
 }
 
+void cli_print_visible(const char *text, bool lines)
+{
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        int n = *c == '\n' && lines ? 0 : steering(c);
+        if (!n) putchar(*c++);
+        for (; n > 0; n--) printf("\\x%02x", *c++);
+    }
+}
+
 static void put_visible(const char *text)
 {
     char *visible = cli_visible(text, true);
