@@ -294,7 +294,7 @@ static void forward(ric_border *q, const double *conditions, double *pinned, dou
     }
 }
 
-void ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
+bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
 {
     int m = 2 * q->n, N = q->N, b = q->b, size = m + b;
     double pinned[N], end[m], zero[m], rhs[size], total = 0;
@@ -306,7 +306,7 @@ void ric_border_solve(ric_border *q, const double *r, const double *s, double *x
         rhs[m + i] = s[i];
         for (int j = 0; j < q->unknowns; j++) rhs[m + i] -= q->V[(size_t)j * b + i] * x[j];
     }
-    LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1);
+    if (ric_lapack(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1))) return false;
     memcpy(g, rhs + m, (size_t)b * sizeof *g);
     for (int j = 0; j < q->unknowns; j++) x[j] += ric_dot(m, q->K + (size_t)j * m, rhs);
     for (int k = 0; k < N; k++) total += x[m + k];
@@ -314,4 +314,5 @@ void ric_border_solve(ric_border *q, const double *r, const double *s, double *x
     x[q->unknowns] = dT;
     for (int k = 0; k < N; k++) x[m + k] = (x[m + k] - q->chain->tau[k] / q->T * dT) / q->T;
     for (int i = 0; i < m; i++) x[i] *= q->size;
+    return true;
 }

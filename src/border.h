@@ -44,8 +44,8 @@ void ric_border_free(ric_border *border);
 bool ric_border_factor(ric_border *border, double rounding, unsigned bits);
 /* Borders of b columns, b <= 2n: those of `frame`, factorised before, or its own where it is `border` itself. */
 bool ric_border_set(ric_border *border, const ric_border *frame, int b);
-/* [J U; V' 0] (x, g) = (r, s): r, x [unknowns + 1] in the order of J; s, g [b]. */
-void ric_border_solve(ric_border *border, const double *r, const double *s, double *x, double *g);
+/* [J U; V' 0] (x, g) = (r, s): r, x [unknowns + 1] in the order of J; s, g [b]. False: LAPACK failed. */
+bool ric_border_solve(ric_border *border, const double *r, const double *s, double *x, double *g);
 /* Column i of the last b of K by singular values, in the unknowns of the chain, [unknowns]. */
 void ric_border_kernel(const ric_border *border, int i, double *du);
 

@@ -67,7 +67,7 @@ static void determinant(int b, const double *g, int row, unsigned columns, doubl
 }
 
 /* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on. x [2 * rows]. */
-static void read_border(ric_border *q, double *x, reading *out)
+static bool read_border(ric_border *q, double *x, reading *out)
 {
     int b = q->b, m = 2 * q->n, rows = q->unknowns + 1;
     double g[ORDERS * MOST_B * MOST_B], zero[MOST_B] = {0}, unit[MOST_B], column[MOST_B];
@@ -78,7 +78,7 @@ static void read_border(ric_border *q, double *x, reading *out)
         memset(from, 0, (size_t)rows * sizeof *from);
         for (int k = 0; k < b; k++) unit[k] = k == i;
         for (int l = -1; l < ORDERS; l++) {
-            ric_border_solve(q, from, l < 0 ? unit : zero, to, column);
+            if (!ric_border_solve(q, from, l < 0 ? unit : zero, to, column)) return false;
             for (int k = 0; k < b; k++) *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
             double *swap = from;
             from = to;
@@ -86,6 +86,7 @@ static void read_border(ric_border *q, double *x, reading *out)
         }
     }
     determinant(b, g, 0, (1u << b) - 1, out->at + DET);
+    return true;
 }
 
 /* All that the measure of one junction needs. */
@@ -162,8 +163,7 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
 static bool read_moved(gauge *t, int b, double rounding, unsigned bits, reading *out)
 {
     if (!ric_border_factor(t->moved, rounding, bits) || !ric_border_set(t->moved, t->base, b)) return false;
-    read_border(t->moved, t->x, out);
-    return true;
+    return read_border(t->moved, t->x, out);
 }
 
 /* The direction of the branch that passes, du [unknowns], within the kernel: what leaves it there keeps energy and
@@ -206,8 +206,9 @@ static bool read_all(gauge *t, int b, reading *value, reading *slope)
     double du[unknowns];
     ric_chain_fly(t->chain, t->u);
     double least = fmax(ROUNDING, t->chain->residual);
-    if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b)) return false;
-    read_border(t->base, t->x, &value[0]);
+    if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b) ||
+        !read_border(t->base, t->x, &value[0]))
+        return false;
     along_branch(t, b, du);
     for (int k = 1; k <= READINGS; k++) {
         for (int i = 0; i < unknowns; i++) t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
