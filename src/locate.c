@@ -188,6 +188,22 @@ static double root_error(const criterion *q, double slope)
     return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_trace_tolerance(c) * c->scale;
 }
 
+/* How far lambda + 1/lambda scatters over distances along the curve within which the orbit at u is not told apart from
+ * its neighbours: deep in a cascade the multipliers are known far worse than the place. */
+static double scatter_of_root(criterion *q, const double *u, const double *normal, double f0)
+{
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double v[size], du[size], scatter = 0, grain = ric_trace_tolerance(c) * c->scale;
+    for (int i = -2; i <= 2; i++) {
+        for (int j = 0; j < size; j++) v[j] = u[j] + i * grain * normal[j];
+        if (i == 0 || !ric_trace_correct(c, v, u, normal, i * grain, du, &iterations)) continue;
+        double f = off_rotation(q);
+        if (isfinite(f)) scatter = fmax(scatter, fabs(f - f0));
+    }
+    return scatter;
+}
+
 /* The determinant of the larger problem holds a stiff spring that closes for a short time to rounding times its
  * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far
  * from it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved
@@ -201,6 +217,7 @@ static bool solve_root(criterion *q, double *u)
     double f0 = off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
     if (!isfinite(least) || least <= AT_ROOT + error) return true; /* lost, or there */
     ric_trace_tangent(c, NULL, normal);
+    double scatter = 4 * scatter_of_root(q, u, normal, f0);
     memcpy(origin, u, sizeof origin);
     memcpy(best, u, sizeof best);
     for (int i = 0; i < 20 && fabs(x1) <= AT_ZERO * c->scale; i++) {
@@ -222,7 +239,7 @@ static bool solve_root(criterion *q, double *u)
     }
     memcpy(u, best, sizeof best);
     ric_chain_evaluate(c, u);
-    return least <= fmin(NEAR_ROOT, AT_ROOT + error);
+    return least <= fmin(NEAR_ROOT, AT_ROOT + error + scatter);
 }
 
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
