@@ -62,13 +62,34 @@ async function click(page, p) {
   await page.mouse.click(at.x, at.y);
 }
 
+// What the page moves has come to rest: window and selection are the same over ten frames.
+async function atRest(page) {
+  await page.evaluate(async () => {
+    const now = () => JSON.stringify([window.ricochet().window(), window.ricochet().selected(), document.querySelector("#plot")?.clientWidth]);
+    for (let same = 0, last = ""; same < 10; ) {
+      await new Promise((done) => requestAnimationFrame(() => setTimeout(done, 20)));
+      same = now() === last ? same + 1 : 0;
+      last = now();
+    }
+  });
+}
+
+// Whether a condition comes true before the guard against hanging.
+async function comesTrue(condition) {
+  for (let waited = 0; waited < GUARD / 10; waited += 100) {
+    if (await condition().catch(() => false)) return true;
+    await new Promise((done) => setTimeout(done, 100));
+  }
+  return false;
+}
+
 // The orbit panel shows what it was asked for.
 async function orbitShown(page, branch) {
   await page.waitForFunction((id) => {
     const [s, o] = [window.ricochet().selected(), window.ricochet().orbit()];
     return s && o && (!id || s.branch === id) && Math.abs(o.arclength - s.arclength) < 1e-3 * (1 + s.arclength);
   }, branch, { timeout: GUARD });
-  await page.waitForTimeout(60);
+  await atRest(page);
 }
 
 /* ------------------------------------------------------------------- demo */
@@ -111,28 +132,28 @@ async function orbits(page, shot, atlas) {
   const stepped = await page.evaluate(() => window.ricochet().orbit());
   ok("arrow keys step from stored point to stored point", stepped.arclength > before && points.some((p) => near(p.energy, stepped.energy, 1e-12)));
   await page.keyboard.press(" ");
-  await page.waitForTimeout(1200);
+  await page.waitForFunction((was) => window.ricochet().orbit().arclength !== was, stepped.arclength, { timeout: GUARD });
   await page.keyboard.press(" ");
   await orbitShown(page, branch.id);
   ok("space plays along the branch", (await page.evaluate(() => window.ricochet().orbit().arclength)) !== stepped.arclength);
   await page.keyboard.press("n");
-  await page.waitForTimeout(300);
+  await atRest(page);
   const at = await page.evaluate(() => window.ricochet().selected().arclength);
   ok("n goes to the next junction", branch.junction_arclengths.includes(at) || at === points.at(-1).arclength || at === 0);
 }
 
 async function zooming(page, shot) {
   await page.click("#home");
-  await page.waitForTimeout(300);
+  await atRest(page);
   const wide = await windowOf(page);
   await page.fill("#search", "C1_32");
   await page.keyboard.press("Enter");
   await page.locator(".overlay").focus();
   await page.keyboard.press("f");
-  await page.waitForTimeout(200);
+  await atRest(page);
   const at = await place(page, C1_32);
   for (let i = 0; i < 27; i++) await page.keyboard.press("+");
-  await page.waitForTimeout(300);
+  await atRest(page);
   const narrow = await windowOf(page);
   const decades = Math.log10((wide.x1 - wide.x0) / (narrow.x1 - narrow.x0));
   ok(`zoomed by ${decades.toFixed(1)} decades on both axes`, decades >= 4 && (wide.y1 - wide.y0) / (narrow.y1 - narrow.y0) >= 1e4);
@@ -140,15 +161,15 @@ async function zooming(page, shot) {
   ok("what was in the middle has stayed there", Math.hypot(after.x - at.x, after.y - at.y) < 1);
   await shot("four-decades");
   for (let i = 0; i < 55; i++) await page.keyboard.press("+");
-  await page.waitForTimeout(300);
+  await atRest(page);
   const last = await windowOf(page);
   ok("and down to the last digits", last.x1 - last.x0 < 2e-12 && last.y1 - last.y0 < 2e-12 && (await page.evaluate(() => window.ricochet().segments)) > 0, JSON.stringify(last));
   await shot("last-digits");
   const address = page.url();
   await page.click("#home");
-  await page.waitForTimeout(300);
+  await atRest(page);
   await page.click("#back");
-  await page.waitForTimeout(400);
+  await atRest(page);
   const back = await windowOf(page);
   ok("back comes to the view before", back.x1 - back.x0 < 0.9 * (wide.x1 - wide.x0), `${address} ${page.url()}`);
   await page.click("#home");
@@ -171,7 +192,7 @@ async function growing(page, shot, atlas) {
   await page.click("#home");
   const points = rows("branches", atlas).length;
   await page.fill("#duplicates", "2");
-  await page.waitForTimeout(200);
+  await atRest(page);
   await page.click("[data-offer=multiply]");
   await page.waitForFunction((n) => window.ricochet().branches > n, points, { timeout: GUARD });
   await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: GUARD });
@@ -188,9 +209,10 @@ async function growing(page, shot, atlas) {
   const reach = Math.max(...rows("branches", atlas).map((b) => b.energy_max));
   ok("beyond the windows branches are followed into the view", near(reach, 400, 1e-6) && rows("branches", atlas).length >= known, `${narrow} ${reach}`);
   await page.click("#home");
+  await atRest(page);
   await click(page, C6_33);
-  await page.waitForTimeout(300);
-  ok("it is shown", near(Number(await value(page, "energy")), C6_33.energy, 1e-8) && (await value(page, "multiple")).startsWith("times 2"));
+  const shown = async () => near(Number(await value(page, "energy")), C6_33.energy, 1e-8) && (await value(page, "multiple")).startsWith("times 2");
+  ok("it is shown", await comesTrue(shown));
   await shot("c33-6");
 }
 
@@ -215,7 +237,7 @@ async function keys(page, shot) {
   const colours = [];
   for (let i = 0; i < 4; i++) {
     await page.keyboard.press("c");
-    await page.waitForTimeout(300);
+    await atRest(page);
     colours.push([await page.inputValue("#colouring"), await page.locator("#legend > span:not(.sub)").count()]);
   }
   ok("colours by stability, word family, fractal base and symmetry", colours.map(([name]) => name).join() === "stability,word,base,symmetry" && colours.every(([, n]) => n > 1), JSON.stringify(colours));
