@@ -4,13 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "crossing.h"
 #include "c_locale.h"
+#include "crossing.h"
 #include "depart.h"
 #include "graph_parts.h"
+#include "pack.h"
 #include "pause.h"
 #include "ring.h"
-#include "pack.h"
 #include "status.h"
 #include "subset.h"
 
