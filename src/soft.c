@@ -216,7 +216,7 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
     for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;
     while (first < N && !keep[first]) first++;
     if (first < N) { /* else a linear mode, whose amplitude grows */
-        regular = ric_cycle_keep(m, node->cycle, keep);
+        regular = ric_subset_keep(m, node->cycle, keep);
         status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t) : no_memory();
     }
     for (int i = 0; i < node->n_touch && !status; i++)

@@ -179,17 +179,23 @@ bool ric_subset_list(ric_node *node)
 
 /* ------------------------------------------------------------------- orbits */
 
-/* Without its touches of one-sided walls the orbit may be its own mirror image, which with them it is not
- * (theory section 2). */
-static bool frees_mirror(const ric_model *m, const ric_cycle *whole, const bool *keep)
+/* A symmetry that the touches hide, and which the orbit has without them: that of x -> -x, where the touch is one of a
+ * wall that has no opposite side (theory section 2), or the reversal, where contacts close at one instant, as it turns
+ * round the order in which they are listed. A branch on one side of its grazing has every symmetry of its orbit there:
+ * its problem has one solution to either side, and that with the touch is not the image of the one without. */
+ric_cycle *ric_subset_keep(const ric_model *m, const ric_cycle *whole, const bool *keep)
 {
-    bool touched = false;
-    for (int i = 0; i < whole->N; i++) {
-        bool one_sided = m->face[whole->face[i]].mirror < 0;
-        if (one_sided && keep[i]) return false;
-        touched |= one_sided;
+    ric_cycle *out = ric_cycle_keep(m, whole, keep), *seen = out ? ric_cycle_copy(out) : NULL;
+    if (seen && ric_cycle_find_symmetries(m, seen, SAME) == 1) {
+        out->half |= seen->half;
+        if (out->pure < 0) out->pure = seen->pure;
+        if (out->flip < 0) out->flip = seen->flip;
+    } else if (!seen) {
+        ric_cycle_free(out);
+        out = NULL;
     }
-    return touched;
+    ric_cycle_free(seen);
+    return out;
 }
 
 ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned choice)
@@ -210,8 +216,7 @@ ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned c
     whole->half = node->cycle->half && node->multiple % 2 && mapped(node, (operation){1, half}, choice) == choice;
     whole->pure = pure < 0 ? -1 : (node->cycle->pure + pure * N) % all;
     whole->flip = flip < 0 ? -1 : (node->cycle->flip + flip * N) % all;
-    if (kept) out = ric_cycle_keep(m, whole, keep);
-    if (out && frees_mirror(m, whole, keep)) ric_cycle_find_symmetries(m, out, SAME);
+    if (kept) out = ric_subset_keep(m, whole, keep);
     ric_cycle_free(whole);
     return out;
 }

@@ -14,6 +14,9 @@ ric_cycle *ric_subset_touches(const ric_model *model, const ric_cycle *cycle, bo
  * belong to fewer and are left out. With too many touches there is a single one, over budget. False: no memory. */
 bool ric_subset_list(ric_node *node);
 
+/* A grazing orbit with those of its impacts and touches that keep[i] names, one at least, and all symmetries that it
+ * has then; NULL: no memory. */
+ric_cycle *ric_subset_keep(const ric_model *model, const ric_cycle *whole, const bool *keep);
 /* The orbit as the branch that leaves by `choice` sees it, with the symmetries that are left; NULL with no impact left,
  * or no memory. */
 ric_cycle *ric_subset_cycle(const ric_model *model, const ric_node *node, unsigned choice);
