@@ -489,10 +489,10 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
     ric_bridge_station(tr, &q, at, h, &tr->mid);
     /* a neighbour on the side where there is more room: close by it is lost in rounding */
     int far = at - q.x[0] > q.x[3] - at ? 0 : 3;
-    const double *beside = q.u + far * tr->chain->n_unknown;
+    const ric_crossed place = {tr->mid.u, q.u + far * tr->chain->n_unknown, q.u + (3 - far) * tr->chain->n_unknown};
     for (int i = 0; i < ASIDE_STEPS && *end_test < 0; i++) {
         double aside, x;
-        if (ric_arrival_meets(tr, tr->mid.u, beside, &aside)) *end_test = RIC_TEST_DET;
+        if (ric_arrival_meets(tr, &place, &aside)) *end_test = RIC_TEST_DET;
         else if ((x = at + aside * (q.x[far] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
         else ric_bridge_station(tr, &q, at = x, h, &tr->mid);
     }
@@ -508,7 +508,7 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
      * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
      * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. */
-    bool image = !arrived && ric_arrival_passes(tr, tr->mid.u, beside);
+    bool image = !arrived && ric_arrival_passes(tr, &place);
     bool flat = arrived || image ||
                 (repeated && fabs(ric_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                  ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));

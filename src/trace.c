@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arrival.h"
 #include "eigen.h"
 #include "event.h"
 #include "event_parts.h"
@@ -417,6 +418,7 @@ ric_status ric_trace_equip(ric_trace *tr)
         !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
         !station_create(&tr->past, n, n_pair) || !samples_create(tr))
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    tr->may_gain = ric_arrival_may_gain(tr->chain);
     return ric_floquet_create(tr->chain->n, &tr->floquet);
 }
 
@@ -690,7 +692,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
         tr->evaluations += iterations + 1;
         bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
-        good = good && !symmetric_after_all(tr->chain);
+        good = good && !symmetric_after_all(tr->chain) && !(tr->may_gain && ric_arrival_gains(tr->chain, tr->next.u));
         if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT && !crowded(tr, h)) {
             if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {

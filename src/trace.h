@@ -13,7 +13,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 11
+#define RIC_NUMERICS 12
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -111,6 +111,7 @@ typedef struct {
     ric_station now, next, mid, past;
     ric_samples samples;
     bool has_past;
+    bool may_gain;       /* orbits of this word may have more symmetry than the form (arrival.h) */
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */

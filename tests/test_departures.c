@@ -252,6 +252,14 @@ static void check_orbits(const ric_graph *g, const ric_edge *e, const char *name
                      tr->chain->n_flight, e->energy[0] * g->model->energy_unit, k ? "reversible" : "symmetric");
 }
 
+/* Both ends of a branch are one way out of one junction: it has passed an arrival and come back as its own image. */
+static void check_ends(const ric_graph *g, const ric_edge *e, const char *name)
+{
+    if (e->from >= 0 && e->from == e->to && e->leave == e->arrive)
+        fail_msg("%s: a branch of %d flights from E %.10g comes back to its start as its own image", name,
+                 e->trace->chain->n_flight, e->energy[0] * g->model->energy_unit);
+}
+
 static void check_study(const ric_study *study, const char *name)
 {
     ric_graph *g = NULL;
@@ -259,7 +267,10 @@ static void check_study(const ric_study *study, const char *name)
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
     if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
     for (int i = 0; i < g->n_node; i++) check_node(g, i, name);
-    for (int i = 0; i < g->n_edge; i++) check_orbits(g, &g->edges[i], name);
+    for (int i = 0; i < g->n_edge; i++) {
+        check_orbits(g, &g->edges[i], name);
+        check_ends(g, &g->edges[i], name);
+    }
     int unplaced = 0, said = 0;
     for (int i = 0; i < g->n_edge; i++) unplaced += g->edges[i].n_unplaced;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
@@ -385,10 +396,25 @@ static void hidden_by_order(void **state)
     assert_int_equal(failures, 0);
 }
 
+/* A6[223223] comes to a doubling of A3[223] in a bend much narrower than the step over a branch point: it ends there,
+ * instead of going on as A3[223] gone through twice, or as its own image. */
+static void sharp_arrival(void **state)
+{
+    (void)state;
+    failures = 0;
+    check_text("model:\n  mass: [[2, 0, 0], [0, 0.5, 0], [0, 0, 1.75]]\n"
+               "  stiffness: [[3.25, -3.25, 0], [-3.25, 8, -4.75], [0, -4.75, 4.75]]\n  contacts:\n"
+               "    - {normal: [-1, 1, 0], clearance: 1.66, sides: both, law: rigid}\n"
+               "    - {normal: [1, 0, -1], clearance: 0.00166, sides: both, law: rigid}\n",
+               "energy: [0, 5.644], frequency: [0.2863, 12.83], impacts: 6, multiply: 2, depth: 2");
+    assert_int_equal(failures, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications),
                                        cmocka_unit_test(three_modes), cmocka_unit_test(one_start),
-                                       cmocka_unit_test(hidden_by_wall), cmocka_unit_test(hidden_by_order)};
+                                       cmocka_unit_test(hidden_by_wall), cmocka_unit_test(hidden_by_order),
+                                       cmocka_unit_test(sharp_arrival)};
     return cmocka_run_group_tests_name("departures", tests, NULL, NULL);
 }
