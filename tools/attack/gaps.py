@@ -1,10 +1,11 @@
 """How far gaps open between events: stationary points and kinks of s(t) over each flight, from a grid finer than the fastest
-mode by 2 pi / 0.05, each sign change of the slope polished. A pair of stationary points between two grid points lifts s by less
-than 0.05^4/384 = 2e-8 of its amplitude and may be missed."""
+mode by 2 pi / 0.05, each sign change of the slope polished, and where the slope comes near to zero between three points, too. A
+pair of stationary points in the first or last interval lifts s by less than 0.05^4/384 = 2e-8 and may be missed."""
 import numpy as np
 
 import arithmetic as ar
 
+FLAT = 1e-7  # part of the largest speed: a gap that changes no faster at an event may have its maximum there
 FINE = 0.05  # radians of the fastest mode between grid points
 MOST = 6000
 
@@ -53,11 +54,9 @@ class Reach:
                 sign = np.sign(factor)
                 if offset:
                     self._deepest(sign, slope, t, g, w, y, yd, factor, offset, base)
-                turn = (sign * slope[:, :-1] > 0) & (sign * slope[:, 1:] <= 0)
-                p, i = np.nonzero(turn)
+                p, lower, upper = _brackets(sign, sign * slope, t, g, w, y, yd)
                 if len(p) == 0:
                     continue
-                lower, upper = t[p, i], t[p, i + 1]
                 for _ in range(50):
                     middle = (lower + upper) / 2
                     rising = sign * _slope(g, w, y[p], yd[p], middle[:, None])[:, 0] > 0
@@ -93,14 +92,25 @@ class Reach:
             if contact == s.faces[f].contact:
                 continue
             gap, before, behind = ar.double(u @ c), ar.double(v @ c), ar.double(after @ c)
+            bend = ar.double(s.acceleration(chain.closed[k], u) @ c)
+            flat = np.abs(before) < FLAT * chain.size()[1] * np.sqrt(ar.double(c @ c))
             for _, factor, offset in self._sides(s, contact, chain.closed[k]):
                 value = factor * gap + offset
                 self.event = np.maximum(self.event, value)
+                if kind != "hit" or np.all(before == behind):
+                    self._rest(value, flat, factor * bend < 0)
                 if kind == "hit":
                     bends = (factor * before > 0) & (factor * behind < 0)
                     for listed, z in zip(self.values, value):
                         listed.append(float(z))
                     self.kink = np.maximum(self.kink, np.where(bends, value, -np.inf))
+
+    def _rest(self, value, flat, peak):
+        """A stationary point that falls on an event which does not bend this gap is inside neither flight."""
+        for p in np.nonzero(flat)[0]:
+            self.values[p].append(float(value[p]))
+            if peak[p] and abs(value[p] - 1) > 1e-6:
+                self.stationary[p] = max(self.stationary[p], value[p])
 
     def worst(self):
         return np.maximum(np.maximum(self.stationary, self.event), self.kink)
@@ -112,6 +122,33 @@ class Reach:
         if max(self.values[i], default=0) < 0.05 or reach < 0.05:
             return largest < 0.05 + reach
         return reach > largest - 1e-6 and any(abs(z - reach) <= 1e-6 * max(1, abs(reach)) for z in self.values[i])
+
+
+def _brackets(sign, rise, t, g, w, y, yd):
+    """(orbit, from, to) of intervals with a maximum: sign changes of the slope on the grid, and pairs of them within two intervals,
+    where the slope has its extremum: by the parabola through three points, then by bisection of the curvature."""
+    p, i = np.nonzero((rise[:, :-1] > 0) & (rise[:, 1:] <= 0))
+    lower, upper = t[p, i], t[p, i + 1]
+    left, middle, right = rise[:, :-2], rise[:, 1:-1], rise[:, 2:]
+    bend, side = left - 2 * middle + right, np.sign(middle)
+    near = (side * left >= side * middle) & (side * right >= side * middle) & (side * middle < 0.5 * side * bend)
+    q, k = np.nonzero(near & (side != 0))
+    if len(q) == 0:
+        return p, lower, upper
+    begin, end, side = t[q, k], t[q, k + 2], side[q, k]
+    low, high = begin, end
+    for _ in range(40):
+        at = (low + high) / 2
+        falling = side * sign * _bend(g, w, y[q], yd[q], at) < 0
+        low, high = np.where(falling, at, low), np.where(falling, high, at)
+    crossed = side * sign * _slope(g, w, y[q], yd[q], at[:, None])[:, 0] < 0
+    begin, end = np.where(side > 0, begin, at)[crossed], np.where(side > 0, at, end)[crossed]
+    return np.concatenate([p, q[crossed]]), np.concatenate([lower, begin]), np.concatenate([upper, end])
+
+
+def _bend(g, w, y, yd, t):
+    angle = t[:, None] * w
+    return -(((yd * np.sin(angle) + y * w * np.cos(angle)) * w) * g).sum(axis=-1)
 
 
 def _slope(g, w, y, yd, t):

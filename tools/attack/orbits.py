@@ -23,7 +23,7 @@ class Chain:
         self.before, self.after, self.closed = [], [(u, v)], [closed]
         self.gap, self.speed = [], []
         for k in range(self.N):
-            u, v = s.fly(closed, u, v, self.tau[:, k])
+            u, v = s.fly(closed, *self.start(k, u, v), self.tau[:, k])
             self.before.append((u, v))
             f, kind = self.events[(k + 1) % self.N]
             face, c = s.faces[f], s.c[s.faces[f].contact]
@@ -36,6 +36,10 @@ class Chain:
             self.after.append((u, v))
             self.closed.append(closed)
         self.sound = closed == self.first_closed
+
+    def start(self, _k, u, v):
+        """Where flight k starts, if the one before ends at (u, v)."""
+        return u, v
 
     def residual(self):
         """[P, N + 2n]: gaps at all events, then the closure."""
@@ -50,23 +54,30 @@ class Chain:
 
     def jacobian(self):
         """Derivatives of the residual by u, v, tau, [P, N + 2n, 2n + N]: no saltation, since times are unknowns."""
-        s, n, N, P = self.s, self.s.n, self.N, len(self.u)
+        n, N, P = self.s.n, self.N, len(self.u)
         exact = ar.exact_of(self.u)
         X = ar.zeros((P, 2 * n, 2 * n + N), exact)
         X[:, range(2 * n), range(2 * n)] = X[:, range(2 * n), range(2 * n)] + 1
         rows = []
         for k in range(N):
-            X = s.fly_columns(self.closed[k], X, self.tau[:, k])
-            u, v = self.before[k]
-            X[:, :n, 2 * n + k] = X[:, :n, 2 * n + k] + v
-            X[:, n:, 2 * n + k] = X[:, n:, 2 * n + k] + s.acceleration(self.closed[k], u)
-            f, kind = self.events[(k + 1) % N]
-            face, c = s.faces[f], s.c[s.faces[f].contact]
-            rows.append(face.side * (c @ X[:, :n]))
-            if kind == "hit":
-                X[:, n:] = X[:, n:] - (2 / (c @ c)) * c[:, None] * (c @ X[:, n:])[:, None, :]
+            X, slope = self._through(k, X)
+            rows.append(slope)
         X[:, range(2 * n), range(2 * n)] = X[:, range(2 * n), range(2 * n)] - 1
         return np.concatenate([np.stack(rows, axis=1), X], axis=1)
+
+    def _through(self, k, X):
+        """Deviations X behind event k taken through flight k, with its time as unknown 2n + k, and what they do to its gap."""
+        s, n = self.s, self.s.n
+        X = s.fly_columns(self.closed[k], X, self.tau[:, k])
+        u, v = self.before[k]
+        X[:, :n, 2 * n + k] = X[:, :n, 2 * n + k] + v
+        X[:, n:, 2 * n + k] = X[:, n:, 2 * n + k] + s.acceleration(self.closed[k], u)
+        f, kind = self.events[(k + 1) % self.N]
+        face, c = s.faces[f], s.c[s.faces[f].contact]
+        slope = face.side * (c @ X[:, :n])
+        if kind == "hit":
+            X[:, n:] = X[:, n:] - (2 / (c @ c)) * c[:, None] * (c @ X[:, n:])[:, None, :]
+        return X, slope
 
     def moved(self, du):
         n = self.s.n
@@ -82,14 +93,27 @@ class Chain:
         equations = np.concatenate([u[:, None] * np.ones((1, N)), u[:, None] * ones, v[:, None] * ones], axis=1)
         return unknowns, equations
 
+    def chosen(self, pick, other):
+        """Orbits of this chain where `pick` [P], of the other elsewhere."""
+        pick = pick[:, None]
+        return Chain(self.s, self.events, self.first_closed, np.where(pick, self.u, other.u), np.where(pick, self.v, other.v),
+                     np.where(pick, self.tau, other.tau))
+
     def relative_residual(self):
         return np.abs(ar.double(self.residual()) / self.weights()[1]).max(axis=1)
 
-    def singular(self):
-        """Singular value decomposition of the weighted Jacobian, in doubles."""
+    def weighted(self):
+        """The Jacobian between unknowns and equations over their sizes, in doubles."""
         unknowns, equations = self.weights()
-        J = ar.double(self.jacobian()) * unknowns[:, None, :] / equations[:, :, None]
-        return np.linalg.svd(J)
+        return ar.double(self.jacobian()) * unknowns[:, None, :] / equations[:, :, None]
+
+    def singular(self):
+        """Its singular value decomposition."""
+        return np.linalg.svd(self.weighted())
+
+    def growth(self):
+        """[P]: what the equations make of a change of the unknowns, at most, both relative."""
+        return np.linalg.norm(self.weighted(), ord=2, axis=(1, 2))
 
 
 def polish(chain, rounds=4, cut=1e-11):
@@ -123,13 +147,75 @@ def polish(chain, rounds=4, cut=1e-11):
         better = now < least
         if not better.any():
             break
-        pick = better[:, None]
-        best = Chain(chain.s, chain.events, chain.first_closed, np.where(pick, chain.u, best.u),
-                     np.where(pick, chain.v, best.v), np.where(pick, chain.tau, best.tau))
+        best = chain.chosen(better, best)
         least = np.where(better, now, least)
         chain = best
     difference = np.concatenate([best.u - start.u, best.v - start.v, best.tau - start.tau], axis=1)
-    return best, np.abs(ar.double(difference) / unknowns).max(axis=1)
+    n, N = chain.s.n, chain.N
+    own = np.concatenate([unknowns[:, :2 * n], unknowns[:, -N:]], axis=1)
+    return best, np.abs(ar.double(difference) / own).max(axis=1)
+
+
+class Apart(Chain):
+    """The same orbits with a state of its own behind every event (multiple shooting): what is amplified from one end of a period
+    to the other is amplified by one flight only, and an orbit that one chain cannot hold in its digits can be polished.
+
+    Unknowns are the 2n of each state in turn, then the times; equations all gaps, then what joins the flights."""
+
+    def __init__(self, structure, events, closed, starts, tau):
+        self.starts = starts
+        super().__init__(structure, events, closed, *starts[0], tau)
+
+    @classmethod
+    def of(cls, chain, picked):
+        """The orbits `picked` of a chain."""
+        starts = [(u[picked], v[picked]) for u, v in chain.after[:chain.N]]
+        return cls(chain.s, chain.events, chain.first_closed, starts, chain.tau[picked])
+
+    def run(self):
+        super().run()
+        self.ends = self.after[1:]
+        self.after = self.starts + self.after[-1:]
+
+    def start(self, k, u, v):
+        return self.starts[k]
+
+    def residual(self):
+        joints = [np.concatenate([a - b for a, b in zip(self.ends[k], self.starts[(k + 1) % self.N])], axis=1)
+                  for k in range(self.N)]
+        return np.concatenate([np.stack(self.gap, axis=1)] + joints, axis=1)
+
+    def jacobian(self):
+        n, N, P = self.s.n, self.N, len(self.u)
+        out = ar.zeros((P, N + 2 * n * N, 2 * n * N + N), ar.exact_of(self.u))
+        for k in range(N):
+            X = ar.zeros((P, 2 * n, 2 * n + N), ar.exact_of(self.u))
+            X[:, range(2 * n), range(2 * n)] = X[:, range(2 * n), range(2 * n)] + 1
+            X, slope = self._through(k, X)
+            here, there, joint = 2 * n * k, 2 * n * ((k + 1) % N), N + 2 * n * k
+            out[:, k, here:here + 2 * n], out[:, k, 2 * n * N + k] = slope[:, :2 * n], slope[:, 2 * n + k]
+            out[:, joint:joint + 2 * n, here:here + 2 * n] = X[:, :, :2 * n]
+            out[:, joint:joint + 2 * n, 2 * n * N + k] = X[:, :, 2 * n + k]
+            for i in range(2 * n):
+                out[:, joint + i, there + i] = out[:, joint + i, there + i] - 1
+        return out
+
+    def moved(self, du):
+        n, N = self.s.n, self.N
+        starts = [(u + du[:, 2 * n * k:2 * n * k + n], v + du[:, 2 * n * k + n:2 * n * (k + 1)])
+                  for k, (u, v) in enumerate(self.starts)]
+        return Apart(self.s, self.events, self.first_closed, starts, self.tau + du[:, 2 * n * N:])
+
+    def chosen(self, pick, other):
+        pick = pick[:, None]
+        starts = [tuple(np.where(pick, a, b) for a, b in zip(x, y)) for x, y in zip(self.starts, other.starts)]
+        return Apart(self.s, self.events, self.first_closed, starts, np.where(pick, self.tau, other.tau))
+
+    def weights(self):
+        unknowns, equations = super().weights()
+        n, N = self.s.n, self.N
+        return (np.concatenate([unknowns[:, :2 * n]] * N + [unknowns[:, 2 * n:]], axis=1),
+                np.concatenate([equations[:, :N]] + [equations[:, N:]] * N, axis=1))
 
 
 def monodromy(chain):
