@@ -374,10 +374,34 @@ static void write_point(ric_trace *tr, int i, const ric_point *row, const double
     memcpy(out + sizeof *row / sizeof *out, u, (size_t)tr->chain->n_unknown * sizeof *out);
 }
 
-ric_status ric_trace_keep(ric_trace *tr, const ric_station *p)
+/* Where events fall together, as at a grazing of a spring or at a corner, a flight of no length is solved for to its
+ * rounding, on either side of zero. What is kept lasts no negative time: the point is that with zero in its place, and
+ * filled anew, so that all that is said is said of what is stored. */
+static ric_status without_negative_flights(ric_trace *tr, ric_station *p)
 {
+    const ric_chain *c = tr->chain;
+    bool any = false, undecided = p->row.stable == RIC_STABLE_UNDECIDED;
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
+        if (!(p->u[k] < 0)) continue;
+        if (p->u[k] < -MARGIN) p->solved = false;
+        any = true;
+        p->u[k] = 0;
+    }
+    if (!any || !p->solved) return RIC_OK;
+    ric_status status = ric_trace_fill(tr, p->s, p);
+    if (undecided) p->row.stable = RIC_STABLE_UNDECIDED;
+    return status;
+}
+
+ric_status ric_trace_keep(ric_trace *tr, const ric_station *station)
+{
+    double u[tr->chain->n_unknown];
+    ric_station kept = *station, *p = &kept;
+    memcpy(p->u = u, station->u, sizeof u);
+    p->s = p->row.arclength;
+    ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
     bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
-    if (!p->solved || penetrates) return RIC_OK;
+    if (status || !p->solved || penetrates) return status;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity ? tr->point_capacity + tr->point_capacity / 2 : 64;
         double *grown = realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
@@ -395,6 +419,7 @@ ric_status ric_trace_end_at(ric_trace *tr, const double *u)
     memcpy(own, u, sizeof own);
     ric_station p = {.u = own};
     ric_status status = ric_trace_fill(tr, tr->end.s, &p);
+    if (!status && p.solved) status = without_negative_flights(tr, &p);
     const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
     if (status || !p.solved) return status;
     p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
