@@ -40,6 +40,29 @@ static char *refusals(const ric_node *node)
     return strdup(why);
 }
 
+static bool solve_chain(ric_chain *chain, double *u)
+{
+    double du[chain->n_unknown];
+    int iterations;
+    ric_chain_evaluate(chain, u);
+    return !ric_trace_solved(chain) && ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
+}
+
+/* Without its touches an orbit is one of fewer events; what their speeds were beside zero is missing from it, and it is
+ * solved once more. NULL: it need not be, or does not converge. */
+static ric_cycle *solved_again(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL;
+    ric_cycle *solved = NULL, *out = NULL;
+    if (!ric_cycle_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) solved = ric_cycle_from_chain(chain, u);
+    if (solved) out = ric_cycle_canonical(m, solved);
+    ric_cycle_free(solved);
+    ric_chain_free(chain);
+    free(u);
+    return out;
+}
+
 /* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact
  * is left. */
 static ric_cycle *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
@@ -61,7 +84,15 @@ ric_status ric_mark_make(const ric_model *m, const ric_node *node, int index, ri
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
     bool bare;
-    ric_cycle *cycle = original_orbit(m, node, &bare);
+    ric_cycle *cycle = original_orbit(m, node, &bare), *again = NULL;
+    double energy = node->energy, period = node->period;
+    if (cycle && node->kind == RIC_KIND_GRAZING) again = solved_again(m, cycle);
+    if (again) {
+        ric_cycle_free(cycle);
+        cycle = again;
+        energy = ric_cycle_energy(m, cycle);
+        period = ric_cycle_period(cycle);
+    }
     int N = cycle ? ric_cycle_letters(cycle) : 0;
     *out = (ric_mark){.node = node, .index = index};
     r->word = calloc((size_t)N + 1, sizeof *r->word);
@@ -81,9 +112,9 @@ ric_status ric_mark_make(const ric_model *m, const ric_node *node, int index, ri
     r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0,
                             .letters = N, .word = r->word,
                             .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0, .multiple = node->multiple,
-                            .rotation = {node->rotation[0], node->rotation[1]}, .energy = node->energy * m->energy_unit,
+                            .rotation = {node->rotation[0], node->rotation[1]}, .energy = energy * m->energy_unit,
                             .state = r->state, .flights = r->flights, .refusal = r->refusal};
-    r->row.frequency = TWO_PI / node->period * m->omega_ref / r->row.multiple;
+    r->row.frequency = TWO_PI / period * m->omega_ref / r->row.multiple;
     count_departures(node, r);
 out:
     ric_cycle_free(cycle);
