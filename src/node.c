@@ -158,7 +158,11 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
     solved = ric_locate(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
     ric_cycle_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
-    return finish_grazing(m, solved, q, out);
+    ric_status status = finish_grazing(m, solved, q, out);
+    if (status || (*out)->n_touch || (*out)->refusal) return status;
+    ric_node_free(*out); /* beside a family of two parameters the place of a touch is known to nothing */
+    *out = NULL;
+    return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts touches nothing where it converges", cycle->N);
 }
 
 ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple, ric_node **out)
