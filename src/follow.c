@@ -21,6 +21,8 @@
 #define PARTS 16      /* of a period, between inner nodes, the first time that they are needed */
 #define MORE_PARTS 4  /* and each time that they do not suffice */
 #define MOST_PARTS 64
+#define NO_BRANCH 1e-6 /* of the size: what is lost nearer to its start than this is rounding beside a family of more
+                        * parameters, and no branch */
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
 /* ------------------------------------------------------------------- tracing */
@@ -140,12 +142,23 @@ static ric_status set_out(const ric_model *m, const course *way, const ric_node 
     return status;
 }
 
+/* A branch that is lost before it has left its start. */
+static ric_status not_left(const ric_trace *tr)
+{
+    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    double length = last->arclength, least = NO_BRANCH * tr->chain->scale;
+    if (tr->stop != RIC_STOP_FAILED || length > least) return RIC_OK;
+    return ric_fail(RIC_E_NUMERIC, "the branch is lost %.1e from its start (%s), and not told apart from it", length,
+                    ric_why_text(tr->why));
+}
+
 /* *out that is not NULL before is a trace that was broken off, and goes on; as it does after RIC_E_INTERRUPTED. */
 static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
 {
     ric_status status = *out ? RIC_OK : ric_trust(set_out(m, way, node, out));
     bool begun = !status;
     if (begun && *out) status = ric_trace_run(*out);
+    if (begun && !status && *out) status = not_left(*out);
     if (status && !(begun && status == RIC_E_INTERRUPTED)) {
         ric_trace_free(*out);
         *out = NULL;

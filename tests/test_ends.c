@@ -94,12 +94,37 @@ static void grazings_touch(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Modes of equal frequencies move together in any share: what leaves them and is lost at once is no branch, and is said
+ * to be refused. */
+static void no_branch_without_length(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, 0, 0], [0, 0, 0, 1, 0], [0, 0, 0, 0, 1]]\n"
+        "  stiffness: [[3, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0], [0, 0, 0, 3, 0], [0, 0, 0, 0, 2]]\n"
+        "  contacts:\n"
+        "    - {normal: [1, 0, 0, 0, -1], law: bilinear, clearance: 1.55, sides: both, stiffness: 0.9931}\n"
+        "    - {normal: [-1, 1, 0, -2, -2], law: bilinear, clearance: 1.55, sides: both, stiffness: 3706}\n"
+        "explore: {energy: [0, 3.419], frequency: [0.2828, 5.196], impacts: 5, multiply: 3, depth: 1}\n");
+    int refused = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        ric_point last;
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &last, NULL, NULL), RIC_OK);
+        if (b.stop == RIC_STOP_FAILED && last.arclength < 1e-6) fail_msg("branch %d: %g long", id, last.arclength);
+    }
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) refused += junction_of(atlas, id).departures.refused;
+    assert_true(refused > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_negative_flight),
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
+        cmocka_unit_test(no_branch_without_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
