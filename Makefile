@@ -90,6 +90,8 @@ ten: setup-tests build
 
 time: setup-tests build
 	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
+	@ninja -C $(BUILD) --quiet tests/test_chain
+	@RICOCHET_TEST_TIME=1 $(BUILD)/tests/test_chain
 	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli_view_page.sh
 
 picture: setup-tests build
