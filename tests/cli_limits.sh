@@ -52,7 +52,8 @@ further() { echo "$before, then $(points)"; [ "$before" -gt 0 ] && [ "$(points)"
 ok 'the next one is further along the branch' further
 interrupted() {
     "$ricochet" run "$folder/slow.yaml" -o "$folder/slow.ricochet" &
-    sleep 1
+    for _ in $(seq 2400); do [ -e "$folder/slow.ricochet-journal" ] && break; sleep 0.05; done # it writes what it has found
+    begin=$(date +%s%N) # of `stops`: the time counts from the signal
     kill -INT $!
     wait $!
 }

@@ -164,7 +164,7 @@ flood() { # some are refused, and a little later all is well
     for job in $(jobs -p | grep -v "^$pid$"); do wait "$job"; done
     sort "$folder/codes" | uniq -c
     ! grep -qvE '^(200|404|429)$' "$folder/codes" && grep -q 200 "$folder/codes" || return 1
-    for _ in $(seq 300); do gives 200 "${with_token[@]}" "$url/api/bases" && return; sleep 0.2; done
+    for _ in $(seq 600); do gives 200 "${with_token[@]}" "$url/api/bases" && return; sleep 0.2; done
     return 1
 }
 ok 'too many requests at once' flood
@@ -189,7 +189,8 @@ busy() { gives 200 "${with_token[@]}" -d '{"depth":30,"impacts":200,"multiply":7
 ok 'one at a time, and orbits meanwhile' busy
 curves() { "$ricochet" branches "$atlas" --json | python3 -c 'import json, sys; print("\n".join(sorted("%s %s %.6g %.6g %.6g" % (b["word"], b["symmetric"], b["energy_min"], b["energy_max"], b["frequency_max"]) for b in json.load(sys.stdin))))'; }
 curves >"$folder/curves"
-stops() { sleep 1 && gives 200 "${with_token[@]}" -d '{}' "$url/api/stop" && settled && status && [ -z "$(curves | LC_ALL=C comm -23 "$folder/curves" -)" ]; }
+under_way() { for _ in $(seq 3000); do status | grep -q '"running":true' && return; sleep 0.1; done; return 1; }
+stops() { under_way && gives 200 "${with_token[@]}" -d '{}' "$url/api/stop" && settled && status && [ -z "$(curves | LC_ALL=C comm -23 "$folder/curves" -)" ]; }
 ok 'stopped, it has taken nothing away' stops
 other_run() {
     sed 's/depth: 4/depth: 5/; s/multiply: 1/multiply: 2/' examples/elementary/study.yaml >"$folder/deeper.yaml"
@@ -225,7 +226,7 @@ finish_server INT
 full() { # an address that nobody reads is said elsewhere
     "$ricochet" view "$atlas" --no-browser --port 0 >/dev/full 2>"$folder/err" &
     pid=$!
-    for _ in $(seq 100); do grep -q 'token=' "$folder/err" && break; sleep 0.05; done
+    for _ in $(seq 2400); do grep -q 'token=' "$folder/err" && break; sleep 0.05; done
     finish_server INT
     cat "$folder/err"
     grep -q 'http://127.0.0.1:[0-9]*/?token=' "$folder/err"
@@ -237,12 +238,12 @@ browser() { # what a browser is given stands in the list of processes
     chmod +x "$folder/bin/xdg-open"
     PATH=$folder/bin:$PATH DISPLAY=:0 XDG_RUNTIME_DIR=$folder/run "$ricochet" view "$atlas" --port 0 >"$folder/url" 2>"$folder/err" &
     pid=$!
-    for _ in $(seq 100); do [ -s "$folder/mode" ] && break; sleep 0.05; done
+    for _ in $(seq 2400); do [ -s "$folder/mode" ] && break; sleep 0.05; done
     token=$(sed 's/.*token=//' "$folder/url")
     cat "$folder/opened"
     grep -q "$token" "$folder/page" && ! grep -q "$token" "$folder/opened" && [ "$(cat "$folder/mode")" = 600 ] || return 1
     gives 200 -H "X-Ricochet-Token: $token" "$(sed 's,/?token.*,,' "$folder/url")/api/status"
-    sleep 0.5
+    for _ in $(seq 2400); do [ -z "$(ls "$folder/run")" ] && break; sleep 0.05; done
     [ -z "$(ls "$folder/run")" ] || { ls "$folder/run"; return 1; }
     finish_server INT
 }

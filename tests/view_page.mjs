@@ -204,7 +204,7 @@ async function growing(page, shot, atlas) {
   await page.waitForFunction(() => Math.abs(window.ricochet().window().x1 - Math.log10(400)) < 1e-9);
   const known = rows("branches", atlas).length;
   await page.click("[data-offer=windows]");
-  await page.waitForFunction(() => document.querySelector(".progress.busy"), null, { timeout: 5000 }).catch(() => null);
+  await comesTrue(async () => near(Math.max(...rows("branches", atlas).map((b) => b.energy_max)), 400, 1e-6));
   await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: GUARD });
   const reach = Math.max(...rows("branches", atlas).map((b) => b.energy_max));
   ok("beyond the windows branches are followed into the view", near(reach, 400, 1e-6) && rows("branches", atlas).length >= known, `${narrow} ${reach}`);
