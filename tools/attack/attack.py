@@ -50,7 +50,7 @@ def one(task):
     """Everything about one seed, as a dictionary that goes into the log."""
     seed, o = task
     kind, text, study = structures.make(seed, o["kind"], o["small"])
-    out = {"seed": seed, "kind": kind, "text": text, "findings": [], "counts": {}, "named": []}
+    out = {"seed": seed, "kind": kind, "text": text, "findings": [], "counts": {}, "named": [], "open": []}
     signal.signal(signal.SIGALRM, _alarm)
     with tempfile.TemporaryDirectory(prefix="attack-") as folder:
         path, atlas = os.path.join(folder, "study.yaml"), os.path.join(folder, "atlas.ricochet")
@@ -88,7 +88,7 @@ def _run(out, o, study, path, atlas, folder):
         return
     verdict = judge(study, atlas, o["program"], o["points"], out["seed"])
     out["findings"] += verdict.findings
-    out["counts"] = dict(verdict.counts)
+    out["counts"], out["open"] = dict(verdict.counts), verdict.open
     if o["verify"]:
         code, errors = call([o["program"], "verify", atlas], o["limit"] * 2)
         if code is None:

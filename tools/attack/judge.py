@@ -15,6 +15,7 @@ import arithmetic as ar
 import gaps
 import orbits
 import smooth
+import smooth_fine
 from structure import Structure, read_word
 
 RESIDUAL = 1e-10  # of a stored orbit in its equations, relative to its size; times the square root of the stiffest phase
@@ -24,16 +25,23 @@ DISTANCE = 1e-8  # from a stored orbit to the nearest solution, relative
 TOUCH = 1e-8  # by which reach may pass 1, s/d
 NUMBER = 1e-8  # relative: energies, frequencies, margins
 SIMILAR = 1e-7  # relative: symmetries of an orbit
+SYMMETRIC = 1e-11  # the same, to take multipliers from half of it
 FACTOR = 200.0  # rounding of the program over what one rounding of the stored numbers does to a multiplier
 BORDER = 1e-14  # of |rho| from 2: rounding of the stored doubles moves the orbit along its branch across it
 HOPELESS = 1e-3  # a multiplier less certain than this, relative, is not compared
 MP_POINTS = 25  # per structure that are worth 50 digits
+TOO_MANY = f"more than {MP_POINTS} points ask for many digits"
 YES, NO, UNDECIDED = 1, 0, 2
 
 
 class Verdict:
     def __init__(self):
-        self.findings, self.counts = [], collections.Counter()
+        self.findings, self.counts, self.open = [], collections.Counter(), []
+
+    def leave(self, kind, where, text, why):
+        """Neither confirmed nor false: counted, and kept with the reason."""
+        self.counts[f"{kind} not confirmed"] += 1
+        self.open.append({"kind": kind, "where": where, "text": text, "why": why})
 
     def find(self, kind, where, text):
         self.findings.append({"kind": kind, "where": where, "text": text})
@@ -288,7 +296,7 @@ class Judge:
                            * ar.array(unknowns, chain.s.exact))
 
     def _rho(self, chain):
-        return orbits.pairs(orbits.reduced(chain, orbits.monodromy(chain)))
+        return orbits.rho(chain)
 
     def _multipliers(self, branch, rows, fine, stored):
         rho = self._rho(fine)
@@ -298,9 +306,12 @@ class Judge:
 
         def redo(i):
             chain, _, _ = self.chain_of(branch["word"], [rows[i]], self.exact())
-            chain, _ = orbits.polish(self._held(chain, chain.growth()), rounds=4)
-            if chain.relative_residual()[0] > 1e-35:
+            polished, moved = orbits.polish_finely(chain)
+            if polished.relative_residual()[0] > 1e-35 or moved > 1e-6:
+                polished, _ = orbits.polish(self._held(chain, chain.growth()), rounds=4)
+            if polished.relative_residual()[0] > 1e-35:
                 return None
+            chain = polished
             return [self._rho(chain)[0]] + [self._rho(self._shaken(chain, 1e-40))[0] for _ in range(2)]
 
         again = []
@@ -326,7 +337,7 @@ class Judge:
                 allowed = 1e-9 * (1 + abs(rho[i][0])) + FACTOR * spread[0]
                 if not allowed < HOPELESS * (1 + abs(rho[i][0])):
                     v.counts["multipliers lost"] += 1
-                elif abs(row["trace"] - rho[i][0]) > allowed and self._still(row["trace"], allowed, lambda i=i: redo(i)):
+                elif abs(row["trace"] - rho[i][0]) > allowed and self._still(row["trace"], allowed, lambda i=i: redo(i), where):
                     v.find("multiplier", where, f"trace {row['trace']!r} said, {float(rho[i][0])!r} found, allowed {allowed:.1e}")
             elif said is not None and row["point"] in said:
                 self._compare_pairs(said[row["point"]], rho[i], spread, where, lambda i=i: redo(i))
@@ -350,18 +361,19 @@ class Judge:
                 allowed = max(allowed, 1e-6 * (1 + abs(rho[j])))
             if not allowed < HOPELESS * (1 + abs(rho[j])):
                 v.counts["multipliers lost"] += 1
-            elif abs(x - rho[j]) > allowed and self._still(x, allowed, redo, near < 1e-2 * (1 + abs(rho[j]))):
+            elif abs(x - rho[j]) > allowed and self._still(x, allowed, redo, where, near < 1e-2 * (1 + abs(rho[j]))):
                 v.find("multiplier", where, f"pair {x!r} said, nearest {rho[j]!r}, allowed {allowed:.1e}")
 
-    def _still(self, said, allowed, redo, crowded=False):
-        """Whether 50 digits find no such pair either, or are not to be had. A cluster of pairs moves like a root of its rounding."""
-        if self.fine_left <= 0 and self.s.n > 2:
-            self.verdict.counts["multipliers not confirmed"] += 1
-            return False
+    def _still(self, said, allowed, redo, where, crowded=False):
+        """Whether many digits find no such pair either, or are not to be had. A cluster of pairs moves like a root of its rounding."""
         self.fine_left -= 1
+        text = f"{said!r} said, allowed {allowed:.1e}"
+        if self.fine_left < 0 and self.s.n > 2:
+            self.verdict.leave("multipliers", where, text, TOO_MANY)
+            return False
         better = redo() if self.fine_left >= 0 else None
         if better is None and crowded:
-            self.verdict.counts["multipliers not confirmed"] += 1
+            self.verdict.leave("multipliers", where, text, "many digits do not converge")
             return False
         if better is None:
             return True
@@ -400,13 +412,10 @@ class Judge:
         if mine == {said}:
             v.counts["flags confirmed"] += 1
             return
+        text = f"stable {('no', 'yes')[said]} said, rho {[str(complex(x)) for x in rho]}"
         fine = {self.stable(r) for r in [rho] + finer()}
-        if len(fine) == 1 and None not in fine:
-            if fine == {said}:
-                v.counts["flags confirmed finely"] += 1
-                return
-        elif self.fine_left <= 0:
-            v.counts["flags not confirmed"] += 1
+        if fine == {said}:
+            v.counts["flags confirmed finely"] += 1
             return
         self.fine_left -= 1
         better = redo() if self.fine_left >= 0 else None
@@ -415,18 +424,20 @@ class Judge:
         if better is None and len(mine) == 1 and None not in mine and not crowded:
             better = [rho] + coarse
         if better is None:
-            v.counts["flags not confirmed"] += 1
+            v.leave("flags", where, text, "many digits do not converge" if self.fine_left >= 0 else TOO_MANY)
             return
         finest = {self.stable(r) for r in better}
         if finest == {said}:
             v.counts["flags confirmed finely"] += 1
             return
         margin = np.abs(np.abs(np.asarray(better[0])) - 2).min()
-        if len(finest) > 1 or None in finest or margin < BORDER:
-            v.counts["flags not confirmed"] += 1
+        text = f"stable {('no', 'yes')[said]} said, rho {[str(complex(x)) for x in better[0]]}, {margin:.1e} from 2"
+        if len(finest) > 1 or None in finest:
+            v.leave("flags", where, text, "many digits find both")
+        elif margin < BORDER:
+            v.leave("flags", where, text, "nearer to the border than the stored numbers are to the orbit")
         else:
-            v.find("flag", where, f"stable {('no', 'yes')[said]} said, rho {[str(complex(x)) for x in better[0]]}, "
-                                  f"{margin:.1e} from 2")
+            v.find("flag", where, text)
 
     # ---- power laws
 
@@ -456,38 +467,60 @@ class Judge:
             if not close(energies[i], row["energy"], NUMBER):
                 v.find("energy", where, f"{row['energy']!r} said, {energies[i]!r} from matrices")
         scale = np.abs(ar.double(u)).max(axis=1) + np.abs(ar.double(w)).max(axis=1)
+        halves = None
         if branch["symmetric"]:
-            a, b, _ = smooth.integrate(s, u, w, T / 2, neighbours=False)
+            a, b, halves = smooth.integrate(s, u, w, T / 2, neighbours=s.n > 1)
             off = np.maximum(np.abs(ar.double(a + u)).max(axis=1), np.abs(ar.double(b + w)).max(axis=1)) / scale
             for i in np.nonzero(off > SIMILAR)[0]:
                 v.find("symmetric", f"{name} point {rows[i]['point']}", f"said to be symmetric, {off[i]:.1e} off")
+            if off.max() > SYMMETRIC:
+                halves = None
         if branch["reversible"]:
             off = np.minimum(np.abs(ar.double(u)).max(axis=1), np.abs(ar.double(w)).max(axis=1)) / scale
             for i in np.nonzero(off > SIMILAR)[0]:
                 v.find("reversible", f"{name} point {rows[i]['point']}", f"said to start at a mirror point, {off[i]:.1e} off")
         if s.n > 1:
-            self._power_multipliers(branch, rows, u, w, T, X)
+            self._power_multipliers(branch, rows, (u, w, T / 2 if halves is not None else T), X if halves is None else -halves,
+                                    halves is not None)
 
-    def _power_multipliers(self, branch, rows, u, w, T, X):
+    def _power_multipliers(self, branch, rows, orbit, X, half):
+        """Of a symmetric orbit from its first half: +-2 and clusters of the whole are told apart there."""
+        u, w, T = orbit
         again = []
 
         def finer(i):
             if not again:
-                again.append(self._power_shaken(u, w, T, 3e-19))
+                again.append(self._power_shaken(u, w, T, 3e-19, half))
             return [again[0][i]]
 
-        self._compare(branch, rows, self._power_rho(u, w, X), [self._power_shaken(u, w, T, 2e-16)], finer,
-                      self._said(branch, rows), lambda i: None)
+        self._compare(branch, rows, self._power_rho(u, w, X, half), [self._power_shaken(u, w, T, 2e-16, half)], finer,
+                      self._said(branch, rows), lambda i: self._power_finely(rows[i], half))
 
-    def _power_shaken(self, u, w, T, size):
+    def _power_finely(self, row, half):
+        """Pairs in 46 digits, of the orbit and of one that is 1e-30 away; None where they are not to be had."""
+        s = self.exact()
+        u, v, _ = s.from_stored(floats(row["state"])[None, :])
+        T = mpmath.mpf(float(floats(row["flights"]).sum())) * ar.number(s.omega_ref, True)
+        try:
+            motion, u, v, T, far, left = smooth_fine.orbit(s, u[0], v[0], T)
+            if left > 1e-30 or far > 1e-6:
+                return None
+            moved = u * (1 + smooth_fine.fast(1e-30))
+            return [smooth_fine.rho(s, motion, x, v, T, half) for x in (u, moved)]
+        except ArithmeticError:
+            return None
+
+    def _power_shaken(self, u, w, T, size, half):
         """Pairs of orbits that are so far away, relative."""
         scales = [np.abs(ar.double(x)).max(axis=1)[:, None] for x in (u, w)]
         shaken = [x + self.rng.choice([-1.0, 1.0], x.shape) * size * z for x, z in zip((u, w), scales)]
-        return self._power_rho(*shaken, smooth.integrate(self.s, *shaken, T)[2])
+        X = smooth.integrate(self.s, *shaken, T)[2]
+        return self._power_rho(*shaken, -X if half else X, half)
 
-    def _power_rho(self, u, w, X):
+    def _power_rho(self, u, w, X, half):
         a = smooth.acceleration(self.s, u)
-        return orbits.pairs(orbits.section_map(np.concatenate([w, a], axis=1), np.concatenate([-a, w], axis=1), X, False))
+        own = orbits.pairs(orbits.section_map(np.concatenate([w, a], axis=1), np.concatenate([-a, w], axis=1), X, False))
+        return orbits.doubled(own) if half else own
 
     # ---- junctions
 

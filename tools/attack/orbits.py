@@ -116,6 +116,43 @@ class Chain:
         return np.linalg.norm(self.weighted(), ord=2, axis=(1, 2))
 
 
+def solve(a, b):
+    """x with a x = b, by elimination with pivots in the digits of the numbers."""
+    a, x = a.copy(), b.copy()
+    for i in range(len(a)):
+        p = i + int(np.argmax([abs(z) for z in a[i:, i]]))
+        if a[p, i] == 0:
+            raise ArithmeticError("a matrix has no inverse")
+        a[[i, p]], x[[i, p]] = a[[p, i]], x[[p, i]]
+        for j in range(i + 1, len(a)):
+            if a[j, i] != 0:
+                part = a[j, i] / a[i, i]
+                a[j, i:] = a[j, i:] - part * a[i, i:]
+                x[j] = x[j] - part * x[i]
+    for i in range(len(a) - 1, -1, -1):
+        x[i] = (x[i] - (a[i, i + 1:] * x[i + 1:]).sum()) / a[i, i]
+    return x
+
+
+def polish_finely(chain, rounds=6):
+    """The same for one orbit in 50 digits: Newton's method with its Jacobian in these, bordered by the direction along the curve and
+    the equation that energy makes superfluous, so that small singular values cost digits and not the convergence."""
+    start, (unknowns, equations) = chain, [ar.array(w[0], True) for w in chain.weights()]
+    for _ in range(rounds):
+        left = float(max(abs(r) for r in chain.residual()[0] / equations))
+        if left < 1e-42:
+            break
+        U, _, Vt = chain.singular()
+        size = len(unknowns)
+        matrix = ar.zeros((size + 1, size + 1), True)
+        matrix[:size, :size] = chain.jacobian()[0] * unknowns[None, :] / equations[:, None]
+        matrix[:size, size], matrix[size, :size] = ar.array(U[0, :, -1], True), ar.array(Vt[0, -1], True)
+        right = np.append(-chain.residual()[0] / equations, ar.zeros(1, True))
+        chain = chain.moved((solve(matrix, right)[:size] * unknowns)[None, :])
+    difference = np.concatenate([chain.u - start.u, chain.v - start.v, chain.tau - start.tau], axis=1)[0] / unknowns
+    return chain, float(max(abs(x) for x in difference))
+
+
 def polish(chain, rounds=4, cut=1e-11):
     """The solution nearest to the chain (minimum-norm Newton steps, double Jacobian, residuals in the chain's digits) and how far
     away it is, [P], relative. Singular values below `cut` are left alone: along the curve, and its kin at a branch point."""
@@ -218,12 +255,25 @@ class Apart(Chain):
                 np.concatenate([equations[:, :N]] + [equations[:, N:]] * N, axis=1))
 
 
-def monodromy(chain):
-    """[P, 2n, 2n] small deviations carried once round from right after event 0, with the saltation of each stop."""
+def half(chain, near=1e-10):
+    """The number of events after which all orbits of a chain are at minus their beginning, None if there is none."""
+    su, sv = chain.size()
+    u0, v0 = chain.after[0]
+    for k in range(1, chain.N):
+        u, v = chain.after[k]
+        off = np.maximum(np.abs(ar.double(u + u0)).max(axis=1) / su, np.abs(ar.double(v + v0)).max(axis=1) / sv)
+        if 2 * k == chain.N and off.max() < near:
+            return k
+    return None
+
+
+def monodromy(chain, events=None):
+    """[P, 2n, 2n] small deviations carried once round from right after event 0, or through its first flights, with the saltation of
+    each stop."""
     s, n, N, P = chain.s, chain.s.n, chain.N, len(chain.u)
     X = ar.zeros((P, 2 * n, 2 * n), ar.exact_of(chain.u))
     X[:, range(2 * n), range(2 * n)] = X[:, range(2 * n), range(2 * n)] + 1
-    for k in range(N):
+    for k in range(events or N):
         X = s.fly_columns(chain.closed[k], X, chain.tau[:, k])
         f, kind = chain.events[(k + 1) % N]
         if kind != "hit":
@@ -243,6 +293,15 @@ def reduced(chain, X):
     u, v = chain.after[0]
     a = chain.s.acceleration(chain.first_closed, u)
     return section_map(np.concatenate([v, a], axis=1), np.concatenate([-a, v], axis=1), X, exact)
+
+
+def rho(chain):
+    """rho of all pairs. Of an orbit that is at minus its beginning after half its events, from that half: +-2 and clusters of the
+    whole are told apart there."""
+    k = half(chain)
+    if k is None:
+        return pairs(reduced(chain, monodromy(chain)))
+    return doubled(pairs(reduced(chain, -monodromy(chain, k))))
 
 
 def section_map(flow, gradient, X, exact):
@@ -297,10 +356,19 @@ def pairs(R):
         return np.zeros((P, 0))
     if h == 1:
         ratio = -polynomial[:, 1] / polynomial[:, 0]
-        return np.array([[_beside_two(x) if ar.exact_of(polynomial) else float(x)] for x in ratio])
+        return np.array([[_beside_two(x)] for x in ratio])
     if ar.exact_of(polynomial):
         return np.array([_exact_roots(c) for c in polynomial])
     return _long_roots(polynomial)
+
+
+def doubled(own):
+    """rho of a map gone through twice, rho^2 - 2, from its own. A pair at i and -i, well inside, is at -1 then: as a double it is
+    put on the side of -2 where it is."""
+    own = np.asarray(own)
+    full, square = own * own - 2, (own * own).real
+    beside = np.where((full.real == -2) & (square != 0), np.nextafter(-2.0, np.where(square > 0, 0.0, -4.0)), full.real)
+    return beside + 1j * full.imag if np.iscomplexobj(own) else beside
 
 
 def _beside_two(x):
