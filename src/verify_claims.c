@@ -22,6 +22,7 @@
 #define REACHED 1e-10    /* of a reach */
 #define MOST_OPEN 1e-11  /* no orbit that is more than this open passes */
 #define UNSEEN 1e-12     /* part of a normal below which a mode is not seen */
+#define BACK 1e-6        /* the state after part of the period is that at its start to this part, where it repeats itself */
 #define IMAGE 1e-9       /* half a period later a symmetric orbit is its image to this part */
 #define NO_SPEED 1e-60   /* relative: no impact is slower */
 #define FLAT 1e-7        /* part of the largest speed: a gap that changes no faster may be at a maximum */
@@ -344,6 +345,29 @@ static ric_status find_reach(replay *r, reached *reach)
     return RIC_OK;
 }
 
+/* How often a shorter orbit is gone through, by word, flights and states. */
+static int times_through(const replay *r)
+{
+    int N = r->n_event;
+    size_t step = 2 * (size_t)r->n;
+    for (int part = 1; part <= N / 2; part++) {
+        bool same = N % part == 0 && ric_replay_distance(r, r->chain + part * step, r->chain) <= BACK * r->norm;
+        for (int k = 0; same && k < N; k++)
+            same = r->branch.word[k] == r->branch.word[(k + part) % N] &&
+                   fabs(r->tau[k] - r->tau[(k + part) % N]) <= NUMBER * r->period;
+        if (same) return N / part;
+    }
+    return 1;
+}
+
+/* A branch meets orbits that repeat themselves at its ends; one between them has a period that is none, and a
+ * frequency. */
+static void check_period(const replay *r, int i, ric_claims *out)
+{
+    int times = i > 0 && i + 1 < r->branch.n_point ? times_through(r) : 1;
+    if (times > 1) say(out, "repetitions", 1, times);
+}
+
 static ric_status check_numbers(replay *r, ric_claims *out)
 {
     const ric_point *p = &r->point;
@@ -376,6 +400,7 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
     if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
     ric_status status = ric_replay_open(&r, atlas, branch, i, true);
     if (!status) status = check_numbers(&r, out);
+    if (!status) check_period(&r, i, out);
     if (!status && r.n_event == 0) check_linear(&r, out);
     else if (!status && !(status = ric_asked_open(atlas, branch, i, &r.point, &asked)))
         status = check_multipliers(&r, &asked, out);

@@ -9,12 +9,18 @@
 #include "springs.h"
 #include "status.h"
 #include "verify_parts.h"
+#include "verify_smooth.h"
 
 #define SAME 1e-12     /* relative: numbers that are stored twice */
 #define SOLVED 1e-9    /* of clearance and norm: what a located orbit may leave open, and an image may be off */
 #define BETWEEN 1e-2   /* relative: how far a junction between points may extend the frequencies of a branch */
 #define ENERGY 1e-10   /* relative, of a located orbit whose numbers are stored together */
 #define IMAGE 1e-6     /* an orbit that is farther from its image than this is not symmetric */
+
+#define EXACT 1e-10    /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
+#define LONG 1e-4      /* of the state: a branch whose orbits differ by less may lie beside a symmetric one as a whole */
+
+enum { FEW = 4, SAMPLE = 8 }; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
 
 static void disagree(ric_claims *out, const char *name, double stored, double found)
 {
@@ -57,11 +63,11 @@ static ric_status check_ranges(const ric_atlas *atlas, const ric_branch *b, ric_
 }
 
 /* A contact of a spring closes and opens, and counts once. */
-static void check_impacts(const replay *r, ric_claims *out)
+static void check_impacts(const ric_branch *b, int n_face, ric_claims *out)
 {
     int impacts = 0;
-    for (int k = 0; k < r->n_event; k++) impacts += r->branch.word[k] < r->n_face;
-    if (impacts != r->branch.impacts) disagree(out, "impacts", r->branch.impacts, impacts);
+    for (int k = 0; k < b->letters; k++) impacts += b->word[k] < n_face;
+    if (impacts != b->impacts) disagree(out, "impacts", b->impacts, impacts);
 }
 
 /* States behind all events against those of the motion with x -> -x (sign -1), or backwards (reverse): what is
@@ -86,35 +92,76 @@ static real best_fit(const replay *r, bool reverse, real sign)
     return best / r->norm;
 }
 
-static void check_symmetries(const replay *r, ric_claims *out)
+/* How far the orbit of point i is off its image: in x -> -x half a period on, and backwards. `polished`: solved to the
+ * last digit, as instability leaves less of the stored one. `w` [2 n_dof]: its state, over its size. */
+static ric_status fit_images(const ric_atlas *atlas, int branch, int i, bool polished, real fit[2], real *w)
 {
-    if (r->n_event == 0) return;
-    real half = r->n_event % 2 ? INFINITY : best_fit(r, false, -1),
-         back = fmin(best_fit(r, true, 1), best_fit(r, true, -1));
-    bool more = (!r->branch.symmetric && half < SOLVED) || (!r->branch.reversible && back < SOLVED);
-    if (r->branch.symmetric && half > IMAGE) disagree(out, "symmetric", 1, 0);
-    if (r->branch.reversible && back > IMAGE) disagree(out, "reversible", 1, 0);
-    /* one orbit with a symmetry does not give it to its branch */
-    if (more && out->numbers == RIC_AGREES_YES) out->numbers = RIC_AGREES_UNCHECKED;
+    replay r = {0};
+    ric_check check = {.branch = branch, .point = i};
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth_images(atlas, branch, i, fit, w);
+    ric_status status = ric_replay_open(&r, atlas, branch, i, true);
+    r.check = &check;
+    if (!status && polished) status = ric_replay_polish(&r, true);
+    if (!status) {
+        fit[0] = r.n_event % 2 ? INFINITY : best_fit(&r, false, -1);
+        fit[1] = fmin(best_fit(&r, true, 1), best_fit(&r, true, -1));
+        for (int k = 0; k < 2 * r.n; k++) w[k] = r.chain[k] / r.norm;
+    }
+    ric_replay_close(&r);
+    return status;
+}
+
+/* Whether it is right that a branch, some orbit of which is its own image, is not said to have that symmetry. One orbit
+ * does not give it to its branch, which may pass it; nor do the orbits of a branch that is so short that all are beside
+ * one. Several between the ends of a longer branch do. */
+static ric_status ask_others(const ric_atlas *atlas, const ric_branch *b, ric_agreement said[2])
+{
+    int n = ric_model_n_dof(ric_atlas_model(atlas)), inner = b->n_point - 2, count = inner < SAMPLE ? inner : SAMPLE;
+    bool all[2] = {count >= FEW, count >= FEW};
+    ric_status status = RIC_OK;
+    real w[2][2 * n], apart = 0, fit[2];
+    for (int k = 0; k < count && !status; k++) {
+        if ((status = fit_images(atlas, b->id, 1 + (int)((long)k * inner / count), true, fit, w[k > 0]))) break;
+        for (int i = 0; i < 2; i++) {
+            all[i] &= fit[i] < EXACT;
+            if (fit[i] > IMAGE) said[i] = RIC_AGREES_YES;
+        }
+        for (int j = 0; j < 2 * n && k > 0; j++) apart = fmax(apart, fabs(w[1][j] - w[0][j]));
+    }
+    for (int i = 0; i < 2; i++)
+        if (all[i] && apart > LONG) said[i] = RIC_AGREES_NO;
+    return status;
+}
+
+static ric_status check_symmetries(const ric_atlas *atlas, const ric_branch *b, ric_claims *out)
+{
+    static const char *const names[2] = {"symmetric", "reversible"};
+    bool stored[2] = {b->symmetric, b->reversible}, open[2];
+    ric_agreement said[2] = {RIC_AGREES_UNCHECKED, RIC_AGREES_UNCHECKED};
+    real fit[2], w[2 * ric_model_n_dof(ric_atlas_model(atlas))];
+    ric_status status = fit_images(atlas, b->id, b->n_point / 2, false, fit, w);
+    for (int i = 0; i < 2 && !status; i++) {
+        open[i] = !stored[i] && fit[i] < IMAGE;
+        if (stored[i] && fit[i] > IMAGE) disagree(out, names[i], 1, 0);
+    }
+    if (!status && (open[0] || open[1])) status = ask_others(atlas, b, said);
+    for (int i = 0; i < 2 && !status; i++)
+        if (open[i] && said[i] == RIC_AGREES_NO) disagree(out, names[i], 0, 1);
+        else if (open[i] && said[i] == RIC_AGREES_UNCHECKED && out->numbers == RIC_AGREES_YES)
+            out->numbers = RIC_AGREES_UNCHECKED;
+    return status;
 }
 
 ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out)
 {
     ric_branch b;
-    replay r = {0};
     *out = (ric_claims){.branch = branch, .point = -1, .multiplier_error = NAN, .multiplier_bound = NAN,
                         .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_YES};
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status || b.n_point == 0 || (status = check_ranges(atlas, &b, out))) return status;
-    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return RIC_OK;
-    status = ric_replay_open(&r, atlas, branch, b.n_point / 2, true);
-    if (!status) {
-        check_impacts(&r, out);
-        check_symmetries(&r, out);
-    }
-    ric_replay_close(&r);
-    return status;
+    check_impacts(&b, ric_model_n_face(ric_atlas_model(atlas)), out);
+    return ric_branch_linear(ric_atlas_model(atlas), &b) ? RIC_OK : check_symmetries(atlas, &b, out);
 }
 
 /* --------------------------------------------------------------- junctions */

@@ -128,11 +128,11 @@ static ric_status fly_all(replay *r)
     return status;
 }
 
-/* One after the other from the first start. */
-static ric_status fly_through(replay *r)
+/* The first `count` of them one after the other from the first start. */
+static ric_status fly_through(replay *r, int count)
 {
     ric_status status = RIC_OK;
-    for (int j = 0; j < r->parts && !status; j++) {
+    for (int j = 0; j < count && !status; j++) {
         status = fly(r, j);
         if (j + 1 < r->parts) memcpy(next(r, j), r->end + r->n * j, (size_t)r->n * sizeof *r->start);
     }
@@ -326,12 +326,12 @@ static bool run_once(const replay *r, const ric_model *m, int run, ric_pairs *pa
 }
 
 /* Half a period later a symmetric orbit is its image. */
-static bool is_image(const replay *r, const ric_branch *b)
+static double off_image(const replay *r)
 {
     real image[r->n];
-    if (!b->symmetric || r->parts % 2) return false;
+    if (r->parts % 2) return INFINITY;
     for (int i = 0; i < r->n; i++) image[i] = -r->start[r->n * (r->parts / 2) + i];
-    return distance(r, image, r->start) <= IMAGE;
+    return distance(r, image, r->start);
 }
 
 /* Run 0 has the columns as they are; the others add the rounding of doubles to them, and run 2 and 3 are flown anew
@@ -340,7 +340,7 @@ static ric_status check_multipliers(replay *r, const ric_model *m, const ric_bra
                                     const ric_asked_point *asked, ric_claims *out)
 {
     ric_status status = RIC_OK;
-    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = is_image(r, b), .asked = asked};
+    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = b->symmetric && off_image(r) <= IMAGE, .asked = asked};
     real level = fmaxl(NOISE, gap(r)), *kept = malloc((size_t)(r->n * r->parts) * sizeof *kept);
     unsigned bits = 4711;
     bool found = true;
@@ -383,11 +383,19 @@ static void check_linear(const ric_point *at, ric_claims *out)
 
 /* ------------------------------------------------------------------- motion */
 
+static void put_away(replay *r)
+{
+    ric_springs_free(r->springs);
+    free(r->start);
+    free(r->M);
+    free(r->stored);
+}
+
 /* What is replayed, polished if need be; out, and the energy of the stored state. */
 static ric_status check_motion(replay *r, const ric_model *m, const ric_point *at, ric_check *out, double *energy)
 {
     double growth;
-    ric_status status = fly_through(r);
+    ric_status status = fly_through(r, r->parts);
     if (status) return status;
     *energy = ric_model_energy(m, r->stored, r->stored + r->n / 2);
     out->energy_error = *energy > 0 ? fabs(at->energy - *energy) / *energy : fabs(at->energy);
@@ -423,9 +431,25 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
         status = check_multipliers(&r, m, &b, &at, &asked, claims);
 out:
     ric_asked_close(&asked);
-    ric_springs_free(r.springs);
-    free(r.start);
-    free(r.M);
-    free(r.stored);
+    put_away(&r);
+    return status;
+}
+
+ric_status ric_verify_smooth_images(const ric_atlas *atlas, int branch, int point, real fit[2], real *start)
+{
+    replay r = {0};
+    ric_point at;
+    real size[2] = {0, 0};
+    ric_status status = set_up(&r, atlas, branch, point, &at);
+    if (!status) status = fly_through(&r, r.parts / 2);
+    for (int i = 0; i < r.n && !status; i++) {
+        start[i] = r.start[i] / unit(&r, i);
+        size[i >= r.n / 2] = fmaxl(size[i >= r.n / 2], fabsl(start[i]));
+    }
+    if (!status) {
+        fit[0] = off_image(&r);
+        fit[1] = fminl(size[0], size[1]); /* at a centre, or at rest */
+    }
+    put_away(&r);
     return status;
 }
