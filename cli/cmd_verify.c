@@ -234,7 +234,7 @@ static void tell_failure(const audit *a, const result *r)
 static int tell_all(const audit *a)
 {
     enum { TOLD = 10 };
-    int points = 0, done = 0, failed = 0, open = 0, flags = 0, rows[3] = {0}, wrong[3] = {0};
+    int points = 0, done = 0, failed = 0, open = 0, flags = 0, margins = 0, rows[3] = {0}, wrong[3] = {0};
     for (int i = 0; i < a->n; i++) {
         const result *r = &a->results[i];
         points += r->of == OF_POINT;
@@ -246,6 +246,7 @@ static int tell_all(const audit *a)
         done++;
         open += r->claims.multipliers == RIC_AGREES_UNCHECKED && !isnan(r->claims.multiplier_bound);
         flags += r->claims.stable == RIC_AGREES_UNCHECKED;
+        margins += r->claims.numbers == RIC_AGREES_UNCHECKED;
     }
     if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
     cli_say("%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
@@ -260,6 +261,9 @@ static int tell_all(const audit *a)
     if (flags)
         cli_say("stability not checked at %d point%s: on the border within rounding\n", flags,
                 flags == 1 ? "" : "s");
+    if (margins)
+        cli_say("reach and approach not checked at %d point%s: springs multiply the rounding of the stored digits "
+                "beyond them\n", margins, margins == 1 ? "" : "s");
     bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
     if (!whole)
         cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",

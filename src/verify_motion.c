@@ -110,6 +110,20 @@ void ric_replay_make_chain(replay *r)
     }
 }
 
+void ric_replay_fold(replay *r)
+{
+    size_t step = 2 * (size_t)r->n;
+    real w[step];
+    memcpy(w, r->chain, sizeof w);
+    for (int k = r->n_flight - 1; k >= r->n_flight / 2; k--) {
+        const face_t *face = ric_replay_end_face(r, k);
+        memcpy(r->chain + (size_t)(k + 1) * step, w, sizeof w);
+        real speed = ric_replay_reflect(r, face, w);
+        r->speed[k + 1] = face->spring > 0 ? speed : -speed;
+        ric_replay_fly(r, k, -r->tau[k], w, w);
+    }
+}
+
 double ric_replay_part(real error, real of)
 {
     return error == 0 ? 0 : of > 0 ? (double)(error / of) : INFINITY;

@@ -103,6 +103,21 @@ out:
     return status;
 }
 
+real ric_replay_growth(const replay *r, int from, int to)
+{
+    int m = 2 * r->n;
+    real column[m], most = 1;
+    for (int first = from; first < to; first++)
+        for (int j = 0; j < m; j++) {
+            for (int i = 0; i < m; i++) column[i] = i == j;
+            for (int k = first; k < to; k++) {
+                fly_column(r, k, false, column);
+                most = fmax(most, sqrt(ric_replay_dot(m, column, column)));
+            }
+        }
+    return most;
+}
+
 /* -------------------------------------------------------------------- polish */
 
 /* Residuals [n_flight + 2n]: gaps at the ends of the flights, then w_N - w_0 in the energy norm. */

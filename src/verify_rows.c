@@ -192,7 +192,8 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
     ric_status status = ric_replay_open_orbit(&r, m, &like, j->state, j->flights);
     if (!status) {
         real open = left_open(&r);
-        if (!(open <= SOLVED)) disagree(out, "orbit is left open by 0", 0, (double)open);
+        if (!(open <= SOLVED) && !(open <= SOLVED + 64 * DBL_EPSILON * ric_replay_growth(&r, 0, r.n_event)))
+            disagree(out, "orbit is left open by 0", 0, (double)open);
     }
     ric_replay_close(&r);
     return status;

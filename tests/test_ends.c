@@ -118,6 +118,49 @@ static void no_branch_without_length(void **state)
     ric_atlas_free(atlas);
 }
 
+static ric_claims claims_of(const ric_atlas *atlas, int id, int i)
+{
+    ric_claims out;
+    if (i < 0 ? ric_verify_junction(atlas, id, &out) : ric_verify_claims(atlas, id, i, &out)) fail_msg("%s", ric_detail());
+    return out;
+}
+
+/* Stiff springs multiply the rounding of the stored digits, by 1e13 over a period of the first of these: what is stored
+ * is right in spite of that, and a margin that is off is seen. */
+static void margins_through_stiff_springs(void **state)
+{
+    (void)state;
+    static const char *const studies[] = {
+        "model:\n  mass: [[1.203125, 0.28125, 0.15625], [0.28125, 2.03125, 0.09375], [0.15625, 0.09375, 0.875]]\n"
+        "  stiffness: [[1.625, 1.375, 0.25], [1.375, 3.5, 2.5], [0.25, 2.5, 5.25]]\n  contacts:\n"
+        "    - {normal: [0, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 0.5579}\n"
+        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 472900}\n"
+        "explore: {energy: [0, 4.204], frequency: [0.1388, 7.679], impacts: 6, multiply: 2, depth: 2}\n",
+        "model:\n  mass: [[0.5, 0], [0, 0.5]]\n  stiffness: [[875000, -625000], [-625000, 2312500]]\n  contacts:\n"
+        "    - {normal: [1, -1], law: bilinear, clearance: 0.0013, sides: lower, stiffness: 3941000}\n"
+        "    - {normal: [1, 0], law: bilinear, clearance: 0.000539, sides: both, stiffness: 664500000}\n"
+        "explore: {energy: [0, 2025000], frequency: [226.5, 6770], impacts: 8, multiply: 2, depth: 2}\n"};
+    for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
+        ric_atlas *atlas = explore_text(studies[k]);
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+            for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
+                ric_claims claims = claims_of(atlas, id, i);
+                if (claims.numbers != RIC_AGREES_YES) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+                ric_branch_record *r = &atlas->branches[id - 1];
+                ric_point *p = (ric_point *)(void *)(r->points + (size_t)i * r->stride), kept = *p;
+                p->approach += 1e-5 * p->approach + 1e-6;
+                if (!isnan(p->approach) && claims_of(atlas, id, i).numbers == RIC_AGREES_YES)
+                    fail_msg("branch %d, point %d: an approach that is off is not seen", id, i);
+                *p = kept;
+            }
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            ric_claims claims = claims_of(atlas, id, -1);
+            if (claims.numbers == RIC_AGREES_NO) fail_msg("junction %d: %s", id, claims.finding);
+        }
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -125,6 +168,7 @@ int main(void)
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
         cmocka_unit_test(no_branch_without_length),
+        cmocka_unit_test(margins_through_stiff_springs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
