@@ -196,7 +196,7 @@ class Judge:
         energies = ar.double(s.raw_energy(states, chain.first_closed))
         reach = gaps.Reach(fine)
         size = fine.size()[1]
-        slow = np.min([ar.double(x) for x in fine.speed], axis=0) / size
+        slow = np.max([np.min([ar.double(x) for x in c.speed], axis=0) for c in (fine, chain)], axis=0) / size
         ends = {0, branch["points"] - 1}
         for i, row in enumerate(rows):
             where = f"{name} point {row['point']}"
@@ -204,7 +204,7 @@ class Judge:
                 v.find("residual", where, f"stored orbit misses its equations by {start[i]:.1e}")
             elif moved[i] > DISTANCE or left[i] > 1e-14:
                 v.counts["loose"] += 1
-                if moved[i] > 1e-6:
+                if moved[i] > max(1e-6, self._scatter(chain, i)):
                     v.find("distance", where, f"nearest solution is {moved[i]:.1e} away, residual left {left[i]:.1e}")
             if not close(energies[i], row["energy"], NUMBER):
                 v.find("energy", where, f"{row['energy']!r} said, {energies[i]!r} from matrices")
@@ -224,7 +224,7 @@ class Judge:
 
     def _margins(self, row, reach, chains, i, where):
         """Beside an event where several singular values are small, the polished orbit differs from the stored one by the rounding of
-        the equations over these: the margins are those of either."""
+        the equations over these: the margins are those of either, or between."""
         v = self.verdict
         if row["reach"] is not None:
             v.counts["reach"] += 1
@@ -234,8 +234,15 @@ class Judge:
         size = chains[0].size()[1][i]
         if row["approach"] is not None:
             v.counts["approach"] += 1
-            if not any(close(row["approach"], x, 1e-6, 1e-9 * size * self.s.omega_ref) for x in least):
+            nearest = min(max(row["approach"], min(least)), max(least))
+            if not close(row["approach"], nearest, 1e-6, 1e-9 * size * self.s.omega_ref):
                 v.find("approach", where, f"{row['approach']!r} said, {least[0]!r} found, {least[1]!r} as stored")
+
+    def _scatter(self, chain, i):
+        """How far away from each other solutions may be of which doubles hold the equations: rounding over the smallest singular
+        value that is polished. A closing spring makes a velocity of the rounding of a displacement."""
+        s = chain.singular()[1][i]
+        return ROUNDED * max(s[0], self._stiff()) / s[s > orbits.CUT * s[0]].min()
 
     def _stored_reach(self, chain):
         if self._reach_of[0] is not chain:

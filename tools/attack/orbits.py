@@ -8,6 +8,8 @@ import numpy as np
 
 import arithmetic as ar
 
+CUT = 1e-11  # singular values below this part of the largest are left alone: along the curve, and its kin at a branch point
+
 
 class Chain:
     """All states along the orbits (u, v) [P, n] with times tau [P, N]."""
@@ -153,9 +155,9 @@ def polish_finely(chain, rounds=6):
     return chain, float(max(abs(x) for x in difference))
 
 
-def polish(chain, rounds=4, cut=1e-11):
+def polish(chain, rounds=4, cut=CUT):
     """The solution nearest to the chain (minimum-norm Newton steps, double Jacobian, residuals in the chain's digits) and how far
-    away it is, [P], relative. Singular values below `cut` are left alone: along the curve, and its kin at a branch point."""
+    away it is, [P], relative. Singular values below `cut` are left alone."""
     start = chain
     unknowns, equations = chain.weights()
     U, s, Vt = chain.singular()
