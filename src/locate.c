@@ -102,6 +102,14 @@ static double off_rotation(criterion *q)
     return nearest;
 }
 
+/* Whether the determinant of the larger problem tells a multiplication: it passes zero where one direction is lost.
+ * That is so between mirror points, and at a doubling of the period's own map without them; of higher order without
+ * mirror points two directions are lost at once, and it only touches zero. */
+static bool by_larger(const criterion *q)
+{
+    return q->chain->start != RIC_MIRROR_NONE || (q->rotation[1] == 2 && !ric_chain_halves(q->chain));
+}
+
 static double off_asked(const criterion *q, const double *u)
 {
     const ric_model *m = q->chain->model;
@@ -123,7 +131,7 @@ static double evaluate(criterion *q, const double *u, const double *t, double or
         return sum;
     }
     case RIC_TEST_ASKED: return off_asked(q, u);
-    case RIC_TEST_ROTATION: return c->start == RIC_MIRROR_NONE ? off_rotation(q) : larger_determinant(q, u);
+    case RIC_TEST_ROTATION: return by_larger(q) ? larger_determinant(q, u) : off_rotation(q);
     default: return larger_determinant(q, u);
     }
 }
@@ -282,7 +290,7 @@ static bool solve_criterion(criterion *q, double *u)
     ric_chain_evaluate(c, u);
     if (q->test == RIC_TEST_ASKED) return least <= MET;
     bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
-                          (q->test == RIC_TEST_ROTATION && c->start != RIC_MIRROR_NONE);
+                          (q->test == RIC_TEST_ROTATION && by_larger(q));
     if (q->test == RIC_TEST_ROTATION && !by_determinant) return solve_root(q, u);
     if (!by_determinant) return true;
     bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
