@@ -8,6 +8,7 @@
 #include <lapacke.h>
 
 #include "eigen.h"
+#include "floquet_fine.h"
 #include "status.h"
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
@@ -18,7 +19,9 @@
 #define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
 #define LOST 1e-3     /* error of rho, over 1 + |rho|, from which on it is not given */
 #define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
-#define MOST_PAIRS 64 /* up to which the halves are taken apart: they need 32 k^2 numbers */
+#define MOST_PAIRS 64 /* up to which the halves are taken apart, or extended precision is used: they need 32 k^2
+                       * numbers */
+#define ROUGH 1e-12   /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
 
@@ -30,8 +33,10 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 12 * k * k : 0);
     out->rho = calloc(2 * k, sizeof(double));
     out->own = calloc(2 * k, sizeof(double));
+    out->each = calloc(k, sizeof(double));
     out->work = calloc(out->n_work, sizeof(double));
-    if (!out->rho || !out->own || !out->work) {
+    out->fine = calloc(k <= MOST_PAIRS ? ric_floquet_fine_size(n) : 1, sizeof *out->fine);
+    if (!out->rho || !out->own || !out->each || !out->work || !out->fine) {
         ric_floquet_release(out);
         return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
     }
@@ -42,8 +47,11 @@ void ric_floquet_release(ric_floquet *f)
 {
     free(f->rho);
     free(f->own);
+    free(f->each);
     free(f->work);
-    f->rho = f->own = f->work = NULL;
+    free(f->fine);
+    f->rho = f->own = f->each = f->work = NULL;
+    f->fine = NULL;
 }
 
 /* ---------------------------------------------------------------- sections */
@@ -272,6 +280,7 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
     double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
     f->error = ldexp(error, 2 * exponent);
+    f->each[0] = quarter ? f->error * (2 * fabs(rho) + f->error) : f->error;
     f->own[0] = rho;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
@@ -303,8 +312,9 @@ static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
         memcpy(f->own + 2 * i, r, 2 * sizeof *r);
         if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
         if (quarter) square(r);
+        f->each[i] = quarter ? 2 * size * error[i] : error[i];
         if (lost) r[0] = r[1] = NAN;
-        else f->error = fmax(f->error, quarter ? 2 * size * error[i] : error[i]);
+        else f->error = fmax(f->error, f->each[i]);
     }
     f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
 }
@@ -319,7 +329,7 @@ static double roundings(const ric_chain *c)
 static void all_lost(ric_floquet *f)
 {
     f->stable = RIC_STABLE_NO;
-    f->error = 0;
+    f->error = f->rough = 0;
     for (int i = 0; i < 2 * f->n_pair; i++) f->rho[i] = f->own[i] = NAN;
 }
 
@@ -350,6 +360,70 @@ static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent
     return true;
 }
 
+/* ------------------------------------------------------ extended precision */
+
+/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
+static bool made_fine(const ric_chain *c, ric_floquet *f, const double *start, const double *end, double *size)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
+    f->rough = f->error;
+    if (!(f->rough > ROUGH * (1 + least)) && isfinite(least)) return false;
+    return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) && ric_floquet_fine_map(c, start, end, f->fine, size);
+}
+
+/* P as the sum of two matrices in double. */
+static void split(int count, const ric_fine_real *P, double *high, double *low)
+{
+    for (int i = 0; i < count; i++) {
+        high[i] = (double)P[i];
+        low[i] = (double)(P[i] - high[i]);
+    }
+}
+
+/* Rounding of a map of this size in extended precision. */
+static double fine_rounding(const ric_chain *c, double size)
+{
+    return ROUNDING * (double)LDBL_EPSILON * roundings(c) * size;
+}
+
+/* The reversible form: work [8 k^2] and f->work beside it are free, E0 and E1 are not. */
+static void reversible_fine(const ric_chain *c, ric_floquet *f, const double *E0, const double *E1, double *work)
+{
+    int k = c->n - 1, kk = k * k;
+    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0, errors[k];
+    bool quarter = c->multiple == 4, found;
+    if (!made_fine(c, f, E0, E1, &size)) return;
+    split(4 * kk, f->fine, high, low);
+    blocks(c, high, x, x + kk, x + 2 * kk, x + 3 * kk);
+    blocks(c, low, y, y + kk, y + 2 * kk, y + 3 * kk);
+    double error = fine_rounding(c, size) * size;
+    if (k == 1) {
+        ric_fine_real part[4];
+        for (int i = 0; i < 4; i++) part[i] = (ric_fine_real)x[i] + y[i];
+        double bc = (double)(part[1] * part[2]), ad = (double)(part[0] * part[3]);
+        error += 8 * DBL_EPSILON * fmin(1 + fabs(bc), 1 + fabs(ad));
+        judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
+        return;
+    }
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            ric_fine_real s = 0;
+            for (int l = 0; l < k; l++)
+                s += ((ric_fine_real)x[kk + l * k + i] + y[kk + l * k + i]) *
+                     ((ric_fine_real)x[2 * kk + l * k + j] + y[2 * kk + l * k + j]);
+            high[i * k + j] = (i == j ? 2 : 0) + (double)(4 * s);
+            most = fmax(most, fabs(high[i * k + j]));
+        }
+    error += 8 * k * DBL_EPSILON * (1 + most);
+    for (int i = 0; i < k; i++) errors[i] = error;
+    if (error <= ACCURATE) found = ric_eigen(k, high, f->rho);
+    else
+        found = rho_of_blocks(k, x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size, high, low,
+                              f->rho, errors);
+    if (found) judge_pairs(f, quarter, errors);
+}
+
 static ric_status reversible(const ric_chain *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
@@ -375,6 +449,7 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
+        reversible_fine(c, f, E0, E1, A);
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
@@ -386,6 +461,7 @@ static ric_status reversible(const ric_chain *c, ric_floquet *f)
     else if (found) found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
     if (found) judge_pairs(f, quarter, errors);
     else all_lost(f);
+    if (found) reversible_fine(c, f, E0, E1, A);
     return RIC_OK;
 }
 
@@ -398,6 +474,7 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
     double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
     error += ldexp(8 * DBL_EPSILON, -exponent);
     f->error = ldexp(error, exponent);
+    f->each[0] = half ? f->error * (2 * fabs(rho) + f->error) : f->error;
     f->own[0] = rho;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
@@ -574,6 +651,38 @@ static bool rho_of_period(int k, const double *M, double *A, double *rho)
     return true;
 }
 
+/* The general form; f->work is free. */
+static void whole_fine(const ric_chain *c, ric_floquet *f)
+{
+    int k = c->n - 1, ld = 2 * k, count = ld * ld;
+    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0, errors[k];
+    if (!made_fine(c, f, NULL, NULL, &size)) return;
+    ric_fine_real trace = 0;
+    for (int i = 0; i < count; i++) f->fine[i] *= c->sigma;
+    for (int i = 0; i < ld; i++) trace += f->fine[i * ld + i];
+    double error = fine_rounding(c, size);
+    if (k == 1) {
+        error += 4 * DBL_EPSILON * fabs((double)trace);
+        judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
+        return;
+    }
+    split(count, f->fine, high, low);
+    add_inverse(k, high, 1, high, A);
+    add_inverse(k, low, 1, low, B);
+    for (int i = 0; i < count; i++) {
+        A[i] += B[i];
+        most = fmax(most, fabs(A[i]));
+    }
+    error += 8 * ld * DBL_EPSILON * (1 + most);
+    if (error > ACCURATE && f->error < error) return; /* the halves know better */
+    double all[2 * ld];
+    for (int i = 0; i < k; i++) errors[i] = error;
+    if (!ric_eigen(ld, A, all)) return;
+    double apart[k];
+    pair_up(k, all, f->rho, apart);
+    judge_pairs(f, c->sigma < 0, errors);
+}
+
 static ric_status whole(const ric_chain *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
@@ -609,6 +718,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
             f->size_a = ldexp(2, -exponent) + size;
         }
         judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
+        whole_fine(c, f);
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
@@ -624,6 +734,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     }
     if (found) judge_pairs(f, c->sigma < 0, errors);
     else all_lost(f);
+    if (found) whole_fine(c, f);
     return RIC_OK;
 }
 
@@ -634,10 +745,28 @@ ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
         f->trace_asinh = f->rotation = NAN;
         f->stable = RIC_STABLE_YES;
         f->det_a = f->det_b = f->det_d = 1;
-        f->error = f->error_a = f->error_b = f->error_d = 0;
+        f->error = f->rough = f->error_a = f->error_b = f->error_d = 0;
         return RIC_OK;
     }
     return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
+}
+
+void ric_floquet_widen(ric_floquet *f, const double *more)
+{
+    double worst = 0;
+    bool any = false;
+    for (int i = 0; i < f->n_pair; i++) {
+        double *r = f->rho + 2 * i;
+        f->each[i] += more[i];
+        if (f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
+            worst = fmax(worst, f->each[i]);
+            continue;
+        }
+        any = true;
+        r[0] = r[1] = NAN;
+    }
+    f->error = worst;
+    if (any && f->stable == RIC_STABLE_YES) f->stable = RIC_STABLE_UNDECIDED;
 }
 
 /* The large one first: the other is its inverse, without cancellation. */

@@ -15,6 +15,8 @@ typedef struct {
     double *own;           /* [2 * n_pair] the same of the chain's own map, of which the full period may be the
                             * square */
     double error;          /* of rho, absolute, from rounding */
+    double *each;          /* [n_pair] of each rho, over the full period */
+    double rough;          /* the same of the map in double, which another one may have replaced (floquet_fine.h) */
     double trace_asinh;    /* asinh(tau2 / 2), n = 2 only, else NaN */
     double rotation;       /* gamma, n = 2 on the unit circle, else NaN */
     ric_stability stable;
@@ -26,6 +28,7 @@ typedef struct {
     double size_a, size_b, size_d;    /* what they are at most: smooth along a branch, so that their quotients are,
                                        * too */
     double *work;
+    long double *fine;
     size_t n_work;
 } ric_floquet;
 
@@ -33,6 +36,8 @@ ric_status ric_floquet_create(int n, ric_floquet *out);
 void ric_floquet_release(ric_floquet *floquet);
 /* From the states of the chain's last evaluation. */
 ric_status ric_floquet_compute(const ric_chain *chain, ric_floquet *out);
+/* Adds more [n_pair] to the error of each rho; those of which less than three digits are left are lost, NaN. */
+void ric_floquet_widen(ric_floquet *floquet, const double *more);
 /* The multipliers of what was computed: 2 n_pair complex numbers as re, im pairs. */
 void ric_floquet_multipliers(const ric_floquet *floquet, double *out);
 

@@ -60,7 +60,9 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     if (!o) return no_memory();
     if ((status = ric_floquet_create(n, &floquet))) goto out;
     ric_chain_evaluate(c, u);
-    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_trace_judge(c, u, &floquet))) goto out;
+    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_trace_judge(c, u, &floquet)) ||
+        (status = ric_trace_bound(c, u, &floquet)))
+        goto out;
     o->cycle = ric_turn_cycle(m, c, u, t);
     int N = o->cycle ? o->cycle->N : 0;
     o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);

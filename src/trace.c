@@ -29,6 +29,7 @@
 #define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a
                               * stored start */
 #define MEASURED 4           /* safety of a measured error */
+#define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 #define NEAR_BORDER 100      /* of the error of rho: nearer to the border of stability it is measured */
 #define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8            /* points of a step at which its period is looked at */
@@ -270,10 +271,11 @@ ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
 {
     int size = c->n_unknown;
     double approach = fmax(fabs(smallest_approach(c, false)), DBL_MIN), at = stable_margin(f), seen = 0,
-           error = f->error * (at < 0 ? (2 + at) / 2 * ((2 + at) / 2) : 1),
+           steep = at < 0 ? (2 + at) / 2 * ((2 + at) / 2) : 1, error = f->error * steep,
            blur = 1 + (1 + 1 / approach) * c->scale / c->smallest,
            move = rounding(c) * c->scale * (1 + 1 / c->smallest), moved[size];
-    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * error * blur)) return RIC_OK;
+    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * f->rough * steep * blur))
+        return RIC_OK;
     ric_stability stable = f->stable;
     ric_status status = RIC_OK;
     for (unsigned way = 1; way <= 2 && !status && isfinite(move); way++) {
@@ -285,6 +287,52 @@ ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
     ric_chain_fly(c, u);
     if (!status) status = ric_floquet_compute(c, f);
     f->stable = isfinite(move) && fabs(at) > error + seen ? stable : RIC_STABLE_UNDECIDED;
+    return status;
+}
+
+/* Unknowns that are the same orbit but for rounding: each within its own, and all of them by what the residual leaves
+ * open across the curve, where the Jacobian is least. Along the curve lie other orbits. */
+static bool move_orbit(const ric_chain *c, const double *u, int way, double *out)
+{
+    int size = c->n_unknown;
+    double plane[2 * size], second;
+    unsigned bits = (unsigned)way * 2654435769u;
+    if (!ric_chain_plane(c, plane, &second)) return false;
+    double across = ric_trace_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
+    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, UNKNOWN * c->scale) + across * plane[i];
+    return isfinite(across);
+}
+
+/* How far the nearest of the pairs `rho` [2 count] is from one. */
+static double off_pair(int count, const double *rho, const double *one)
+{
+    double off = HUGE_VAL;
+    for (int i = 0; i < count; i++) off = fmin(off, hypot(rho[2 * i] - one[0], rho[2 * i + 1] - one[1]));
+    return off;
+}
+
+ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
+{
+    enum { WAYS = 4 };
+    int k = f->n_pair, size = c->n_unknown;
+    double at[2 * k + 1], seen[k + 1], moved[WAYS * size + 1];
+    ric_status status = RIC_OK;
+    ric_stability stable = f->stable;
+    if (k < 1) return RIC_OK;
+    memcpy(at, f->rho, 2 * (size_t)k * sizeof *at);
+    memset(seen, 0, sizeof seen);
+    bool known = true;
+    for (int way = 0; way < WAYS; way++) known = known && move_orbit(c, u, way + 1, moved + way * size);
+    for (int way = 0; way < WAYS && known && !status; way++) {
+        ric_chain_fly(c, moved + way * size);
+        status = ric_floquet_compute(c, f);
+        for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], off_pair(k, f->rho, at + 2 * i));
+    }
+    ric_chain_fly(c, u);
+    if (!status) status = ric_floquet_compute(c, f);
+    f->stable = stable;
+    for (int i = 0; i < k; i++) seen[i] = known ? MEASURED * seen[i] : HUGE_VAL;
+    ric_floquet_widen(f, seen);
     return status;
 }
 

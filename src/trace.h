@@ -13,7 +13,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 13
+#define RIC_NUMERICS 14
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -191,6 +191,10 @@ bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const 
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
 ric_status ric_trace_judge(ric_chain *chain, const double *u, ric_floquet *floquet);
+/* The error of multipliers just computed at u, where the chain has been evaluated, from then on with that of the orbit:
+ * unknowns within their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of
+ * which less than three digits are left are lost. */
+ric_status ric_trace_bound(ric_chain *chain, const double *u, ric_floquet *floquet);
 /* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
 bool ric_trace_solved(const ric_chain *chain);
 /* Residual that counts as rounding for a chain. */

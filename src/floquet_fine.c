@@ -1,0 +1,296 @@
+#include "floquet_fine.h"
+
+#include <complex.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define NO_SPEED 1e-60L
+#define LARGEST 1e200L /* of an entry: its square is still a double */
+
+typedef ric_fine_real real;
+typedef long double _Complex complex_t;
+
+typedef struct {
+    const ric_chain *c;
+    int n, k, ld;
+    real *P, *V, *E, *w; /* [ld * ld], [2n * ld], [k * n], [2n] the state on the way */
+    real size;
+} course;
+
+size_t ric_floquet_fine_size(int n)
+{
+    size_t k = (size_t)(n > 1 ? n - 1 : 1), ld = 2 * k, nn = (size_t)n;
+    return ld * ld + 2 * nn * ld + k * nn + 2 * nn;
+}
+
+bool ric_floquet_fine_fits(const ric_chain *c)
+{
+    return !c->model->springs && !c->model->smooth && c->n > 1;
+}
+
+static real dot(int n, const real *x, const real *y)
+{
+    real sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * y[i];
+    return sum;
+}
+
+/* The basis in double, made orthonormal and perpendicular to h [n] to the last digit. */
+static void sharpen(course *q, const double *E, const real *h)
+{
+    int n = q->n;
+    real hh = dot(n, h, h);
+    for (int j = 0; j < q->k; j++) {
+        real *row = q->E + j * n;
+        for (int i = 0; i < n; i++) row[i] = E[j * n + i];
+        real off = hh > 0 ? dot(n, h, row) / hh : 0;
+        for (int i = 0; i < n; i++) row[i] -= off * h[i];
+        for (int l = 0; l < j; l++) {
+            off = dot(n, q->E + l * n, row);
+            for (int i = 0; i < n; i++) row[i] -= off * q->E[l * n + i];
+        }
+        real norm = sqrtl(dot(n, row, row));
+        for (int i = 0; i < n; i++) row[i] /= norm;
+    }
+}
+
+/* omega^2 q of each mode, that is -dp/dt. */
+static void pulls(const course *q, real *out)
+{
+    const ric_model *m = q->c->model;
+    for (int i = 0; i < q->n; i++) {
+        real omega = (real)m->omega[i] + m->omega_low[i];
+        out[i] = omega * omega / m->kappa[i] * q->w[i];
+    }
+}
+
+/* What a section at the present state leaves out (floquet.c). */
+static void section(course *q, ric_mirror mirror, int face, const double *E)
+{
+    real h[q->n];
+    if (mirror == RIC_MIRROR_REST) pulls(q, h);
+    else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, q->w + q->n, sizeof h);
+    else
+        for (int i = 0; i < q->n; i++) h[i] = q->c->model->face[face].c[i];
+    sharpen(q, E, h);
+}
+
+static real not_zero(real speed)
+{
+    return fabsl(speed) < NO_SPEED ? copysignl(NO_SPEED, speed) : speed;
+}
+
+/* c . x. */
+static real along(const course *q, const ric_face *f, const real *x)
+{
+    real sum = 0;
+    for (int i = 0; i < q->n; i++) sum += f->c[i] * x[i];
+    return sum;
+}
+
+static real square(const course *q, const ric_face *f)
+{
+    real sum = 0;
+    for (int i = 0; i < q->n; i++) sum += (real)f->c[i] * f->c[i];
+    return sum;
+}
+
+/* On a face the normal velocity of a column follows from dE = 0. */
+static void start_columns(course *q, ric_mirror mirror, int face)
+{
+    int n = q->n, k = q->k, ld = q->ld;
+    const ric_model *m = q->c->model;
+    memset(q->V, 0, (size_t)2 * n * ld * sizeof *q->V);
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < n; i++) {
+            q->V[i * ld + j] = m->kappa[i] * q->E[j * n + i];
+            q->V[(n + i) * ld + k + j] = q->E[j * n + i];
+        }
+    if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
+    const ric_face *f = &m->face[face];
+    real pull[n], normal = not_zero(along(q, f, q->w + n));
+    pulls(q, pull);
+    for (int j = 0; j < ld; j++) {
+        real dE = 0;
+        for (int i = 0; i < n; i++)
+            dE += pull[i] / m->kappa[i] * q->V[i * ld + j] + q->w[n + i] * q->V[(n + i) * ld + j];
+        for (int i = 0; i < n; i++) q->V[(n + i) * ld + j] -= dE / normal * f->c[i];
+    }
+}
+
+/* State and columns through one flight. */
+static void fly(course *q, double tau)
+{
+    const ric_model *m = q->c->model;
+    int n = q->n, ld = q->ld;
+    for (int i = 0; i < n; i++) {
+        real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s, co, s1 = tau, s2 = 0;
+        sincosl(omega * tau, &s, &co);
+        if (m->omega[i] > 0) {
+            s1 = kappa * s / omega;
+            s2 = omega * s / kappa;
+        } else co = 1;
+        real *a = q->V + i * ld, *p = q->V + (n + i) * ld, t = q->w[i];
+        q->w[i] = co * t + s1 * q->w[n + i];
+        q->w[n + i] = co * q->w[n + i] - s2 * t;
+        for (int j = 0; j < ld; j++) {
+            t = a[j];
+            a[j] = co * t + s1 * p[j];
+            p[j] = co * p[j] - s2 * t;
+        }
+    }
+}
+
+/* State and columns through an impact (saltation, eq. 41-46 of the article). */
+static void strike(course *q, const ric_face *f)
+{
+    const ric_model *m = q->c->model;
+    int n = q->n, ld = q->ld;
+    real pull[n], cc = square(q, f), normal = along(q, f, q->w + n), speed = not_zero(normal);
+    pulls(q, pull);
+    real kick = -2 * along(q, f, pull) / (cc * speed);
+    for (int j = 0; j < ld; j++) {
+        real gap = 0, push = 0;
+        for (int i = 0; i < n; i++) {
+            gap += f->c[i] / (real)m->kappa[i] * q->V[i * ld + j];
+            push += f->c[i] * q->V[(n + i) * ld + j];
+        }
+        real dq = 2 * gap / cc, dp = 2 * push / cc - kick * gap;
+        for (int i = 0; i < n; i++) {
+            q->V[i * ld + j] -= dq * m->kappa[i] * f->c[i];
+            q->V[(n + i) * ld + j] -= dp * f->c[i];
+        }
+    }
+    for (int i = 0; i < n; i++) q->w[n + i] -= 2 * normal / cc * f->c[i];
+    for (int i = 0; i < 2 * n * ld; i++) q->size = fmaxl(q->size, fabsl(q->V[i]));
+}
+
+/* At the impact of a mirror point the velocity is along the normal; what rounding has left beside it would be divided
+ * by the speed. */
+static void straighten(course *q, const ric_face *f)
+{
+    real part = along(q, f, q->w + q->n) / square(q, f);
+    for (int i = 0; i < q->n; i++) q->w[q->n + i] = part * f->c[i];
+}
+
+/* Along the flow onto the face of an impact that is the end mirror. */
+static void onto(course *q, const ric_face *f)
+{
+    const ric_model *m = q->c->model;
+    int n = q->n, ld = q->ld;
+    real pull[n], speed = not_zero(along(q, f, q->w + n));
+    pulls(q, pull);
+    for (int j = 0; j < ld; j++) {
+        real gap = 0;
+        for (int i = 0; i < n; i++) gap += f->c[i] / (real)m->kappa[i] * q->V[i * ld + j];
+        for (int i = 0; i < n; i++) {
+            q->V[i * ld + j] -= m->kappa[i] * q->w[n + i] * (gap / speed);
+            q->V[(n + i) * ld + j] += pull[i] * (gap / speed);
+        }
+    }
+}
+
+static void project(course *q)
+{
+    int n = q->n, k = q->k, ld = q->ld;
+    const ric_model *m = q->c->model;
+    memset(q->P, 0, (size_t)(ld * ld) * sizeof *q->P);
+    for (int r = 0; r < k; r++)
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < ld; j++) {
+                q->P[r * ld + j] += q->E[r * n + i] * q->V[i * ld + j] / m->kappa[i];
+                q->P[(k + r) * ld + j] += q->E[r * n + i] * q->V[(n + i) * ld + j];
+            }
+    for (int i = 0; i < ld * ld; i++) q->size = fmaxl(q->size, fabsl(q->P[i]));
+}
+
+/* Rows 1.. of the Householder reflection that takes eta [n] to a multiple of e_0, [k * n]: eta is overwritten. */
+static void unitary_complement(int n, complex_t *eta, complex_t *e)
+{
+    real norm = 0, lead = cabsl(eta[0]);
+    for (int i = 0; i < n; i++) norm += creall(eta[i]) * creall(eta[i]) + cimagl(eta[i]) * cimagl(eta[i]);
+    norm = sqrtl(norm);
+    eta[0] += lead > 0 ? eta[0] / lead * norm : norm;
+    real beta = 1 / (norm * (norm + lead));
+    for (int j = 1; j < n; j++)
+        for (int i = 0; i < n; i++) e[(j - 1) * n + i] = (i == j) - beta * eta[i] * conjl(eta[j]);
+}
+
+/* Columns perpendicular to flow and gradient, and inner products with those that they started as: the section of law
+ * power in floquet.c, which does not lie on a face and knows no slow impact. On a face the entries of the map would go
+ * with 1 / speed of the first impact, and what the orbit's rounding leaves open of its closure with them. */
+static void around(course *q, const complex_t *e, bool start)
+{
+    int n = q->n, k = q->k, ld = q->ld;
+    const double *kappa = q->c->model->kappa;
+    if (!start) memset(q->P, 0, (size_t)(ld * ld) * sizeof *q->P);
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < n; i++) {
+            real re = creall(e[j * n + i]), im = cimagl(e[j * n + i]);
+            real *a = q->V + i * ld, *p = q->V + (n + i) * ld;
+            if (start) {
+                a[j] = kappa[i] * re;
+                p[j] = im;
+                a[k + j] = -kappa[i] * im;
+                p[k + j] = re;
+                continue;
+            }
+            for (int l = 0; l < ld; l++) {
+                q->P[j * ld + l] += re / kappa[i] * a[l] + im * p[l];
+                q->P[(k + j) * ld + l] += re * p[l] - im / kappa[i] * a[l];
+            }
+        }
+}
+
+static void flights(course *q)
+{
+    const ric_chain *c = q->c;
+    for (int f = 0; f < c->n_flight; f++) {
+        fly(q, c->tau[f]);
+        if (c->face[f + 1] >= 0 && !(f + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT))
+            strike(q, &c->model->face[c->face[f + 1]]);
+    }
+}
+
+/* The map of the general form. */
+static void return_map(course *q)
+{
+    int n = q->n;
+    real pull[n];
+    complex_t eta[n], e[q->k * n];
+    pulls(q, pull);
+    for (int i = 0; i < n; i++) eta[i] = pull[i] + q->w[n + i] * I;
+    unitary_complement(n, eta, e);
+    around(q, e, true);
+    flights(q);
+    around(q, e, false);
+    for (int i = 0; i < q->ld * q->ld; i++) q->size = fmaxl(q->size, fabsl(q->P[i]));
+}
+
+bool ric_floquet_fine_map(const ric_chain *c, const double *start, const double *end, ric_fine_real *store,
+                          double *size)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;
+    const ric_model *m = c->model;
+    course q = {.c = c, .n = n, .k = k, .ld = ld, .P = store, .size = 1};
+    q.V = q.P + ld * ld;
+    q.E = q.V + 2 * n * ld;
+    q.w = q.E + k * n;
+    for (int i = 0; i < 2 * n; i++) q.w[i] = c->w[i];
+    if (c->start == RIC_MIRROR_NONE) return_map(&q);
+    else {
+        if (c->start == RIC_MIRROR_IMPACT) straighten(&q, &m->face[c->face[0]]);
+        section(&q, c->start, c->face[0], start);
+        start_columns(&q, c->start, c->face[0]);
+        flights(&q);
+        if (c->end == RIC_MIRROR_IMPACT) {
+            straighten(&q, &m->face[c->face[last]]);
+            onto(&q, &m->face[c->face[last]]);
+        }
+        section(&q, c->end, c->face[last], end);
+        project(&q);
+    }
+    *size = (double)q.size;
+    return q.size < LARGEST; /* false for what is no number */
+}
