@@ -371,7 +371,7 @@ static void check_period(const replay *r, int i, ric_claims *out)
     if (times > 1) say(out, "repetitions", 1, times);
 }
 
-/* What an error of the state by `slack`, relative to the norm, does to the gap of a face over its clearance, at most. */
+/* What an error of the state by `slack`, relative to the norm, does to a gap over its clearance, at most. */
 static double gap_slack(const replay *r, real slack)
 {
     real most = 0, slowest = INFINITY;

@@ -11,7 +11,8 @@
 #include "status.h"
 #include "verify_parts.h"
 
-#define SAME 1e-8      /* polishing stays within this of the stored orbit, relative */
+#define SAME 1e-8      /* polishing stays within this of the stored orbit, relative; times of slow contacts weighed */
+#define NO_EQUATION 1e-13 /* rows of the Jacobian smaller than this, of differences of numbers near 1, are rounding */
 #define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to
                         * the polishing */
 
@@ -168,7 +169,8 @@ static void jacobian(const replay *r, real *column, double *J)
     }
 }
 
-/* Divides the rows of J [m * m] and F by the norms of the rows, and the columns of the N flight times by theirs: a time
+/* The momentum of a rigid motion that no contact sees is kept whatever the orbit: such a row says nothing, and goes.
+ * Divides the rows of J [m * m] and F by the norms of the rows, and the columns of the N flight times by theirs: a time
  * then counts as much as the way that it is flown, singular values compare like with like, and the shortest correction
  * is one of the state. */
 static void equilibrate(int m, int N, double *J, double *F, double *columns)
@@ -176,7 +178,7 @@ static void equilibrate(int m, int N, double *J, double *F, double *columns)
     for (int i = 0; i < m; i++) {
         double sum = 0;
         for (int j = 0; j < m; j++) sum += J[i * m + j] * J[i * m + j];
-        double scale = sum > 0 ? 1 / sqrt(sum) : 1;
+        double scale = sum > NO_EQUATION * NO_EQUATION ? 1 / sqrt(sum) : 0;
         for (int j = 0; j < m; j++) J[i * m + j] *= scale;
         F[i] *= scale;
     }
@@ -336,7 +338,7 @@ ric_status ric_replay_polish(replay *r, bool keep)
         ric_replay_make_chain(r);
     }
     real aside = ric_replay_distance(r, r->chain, kept + N) / r->norm;
-    moved = fmax(times_moved(r, kept, false), aside);
+    moved = fmax(times_moved(r, kept, r->closed), aside);
     /* through stiff springs the residual may be the rounding of the stored displacements times their stiffness, and
      * beside a branch point the correction is rounding over the distance from it: the orbit is right if either is
      * small */
