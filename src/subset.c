@@ -58,79 +58,176 @@ out:
 
 /* ------------------------------------------------------------------ classes */
 
+/* A symmetry that the touches hide, and which the orbit has without them: that of x -> -x, where the touch is one of a
+ * wall that has no opposite side (theory section 2), or the reversal, where contacts close at one instant, as it turns
+ * round the order in which they are listed. A branch on one side of its grazing has every symmetry of its orbit there:
+ * its problem has one solution to either side, and that with the touch is not the image of the one without. */
+ric_cycle *ric_subset_keep(const ric_model *m, const ric_cycle *whole, const bool *keep)
+{
+    ric_cycle *out = ric_cycle_keep(m, whole, keep), *seen = out ? ric_cycle_copy(out) : NULL;
+    if (seen && ric_cycle_find_symmetries(m, seen, SAME) == 1) {
+        out->half |= seen->half;
+        if (out->pure < 0) out->pure = seen->pure;
+        if (out->flip < 0) out->flip = seen->flip;
+    } else if (!seen) {
+        ric_cycle_free(out);
+        out = NULL;
+    }
+    ric_cycle_free(seen);
+    return out;
+}
+
 /* An operation on the orbit gone through `multiple` times: element 0 identity, 1 half period, 2 reversal, 3 both, then
  * `shift` periods. */
 typedef struct { int element, shift; } operation;
 
-static bool exists(const ric_cycle *c, int element)
-{
-    return element == 0 || (element == 1 && c->half) || (element == 2 && c->pure >= 0) ||
-           (element == 3 && c->flip >= 0);
-}
+/* What an element makes of bit i: bit to[i], later[i] periods on. */
+typedef struct { bool exists; int to[RIC_MAX_TOUCHES], later[RIC_MAX_TOUCHES]; } action;
 
-static int image(const ric_node *node, operation o, int i)
+/* At a corner a bit stands for an event and the next one, which a reversal exchanges. */
+static void act_on_pairs(const ric_node *node, action out[4])
 {
     const ric_cycle *c = node->cycle;
-    int N = c->N, all = N * node->multiple, shift = o.shift * N;
-    /* at a corner, and at the touch of a spring, a bit stands for an event and the next one, which a reversal
-     * exchanges */
-    int next = node->kind == RIC_KIND_CORNER || node->springs >> c->face[i % N] & 1;
-    int out = o.element == 0   ? i + shift
-              : o.element == 1 ? i + N / 2 + shift
-                               : (o.element == 2 ? c->pure : c->flip) + shift - i - next;
-    return (out % all + all) % all;
+    int N = c->N, from[4] = {0, N / 2, c->pure, c->flip};
+    for (int e = 0; e < 4; e++) {
+        out[e].exists = e == 0 || (e == 1 ? c->half : from[e] >= 0);
+        for (int i = 0; i < node->n_touch && out[e].exists; i++) {
+            int place = from[e] + (e < 2 ? node->touch[i] : -node->touch[i] - 1), at = (place % N + N) % N;
+            out[e].later[i] = (place - at) / N;
+            for (int j = 0; j < node->n_touch; j++)
+                if (node->touch[j] == at) out[e].to[i] = j;
+        }
+    }
 }
 
-static unsigned mapped(const ric_node *node, operation o, unsigned choice)
+/* The time that each element adds, of reversals the sum of the times of an event and its image; NAN: the motion lacks
+ * it. Two contacts that close at one instant hide a reversal (ric_subset_keep): then the orbit without touches tells,
+ * and where that is a linear mode, at rest when it touches. */
+static bool times_of(const ric_model *m, const ric_node *node, const double *t, double sums[4])
 {
+    const ric_cycle *c = node->cycle;
+    int N = c->N, event[N], kept = 0;
+    double period = ric_cycle_period(c);
+    bool keep[N];
+    sums[0] = 0;
+    sums[1] = c->half ? period / 2 : NAN;
+    sums[2] = c->pure < 0 ? NAN : t[0] + t[c->pure];
+    sums[3] = c->flip < 0 ? NAN : t[0] + t[c->flip];
+    for (int i = 0; i < N; i++) keep[i] = true;
+    for (int i = 0; i < node->n_touch; i++) {
+        keep[node->touch[i]] = false;
+        if (ric_node_soft(node, i)) keep[(node->touch[i] + 1) % N] = false;
+    }
+    for (int i = 0; i < N; i++)
+        if (keep[i]) event[kept++] = i;
+    ric_cycle *rest = kept ? ric_subset_keep(m, c, keep) : NULL;
+    if (kept && !rest) return false;
+    bool half = !rest || rest->half;
+    int pure = rest ? rest->pure : 0, flip = rest ? rest->flip : 0;
+    if (isnan(sums[1]) && half) sums[1] = period / 2;
+    if (isnan(sums[2]) && pure >= 0) sums[2] = rest ? t[event[0]] + t[event[pure]] : 2 * t[node->touch[0]];
+    if (isnan(sums[3]) && flip >= 0)
+        sums[3] = rest ? t[event[0]] + t[event[flip]] : 2 * t[node->touch[0]] + period / 2;
+    ric_cycle_free(rest);
+    return true;
+}
+
+/* The touch of `face` nearest to a time; *later: periods after its own. -1: none is near. */
+static int touch_at(const ric_node *node, const double *t, int face, double time, int *later)
+{
+    double period = ric_cycle_period(node->cycle), nearest = FITS * period;
+    int found = -1;
+    for (int j = 0; j < node->n_touch; j++) {
+        double periods = rint((time - t[node->touch[j]]) / period),
+               off = fabs(time - t[node->touch[j]] - periods * period);
+        if (node->cycle->face[node->touch[j]] != face || off >= nearest) continue;
+        nearest = off;
+        *later = (int)periods;
+        found = j;
+    }
+    return found;
+}
+
+/* Touches are told by their times and faces. */
+static bool act_on_touches(const ric_model *m, const ric_node *node, action out[4])
+{
+    const ric_cycle *c = node->cycle;
+    double t[c->N], sums[4];
+    t[0] = 0;
+    for (int i = 1; i < c->N; i++) t[i] = t[i - 1] + c->tau[i - 1];
+    if (!times_of(m, node, t, sums)) return false;
+    for (int e = 0; e < 4; e++) {
+        out[e].exists = !isnan(sums[e]);
+        for (int i = 0; i < node->n_touch && out[e].exists; i++) {
+            int face = c->face[node->touch[i]];
+            if (e % 2) face = m->face[face].mirror;
+            double time = sums[e] + (e < 2 ? 1 : -1) * t[node->touch[i]];
+            out[e].exists = (out[e].to[i] = touch_at(node, t, face, time, &out[e].later[i])) >= 0;
+        }
+    }
+    return true;
+}
+
+static bool find_actions(const ric_model *m, const ric_node *node, action out[4])
+{
+    memset(out, 0, 4 * sizeof *out);
+    if (node->kind != RIC_KIND_CORNER) return act_on_touches(m, node, out);
+    act_on_pairs(node, out);
+    return true;
+}
+
+static unsigned mapped(const ric_node *node, const action *actions, operation o, unsigned choice)
+{
+    const action *a = &actions[o.element];
     unsigned out = 0;
-    int p = node->n_touch, N = node->cycle->N;
-    for (int bit = 0; bit < p * node->multiple; bit++) {
+    int p = node->n_touch, k = node->multiple;
+    for (int bit = 0; bit < p * k; bit++) {
         if (!(choice & 1u << bit)) continue;
-        int place = image(node, o, bit / p * N + node->touch[bit % p]);
-        for (int i = 0; i < p; i++)
-            if (node->touch[i] == place % N) out |= 1u << (place / N * p + i);
+        int turn = o.shift + a->later[bit % p] + (o.element < 2 ? bit / p : -(bit / p));
+        out |= 1u << ((turn % k + k) % k * p + a->to[bit % p]);
     }
     return out;
 }
 
 /* Whether an operation on the orbit is one on motions of the structure. */
-static bool acts(const ric_node *node, int element)
+static bool acts(const ric_node *node, const action *actions, int element)
 {
-    return exists(node->cycle, element) && (node->mirrors || element == 0 || element == 2);
+    return actions[element].exists && (node->mirrors || element == 0 || element == 2);
 }
 
 /* Smallest choice equivalent under the symmetries of the node's orbit. */
-static unsigned class_of(const ric_node *node, unsigned choice)
+static unsigned class_of(const ric_node *node, const action *actions, unsigned choice)
 {
     unsigned best = choice;
     for (int e = 0; e < 4; e++)
-        for (int s = 0; s < node->multiple && acts(node, e); s++) {
-            unsigned other = mapped(node, (operation){e, s}, choice);
+        for (int s = 0; s < node->multiple && acts(node, actions, e); s++) {
+            unsigned other = mapped(node, actions, (operation){e, s}, choice);
             if (other < best) best = other;
         }
     return best;
 }
 
 /* Shift of the operation of type `element` that keeps a choice; -1: none. */
-static int keeper(const ric_node *node, int element, int first, unsigned choice)
+static int keeper(const ric_node *node, const action *actions, int element, unsigned choice)
 {
-    for (int s = first; s < node->multiple && exists(node->cycle, element); s++)
-        if (mapped(node, (operation){element, s}, choice) == choice) return s;
+    for (int s = 0; s < node->multiple && actions[element].exists; s++)
+        if (mapped(node, actions, (operation){element, s}, choice) == choice) return s;
     return -1;
 }
 
 /* Every operation but the identity as a permutation of bits; *n their number. NULL: no memory. */
-static unsigned char *permutations(const ric_node *node, int *n)
+static unsigned char *permutations(const ric_model *m, const ric_node *node, int *n)
 {
     int bits = node->n_touch * node->multiple;
-    unsigned char *table = malloc((size_t)4 * node->multiple * (bits ? bits : 1));
+    action actions[4];
+    unsigned char *table = find_actions(m, node, actions) ? malloc((size_t)4 * node->multiple * (bits ? bits : 1))
+                                                          : NULL;
     *n = 0;
     for (int e = 0; table && e < 4; e++)
-        for (int s = e == 0; s < node->multiple && acts(node, e); s++) {
+        for (int s = e == 0; s < node->multiple && acts(node, actions, e); s++) {
             unsigned char *row = table + (size_t)(*n)++ * bits;
             for (int bit = 0; bit < bits; bit++) {
-                unsigned to = mapped(node, (operation){e, s}, 1u << bit);
+                unsigned to = mapped(node, actions, (operation){e, s}, 1u << bit);
                 for (row[bit] = 0; to > 1; to >>= 1) row[bit]++;
             }
         }
@@ -164,12 +261,12 @@ static bool add(ric_node *node, int *capacity, ric_departure departure)
     return true;
 }
 
-bool ric_subset_list(ric_node *node)
+bool ric_subset_list(const ric_model *m, ric_node *node)
 {
     int n, capacity = 0;
     if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET,
                                                                    .budget = RIC_BUDGET_TOUCHES});
-    unsigned char *table = permutations(node, &n);
+    unsigned char *table = permutations(m, node, &n);
     bool good = table;
     for (unsigned choice = 0; good && choice < 1u << (node->n_touch * node->multiple); choice++)
         if (is_listed(node, table, n, choice)) good = add(node, &capacity, (ric_departure){.choice = choice});
@@ -179,31 +276,14 @@ bool ric_subset_list(ric_node *node)
 
 /* ------------------------------------------------------------------- orbits */
 
-/* A symmetry that the touches hide, and which the orbit has without them: that of x -> -x, where the touch is one of a
- * wall that has no opposite side (theory section 2), or the reversal, where contacts close at one instant, as it turns
- * round the order in which they are listed. A branch on one side of its grazing has every symmetry of its orbit there:
- * its problem has one solution to either side, and that with the touch is not the image of the one without. */
-ric_cycle *ric_subset_keep(const ric_model *m, const ric_cycle *whole, const bool *keep)
-{
-    ric_cycle *out = ric_cycle_keep(m, whole, keep), *seen = out ? ric_cycle_copy(out) : NULL;
-    if (seen && ric_cycle_find_symmetries(m, seen, SAME) == 1) {
-        out->half |= seen->half;
-        if (out->pure < 0) out->pure = seen->pure;
-        if (out->flip < 0) out->flip = seen->flip;
-    } else if (!seen) {
-        ric_cycle_free(out);
-        out = NULL;
-    }
-    ric_cycle_free(seen);
-    return out;
-}
-
 ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned choice)
 {
     int N = node->cycle->N, all = N * node->multiple, kept = 0, p = node->n_touch;
     bool keep[all];
     if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, p, node->touch, choice, SAME);
-    ric_cycle *whole = ric_cycle_repeat(node->cycle, node->multiple), *out = NULL;
+    action actions[4];
+    ric_cycle *whole = find_actions(m, node, actions) ? ric_cycle_repeat(node->cycle, node->multiple) : NULL,
+              *out = NULL;
     if (!whole) return NULL;
     for (int i = 0; i < all; i++) keep[i] = true;
     for (int bit = 0; bit < p * node->multiple; bit++) {
@@ -212,10 +292,13 @@ ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned c
         if (ric_node_soft(node, bit % p)) keep[(place + 1) % all] = keep[place];
     }
     for (int i = 0; i < all; i++) kept += keep[i];
-    int pure = keeper(node, 2, 0, choice), flip = keeper(node, 3, 0, choice), half = (node->multiple - 1) / 2;
-    whole->half = node->cycle->half && node->multiple % 2 && mapped(node, (operation){1, half}, choice) == choice;
-    whole->pure = pure < 0 ? -1 : (node->cycle->pure + pure * N) % all;
-    whole->flip = flip < 0 ? -1 : (node->cycle->flip + flip * N) % all;
+    /* what hides from the node's cycle is found on what is kept */
+    int pure = keeper(node, actions, 2, choice), flip = keeper(node, actions, 3, choice),
+        half = (node->multiple - 1) / 2;
+    whole->half = node->cycle->half && node->multiple % 2 && actions[1].exists &&
+                  mapped(node, actions, (operation){1, half}, choice) == choice;
+    whole->pure = pure < 0 || node->cycle->pure < 0 ? -1 : (node->cycle->pure + pure * N) % all;
+    whole->flip = flip < 0 || node->cycle->flip < 0 ? -1 : (node->cycle->flip + flip * N) % all;
     if (kept) out = ric_subset_keep(m, whole, keep);
     ric_cycle_free(whole);
     return out;
@@ -240,15 +323,16 @@ int ric_subset_choice(const ric_model *m, const ric_node *node, const ric_cycle 
     int result = -1, shift, N = node->cycle->N, all = N * node->multiple, p = node->n_touch;
     bool reverse, mirror, *kept = NULL;
     if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
+    action actions[4];
     ric_cycle *full = ric_subset_touches(m, cycle, &kept), *whole = ric_cycle_repeat(node->cycle, node->multiple);
-    if (full && kept && whole && full->N == all && ric_cycle_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
+    if (full && kept && whole && find_actions(m, node, actions) && full->N == all && ric_cycle_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
             int i = bit / p * N + node->touch[bit % p],
                 j = reverse ? ((shift - i) % all + all) % all : (shift + i) % all;
             if (kept[j]) choice |= 1u << bit;
         }
-        result = (int)class_of(node, choice);
+        result = (int)class_of(node, actions, choice);
     }
     free(kept);
     ric_cycle_free(full);

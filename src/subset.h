@@ -12,7 +12,7 @@ ric_cycle *ric_subset_touches(const ric_model *model, const ric_cycle *cycle, bo
 
 /* Lists one departure for every class of choices. Those of a duplicate that repeat themselves after fewer periods
  * belong to fewer and are left out. With too many touches there is a single one, over budget. False: no memory. */
-bool ric_subset_list(ric_node *node);
+bool ric_subset_list(const ric_model *model, ric_node *node);
 
 /* A grazing orbit with those of its impacts and touches that keep[i] names, one at least, and all symmetries that it
  * has then; NULL: no memory. */

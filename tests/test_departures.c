@@ -252,6 +252,22 @@ static void check_orbits(const ric_graph *g, const ric_edge *e, const char *name
                      tr->chain->n_flight, e->energy[0] * g->model->energy_unit, k ? "reversible" : "symmetric");
 }
 
+/* No two departures of a grazing that lead to different branches are one orbit, however it is read. */
+static void check_classes(const ric_graph *g, int i, const char *name)
+{
+    const ric_node *node = g->nodes[i];
+    ric_cycle *orbit[node->n_departure + 1];
+    if (node->kind != RIC_KIND_GRAZING || node->refusal) return;
+    for (int k = 0; k < node->n_departure; k++) orbit[k] = ric_subset_cycle(g->model, node, node->departures[k].choice);
+    for (int k = 0; k < node->n_departure; k++)
+        for (int j = 0; j < k; j++)
+            if (orbit[j] && orbit[k] && there(&node->departures[j]) && there(&node->departures[k]) &&
+                ric_cycle_same(g->model, orbit[j], orbit[k], FIXED))
+                report(g, i, name, "is the departure", node->departures[k].choice, (int)node->departures[k].choice,
+                       (int)node->departures[j].choice);
+    for (int k = 0; k < node->n_departure; k++) ric_cycle_free(orbit[k]);
+}
+
 /* Both ends of a branch are one way out of one junction: it has passed an arrival and come back as its own image. */
 static void check_ends(const ric_graph *g, const ric_edge *e, const char *name)
 {
@@ -267,6 +283,7 @@ static void check_study(const ric_study *study, const char *name)
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
     if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
     for (int i = 0; i < g->n_node; i++) check_node(g, i, name);
+    for (int i = 0; i < g->n_node; i++) check_classes(g, i, name);
     for (int i = 0; i < g->n_edge; i++) {
         check_orbits(g, &g->edges[i], name);
         check_ends(g, &g->edges[i], name);
@@ -295,6 +312,19 @@ static void check_text(const char *model, const char *options)
     snprintf(text, sizeof text, "%sexplore: {%s}\n", model, options);
     if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
     check_study(study, options);
+    ric_study_free(study);
+}
+
+/* Only that, of a structure whose orbits with simultaneous touches are counted by subsets of a list no more. */
+static void check_classes_of(const char *text)
+{
+    ric_study *study = NULL;
+    ric_graph *g = NULL;
+    if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
+    assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
+    if (ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    for (int i = 0; i < g->n_node; i++) check_classes(g, i, "classes");
+    ric_graph_free(g);
     ric_study_free(study);
 }
 
@@ -393,6 +423,12 @@ static void hidden_by_order(void **state)
                "  contacts:\n    - {normal: [-1, 1, 0], clearance: 12.5, sides: both, law: rigid}\n"
                "    - {normal: [0, -1, 1], clearance: 12.5, sides: upper, law: rigid}\n",
                "energy: [0, 5.9], frequency: [0.28, 5.2], impacts: 5, multiply: 1, depth: 1");
+    /* and that two choices of touches are one */
+    check_classes_of("model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+                     "  stiffness: [[2, -1, 0], [-1, 2, -1], [0, -1, 2]]\n  contacts:\n"
+                     "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
+                     "    - {normal: [0, -1, 1], clearance: 1, sides: both, law: rigid}\n"
+                     "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 3, multiply: 2, depth: 1}\n");
     assert_int_equal(failures, 0);
 }
 
