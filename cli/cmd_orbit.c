@@ -9,12 +9,7 @@
 
 static const double two_pi = 6.283185307179586;
 
-enum {
-    SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of that mode's
-                             * amplitude */
-    SAMPLES_AT_LEAST = 16,
-    STEPS_MAX = 1000000,    /* of a history; more is a slip in --history */
-};
+enum { STEPS_MAX = 1000000 }; /* of a history; more is a slip in --history */
 
 /* One orbit with its numbers and room to work. */
 typedef struct {
@@ -57,161 +52,18 @@ static bool subject_init(subject *s, const ric_orbit *orbit, const ric_model *mo
     return true;
 }
 
-/* -------------------------------------------------------------- amplitudes */
-
-static double size_at(subject *s, int i, double t)
-{
-    ric_orbit_at_time(s->orbit, t, s->x, s->v);
-    return fabs(s->x[i]);
-}
-
-/* Golden section on a bracket that holds one maximum of |x_i| (Kiefer 1953). */
-static double polish(subject *s, int i, double a, double b)
-{
-    const double ratio = 0.6180339887498949;
-    double left = b - ratio * (b - a), right = a + ratio * (b - a), y_left = size_at(s, i, left),
-           y_right = size_at(s, i, right);
-    for (int k = 0; k < 60 && b - a > 1e-9 * s->period; k++) {
-        if (y_left > y_right) {
-            b = right;
-            right = left;
-            y_right = y_left;
-            left = b - ratio * (b - a);
-            y_left = size_at(s, i, left);
-        } else {
-            a = left;
-            left = right;
-            y_left = y_right;
-            right = a + ratio * (b - a);
-            y_right = size_at(s, i, right);
-        }
-    }
-    return fmax(y_left, y_right);
-}
-
-/* Largest |x_i| of one flight, every i. Maxima of the samples that may still become the largest are polished. */
-static void widen_over_flight(subject *s, double begin, double flight, double highest, double *amplitudes,
-                              double *samples)
-{
-    int n = (int)(SAMPLES_AT_LEAST + SAMPLES_PER_CYCLE * flight * highest / two_pi);
-    size_t n_dof = (size_t)s->n_dof;
-    for (int k = 0; k <= n; k++) {
-        ric_orbit_at_time(s->orbit, begin + flight * k / n, s->x, s->v);
-        for (size_t i = 0; i < n_dof; i++)
-            samples[(size_t)k * n_dof + i] = fabs(s->x[i]);
-    }
-    for (size_t i = 0; i < n_dof; i++) {
-        double largest = amplitudes[i];
-        for (int k = 0; k <= n; k++)
-            largest = fmax(largest, samples[(size_t)k * n_dof + i]);
-        amplitudes[i] = largest;
-        for (int k = 0; k <= n; k++) { /* at the ends of the flight too: the maximum may lie just inside */
-            int before = k > 0 ? k - 1 : 0, after = k < n ? k + 1 : n;
-            double y = samples[(size_t)k * n_dof + i];
-            if (y >= samples[(size_t)before * n_dof + i] && y >= samples[(size_t)after * n_dof + i] &&
-                y > 0.98 * largest)
-                amplitudes[i] = fmax(amplitudes[i],
-                                     polish(s, (int)i, begin + flight * before / n, begin + flight * after / n));
-        }
-    }
-}
-
-/* Largest |x_i| over the period [n_dof]: between impacts, where x is smooth, and at them. */
-static bool find_amplitudes(subject *s, double *amplitudes)
-{
-    double *frequencies = calloc((size_t)s->n_dof, sizeof *frequencies), *samples = NULL;
-    double highest = 0, longest = 0, begin = 0;
-    int n_flight = s->n_letter > 0 ? s->n_letter : 1;
-    if (!frequencies || ric_model_frequencies(s->model, frequencies)) {
-        free(frequencies);
-        return false;
-    }
-    highest = frequencies[s->n_dof - 1];
-    free(frequencies);
-    for (int k = 0; k < n_flight; k++)
-        longest = fmax(longest, s->flights[k]);
-    samples = calloc((size_t)(SAMPLES_AT_LEAST + 2 + SAMPLES_PER_CYCLE * longest * highest / two_pi),
-                     (size_t)s->n_dof * sizeof *samples);
-    for (int i = 0; i < s->n_dof; i++)
-        amplitudes[i] = 0;
-    for (int k = 0; samples && k < n_flight; k++) {
-        widen_over_flight(s, begin, s->flights[k], highest, amplitudes, samples);
-        begin += s->flights[k];
-    }
-    free(samples);
-    return samples != NULL;
-}
-
 /* ----------------------------------------------------------------- impacts */
 
-/* Speed of the gap at impact k. No energy is lost: it is the same before and after, so that either side of the impact
- * will do. */
-static double speed_at_impact(subject *s, int k, const double *normal)
-{
-    double t = 0, speed = 0;
-    for (int j = 0; j < k; j++)
-        t += s->flights[j];
-    if (k > 0)
-        ric_orbit_at_time(s->orbit, t, s->x, s->v);
-    for (int i = 0; i < s->n_dof; i++)
-        speed += normal[i] * (k > 0 ? s->v[i] : s->state[s->n_dof + i]);
-    return fabs(speed);
-}
-
-/* What each spring exchanges from its closing, letter k, to its opening, as the simulator tells over a period; NAN
- * where it does not. */
-static ric_status collect_spring_impulses(subject *s, double *exchanged)
-{
-    ric_simulator *sim = NULL;
-    bool hit = true, springs = false;
-    int faces = ric_model_n_face(s->model);
-    for (int k = 0; k < s->n_letter; k++) {
-        exchanged[k] = NAN;
-        springs |= s->word[k] >= faces;
-    }
-    ric_status status = springs ? ric_simulator_create(s->model, &sim) : RIC_OK;
-    if (!status && springs)
-        status = ric_simulator_start(sim, s->state, s->state + s->n_dof);
-    while (!status && springs && hit) { /* on into the next period: some are closed at its end */
-        ric_impact impact;
-        status = ric_simulator_advance(sim, 2 * s->period, &hit, &impact);
-        for (int k = 0; !status && hit && impact.opens && k < s->n_letter; k++)
-            if (s->word[k] == impact.face && isnan(exchanged[k])) {
-                exchanged[k] = impact.impulse;
-                break;
-            }
-    }
-    ric_simulator_free(sim);
-    return status;
-}
-
-/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over
- * all modes. */
 static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
 {
-    double *compliance = calloc((size_t)s->n_dof, sizeof *compliance),
-           *exchanged = calloc((size_t)s->n_letter + 1, sizeof *exchanged);
-    ric_status status = compliance && exchanged ? collect_spring_impulses(s, exchanged) : RIC_E_NOMEM;
-    for (int k = 0; !status && k < s->n_letter; k++) {
-        if (s->word[k] >= ric_model_n_face(s->model)) /* a spring opens: told where it closes */
-            continue;
-        ric_contact contact;
-        int index = 0;
-        status = ric_model_face(s->model, s->word[k], &index, NULL, NULL);
-        if (!status)
-            status = ric_model_contact(s->model, index, &contact);
-        if (!status)
-            status = ric_model_compliance(s->model, index, compliance);
-        if (status)
-            break;
-        double speed = s->d * speed_at_impact(s, k, contact.normal);
-        json_array_append_new(speeds, cli_number(speed));
-        json_array_append_new(impulses,
-                              cli_number(contact.law == RIC_LAW_BILINEAR ? s->d * exchanged[k]
-                                                                         : 2 * speed / compliance[s->n_dof - 1]));
+    double *numbers = calloc(2 * (size_t)s->n_letter + 1, sizeof *numbers);
+    int n = 0;
+    ric_status status = numbers ? ric_orbit_exchanges(s->orbit, &n, numbers, numbers + s->n_letter) : RIC_E_NOMEM;
+    for (int k = 0; k < n; k++) {
+        json_array_append_new(speeds, cli_number(s->d * numbers[k]));
+        json_array_append_new(impulses, cli_number(s->d * numbers[s->n_letter + k]));
     }
-    free(exchanged);
-    free(compliance);
+    free(numbers);
     return status;
 }
 
@@ -243,7 +95,7 @@ static ric_status add_orbit(json_t *rows, subject *s)
     json_t *row = json_object(), *speeds = json_array(), *impulses = json_array();
     int stable = s->point.stable;
     double *amplitudes = calloc((size_t)s->n_dof, sizeof *amplitudes);
-    ric_status status = amplitudes && find_amplitudes(s, amplitudes) ? RIC_OK : RIC_E_NOMEM;
+    ric_status status = amplitudes ? ric_orbit_amplitudes(s->orbit, amplitudes) : RIC_E_NOMEM;
     json_array_append_new(rows, row);
     json_object_set_new(row, "word", cli_word(s->model, s->n_letter, s->word));
     json_object_set_new(row, "state", numbers(2 * s->n_dof, s->state, s->d));

@@ -13,20 +13,14 @@ static json_t *stability(int stable)
     return json_string(stable == RIC_STABLE_YES ? "yes" : stable == RIC_STABLE_NO ? "no" : "undecided");
 }
 
-/* log |2 sinh y| */
-static double log_trace(double y)
-{
-    return fabs(y) + log(-expm1(-2 * fabs(y)));
-}
-
-/* The trace 2 sinh y; beyond the range of a double, sign and logarithm as a text. */
-static json_t *trace_of(double y)
+/* The trace; beyond the range of a double, sign and logarithm as a text. */
+static json_t *trace_of(const ric_point *point)
 {
     char text[48];
-    double trace = 2 * sinh(y);
-    if (!isinf(trace) || isinf(y))
+    double trace = ric_point_trace(point);
+    if (!isinf(trace) || isinf(point->trace))
         return cli_number(trace);
-    snprintf(text, sizeof text, "%sexp(%.17g)", y < 0 ? "-" : "", log_trace(y));
+    snprintf(text, sizeof text, "%sexp(%.17g)", point->trace < 0 ? "-" : "", ric_point_log_trace(point));
     return json_string(text);
 }
 
@@ -63,8 +57,8 @@ static json_t *point_row(int i, const ric_point *point, double d)
     json_object_set_new(row, "energy", cli_number(d * d * point->energy));
     json_object_set_new(row, "frequency", cli_number(point->frequency));
     json_object_set_new(row, "period", cli_number(two_pi / point->frequency));
-    json_object_set_new(row, "trace", trace_of(point->trace));
-    json_object_set_new(row, "log_trace", cli_number(log_trace(point->trace)));
+    json_object_set_new(row, "trace", trace_of(point));
+    json_object_set_new(row, "log_trace", cli_number(ric_point_log_trace(point)));
     json_object_set_new(row, "rotation", cli_number(point->rotation));
     json_object_set_new(row, "stable", stability(point->stable));
     json_object_set_new(row, "reach", cli_number(point->reach));

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +14,7 @@
 
 #include "cli.h"
 
-enum { SAMPLE = 5, MOST_WORKERS = 256 };
+enum { MOST_WORKERS = 256 };
 
 typedef enum { OF_POINT, OF_BRANCH, OF_JUNCTION } subject;
 static const char *const subject_text[] = {"point", "branch", "junction"};
@@ -58,34 +57,11 @@ static ric_status add(audit *a, subject of, int branch, int point)
     return RIC_OK;
 }
 
-static int compare(const void *a, const void *b)
-{
-    int x = *(const int *)a, y = *(const int *)b;
-    return (x > y) - (x < y);
-}
-
-/* First, middle, last and SAMPLE more, spread by a hash of the branch's number (Steele, Lea, Flood 2014): the same ones
- * every time. Ascending, maybe with repetitions. */
-static void choose(int branch, int n_point, int *chosen)
-{
-    uint64_t z = (uint64_t)branch;
-    chosen[0] = 0;
-    chosen[1] = n_point / 2;
-    chosen[2] = n_point - 1;
-    for (int i = 0; i < SAMPLE; i++) {
-        uint64_t mixed = z += 0x9e3779b97f4a7c15u;
-        mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9u;
-        mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebu;
-        chosen[3 + i] = (int)((mixed ^ (mixed >> 31)) % (uint64_t)n_point);
-    }
-    qsort(chosen, 3 + SAMPLE, sizeof *chosen, compare);
-}
-
 /* point: from 0, or -1. */
 static ric_status add_branch(audit *a, int id, long point)
 {
     ric_branch branch;
-    int chosen[3 + SAMPLE];
+    int chosen[RIC_VERIFY_SAMPLE], n_chosen = 0;
     ric_status status = ric_atlas_branch(a->atlas, id, &branch);
     if (status) return status;
     if (point >= 0) {
@@ -99,9 +75,8 @@ static ric_status add_branch(audit *a, int id, long point)
     if ((status = add(a, OF_BRANCH, id, -1))) return status;
     for (int i = 0; a->all && i < branch.n_point && !status; i++) status = add(a, OF_POINT, id, i);
     if (a->all) return status;
-    choose(id, branch.n_point, chosen);
-    for (int i = 0; i < 3 + SAMPLE && !status; i++)
-        if (i == 0 || chosen[i] != chosen[i - 1]) status = add(a, OF_POINT, id, chosen[i]);
+    status = ric_verify_sample(a->atlas, id, &n_chosen, chosen);
+    for (int i = 0; i < n_chosen && !status; i++) status = add(a, OF_POINT, id, chosen[i]);
     return status;
 }
 

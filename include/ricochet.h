@@ -339,6 +339,14 @@ ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out);
 ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out);
 /* Point i of a branch: its numbers, state [2 n_dof: x then v], flights [max(letters, 1)]. Any pointer may be NULL. */
 ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights);
+/* The trace lambda + 1/lambda itself, infinite beyond the range of a double, and the logarithm of its modulus; NaN for
+ * n != 2. */
+double ric_point_trace(const ric_point *point);
+double ric_point_log_trace(const ric_point *point);
+/* A quantity at all points of a branch, row by row: `name` is arclength, energy, frequency, period, trace (lambda +
+ * 1/lambda), log_trace, rotation, stable (ric_stability), reach, approach or residual, each of *width 1; state, x then
+ * v, *width 2 n_dof; or flights, *width max(letters, 1). out [n_point * *width]; with out NULL, *width alone. */
+ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width, double *out);
 
 /* ----------------------------------------------------------------- queries */
 
@@ -412,6 +420,7 @@ typedef struct ric_orbit ric_orbit;
 typedef enum { RIC_AT_POINT, RIC_AT_ENERGY, RIC_AT_FREQUENCY } ric_at;
 ric_status ric_orbit_find(const ric_atlas *atlas, int branch, ric_at at, double value, int *n, ric_orbit ***out);
 void ric_orbits_free(int n, ric_orbit **orbits);
+const ric_model *ric_orbit_model(const ric_orbit *orbit); /* that of the atlas, borrowed */
 int ric_orbit_impacts(const ric_orbit *orbit);
 int ric_orbit_letters(const ric_orbit *orbit);
 /* Point data, state [2 n_dof], flights [max(letters,1)], word [letters]. Any pointer may be NULL. */
@@ -425,6 +434,11 @@ double ric_orbit_multiplier_error(const ric_orbit *orbit);
 ric_stability ric_orbit_stability(const ric_orbit *orbit);
 /* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
+/* Largest |x_i| over the period, scaled, [n_dof]. */
+ric_status ric_orbit_amplitudes(const ric_orbit *orbit, double *out);
+/* Speed of approach at every impact and the momentum exchanged there along the normal, scaled; of a spring from its
+ * closing to its opening. *n of them, at most the letters of the word; speeds and impulses [letters]. */
+ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, double *impulses);
 
 /* ------------------------------------------------------- ghosts on request */
 
@@ -565,6 +579,10 @@ typedef struct {
     bool passed;
 } ric_check;
 
+/* The points of a branch that are looked at where not all are: the first, the middle, the last and some more, the same
+ * ones every time. Ascending, *n of them in out [RIC_VERIFY_SAMPLE]. */
+#define RIC_VERIFY_SAMPLE 8
+ric_status ric_verify_sample(const ric_atlas *atlas, int branch, int *n, int *out);
 /* Replays point `i` of a branch with the simulator. */
 ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check *out);
 

@@ -1,6 +1,7 @@
 #include "atlas.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -152,6 +153,81 @@ ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point 
     if (flights)
         memcpy(flights, at + n_state, n_flight * sizeof *flights);
     return RIC_OK;
+}
+
+/* ----------------------------------------------------------------- columns */
+
+static const double two_pi = 6.283185307179586;
+
+double ric_point_trace(const ric_point *p)
+{
+    return 2 * sinh(p->trace);
+}
+
+double ric_point_log_trace(const ric_point *p)
+{
+    return fabs(p->trace) + log(-expm1(-2 * fabs(p->trace)));
+}
+
+static double arclength_of(const ric_point *p) { return p->arclength; }
+static double energy_of(const ric_point *p) { return p->energy; }
+static double frequency_of(const ric_point *p) { return p->frequency; }
+static double period_of(const ric_point *p) { return two_pi / p->frequency; }
+static double rotation_of(const ric_point *p) { return p->rotation; }
+static double stable_of(const ric_point *p) { return p->stable; }
+static double reach_of(const ric_point *p) { return p->reach; }
+static double approach_of(const ric_point *p) { return p->approach; }
+static double residual_of(const ric_point *p) { return (double)p->residual; }
+
+static const struct {
+    const char *name;
+    double (*value)(const ric_point *point);
+} columns[] = {
+    {"arclength", arclength_of},      {"energy", energy_of},     {"frequency", frequency_of}, {"period", period_of},
+    {"trace", ric_point_trace},       {"log_trace", ric_point_log_trace},
+    {"rotation", rotation_of},        {"stable", stable_of},     {"reach", reach_of},         {"approach", approach_of},
+    {"residual", residual_of},
+};
+
+static void copy_numbers(const ric_branch_record *record, double (*value)(const ric_point *), double *out)
+{
+    for (int i = 0; i < record->row.n_point; i++) {
+        ric_point point;
+        memcpy(&point, record->points + (size_t)i * record->stride, sizeof point);
+        out[i] = value(&point);
+    }
+}
+
+static void copy_vectors(const ric_branch_record *record, size_t from, size_t width, double *out)
+{
+    for (int i = 0; i < record->row.n_point; i++)
+        memcpy(out + (size_t)i * width, record->points + (size_t)i * record->stride + from, width * sizeof *out);
+}
+
+ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width, double *out)
+{
+    ric_status status = check_id("branch", branch, atlas->n_branch);
+    if (status)
+        return status;
+    const ric_branch_record *record = &atlas->branches[branch - 1];
+    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas)), n_point = sizeof(ric_point) / sizeof *out;
+    if (!strcmp(name, "state") || !strcmp(name, "flights")) {
+        bool state = *name == 's';
+        size_t n = state ? n_state : record->row.letters > 0 ? (size_t)record->row.letters : 1;
+        *width = (int)n;
+        if (out)
+            copy_vectors(record, state ? n_point : n_point + n_state, n, out);
+        return RIC_OK;
+    }
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        if (!strcmp(name, columns[i].name)) {
+            *width = 1;
+            if (out)
+                copy_numbers(record, columns[i].value, out);
+            return RIC_OK;
+        }
+    return ric_fail(RIC_E_RANGE, "no column '%s': a point has arclength, energy, frequency, period, trace, log_trace, "
+                    "rotation, stable, reach, approach, residual, state and flights", name);
 }
 
 /* ------------------------------------------------------------------- texts */

@@ -290,6 +290,11 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
     return RIC_OK;
 }
 
+const ric_model *ric_orbit_model(const ric_orbit *o)
+{
+    return o->model;
+}
+
 int ric_orbit_impacts(const ric_orbit *o)
 {
     return o->cycle ? ric_cycle_impacts(ric_cycle_springs(o->model), o->cycle) : 0;
