@@ -6,12 +6,11 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../src/hunt.h"
 #include "cli.h"
 
 static const double two_pi = 6.283185307179586;
 
-enum { IMPACTS_MAX = 24, POINTS_MAX = 100000000 };
+enum { POINTS_MAX = 100000000 };
 
 typedef struct {
     ric_hunt_options options;
@@ -78,7 +77,7 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
         !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
         !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random) ||
         !cli_take_value(argc, argv, "--impacts", &text) ||
-        (text && !cli_parse_integer(text, "--impacts", 1, IMPACTS_MAX, &value)))
+        (text && !cli_parse_integer(text, "--impacts", 1, RIC_HUNT_IMPACTS, &value)))
         return false;
     if (text)
         o->impacts = (int)value;
@@ -96,96 +95,95 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
 
 /* --------------------------------------------------------------------- rows */
 
-static json_t *multipliers(double trace)
+static json_t *numbers(int n, const double *values)
 {
-    double half = trace / 2, root = sqrt(fabs(half - 1)) * sqrt(fabs(half + 1));
-    double large = half + copysign(root, half); /* 1 / large without cancellation */
-    bool circle = fabs(half) < 1;
-    json_t *pairs = json_array();
-    for (int i = 0; i < 2; i++) {
-        json_t *pair = json_array();
-        json_array_append_new(pair, cli_number(circle ? half : i ? 1 / large : large));
-        json_array_append_new(pair, cli_number(!circle ? 0 : i ? -root : root));
-        json_array_append_new(pairs, pair);
-    }
-    return pairs;
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(values[i]));
+    return list;
 }
 
-static const char *state_text(ric_prey_state state)
+static json_t *pairs(const double values[4])
 {
-    static const char *const texts[] = {"known", "budget", "isolated", "unexplained"};
-    return texts[state];
+    json_t *list = json_array();
+    for (int i = 0; i < 4; i += 2) json_array_append_new(list, numbers(2, values + i));
+    return list;
 }
 
 static void add_finding(json_t *row, const ric_finding *f)
 {
-    json_object_set_new(row, "atlas", json_string(state_text(f->state)));
-    json_object_set_new(row, "branch", cli_id(f->state == RIC_PREY_KNOWN ? f->branch : 0));
+    json_object_set_new(row, "atlas", json_string(ric_found_text(f->state)));
+    json_object_set_new(row, "branch", cli_id(f->state == RIC_FOUND_KNOWN ? f->branch : 0));
     json_object_set_new(row, "family", cli_id(f->family));
     json_object_set_new(row, "reason", json_string(f->why));
 }
 
-static json_t *make_row(const ric_hunt *h, int i, const ric_comparison *c)
+static json_t *make_row(const ric_hunt *h, const ric_model *m, int i, const ric_comparison *c)
 {
-    const ric_prey *p = &h->prey[i];
-    const ric_model *m = h->section->model;
-    int n = ric_model_n_dof(m), word[p->N];
-    double x[2 * n];
-    json_t *row = json_object(), *state = json_array(), *flights = json_array();
-    for (int k = 0; k < p->N; k++) {
-        word[k] = p->hits[k].face;
-        json_array_append_new(flights, cli_number(p->hits[k].tau));
-    }
-    ric_section_write(h->section, &p->hits[0], x, x + n);
-    for (int k = 0; k < 2 * n; k++) json_array_append_new(state, cli_number(x[k]));
+    ric_found p;
+    ric_finding finding;
+    int n = ric_model_n_dof(m), word[RIC_HUNT_IMPACTS];
+    double state[2 * n], flights[RIC_HUNT_IMPACTS];
+    json_t *row = json_object();
+    ric_hunt_found(h, i, &p, word, state, flights);
     json_object_set_new(row, "orbit", json_integer(i + 1));
-    json_object_set_new(row, "word", cli_word(m, p->N, word));
-    json_object_set_new(row, "impacts", json_integer(p->N));
-    json_object_set_new(row, "period", cli_number(p->period));
-    json_object_set_new(row, "frequency", cli_number(two_pi / p->period));
-    json_object_set_new(row, "symmetric", json_boolean(p->symmetric));
-    json_object_set_new(row, "reversible", json_boolean(p->reversible));
-    json_object_set_new(row, "trace", cli_number(p->trace));
-    json_object_set_new(row, "multipliers", multipliers(p->trace));
-    json_object_set_new(row, "state", state);
-    json_object_set_new(row, "flights", flights);
-    if (c) add_finding(row, &c->findings[i]);
+    json_object_set_new(row, "word", cli_word(m, p.impacts, word));
+    json_object_set_new(row, "impacts", json_integer(p.impacts));
+    json_object_set_new(row, "period", cli_number(p.period));
+    json_object_set_new(row, "frequency", cli_number(two_pi / p.period));
+    json_object_set_new(row, "symmetric", json_boolean(p.symmetric));
+    json_object_set_new(row, "reversible", json_boolean(p.reversible));
+    json_object_set_new(row, "trace", cli_number(p.trace));
+    json_object_set_new(row, "multipliers", pairs(p.multipliers));
+    json_object_set_new(row, "state", numbers(2 * n, state));
+    json_object_set_new(row, "flights", numbers(p.impacts, flights));
+    if (c && !ric_comparison_finding(c, i, &finding)) add_finding(row, &finding);
     return row;
 }
 
-static int print(const ric_hunt *h, const ric_comparison *c, cli_format format)
+static int print(const ric_hunt *h, const ric_model *m, const ric_comparison *c, cli_format format)
 {
     static const char *const columns[] = {"orbit", "word",  "period", "frequency", "symmetric", "reversible",
                                           "trace", "atlas", "branch", "reason",    NULL};
     static const char *const alone[] = {"orbit",     "word",       "period", "frequency",
                                         "symmetric", "reversible", "trace",  NULL};
     json_t *rows = json_array();
-    for (int i = 0; rows && i < h->n; i++) json_array_append_new(rows, make_row(h, i, c));
+    for (int i = 0; rows && i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, i, c));
     int code = rows ? cli_print_rows(rows, c ? columns : alone, format) : cli_report(RIC_E_NOMEM);
     json_decref(rows);
     return code;
 }
 
-/* One line on stderr; exit code 1 if something is not explained. */
-static int summarise(const ric_hunt *h, const ric_comparison *c, int added)
+static void tell_missed(const ric_comparison *c, int n_missed)
 {
-    int counts[4] = {0};
-    for (int i = 0; c && i < h->n; i++) counts[c->findings[i].state]++;
-    cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", h->n, h->options.impacts,
-            h->options.period[1], h->options.energy);
+    for (int i = 0; i < n_missed; i++) {
+        ric_missed m;
+        if (ric_comparison_missed(c, i, &m)) continue;
+        cli_say("not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n", m.impacts,
+                m.branch, m.period, m.trace, m.approach);
+    }
+}
+
+/* One line on stderr; exit code 1 if something is not explained. */
+static int summarise(const ric_hunt *h, const ric_hunt_options *options, const ric_comparison *c, int added)
+{
+    int counts[4] = {0}, n = ric_hunt_n_found(h), n_atlas, n_again, n_missed;
+    cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", n, options->impacts,
+            options->period[1], options->energy);
     if (!c) return CLI_DONE;
+    for (int i = 0; i < n; i++) {
+        ric_finding finding;
+        if (!ric_comparison_finding(c, i, &finding)) counts[finding.state]++;
+    }
+    ric_comparison_count(c, &n_atlas, &n_again, &n_missed);
     cli_say("of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its budgets, %d isolated, %d "
             "unexplained\n",
-            c->n_atlas, c->n_again, h->n - counts[RIC_PREY_KNOWN], counts[RIC_PREY_BUDGET], counts[RIC_PREY_ISOLATED],
-            counts[RIC_PREY_UNEXPLAINED]);
-    for (int i = 0; i < c->n_missed; i++)
-        cli_say("not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n",
-                c->missed[i].impacts, c->missed[i].branch, c->missed[i].period, c->missed[i].trace,
-                c->missed[i].approach);
+            n_atlas, n_again, n - counts[RIC_FOUND_KNOWN], counts[RIC_FOUND_BUDGET], counts[RIC_FOUND_ISOLATED],
+            counts[RIC_FOUND_UNEXPLAINED]);
+    tell_missed(c, n_missed);
     if (added)
         cli_say("%d start%s added; the next `ricochet run` follows %s\n", added, added == 1 ? "" : "s",
                 added == 1 ? "it" : "them");
-    return counts[RIC_PREY_UNEXPLAINED] ? CLI_FAILED : CLI_DONE;
+    return counts[RIC_FOUND_UNEXPLAINED] ? CLI_FAILED : CLI_DONE;
 }
 
 /* ------------------------------------------------------------------ command */
@@ -225,7 +223,7 @@ static int hunt(const request *r, const ric_study *study, const ric_atlas *atlas
     if (!status && r->add) status = ric_hunt_add(h, c, atlas, r->atlas_path, &added);
     if (d.terminal) fputs("\r\033[K", stderr);
     code = cli_report(status);
-    if (!status && !(code = print(h, c, r->format))) code = summarise(h, c, added);
+    if (!status && !(code = print(h, ric_study_model(study), c, r->format))) code = summarise(h, &options, c, added);
     ric_comparison_free(c);
     ric_hunt_free(h);
     return code;
@@ -247,10 +245,9 @@ static int run(int argc, char **argv)
         code = CLI_FAILED;
     } else {
         /* the windows of the atlas, so that the two can be compared */
-        const ric_explore_options *o = ric_study_options(atlas ? ric_atlas_study(atlas) : study);
-        double longest = two_pi / o->frequency[0];
-        r.options.period[0] = two_pi / o->frequency[1];
-        if (!bounded || (atlas && r.options.period[1] > longest)) r.options.period[1] = longest;
+        double asked = r.options.period[1];
+        ric_hunt_options_bound(&r.options, atlas ? ric_atlas_study(atlas) : study);
+        if (bounded && !(atlas && asked > r.options.period[1])) r.options.period[1] = asked;
         code = hunt(&r, study, atlas);
     }
     ric_atlas_free(atlas);

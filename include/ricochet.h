@@ -1,7 +1,7 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
  * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, ghosts and cascades
- * on request, explore, verify, version.
+ * on request, explore, verify, hunt, version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by
  * d^2, times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -605,6 +605,84 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
 ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out);
 /* The row of a junction: its orbit closes, with its energy and frequency. Branch is -1, point is the id. */
 ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out);
+
+/* -------------------------------------------------------------------- hunt */
+
+/* A search for periodic orbits by brute force, which knows nothing of branches (docs/theory.md section 11): the
+ * admissible orbits of one energy with few impacts, from the map between impacts. For structures of which rigid stops
+ * see two modes. What is not found is not proved to be absent. */
+typedef struct ric_hunt ric_hunt;
+
+#define RIC_HUNT_IMPACTS 24 /* the longest words that are looked for */
+typedef struct {
+    double energy;       /* scaled */
+    int impacts;         /* words of up to that many letters, 6 */
+    double period[2];    /* seconds: orbits with a shortest period between these, 0 and infinity */
+    int lines;           /* points on each symmetry line before it is refined */
+    int rows, row;       /* rows on the section of each face, and points on each row before it is refined */
+    int random;          /* random starts on each face */
+    uint64_t seed;
+    /* NULL, or called now and then; return true to stop */
+    bool (*progress)(const char *what, double part, int found, void *user);
+    void *user;
+} ric_hunt_options;
+
+void ric_hunt_options_init(ric_hunt_options *options);
+/* The periods that the frequency window of a study has, so that what is found can be compared with its atlas. */
+void ric_hunt_options_bound(ric_hunt_options *options, const ric_study *study);
+ric_status ric_hunt_create(const ric_model *model, const ric_hunt_options *options, ric_hunt **out);
+void ric_hunt_free(ric_hunt *hunt);
+/* Searches; sorts what was found. RIC_E_INTERRUPTED when progress asked to stop. */
+ric_status ric_hunt_run(ric_hunt *hunt);
+
+typedef struct {
+    int impacts;
+    double period, trace;     /* seconds; lambda + 1/lambda */
+    double multipliers[4];    /* two complex numbers as re, im pairs */
+    bool symmetric, reversible;
+} ric_found;
+
+/* Orbits found: their number, and orbit i from 0, by impacts, word and period. Every one has passed the simulator.
+ * word [impacts], state right after the first impact [2 n_dof], flights [impacts]; any pointer may be NULL. */
+int ric_hunt_n_found(const ric_hunt *hunt);
+ric_status ric_hunt_found(const ric_hunt *hunt, int i, ric_found *out, int *word, double *state, double *flights);
+
+typedef enum {
+    RIC_FOUND_KNOWN,       /* the atlas has it */
+    RIC_FOUND_BUDGET,      /* it is on the far side of a departure that the atlas has not taken, for a budget or a
+                            * refusal */
+    RIC_FOUND_ISOLATED,    /* within the budgets its family meets no junction of the atlas */
+    RIC_FOUND_UNEXPLAINED, /* its family meets the atlas where nothing is left to take, or it could not be followed */
+} ric_found_state;
+const char *ric_found_text(ric_found_state state);
+
+typedef struct {
+    ric_found_state state;
+    int branch;            /* of the atlas, or of what was explored to explain it; 0: none */
+    int family;            /* from 1: orbits whose branches hang together outside the atlas */
+    char why[200];
+} ric_finding;
+
+/* An orbit of the atlas at this energy that the hunt has not come to. */
+typedef struct {
+    int branch, impacts;
+    double period, trace, approach;
+} ric_missed;
+
+/* What was found against an atlas of the same model: which of its orbits were found again, and why it lacks what it
+ * lacks. */
+typedef struct ric_comparison ric_comparison;
+
+ric_status ric_hunt_compare(ric_hunt *hunt, const ric_atlas *atlas, ric_comparison **out);
+void ric_comparison_free(ric_comparison *comparison);
+/* Orbits of the atlas within the bounds of the hunt, how many of them were found, and how many not. */
+void ric_comparison_count(const ric_comparison *comparison, int *n_atlas, int *n_again, int *n_missed);
+/* What is said of orbit i of the hunt; and the orbits of the atlas that were not found, i from 0. */
+ric_status ric_comparison_finding(const ric_comparison *comparison, int i, ric_finding *out);
+ric_status ric_comparison_missed(const ric_comparison *comparison, int i, ric_missed *out);
+/* Puts the isolated ones into the atlas file as starts, one for each branch; *n receives how many. */
+ric_status ric_hunt_add(const ric_hunt *hunt, const ric_comparison *comparison, const ric_atlas *atlas,
+                        const char *path, int *n);
 
 /* ----------------------------------------------------------------- version */
 

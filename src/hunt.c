@@ -17,15 +17,38 @@ void ric_hunt_options_init(ric_hunt_options *o)
                             .random = 250000, .seed = 1};
 }
 
+void ric_hunt_options_bound(ric_hunt_options *o, const ric_study *study)
+{
+    const ric_explore_options *window = ric_study_options(study);
+    o->period[0] = TWO_PI / window->frequency[1];
+    o->period[1] = TWO_PI / window->frequency[0];
+}
+
 static ric_status no_memory(void)
 {
     return ric_fail(RIC_E_NOMEM, "no memory for the hunt");
 }
 
+static ric_status check_options(const ric_hunt_options *o)
+{
+    if (!(o->energy > 0 && o->energy < INFINITY))
+        return ric_fail(RIC_E_INPUT, "energy: %g is none to look at; give a number above 0", o->energy);
+    if (o->impacts < 1 || o->impacts > RIC_HUNT_IMPACTS)
+        return ric_fail(RIC_E_INPUT, "impacts: %d; give 1 to %d", o->impacts, RIC_HUNT_IMPACTS);
+    if (!(o->period[0] >= 0 && o->period[0] < o->period[1]))
+        return ric_fail(RIC_E_INPUT, "period: from %g to %g s is no range; give two times, the smaller one first",
+                        o->period[0], o->period[1]);
+    if (o->lines < 2 || o->row < 2 || o->rows < 0 || o->random < 0)
+        return ric_fail(RIC_E_INPUT, "lines %d, rows %d of %d, random %d: lines and points of a row are at least 2, "
+                        "the others at least 0", o->lines, o->rows, o->row, o->random);
+    return RIC_OK;
+}
+
 ric_status ric_hunt_create(const ric_model *m, const ric_hunt_options *o, ric_hunt **out)
 {
-    ric_hunt *h = calloc(1, sizeof *h);
     *out = NULL;
+    if (check_options(o)) return RIC_E_INPUT;
+    ric_hunt *h = calloc(1, sizeof *h);
     if (!h) return no_memory();
     h->options = *o;
     ric_status status = ric_section_create(m, o->energy, &h->section);
@@ -226,4 +249,39 @@ ric_status ric_hunt_run(ric_hunt *h)
     if (!status) status = ric_hunt_rows(h);
     if (h->n) qsort(h->prey, (size_t)h->n, sizeof *h->prey, prey_order);
     return status;
+}
+
+/* ----------------------------------------------------------------- answers */
+
+int ric_hunt_n_found(const ric_hunt *h)
+{
+    return h->n;
+}
+
+/* The roots of lambda^2 - trace lambda + 1, without cancellation. */
+static void write_multipliers(double trace, double *out)
+{
+    double half = trace / 2, root = sqrt(fabs(half - 1)) * sqrt(fabs(half + 1)), large = half + copysign(root, half);
+    bool circle = fabs(half) < 1;
+    out[0] = circle ? half : large;
+    out[1] = circle ? root : 0;
+    out[2] = circle ? half : 1 / large;
+    out[3] = circle ? -root : 0;
+}
+
+ric_status ric_hunt_found(const ric_hunt *h, int i, ric_found *out, int *word, double *state, double *flights)
+{
+    if (i < 0 || i >= h->n) return ric_fail(RIC_E_RANGE, "no orbit %d: the hunt has found %d, from 0 on", i, h->n);
+    const ric_prey *p = &h->prey[i];
+    if (out) {
+        *out = (ric_found){.impacts = p->N, .period = p->period, .trace = p->trace, .symmetric = p->symmetric,
+                           .reversible = p->reversible};
+        write_multipliers(p->trace, out->multipliers);
+    }
+    for (int k = 0; k < p->N; k++) {
+        if (word) word[k] = p->hits[k].face;
+        if (flights) flights[k] = p->hits[k].tau;
+    }
+    if (state) ric_section_write(h->section, &p->hits[0], state, state + h->section->n_dof);
+    return RIC_OK;
 }

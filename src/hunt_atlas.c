@@ -97,7 +97,7 @@ static ric_status count(void *user, const ric_branch *b, const ric_orbit *o, int
     c->n_atlas++;
     if (place >= 0) {
         c->n_again++;
-        c->findings[place] = (ric_finding){.state = RIC_PREY_KNOWN, .branch = b->id};
+        c->findings[place] = (ric_finding){.state = RIC_FOUND_KNOWN, .branch = b->id};
         return RIC_OK;
     }
     if (c->n_missed == t->capacity) {
@@ -116,7 +116,7 @@ static ric_status note_side(void *user, const ric_branch *b, const ric_orbit *o,
 {
     ric_comparison *c = user;
     (void)o;
-    if (place >= 0 && c->findings[place].state != RIC_PREY_KNOWN) c->findings[place].branch = b->id;
+    if (place >= 0 && c->findings[place].state != RIC_FOUND_KNOWN) c->findings[place].branch = b->id;
     return RIC_OK;
 }
 
@@ -331,7 +331,7 @@ static void explain(const ric_atlas *a, const ric_atlas *s, const surroundings *
     ric_junction j;
     int id = f->open ? f->open : f->again ? f->again : f->settled;
     bool beyond = f->open || f->again || f->longer;
-    finding->state = beyond ? RIC_PREY_BUDGET : f->settled ? RIC_PREY_UNEXPLAINED : RIC_PREY_ISOLATED;
+    finding->state = beyond ? RIC_FOUND_BUDGET : f->settled ? RIC_FOUND_UNEXPLAINED : RIC_FOUND_ISOLATED;
     if (id) ric_atlas_junction(a, id, &j);
     if (f->open && j.refusal[0])
         snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), refused: %s", j.id,
@@ -370,7 +370,7 @@ static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_compari
     if (!status) find_families(s, family, junction_family);
     for (int i = 0; i < h->n && !status; i++) {
         ric_finding *finding = &c->findings[i];
-        if (finding->state == RIC_PREY_KNOWN) continue;
+        if (finding->state == RIC_FOUND_KNOWN) continue;
         if (!finding->branch) {
             snprintf(finding->why, sizeof finding->why, "its branch could not be followed");
             continue;
@@ -397,9 +397,10 @@ ric_status ric_hunt_compare(ric_hunt *h, const ric_atlas *a, ric_comparison **ou
         ric_comparison_free(c);
         return no_memory();
     }
-    for (int i = 0; i < h->n; i++) c->findings[i].state = RIC_PREY_UNEXPLAINED;
+    c->n = h->n;
+    for (int i = 0; i < h->n; i++) c->findings[i].state = RIC_FOUND_UNEXPLAINED;
     ric_status status = each_orbit(h, a, count, &t);
-    for (int i = 0; i < h->n; i++) any |= wanted[i] = c->findings[i].state != RIC_PREY_KNOWN;
+    for (int i = 0; i < h->n; i++) any |= wanted[i] = c->findings[i].state != RIC_FOUND_KNOWN;
     if (!status && any) status = explore_side(h, a, wanted, &c->side);
     if (!status && any) status = explain_all(h, a, c);
     free(wanted);
@@ -416,7 +417,7 @@ ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_at
     ric_status status = wanted ? RIC_OK : no_memory();
     *n = 0;
     for (int i = 0; wanted && i < h->n; i++) {
-        wanted[i] = c->findings[i].state == RIC_PREY_ISOLATED;
+        wanted[i] = c->findings[i].state == RIC_FOUND_ISOLATED;
         for (int k = 0; k < i; k++)
             if (wanted[k] && c->findings[k].branch == c->findings[i].branch) wanted[i] = false;
         *n += wanted[i];
@@ -430,4 +431,41 @@ ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_at
     free(lines);
     free(wanted);
     return status;
+}
+
+void ric_comparison_count(const ric_comparison *c, int *n_atlas, int *n_again, int *n_missed)
+{
+    *n_atlas = c->n_atlas;
+    *n_again = c->n_again;
+    *n_missed = c->n_missed;
+}
+
+static ric_status check_place(const char *what, int i, int n)
+{
+    return i >= 0 && i < n ? RIC_OK : ric_fail(RIC_E_RANGE, "no %s %d: there are %d, from 0 on", what, i, n);
+}
+
+ric_status ric_comparison_finding(const ric_comparison *c, int i, ric_finding *out)
+{
+    ric_status status = check_place("finding", i, c->n);
+    if (!status) *out = c->findings[i];
+    return status;
+}
+
+ric_status ric_comparison_missed(const ric_comparison *c, int i, ric_missed *out)
+{
+    ric_status status = check_place("orbit that was missed", i, c->n_missed);
+    if (!status) *out = c->missed[i];
+    return status;
+}
+
+const char *ric_found_text(ric_found_state state)
+{
+    switch (state) {
+    case RIC_FOUND_KNOWN: return "known";
+    case RIC_FOUND_BUDGET: return "budget";
+    case RIC_FOUND_ISOLATED: return "isolated";
+    case RIC_FOUND_UNEXPLAINED: return "unexplained";
+    }
+    return "unknown";
 }

@@ -245,7 +245,37 @@ static void test_two_ways(void **state)
 
 /* ------------------------------------------------------------------ atlases */
 
-static int count(const ric_hunt *h, const ric_comparison *c, ric_prey_state state)
+/* What leaves the library is what it has inside; a call that asks for nonsense is told so. */
+static void test_answers(void **unused)
+{
+    (void)unused;
+    ric_study *study = parse(TWO_MASSES);
+    const ric_model *model = ric_study_model(study);
+    ric_hunt *h = hunt(model, 5, 2, 31, 20, 0);
+    assert_true(ric_hunt_n_found(h) > 0);
+    for (int i = 0; i < ric_hunt_n_found(h); i++) {
+        ric_found found;
+        int word[RIC_HUNT_IMPACTS];
+        double state[4], flights[RIC_HUNT_IMPACTS], period = 0;
+        assert_int_equal(ric_hunt_found(h, i, &found, word, state, flights), RIC_OK);
+        for (int k = 0; k < found.impacts; k++) period += flights[k];
+        assert_true(fabs(period / found.period - 1) < 1e-12);
+        assert_true(fabs(ric_model_energy(model, state, state + 2) / 5 - 1) < 1e-10);
+        assert_true(fabs(found.multipliers[0] + found.multipliers[2] - found.trace) <= 1e-14 * fabs(found.trace));
+    }
+    assert_int_equal(ric_hunt_found(h, ric_hunt_n_found(h), NULL, NULL, NULL, NULL), RIC_E_RANGE);
+    ric_hunt_free(h);
+    ric_hunt_options options;
+    ric_hunt_options_init(&options);
+    assert_int_equal(ric_hunt_create(model, &options, &h), RIC_E_INPUT);
+    assert_null(h);
+    options.energy = 5;
+    options.impacts = RIC_HUNT_IMPACTS + 1;
+    assert_int_equal(ric_hunt_create(model, &options, &h), RIC_E_INPUT);
+    ric_study_free(study);
+}
+
+static int count(const ric_hunt *h, const ric_comparison *c, ric_found_state state)
 {
     int n = 0;
     for (int i = 0; i < h->n; i++) n += c->findings[i].state == state;
@@ -257,7 +287,7 @@ static ric_comparison *compare(ric_hunt *h, const ric_atlas *atlas)
     ric_comparison *c = NULL;
     if (ric_hunt_compare(h, atlas, &c)) fail_msg("%s", ric_detail());
     for (int i = 0; i < h->n; i++)
-        if (c->findings[i].state == RIC_PREY_UNEXPLAINED)
+        if (c->findings[i].state == RIC_FOUND_UNEXPLAINED)
             fail_msg("E %g: an orbit of %d impacts and period %.12g is not explained: %s", h->options.energy,
                      h->prey[i].N, h->prey[i].period, c->findings[i].why);
     return c;
@@ -274,7 +304,7 @@ static void test_article(void **state)
         ric_hunt *h = hunt(ric_atlas_model(atlas), energies[e], 6, 2 * PI / 0.2, 12, 20000);
         ric_comparison *c = compare(h, atlas);
         print_message("E %g: %d of %d found again, %d found in all, %d beyond budgets, %d isolated\n", energies[e],
-                      c->n_again, c->n_atlas, h->n, count(h, c, RIC_PREY_BUDGET), count(h, c, RIC_PREY_ISOLATED));
+                      c->n_again, c->n_atlas, h->n, count(h, c, RIC_FOUND_BUDGET), count(h, c, RIC_FOUND_ISOLATED));
         assert_true(c->n_atlas >= 10);
         assert_true(c->n_again >= 0.95 * c->n_atlas);
         assert_int_equal(c->n_atlas - c->n_again, c->n_missed);
@@ -293,7 +323,7 @@ static void test_fault(void **state)
     ric_hunt *h = hunt(ric_atlas_model(atlas), 1.5, 4, 2 * PI / 0.2, 12, 20000);
     ric_comparison *c = compare(h, atlas);
     (void)state;
-    assert_true(count(h, c, RIC_PREY_BUDGET) > 0);
+    assert_true(count(h, c, RIC_FOUND_BUDGET) > 0);
     assert_int_equal(c->n_again, c->n_atlas);
     ric_comparison_free(c);
     for (int i = 0; i < atlas->n_junction; i++) {
@@ -302,7 +332,7 @@ static void test_fault(void **state)
         row->departures.over_budget = row->departures.refused = 0;
     }
     assert_int_equal(ric_hunt_compare(h, atlas, &c), RIC_OK);
-    assert_true(count(h, c, RIC_PREY_UNEXPLAINED) > 0);
+    assert_true(count(h, c, RIC_FOUND_UNEXPLAINED) > 0);
     ric_comparison_free(c);
     ric_hunt_free(h);
     ric_atlas_free(atlas);
@@ -334,6 +364,7 @@ int main(void)
         cmocka_unit_test(test_map),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_closed_forms),
+        cmocka_unit_test(test_answers),
         cmocka_unit_test(test_two_ways),
         cmocka_unit_test(test_article),
         cmocka_unit_test(test_fault),
