@@ -15,6 +15,7 @@ typedef struct {
     long steps, struck;
     double end, length; /* length: 1, or that of the model for physical units */
     bool impacts;       /* list these instead of the history */
+    bool told;          /* why the motion came to an end has been said */
     double *state;      /* [2n] x, v as asked for */
     char **column;      /* [2n + 2] names, NULL at the end */
     json_t *rows;
@@ -143,6 +144,7 @@ static ric_status advance(simulation *s, double t)
         if (hit && ++s->struck > IMPACTS_MAX) {
             cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed",
                       IMPACTS_MAX, impact.time);
+            s->told = true;
             return RIC_E_RANGE;
         }
         if (hit && s->impacts)
@@ -185,7 +187,7 @@ static int simulate_and_print(simulation *s, cli_format format)
 {
     static const char *const impact_columns[] = {"t", "face", "approach", "impulse", "opens", NULL};
     ric_status status = simulate(s);
-    int code = status == RIC_E_RANGE ? CLI_FAILED : cli_report(status); /* that has had its message */
+    int code = s->told ? CLI_FAILED : cli_report(status);
     if (code == CLI_WRONG)
         return code;
     int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : (const char *const *)s->column, format);

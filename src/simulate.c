@@ -399,6 +399,19 @@ ric_status ric_simulator_start_modal(ric_simulator *sim, const bool *closed, con
     return start_here(sim, closed);
 }
 
+/* A flight may turn the fastest mode by PHASE_KNOWN rad: its phase is then known to PHASE_KNOWN times the epsilon of a
+ * long double, 5e-8 rad. */
+#define PHASE_KNOWN 1e12
+
+static ric_status check_flight(const ric_simulator *sim, real flight)
+{
+    double fastest = 0;
+    for (int i = 0; i < sim->n; i++) fastest = fmax(fastest, (double)sim->omega[i]);
+    if (!(fastest * (double)flight > PHASE_KNOWN)) return RIC_OK;
+    return ric_fail(RIC_E_RANGE, "no digit would be known after %.3g s without an impact: the fastest mode turns by %.6g "
+                    "rad/s; follow the motion for less than %.3g s", (double)flight, fastest, PHASE_KNOWN / fastest);
+}
+
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact)
 {
     *hit = false;
@@ -419,6 +432,7 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
         *hit = true;
         return RIC_OK;
     }
+    if ((status = check_flight(sim, to - sim->now))) return status;
     ric_search_scan_reach(sim, to);
     sim->now = to;
     return RIC_OK;

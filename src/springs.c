@@ -17,7 +17,7 @@
 #include "springs.h"
 #include "status.h"
 
-enum { LEVELS = 12, AIM = 8, MOST_STEPS = 1000000 };
+enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };
 #define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred
                           * roundings of 80 bits */
 #define DEVIATION 1e-12  /* of columns, relative to the largest entry: the table is then off by a hundredth of it, some
@@ -303,7 +303,10 @@ ric_status ric_springs_go(ric_springs *s, ric_real time, ric_real *y, double *Y)
     real done = 0;
     if (!(s->step > 0)) s->step = 0.1L;
     for (int k = 0; done < time; k++) {
-        real rest = time - done, H = fmin(s->step, rest), kept = s->step, taken = k < MOST_STEPS ? step(s, H, y, Y) : 0;
+        if (k == MOST_STEPS)
+            return ric_fail(RIC_E_RANGE, "the motion up to time %.9g took %d steps; follow it in shorter pieces",
+                            (double)done, k);
+        real rest = time - done, H = fmin(s->step, rest), kept = s->step, taken = step(s, H, y, Y);
         if (!(taken > 0))
             return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g", (double)done);
         if (taken == rest) { /* the last step is as short as what was left */

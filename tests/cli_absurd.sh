@@ -58,6 +58,8 @@ ok "a mode seen at rounding level" ends 0 branches run "$folder/faint.yaml"
 ok "is said to be unseen" grep -q "no contact sees" <("$ricochet" branches "$folder/faint.ricochet" --csv)
 
 ok "speed 1e300" ends 1 "more than 1000000 impacts" simulate "$folder/usual.yaml" --state 0 0 0 1e300 --time 20
+ok "a time at which no digit is known" ends 1 "no digit would be known after" simulate "$folder/usual.yaml" --state 0.1 0.1 0 0 --time 1e300
+ok "a time of too many steps" ends 1 "follow it in shorter pieces" simulate examples/power-3/study.yaml --state 0.1 0.1 0 0 --time 1e300
 ok "a hunt at energy 1e300" ends 0 "orbits" hunt "$folder/usual.yaml" --energy 1e300 --lines 100 --rows 2 --row 10 --random 100 --impacts 3
 ok "a hunt at energy 1e-300" ends 0 "0 orbits" hunt "$folder/usual.yaml" --energy 1e-300 --lines 100 --rows 2 --row 10 --random 100
 
