@@ -9,6 +9,81 @@
 
 #define ABOVE 1e-6 /* part by which a start lies above the lower edge of the window */
 #define TWO_PI 6.283185307179586477
+#define EQUAL 1e-11 /* difference of two squared frequencies, relative, that rounding makes */
+#define UNMOVED 1e-9 /* share of a force that counts as none */
+#define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
+
+/* Whether contacts with this exponent drive mode `other` when mode `mode` alone moves: the average of their force over
+ * a period, in units that all of them share. */
+static bool drives(const ric_model *m, int exponent, int mode, int other)
+{
+    double sum = 0, size = 0;
+    for (int f = 0; f < m->n_contact; f++) {
+        double own = m->g[f * m->n + mode], its = m->g[f * m->n + other], push = 0;
+        if (m->contact[f].exponent == exponent) push = m->spring[f] * pow(own, exponent);
+        sum += push * its;
+        size += fabs(push) * hypot(own, its);
+    }
+    return fabs(sum) > UNMOVED * size;
+}
+
+/* Where two modes have one frequency, every mixture of them is a motion of the linear structure. Those have branches
+ * whose average of the springs' energy is stationary: a mode alone does only if it does not drive the others. */
+static int mixed_with(const ric_model *m, int mode)
+{
+    for (int i = 0; i < m->n; i++) {
+        double off = m->omega[i] * m->omega[i] / (m->omega[mode] * m->omega[mode]) - 1;
+        for (int f = 0; f < m->n_contact && i != mode && fabs(off) <= EQUAL; f++)
+            if (drives(m, m->contact[f].exponent, mode, i)) return i;
+    }
+    return -1;
+}
+
+static int nearest_mode(const ric_model *m, int mode)
+{
+    int nearest = -1;
+    double least = HUGE_VAL;
+    for (int i = 0; i < m->n; i++) {
+        double apart = fabs(m->omega[i] - m->omega[mode]);
+        if (i == mode || apart >= least) continue;
+        nearest = i;
+        least = apart;
+    }
+    return nearest;
+}
+
+static ric_status no_start(const ric_model *m, int mode)
+{
+    int other = mixed_with(m, mode);
+    if (other < 0) other = nearest_mode(m, mode);
+    if (m->n_part > 1 || other < 0)
+        return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge", m->mode[mode] + 1);
+    return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy is not known: its frequency is that of mode "
+                    "%d up to %.1e, and the power laws decide which mixtures of the two have branches",
+                    m->mode[mode] + 1, m->mode[other] + 1, fabs(m->omega[other] / m->omega[mode] - 1));
+}
+
+/* A mode that no branch can be started from is a start all the same, at an energy at which its linear motion is an
+ * orbit to rounding, whose departures are refused with the reason. */
+static ric_status refused_start(const ric_model *m, ric_chain *chain, int mode, ric_node **out)
+{
+    double u[m->n + 1];
+    memset(u, 0, sizeof u);
+    u[mode] = STILL;
+    u[m->n] = TWO_PI / (4 * m->omega[mode]);
+    ric_chain_fly(chain, u);
+    ric_cycle *cycle = ric_cycle_from_chain(chain, u);
+    ric_status status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
+    ric_cycle_free(cycle);
+    if (status) return status;
+    no_start(m, mode);
+    (*out)->mode = mode;
+    for (int i = 0; i < (*out)->n_departure; i++) {
+        (*out)->departures[i].state = RIC_DEPARTURE_REFUSED;
+        (*out)->departures[i].why = strdup(ric_detail());
+    }
+    return status;
+}
 
 /* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts
  * higher, the branch is followed up to there. *out = NULL: it does not come so far. */
@@ -29,8 +104,8 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     memset(u, 0, sizeof u);
     u[mode] = sqrt(2 * energy);
     u[n] = TWO_PI / (4 * m->omega[mode]);
-    if (!ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
-        status = ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge", m->mode[mode] + 1);
+    if (mixed_with(m, mode) >= 0 || !ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
+        status = refused_start(m, chain, mode, out);
         goto out;
     }
     if (energy > limits.energy[0]) cycle = ric_cycle_from_chain(chain, u);
@@ -68,7 +143,10 @@ static ric_status start_modes(ric_graph *g)
             ric_node_free(node);
             continue;
         }
-        if (ric_graph_add(g, node, 0) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+        /* at their energies all refused starts would be taken for one */
+        bool refused = node->n_departure > 0 && node->departures[0].state == RIC_DEPARTURE_REFUSED;
+        int index = refused ? ric_graph_append(g, node) : ric_graph_add(g, node, 0);
+        if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     }
     return RIC_OK;
 }

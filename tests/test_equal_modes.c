@@ -1,0 +1,66 @@
+/* Power laws on structures with modes of one frequency: no branch starts at what the springs mix, and that is said. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "explored.h"
+
+static const char options[] = "explore: {energy: [0, 1], frequency: [0.5, 6], depth: 1}\n";
+static const char two[] = "mass: [[1, 0], [0, 1]], stiffness: [[2, 0], [0, 2]]";
+static const char four[] = "mass: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "
+                           "stiffness: [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 5, 0], [0, 0, 0, 9]]";
+
+static void says(const char *structure, const char *contacts, const char *reason, int refused, bool others)
+{
+    char text[1024];
+    snprintf(text, sizeof text, "title: equal modes\nmodel: {%s, contacts: [%s]}\n%s", structure, contacts, options);
+    ric_atlas *atlas = explore_text(text);
+    int said = 0;
+    for (int j = 1; j <= ric_atlas_n_junction(atlas); j++) {
+        const ric_junction junction = junction_of(atlas, j);
+        said += junction.departures.refused > 0 && strstr(junction.refusal, reason);
+    }
+    assert_int_equal(said, refused);
+    assert_int_equal(ric_atlas_n_branch(atlas) > 0, others);
+    ric_atlas_free(atlas);
+}
+
+static void mixed_modes_say_so(void **state)
+{
+    (void)state;
+    says(two, "{normal: [1, 0], law: power, exponent: 5, length: 1, reference: 1},"
+              " {normal: [1, -1], law: power, exponent: 7, length: 1, reference: 1}",
+         "its frequency is that of mode", 2, false);
+}
+
+static void the_others_are_followed(void **state)
+{
+    (void)state;
+    says(four, "{normal: [1, 0, 1, 0], law: power, exponent: 5, length: 1, reference: 1},"
+               " {normal: [1, -1, 0, 1], law: power, exponent: 3, length: 1, reference: 1}",
+         "its frequency is that of mode", 2, true);
+}
+
+static void parts_say_so(void **state)
+{
+    (void)state;
+    says(two, "{normal: [1, 0], law: power, exponent: 5, length: 1, reference: 1},"
+              " {normal: [0, 1], law: power, exponent: 7, length: 1, reference: 1}",
+         "the structure falls into parts", 2, false);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mixed_modes_say_so),
+        cmocka_unit_test(the_others_are_followed),
+        cmocka_unit_test(parts_say_so),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
