@@ -20,6 +20,7 @@ import numpy as np
 
 import compare
 import structures
+import table
 from judge import judge
 
 
@@ -32,10 +33,15 @@ def _alarm(_signal, _frame):
 
 
 def call(command, limit):
-    """(exit code, stderr); exit code None where it took longer than `limit` seconds."""
+    """(exit code, stderr); exit code None where it took longer than `limit` seconds of processor time, so that what else the machine
+    has to do does not count, or eight times that by the clock."""
+    def bound():
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+
     try:
-        out = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit, check=False)
-        return out.returncode, out.stderr
+        out = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=8 * limit, check=False,
+                             preexec_fn=bound)
+        return (None, "") if out.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else (out.returncode, out.stderr)
     except subprocess.TimeoutExpired:
         return None, ""
 
@@ -58,10 +64,10 @@ def one(task):
             json.dump(study, file, indent=1)
         begin, before = time.time(), _processor()
         try:
-            signal.alarm(o["limit"] * 4)
+            signal.alarm(o["limit"] * 20)
             _run(out, o, study, path, atlas, folder)
         except TooLong:
-            out["skipped"] = f"the judge took more than {o['limit'] * 4} s"
+            out["skipped"] = f"program and judge took more than {o['limit'] * 20} s"
         except Exception:  # a judge that breaks is a finding on the judge
             out["findings"].append({"kind": "judge", "where": "", "text": traceback.format_exc()})
         finally:
@@ -76,10 +82,12 @@ def one(task):
 
 
 def _run(out, o, study, path, atlas, folder):
-    code, errors = call([o["program"], "run", path, "-o", atlas], o["limit"])
+    code, errors = call([o["program"], "run", path, "-o", atlas, "--seconds", str(o["limit"])], 2 * o["limit"])
     if code is None:
-        out["skipped"] = f"the run took more than {o['limit']} s"
+        out["skipped"] = f"the run did not stop within {2 * o['limit']} s when asked to after {o['limit']} s"
         return
+    if code == 3:  # it says what is left, and what is there is judged
+        out["stopped"], code = next((line for line in errors.splitlines() if "stopped" in line), "stopped"), 0
     if code in (1, 2) and errors.strip():
         out["refused"] = errors.strip()[-300:]
         return
@@ -95,7 +103,7 @@ def _run(out, o, study, path, atlas, folder):
             out["counts"]["verify too long"] = 1
         elif code:
             out["findings"].append({"kind": "verify", "where": "", "text": f"exit {code}: {errors[-300:]}"})
-    if o["compare"]:
+    if o["compare"] and "stopped" not in out:
         findings, named = compare.variants(o["program"], study, atlas, folder, o["compare"].split(","), o["limit"])
         out["findings"] += findings
         out["named"] = named
@@ -108,7 +116,7 @@ def parse():
     p.add_argument("--seed", type=int, default=1, help="of the first structure; the others follow")
     p.add_argument("--kind", choices=structures.KINDS, help="one kind only; otherwise all four in turn")
     p.add_argument("-j", type=int, default=1, help="workers")
-    p.add_argument("--limit", type=int, default=60, help="seconds for the run of one structure")
+    p.add_argument("--limit", type=int, default=60, help="seconds after which a run is asked to stop; what is there is judged")
     p.add_argument("--points", type=int, default=400, help="points per structure that are judged besides the ends of branches")
     p.add_argument("--least", type=int, default=0, help="structures of each kind that have to be judged, neither refused nor skipped")
     p.add_argument("--small", action="store_true", help="smaller budgets")
@@ -116,13 +124,14 @@ def parse():
     p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")
     p.add_argument("--folder", help="keeps the studies of findings")
     p.add_argument("--log", help="JSON lines, one per structure")
+    p.add_argument("--table", nargs="+", metavar="LOG", help="prints the table of logs that are there, and judges nothing")
     p.add_argument("--quiet", action="store_true", help="the table only")
     return p.parse_args()
 
 
 def show(out):
     kinds = collections.Counter(f["kind"] for f in out["findings"])
-    note = out.get("skipped") or out.get("refused", "")
+    note = out.get("skipped") or out.get("refused") or out.get("stopped", "")
     print(f"seed {out['seed']} {out['kind']}: {out['text']}; {out['counts'].get('orbits', 0)} orbits, {out['seconds']} s"
           + (f" [{note}]" if note else ""), flush=True)
     for kind, count in sorted(kinds.items()):
@@ -130,7 +139,7 @@ def show(out):
         print(f"    {count} x {kind}: {first['where']}: {first['text']}", flush=True)
 
 
-def table(results):
+def tally(results):
     kinds = collections.defaultdict(collections.Counter)
     total = collections.Counter()
     for r in results:
@@ -164,6 +173,8 @@ def table(results):
 
 def main():
     options = vars(parse())
+    if options["table"]:
+        return 1 if table.show(options["table"]) else 0
     options["program"] = os.path.abspath(options["program"])
     if not os.access(options["program"], os.X_OK):
         sys.exit(f"{options['program']} is no program: build it first, or name it with --program")
@@ -180,7 +191,7 @@ def main():
                 log.flush()
             if out["findings"] or not options["quiet"]:
                 show(out)
-    judged = table(results)
+    judged = tally(results)
     asked = [options["kind"]] if options["kind"] else structures.KINDS
     few = [f"{kind}: {judged.get(kind, 0)}" for kind in asked if judged.get(kind, 0) < options["least"]]
     if few:

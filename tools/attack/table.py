@@ -10,7 +10,7 @@ GROUPS = {
     "multipliers": ("multiplier", "trace", "rotation"),
     "flags": ("flag", "symmetric", "reversible"),
     "junctions": ("grazing", "extremum", "period-extremum", "branch-point"),
-    "atlases": ("compare", "atlas", "step", "order", "workers", "verify"),
+    "atlases": ("other atlas", "other atlas, step", "other atlas, order", "other atlas, workers", "verify"),
 }
 SLOW = 60.0  # s of processor time of the program from which a run is named
 MOST = 12  # lines of one list
@@ -35,6 +35,10 @@ def group_of(finding):
     return "other"
 
 
+def slow(result):
+    return "skipped" in result or "stopped" in result or result.get("program", 0) > SLOW
+
+
 def _reason(text):
     """A message without what is particular to one study."""
     text = text.strip().splitlines()[0] if text.strip() else "no message"
@@ -48,7 +52,8 @@ def rows_of(results):
     def add(name, kind, count=1):
         rows.setdefault(name, collections.Counter())[kind] += count
 
-    for name in ("structures", "judged", "refused", "over the limit", "without an orbit", "orbits", "multipliers", "flags"):
+    for name in ("structures", "judged", "refused", "over the limit", "stopped when asked", "without an orbit", "orbits",
+                 "multipliers", "flags"):
         rows[name] = collections.Counter()
     for group in (*GROUPS, "other"):
         rows[f"findings: {group}"] = collections.Counter()
@@ -62,6 +67,7 @@ def rows_of(results):
         add("judged", kind, not away)
         add("refused", kind, "refused" in r)
         add("over the limit", kind, "skipped" in r)
+        add("stopped when asked", kind, "stopped" in r)
         add("without an orbit", kind, not away and not counts.get("orbits", 0))
         add("orbits", kind, counts.get("orbits", 0))
         add("multipliers", kind, counts.get("multipliers", 0))
@@ -72,7 +78,7 @@ def rows_of(results):
             add(name, kind, counts.get(name, 0))
         add("orbits not replayed", kind, counts.get("not replayed", 0))
         add("differences that are named", kind, len(r["named"]))
-        add("slow runs", kind, r.get("program", 0) > SLOW or "skipped" in r)
+        add("slow runs", kind, slow(r))
         add("s of the program", kind, round(r.get("program", 0)))
         add("s of the judge", kind, round(r.get("judge", 0)))
     return list(rows.items())
@@ -100,8 +106,9 @@ def show(paths):
     _list("Flags not confirmed, by reason:", [f"{count} x {why}" for why, count in reasons.most_common()])
     _list("Findings:", [f"seed {r['seed']} {r['kind']}: {f['kind']}: {f['where']}: {f['text'].strip().splitlines()[-1][:160]}"
                         for r in results for f in r["findings"]])
-    _list("Runs over their limit, or slow:", [f"seed {r['seed']} {r['kind']}: {r['text']}: {r.get('skipped') or ''} {r['program']:.0f} s"
-                                              for r in results if "skipped" in r or r.get("program", 0) > SLOW])
+    _list("Runs over their limit, stopped, or slow:",
+          [f"seed {r['seed']} {r['kind']}: {r['text']}: {r['program']:.0f} s {r.get('skipped') or _reason(r.get('stopped', 'slow'))}"
+           for r in results if slow(r)])
     refused = collections.defaultdict(list)
     for r in results:
         if "refused" in r:
