@@ -8,14 +8,15 @@ if ! tools/attack/attack --help >/dev/null 2>&1; then
     exit 77
 fi
 ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet"
-# Kind, first seed, points besides the ends of branches.
-while read -r kind seed points; do
-    ok "15 structures, $kind, from seed $seed on" \
-        tools/attack/attack --program "$ricochet" -n 15 --seed "$seed" --kind "$kind" --small --points "$points"
+# Kind, first seed, how many, points besides the ends of branches.
+while read -r kind seed count points; do
+    ok "$count structures, $kind, from seed $seed on" \
+        tools/attack/attack --program "$ricochet" -n "$count" --seed "$seed" --kind "$kind" --small --points "$points"
 done <<'END'
-rigid 1 30
-bilinear 1 30
-mixed 18 30
-power 19 10
+rigid 1 15 30
+bilinear 1 15 30
+mixed 1 17 30
+power 1 11 10
+power 34 4 10
 END
 finish
