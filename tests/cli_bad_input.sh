@@ -17,7 +17,7 @@ complain() {
 expect() {
     local code=$1 pattern=$2 got
     shift 2
-    (cd "$folder" && timeout 60 "$ricochet" "$@") >"$folder.out" 2>"$folder.err" </dev/null
+    (cd "$folder" && timeout 300 "$ricochet" "$@") >"$folder.out" 2>"$folder.err" </dev/null
     got=$?
     [ "$got" = "$code" ] || complain "exit code $got instead of $code: $*"
     grep -q -e "$pattern" "$folder.err" || complain "no '$pattern' on stderr: $*"

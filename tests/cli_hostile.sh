@@ -50,7 +50,7 @@ untouched() { # KIND PATH PATTERN COMMAND...
     shift 3
     laid "$kind" "$path" || { echo "cannot be made here: $kind"; return 0; }
     state >"$folder-before"
-    timeout 20 "$ricochet" "$@" >"$folder-out" 2>&1
+    timeout 300 "$ricochet" "$@" >"$folder-out" 2>&1
     local code=$?
     cat "$folder-out"
     state >"$folder-after"
@@ -78,7 +78,7 @@ for kind in link file folder pipe device; do
     laid "$kind" "$folder/b.ricochet" || continue
     state >"$folder-before"
     [ $kind = link ] || [ $kind = file ] && what='not an atlas' || what='not a file but'
-    refused() { timeout 20 "$ricochet" "$@" 2>&1 | grep -q "$what" && state | diff "$folder-before" -; }
+    refused() { timeout 300 "$ricochet" "$@" 2>&1 | grep -q "$what" && state | diff "$folder-before" -; }
     ok "a run leaves a $kind in the place of the atlas" refused run "$folder/more.yaml" -o "$folder/b.ricochet"
     ok "a reader leaves a $kind in the place of the atlas" refused branches "$folder/b.ricochet"
 done
@@ -93,7 +93,7 @@ rm -rf "$folder/b.ricochet"
 drawn() { # KIND PATTERN
     laid "$1" "$folder/p.svg"
     state >"$folder-before"
-    timeout 20 "$ricochet" plot fep "$atlas" -o "$folder/p.svg" >"$folder-out" 2>&1
+    timeout 300 "$ricochet" plot fep "$atlas" -o "$folder/p.svg" >"$folder-out" 2>&1
     local code=$?
     cat "$folder-out"
     state | diff "$folder-before" - && [ $code = 2 ] && grep -q "$2" "$folder-out"
@@ -114,7 +114,7 @@ if command -v gnuplot >/dev/null; then
         cp "$atlas" "$folder/h.ricochet"
         sql "$folder/h.ricochet" 'UPDATE point SET trace_asinh = 1e15 WHERE branch = 2' >/dev/null
         tools/attack/atlas_digest.py "$folder/h.ricochet"
-        timeout 20 "$ricochet" plot floquet "$folder/h.ricochet" --branch 2 -o "$folder/h.svg" && grep -q '[0-9]e+14<' "$folder/h.svg" || return 1
+        timeout 300 "$ricochet" plot floquet "$folder/h.ricochet" --branch 2 -o "$folder/h.svg" && grep -q '[0-9]e+14<' "$folder/h.svg" || return 1
         cp "$atlas" "$folder/h.ricochet"
         python3 -c 'import sqlite3, struct, sys
 db = sqlite3.connect(sys.argv[1])
@@ -124,7 +124,7 @@ for branch, point, energy, state in db.execute("SELECT branch, point, energy, st
                [energy * 1e12, struct.pack(f"<{len(numbers)}d", *(1e6 * x for x in numbers)), branch, point])
 db.commit()' "$folder/h.ricochet"
         tools/attack/atlas_digest.py "$folder/h.ricochet"
-        timeout 20 "$ricochet" plot sheet "$folder/h.ricochet" --segment 1 -o "$folder/h.svg" && [ "$(grep -o ">[^<]*00000<" "$folder/h.svg" | wc -l)" -ge 3 ]
+        timeout 300 "$ricochet" plot sheet "$folder/h.ricochet" --segment 1 -o "$folder/h.svg" && [ "$(grep -o ">[^<]*00000<" "$folder/h.svg" | wc -l)" -ge 3 ]
     }
     ok 'axes of absurd ranges have a few ticks' ranges
     ok 'a picture is not made through a link to nothing' drawn nothing 'a symbolic link to nothing'
@@ -232,7 +232,7 @@ for row in db.execute("SELECT branch, point, frequency, flights FROM point").fet
                [row[2] / 1e4, struct.pack(f"<{len(times)}d", *(1e4 * t for t in times)), *row[:2]])
 db.commit()' "$folder/s.ricochet"
     tools/attack/atlas_digest.py "$folder/s.ricochet"
-    timeout 20 "$ricochet" verify "$folder/s.ricochet" --all >"$folder-out" 2>&1
+    timeout 300 "$ricochet" verify "$folder/s.ricochet" --all >"$folder-out" 2>&1
     [ $? = 1 ] && cat "$folder-out" && grep -q 'flights: a period of .* s, where the windows and the modes of the study end at 20.944 s' "$folder-out"
 }
 ok 'orbits beyond the windows of the study are refused' slow

@@ -42,14 +42,17 @@ ok "also under mpirun" refused
 study 10 >"$folder/long.yaml"
 ok "an undisturbed run" "$ricochet" run "$folder/long.yaml" -o "$folder/whole.ricochet"
 rows "$folder/whole.ricochet" >"$folder/whole.txt"
-for delay in 0.6 1.2; do
+rank="$mpi run $folder/long.yaml"
+deaths=0
+for attempt in 1 2; do
     ranks 3 "$mpi" run "$folder/long.yaml" -o "$folder/broken.ricochet" >/dev/null 2>&1 &
     # timeout and mpirun bear the same words: nobody is killed before the three ranks are there
-    for _ in $(seq 600); do [ "$(pgrep -f "$mpi run $folder/long.yaml" | wc -l)" -ge 5 ] && break; sleep 0.05; done
-    sleep $delay
-    pkill -KILL -n -f "$mpi run $folder/long.yaml" # the youngest process: a rank
-    wait $!
+    while kill -0 $! 2>/dev/null && [ "$(pgrep -f "$rank" | wc -l)" -lt 5 ]; do sleep 0.05; done
+    while kill -0 $! 2>/dev/null && [ "$(size "$folder/broken.ricochet")" -lt $((attempt * $(size "$folder/whole.ricochet") / 4)) ]; do sleep 0.01; done
+    pkill -KILL -n -f "$rank" # the youngest process: a rank
+    wait $! || deaths=$((deaths + 1))
 done
+ok "the death of a rank ends the others" test $deaths -ge 1
 ok "two dead ranks later it comes to its end" ranks 3 "$mpi" run "$folder/long.yaml" -o "$folder/broken.ricochet"
 rows "$folder/broken.ricochet" >"$folder/broken.txt"
 ok "bit for bit" same "$folder/whole.txt" "$folder/broken.txt"

@@ -28,13 +28,12 @@ ok "bit for bit" same "$folder/whole.txt" "$folder/again.txt"
 
 for signal in KILL TERM INT; do
     rm -f "$folder/broken.ricochet"*
+    stops=0
     for attempt in 1 2 3 4 5 6; do
         "$ricochet" run "$folder/study.yaml" -o "$folder/broken.ricochet" 2>/dev/null &
-        pid=$!
-        sleep 0.0$((attempt * 7 % 10))$((RANDOM % 10))
-        kill -$signal $pid 2>/dev/null
-        wait $pid 2>/dev/null
+        cut $signal $! "$folder/broken.ricochet" $((attempt * $(size "$folder/whole.ricochet") / 8)) "$folder/whole.ricochet" && stops=$((stops + 1))
     done
+    ok "SIG$signal stops it on its way" test $stops -ge 1
     ok "after six times SIG$signal the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/broken.ricochet"
     tables "$folder/broken.ricochet" >"$folder/broken.txt"
     ok "and its atlas equals the undisturbed one" same "$folder/whole.txt" "$folder/broken.txt"

@@ -29,12 +29,12 @@ done
 study 10 4 4 >"$folder/long.yaml"
 ok "an undisturbed run" "$ricochet" run "$folder/long.yaml" -j 3 -o "$folder/whole.ricochet"
 rows "$folder/whole.ricochet" >"$folder/whole.txt"
-for delay in 0.05 0.2 0.4 0.8; do
+kills=0
+for attempt in 1 2 3 4; do
     "$ricochet" run "$folder/long.yaml" -j 3 -o "$folder/broken.ricochet" 2>/dev/null &
-    sleep $delay
-    kill -KILL $! 2>/dev/null
-    wait $! 2>/dev/null
+    cut KILL $! "$folder/broken.ricochet" $((attempt * $(size "$folder/whole.ricochet") / 6)) "$folder/whole.ricochet" && kills=$((kills + 1))
 done
+ok "it is killed on its way" test $kills -ge 1
 ok "four kills later it comes to its end" "$ricochet" run "$folder/long.yaml" -j 2 -o "$folder/broken.ricochet"
 rows "$folder/broken.ricochet" >"$folder/broken.txt"
 ok "bit for bit" same "$folder/whole.txt" "$folder/broken.txt"

@@ -52,6 +52,17 @@ END
 # same FILE FILE: they are, and there is something in them
 same() { [ -s "$1" ] && cmp "$1" "$2"; }
 
+size() { stat -c %s "$1" 2>/dev/null || echo 0; } # FILE: its bytes
+
+# cut SIGNAL PID ATLAS BYTES WHOLE: what writes the atlas gets the signal once the atlas has so many bytes, however fast the machine is; whether that
+# stopped it before the atlas was as large as the whole one
+cut() {
+    while kill -0 "$2" 2>/dev/null && [ "$(size "$3")" -lt "$4" ]; do sleep 0.005; done
+    kill -"$1" "$2" 2>/dev/null
+    { wait "$2"; } 2>/dev/null
+    [ $? -gt 128 ] && [ "$(size "$3")" -lt "$(size "$5")" ]
+}
+
 # The plan, and the exit code of the program.
 finish() {
     echo "1..$number"
