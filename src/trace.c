@@ -451,7 +451,7 @@ ric_status ric_trace_keep(ric_trace *tr, const ric_station *station)
     bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
     if (status || !p->solved || penetrates) return status;
     if (tr->n_point == tr->point_capacity) {
-        int capacity = tr->point_capacity ? tr->point_capacity + tr->point_capacity / 2 : 64;
+        int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
         double *grown = realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
         if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d points of a branch", capacity);
         tr->points = grown;

@@ -2,7 +2,9 @@
  * an atlas, and the last one ends with the bits of a run that nobody has disturbed. */
 #include "stored_atlases.h"
 
+#include "depart.h"
 #include "explored.h"
+#include "pause.h"
 #include "sample.h"
 
 /* Asked by the kernels about every millisecond of work: from the `after`-th question on which something new has been
@@ -109,9 +111,53 @@ static void power_law(void **state)
                      50);
 }
 
+/* A branch of which there is no more than its first points has room for all that follow when it goes on. */
+static void after_the_first_points(void **state)
+{
+    (void)state;
+    ric_study *study = study_of(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
+                                     "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, depth: 0}\n");
+    ric_graph *g = NULL;
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    ric_trace *whole = NULL, *piece = NULL;
+    if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    const ric_node *node = NULL;
+    unsigned choice = 0;
+    for (int i = 0; i < g->n_node && !node; i++)
+        for (int k = 0; k < g->nodes[i]->n_departure && !node; k++) {
+            if (g->nodes[i]->departures[k].state != RIC_DEPARTURE_TAKEN) continue;
+            node = g->nodes[i];
+            choice = node->departures[k].choice;
+        }
+    assert_non_null(node);
+    if (ric_node_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) ||
+        ric_trace_create(chain, u0, t0, ignore, &g->limits, &whole))
+        fail_msg("%s", ric_detail());
+    for (bool done = false; !done && whole->n_point <= 4;) {
+        void *blob = NULL;
+        size_t size;
+        int parts;
+        assert_int_equal(ric_trace_pause(whole, 0, &blob, &size), RIC_OK);
+        assert_int_equal(ric_trace_resume(g->model, &g->limits, blob, size, &parts, &piece), RIC_OK);
+        assert_int_equal(ric_trace_run(piece), RIC_OK);
+        assert_true(piece->n_point > 20 && piece->n_point <= piece->point_capacity);
+        ric_trace_free(piece);
+        free(blob);
+        assert_int_equal(ric_trace_advance(whole, &done), RIC_OK);
+    }
+    ric_trace_free(whole);
+    free(u0);
+    free(t0);
+    ric_graph_free(g);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(after_the_first_points),
         cmocka_unit_test(stops_and_branches),
         cmocka_unit_test(springs),
         cmocka_unit_test(power_law),
