@@ -131,7 +131,8 @@ int ric_graph_add(ric_graph *g, ric_node *node, int depth)
         if (depth < g->nodes[found]->depth) g->nodes[found]->depth = depth;
         return found;
     }
-    bool listed = !ric_node_chooses(node) || (node->kind == RIC_KIND_CORNER && node->refusal) || ric_subset_list(g->model, node);
+    bool listed = !ric_node_chooses(node) || (node->kind == RIC_KIND_CORNER && node->refusal) ||
+                  ric_subset_list(g->model, node);
     if (!listed) {
         ric_node_free(node);
         return -1;

@@ -325,7 +325,8 @@ int ric_subset_choice(const ric_model *m, const ric_node *node, const ric_cycle 
     if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
     action actions[4];
     ric_cycle *full = ric_subset_touches(m, cycle, &kept), *whole = ric_cycle_repeat(node->cycle, node->multiple);
-    if (full && kept && whole && find_actions(m, node, actions) && full->N == all && ric_cycle_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
+    if (full && kept && whole && find_actions(m, node, actions) && full->N == all &&
+        ric_cycle_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
             int i = bit / p * N + node->touch[bit % p],

@@ -22,7 +22,7 @@
 #define REACHED 1e-10    /* of a reach */
 #define MOST_OPEN 1e-11  /* no orbit that is more than this open passes */
 #define UNSEEN 1e-12     /* part of a normal below which a mode is not seen */
-#define BACK 1e-6        /* the state after part of the period is that at its start to this part, where it repeats itself */
+#define BACK 1e-6        /* an orbit that repeats itself is after part of the period where it began, to this part */
 #define IMAGE 1e-9       /* half a period later a symmetric orbit is its image to this part */
 #define UNKNOWN 1e-4     /* where rounding of the stored digits grows to this part of the norm, margins tell nothing */
 #define NO_SPEED 1e-60   /* relative: no impact is slower */

@@ -80,8 +80,8 @@ void ric_replay_worsen(double *worst, double error);
 /* What an error of the state behind event `from`, or later, becomes until the end of flight `to` - 1 at most, with the
  * times as they are stored: 1 but for springs, which multiply it as they close. */
 real ric_replay_growth(const replay *r, int from, int to);
-/* The second half of the chain anew, from the state behind the last event backwards, which is that behind the first: what
- * springs make of rounding is then what they do in half a period. ric_replay_make_chain undoes it. */
+/* The second half of the chain anew, from the state behind the last event backwards, which is that behind the first:
+ * what springs make of rounding is then what they do in half a period. ric_replay_make_chain undoes it. */
 void ric_replay_fold(replay *r);
 /* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy, which has the same
  * eigenvalues. */

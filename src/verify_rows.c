@@ -18,7 +18,7 @@
 #define IMAGE 1e-6     /* an orbit that is farther from its image than this is not symmetric */
 
 #define EXACT 1e-10    /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
-#define LONG 1e-4      /* of the state: a branch whose orbits differ by less may lie beside a symmetric one as a whole */
+#define LONG 1e-4      /* of the state: a branch whose orbits differ by less may be beside a symmetric one as a whole */
 
 enum { FEW = 4, SAMPLE = 8 }; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
 

@@ -340,7 +340,8 @@ static ric_status check_multipliers(replay *r, const ric_model *m, const ric_bra
                                     const ric_asked_point *asked, ric_claims *out)
 {
     ric_status status = RIC_OK;
-    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = b->symmetric && off_image(r) <= IMAGE, .asked = asked};
+    bool half = b->symmetric && off_image(r) <= IMAGE;
+    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = half, .asked = asked};
     real level = fmaxl(NOISE, gap(r)), *kept = malloc((size_t)(r->n * r->parts) * sizeof *kept);
     unsigned bits = 4711;
     bool found = true;

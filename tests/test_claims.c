@@ -19,7 +19,8 @@ static const char *const studies[] = {
     "    - {normal: [-1, 1], law: power, exponent: 5, stiffness: 0.7}\n"
     "explore: {energy: [0, 10], frequency: [0.4, 5], impacts: 4, multiply: 2, depth: 2}\n",
 };
-enum { STUDIES = sizeof studies / sizeof *studies, FEW = 5 }; /* FEW: points of a branch that leave open what all have */
+/* FEW: points of a branch that leave open what all have */
+enum { STUDIES = sizeof studies / sizeof *studies, FEW = 5 };
 
 static bool right(const ric_claims *c)
 {
@@ -175,8 +176,8 @@ static void rows(void **state)
     }
 }
 
-/* Orbits of two modes, of which the stop hardly sees one: amplitudes of a hundred clearances, impacts as slow as 1e-4 of
- * the largest speed. In sections on the face the map has entries of 1e8 and a trace of 300, and what rounding leaves
+/* Orbits of two modes, of which the stop hardly sees one: amplitudes of a hundred clearances, impacts as slow as 1e-4
+ * of the largest speed. In sections on the face the map has entries of 1e8 and a trace of 300, and what rounding leaves
  * open of the closure is in the trace with them. What is stored must be known to the bound of the replay, and the
  * multipliers given where an impact has no speed must not pretend to be known. */
 static const char slow_impacts[] =

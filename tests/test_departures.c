@@ -237,7 +237,8 @@ static void check_orbits(const ric_graph *g, const ric_edge *e, const char *name
     const ric_trace *tr = e->trace;
     bool said[2] = {ric_chain_halves(tr->chain), tr->chain->start != RIC_MIRROR_NONE}, all[2] = {true, true};
     for (int i = 1; i + 1 < tr->n_point; i++) {
-        ric_cycle *orbit = ric_trace_cycle(tr, tr->points + tr->stride * (size_t)i + sizeof(ric_point) / sizeof(double));
+        const double *point = tr->points + tr->stride * (size_t)i;
+        ric_cycle *orbit = ric_trace_cycle(tr, point + sizeof(ric_point) / sizeof(double));
         int copies = ric_cycle_find_symmetries(g->model, orbit, EXACT);
         if (copies > 1)
             fail_msg("%s: point %d of %d of a branch of %d impacts at E %.10g is an orbit gone through %d times", name,
