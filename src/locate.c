@@ -196,16 +196,23 @@ static double root_error(const criterion *q, double slope)
     return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_trace_tolerance(c) * c->scale;
 }
 
-/* How far lambda + 1/lambda scatters over distances along the curve within which the orbit at u is not told apart from
- * its neighbours: deep in a cascade the multipliers are known far worse than the place. */
+/* How far lambda + 1/lambda scatters over orbits that are not told apart from that at u, where the chain has been
+ * evaluated: along the curve, and across it. Deep in a cascade the multipliers are known far worse than the place. */
 static double scatter_of_root(criterion *q, const double *u, const double *normal, double f0)
 {
+    enum { ALONG = 4, ALL = ALONG + RIC_TRACE_WAYS };
+    static const int place[ALONG] = {-2, -1, 1, 2};
     ric_chain *c = q->chain;
     int size = c->n_unknown, iterations;
-    double v[size], du[size], scatter = 0, grain = ric_trace_tolerance(c) * c->scale;
-    for (int i = -2; i <= 2; i++) {
-        for (int j = 0; j < size; j++) v[j] = u[j] + i * grain * normal[j];
-        if (i == 0 || !ric_trace_correct(c, v, u, normal, i * grain, du, &iterations)) continue;
+    double v[ALL * size], du[size], scatter = 0, grain = ric_trace_tolerance(c) * c->scale;
+    for (int i = 0; i < ALONG; i++)
+        for (int j = 0; j < size; j++) v[i * size + j] = u[j] + place[i] * grain * normal[j];
+    for (int i = 0; i < RIC_TRACE_WAYS; i++)
+        if (!ric_trace_move(c, u, i + 1, v + (ALONG + i) * size)) return HUGE_VAL;
+    for (int i = 0; i < ALL; i++) {
+        double *at = v + i * size;
+        if (i >= ALONG) ric_chain_fly(c, at);
+        else if (!ric_trace_correct(c, at, u, normal, place[i] * grain, du, &iterations)) continue;
         double f = off_rotation(q);
         if (isfinite(f)) scatter = fmax(scatter, fabs(f - f0));
     }

@@ -290,9 +290,7 @@ ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
     return status;
 }
 
-/* Unknowns that are the same orbit but for rounding: each within its own, and all of them by what the residual leaves
- * open across the curve, where the Jacobian is least. Along the curve lie other orbits. */
-static bool move_orbit(const ric_chain *c, const double *u, int way, double *out)
+bool ric_trace_move(const ric_chain *c, const double *u, int way, double *out)
 {
     int size = c->n_unknown;
     double plane[2 * size], second;
@@ -313,7 +311,7 @@ static double off_pair(int count, const double *rho, const double *one)
 
 ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
 {
-    enum { WAYS = 4 };
+    enum { WAYS = RIC_TRACE_WAYS };
     int k = f->n_pair, size = c->n_unknown;
     double at[2 * k + 1], seen[k + 1], moved[WAYS * size + 1];
     ric_status status = RIC_OK;
@@ -322,7 +320,7 @@ ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
     memcpy(at, f->rho, 2 * (size_t)k * sizeof *at);
     memset(seen, 0, sizeof seen);
     bool known = true;
-    for (int way = 0; way < WAYS; way++) known = known && move_orbit(c, u, way + 1, moved + way * size);
+    for (int way = 0; way < WAYS; way++) known = known && ric_trace_move(c, u, way + 1, moved + way * size);
     for (int way = 0; way < WAYS && known && !status; way++) {
         ric_chain_fly(c, moved + way * size);
         status = ric_floquet_compute(c, f);

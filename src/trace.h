@@ -191,6 +191,11 @@ bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const 
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
 ric_status ric_trace_judge(ric_chain *chain, const double *u, ric_floquet *floquet);
+/* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each within its own, and all
+ * of them by what the residual leaves open across the curve, where the Jacobian is least. Along the curve lie other
+ * orbits. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
+enum { RIC_TRACE_WAYS = 4 };
+bool ric_trace_move(const ric_chain *chain, const double *u, int way, double *out);
 /* The error of multipliers just computed at u, where the chain has been evaluated, from then on with that of the orbit:
  * unknowns within their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of
  * which less than three digits are left are lost. */
