@@ -19,4 +19,11 @@ mixed 1 17 30
 power 1 11 10
 power 34 4 10
 END
+# The error of multipliers is within what the library states of it; a sanitizer's library is not for Python to load.
+library=$(dirname "$ricochet")/src/libricochet.so
+if [ -f "$library" ] && python3 -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then
+    for kind in rigid bilinear mixed power; do
+        ok "bounds of multipliers, $kind" env ATTACK_PART=bounds tools/attack/attack "$library" "$ricochet" $kind 4 5000 8
+    done
+fi
 finish
