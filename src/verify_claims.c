@@ -22,6 +22,7 @@
 #define REACHED 1e-10    /* of a reach */
 #define MOST_OPEN 1e-11  /* no orbit that is more than this open passes */
 #define UNSEEN 1e-12     /* part of a normal below which a mode is not seen */
+#define EQUAL 1e-11      /* relative: squares of frequencies that are one */
 #define BACK 1e-6        /* an orbit that repeats itself is after part of the period where it began, to this part */
 #define IMAGE 1e-9       /* half a period later a symmetric orbit is its image to this part */
 #define UNKNOWN 1e-4     /* where rounding of the stored digits grows to this part of the norm, margins tell nothing */
@@ -38,7 +39,8 @@ typedef struct {
     real level;          /* of noise */
     real growth;
     unsigned bits;
-    int n_seen, *seen;
+    int n_seen, *seen;   /* of each direction that is seen a mode of its frequency */
+    real *share;         /* [n_seen * n] and what it is made of */
 } motion;
 
 static void add_noise(motion *m, int size, real norm, real *w)
@@ -47,16 +49,51 @@ static void add_noise(motion *m, int size, real norm, real *w)
     for (int i = 0; i < size; i++) w[i] += m->level * norm * ric_pairs_noise(&m->bits);
 }
 
-/* Modes that some contact sees; the others have multipliers of their own, which no impact changes. */
-static int find_seen(const replay *r, int *seen)
+static bool is_alike(const replay *r, int i, int j)
+{
+    real a = r->omega[i] * r->omega[i], b = r->omega[j] * r->omega[j];
+    return fabs(a - b) <= EQUAL * fmax(a, b);
+}
+
+/* Adds what face f has of the modes as frequent as mode i, perpendicular to the directions from `first` on, as one more
+ * direction; where that is none, nothing. */
+static int add_share(const replay *r, int i, int f, int first, int count, real *share)
+{
+    int n = r->n;
+    const face_t *face = &r->face[f];
+    real *b = share + count * n;
+    for (int j = 0; j < n; j++) b[j] = j >= i && is_alike(r, i, j) ? face->c[j] : 0;
+    for (int twice = 0; twice < 2; twice++)
+        for (int k = first; k < count; k++) {
+            real along = ric_replay_dot(n, b, share + k * n);
+            for (int j = 0; j < n; j++) b[j] -= along * share[k * n + j];
+        }
+    real size = sqrt(ric_replay_dot(n, b, b));
+    if (!(size > UNSEEN * sqrt(face->cc))) return count;
+    for (int j = 0; j < n; j++) b[j] /= size;
+    return count + 1;
+}
+
+/* Directions in the space of the modes that some contact sees, orthonormal, of modes of one frequency each: of several
+ * with equal ones, which are any basis of theirs, as many as there are independent shares. What is not seen has
+ * multipliers of its own, which no impact changes. share [(n + 1) * n], seen [n]. */
+static int find_seen(const replay *r, int *seen, real *share)
 {
     int count = 0;
     for (int i = 0; i < r->n; i++) {
-        bool any = false;
-        for (int f = 0; f < r->n_face; f++) any |= fabs(r->face[f].c[i]) > UNSEEN * sqrt(r->face[f].cc);
-        if (any) seen[count++] = i;
+        bool before = false;
+        int first = count;
+        for (int j = 0; j < i; j++) before |= is_alike(r, j, i);
+        for (int f = 0; f < r->n_face && !before; f++) count = add_share(r, i, f, first, count, share);
+        for (int k = first; k < count; k++) seen[k] = i;
     }
     return count;
+}
+
+/* Of a vector over the modes what lies along direction k. */
+static real along(const motion *m, int k, const real *x)
+{
+    return ric_replay_dot(m->r->n, m->share + k * m->r->n, x);
 }
 
 /* A column (kappa dq, dp) [2n] through flight k of length t, without its end; trig [2n]: cos and sin of omega t. */
@@ -151,19 +188,20 @@ static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
     real *A = calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n], flow[size], gradient[size];
     if (!A) return false;
     real *M = A + (size_t)size * 2 * (size_t)n, *J = M + square;
-    for (int j = 0; j < size; j++) A[(size_t)j * 2 * (size_t)n + (size_t)(j < s ? m->seen[j] : n + m->seen[j - s])] = 1;
+    for (int j = 0; j < size; j++)
+        memcpy(A + (size_t)j * 2 * (size_t)n + (j < s ? 0 : n), m->share + j % s * n, (size_t)n * sizeof *A);
     for (int k = 0; k < flights; k++) carry(m, k, size, A);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
-            M[i * size + j] = (half ? -1 : 1) * A[(size_t)j * 2 * (size_t)n +
-                                                  (size_t)(i < s ? m->seen[i] : n + m->seen[i - s])];
+            M[i * size + j] = (half ? -1 : 1) * along(m, i % s, A + (size_t)j * 2 * (size_t)n + (i < s ? 0 : n));
     ric_replay_accelerations(r, 0, r->chain, force);
     for (int i = 0; i < s; i++) {
         int k = m->seen[i];
-        flow[i] = r->kappa[k] * r->chain[n + k];
-        flow[s + i] = force[k];
-        gradient[i] = -force[k] / r->kappa[k];
-        gradient[s + i] = r->chain[n + k];
+        real speed = along(m, i, r->chain + n), push = along(m, i, force);
+        flow[i] = r->kappa[k] * speed;
+        flow[s + i] = push;
+        gradient[i] = -push / r->kappa[k];
+        gradient[s + i] = speed;
         J[i * size + s + i] = 1 / r->kappa[k];
         J[(s + i) * size + i] = -1 / r->kappa[k];
     }
@@ -199,8 +237,9 @@ static real left_open(const replay *r)
 static ric_status check_multipliers(replay *r, const ric_asked_point *asked, ric_claims *out)
 {
     int seen[r->n];
-    motion m = {.r = r, .seen = seen, .bits = 20011};
-    m.n_seen = find_seen(r, seen);
+    real share[(r->n + 1) * r->n];
+    motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
+    m.n_seen = find_seen(r, seen, share);
     ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r),
                        .asked = asked};
     pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
@@ -220,10 +259,12 @@ static ric_status check_multipliers(replay *r, const ric_asked_point *asked, ric
 /* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T / 2 pi, modulo 1. */
 static void check_linear(replay *r, ric_claims *out)
 {
-    int seen[r->n], count = find_seen(r, seen), other = -1;
-    real part = 0;
+    int seen[r->n], other = -1;
+    real part = 0, share[(r->n + 1) * r->n];
+    motion m = {.r = r, .seen = seen, .share = share};
+    int count = m.n_seen = find_seen(r, seen, share);
     for (int k = 0; k < count; k++)
-        part += pow(r->kappa[seen[k]] * r->chain[seen[k]], 2) + pow(r->chain[r->n + seen[k]], 2);
+        part += pow(r->kappa[seen[k]] * along(&m, k, r->chain), 2) + pow(along(&m, k, r->chain + r->n), 2);
     bool alone = part > r->norm * r->norm / 2; /* else no contact sees the mode itself */
     for (int k = 0; k < count; k++) {
         real turns = r->omega[seen[k]] * r->period / 6.283185307179586476925L;
