@@ -53,6 +53,41 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
     return RIC_OK;
 }
 
+/* ---------------------------------------------------------------------- gaps */
+
+/* A branch that could not be followed further: what lies beyond its last point is missing. */
+static void add_stopped(json_t *rows, const ric_atlas *atlas, const ric_branch *branch)
+{
+    ric_point end;
+    char detail[400];
+    if (branch->stop != RIC_STOP_FAILED || !branch->n_point ||
+        ric_atlas_point(atlas, branch->id, branch->n_point - 1, &end, NULL, NULL))
+        return;
+    snprintf(detail, sizeof detail, "%.100s beyond E %.9g omega %.9g: %.200s", branch->label, end.energy, end.frequency,
+             branch->why);
+    add_count(rows, "rest missing of branch", branch->id, detail);
+}
+
+/* Every branch on which events may be missing, with their kind, their place and the reason. */
+static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch branch;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (status)
+            return status;
+        const char *gaps = ric_branch_gaps(&branch);
+        if (*gaps) {
+            json_t *detail = json_sprintf("%s, E %.9g to %.9g: %s", branch.label, branch.energy_min, branch.energy_max,
+                                          gaps);
+            add(rows, "events may be missing on branch", json_integer(id), detail ? json_string_value(detail) : gaps);
+            json_decref(detail);
+        }
+        add_stopped(rows, atlas, &branch);
+    }
+    return RIC_OK;
+}
+
 /* ---------------------------------------------------------------- departures */
 
 /* Counts each reason once; few are different. */
@@ -184,6 +219,8 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
     ric_status status = add_branches(rows, atlas);
     if (!status)
         status = add_departures(rows, atlas);
+    if (!status)
+        status = add_gaps(rows, atlas);
     return status ? status : add_replay(rows, atlas);
 }
 
@@ -208,7 +245,8 @@ const cli_command cli_report_atlas = {
         "usage: ricochet report ATLAS [--json | --csv]\n"
         "\n"
         "Counts the branches and how they end, and what became of the departures from every junction: taken,\n"
-        "known, inadmissible, refused and why, not tried and for which budget. The largest residual is that\n"
+        "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which events\n"
+        "may be missing, with what kind of event, between which energies, and why. The largest residual is that\n"
         "of all points; the errors of replay are those of the middle points of at most 64 branches (fewer\n"
         "beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes\n"
         "from the file.\n"

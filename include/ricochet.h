@@ -332,6 +332,8 @@ int ric_atlas_n_unplaced(const ric_atlas *atlas);
 /* Branches on a part of which multiplications were not looked for, because multipliers are lost in rounding there. The
  * sentence `why` says on how much of them. */
 int ric_atlas_n_blind(const ric_atlas *atlas);
+/* The part of the sentence `why` that says which events may be missing on the branch, and where; "" if none may be. */
+const char *ric_branch_gaps(const ric_branch *branch);
 int ric_atlas_n_branch(const ric_atlas *atlas);
 int ric_atlas_n_junction(const ric_atlas *atlas);
 /* Ids run from 1. RIC_E_RANGE names the range. */

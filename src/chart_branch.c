@@ -146,30 +146,6 @@ static int backbone_mode(const ric_graph *g, const ric_edge *e)
     return 0;
 }
 
-/* Why a branch ends, how many events on it make no junction, on what part multiplications were not looked for, to the
- * next power of ten (the exact length depends on where points lie), and whether some events may be missed. */
-static char *branch_why(const ric_edge *e)
-{
-    const ric_trace *tr = e->trace;
-    const char *why = ric_why_text(tr->why);
-    double length = ((const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride))->arclength;
-    size_t size = strlen(why) + 320;
-    char *text = malloc(size);
-    if (!text) return NULL;
-    int used = snprintf(text, size, "%s", why), n = e->n_unplaced;
-    if (n)
-        used += snprintf(text + used, size - (size_t)used, "%s%d event%s on it do%s not converge to a junction",
-                         used ? "; " : "", n, n == 1 ? "" : "s", n == 1 ? "es" : "");
-    if (tr->blind > 0)
-        used += snprintf(text + used, size - (size_t)used,
-                         "%son up to %g %% of it multipliers are lost in rounding and multiplications not looked for",
-                         used ? "; " : "", pow(10, ceil(log10(100 * fmin(1, tr->blind / length)))));
-    if (tr->unresolved > 0)
-        snprintf(text + used, size - (size_t)used,
-                 "%sevents on it may lie closer together than can be told apart", used ? "; " : "");
-    return text;
-}
-
 ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
 {
     const ric_model *m = g->model;
@@ -186,7 +162,7 @@ ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
     r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
     r->word = turned ? malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
-    r->why = branch_why(e);
+    r->why = ric_sheet_why(e);
     if (turned && r->word) ric_cycle_word(m, turned, r->word);
     r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word,
                           .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,

@@ -46,6 +46,8 @@ static inline int ric_compare_numbers(double a, double b)
     return a < b ? -1 : 1;
 }
 
+/* Why a branch ends, and what may be missing on it: allocated, NULL: no memory. */
+char *ric_sheet_why(const ric_edge *edge);
 /* The record of a traced branch, over its canonical word. */
 ric_status ric_sheet_make(const ric_graph *graph, const ric_edge *edge, ric_sheet *out);
 

@@ -583,7 +583,9 @@ static ric_status inner_events(ric_trace *tr, double h, int test, double to, boo
     for (int i = 0; i < list.n && !status && !*retry; i++) *retry = roots[i].test == RIC_TEST_DET;
     if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &list.n, retry);
     if (status || *retry) return status;
-    tr->blind += lost_length(tr);
+    double lost = lost_length(tr);
+    if (lost > 0) ric_trace_widen(tr, tr->blind == 0, tr->blind_at);
+    tr->blind += lost;
     qsort(roots, (size_t)list.n, sizeof *roots, by_place);
     for (int i = 0; i < list.n && !status; i++)
         if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&

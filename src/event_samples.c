@@ -209,7 +209,7 @@ ric_status ric_samples_refine(ric_trace *tr, unsigned which, bool pairs, double 
             if (status) return status;
             i = i > q->now ? i - 1 : i; /* what is new tells more of the neighbour, too */
         }
-        if (!fine && !good) tr->unresolved++;
+        if (!fine && !good) ric_trace_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
         if (!good) i++;
     }
     return RIC_OK;

@@ -456,6 +456,20 @@ static bool passes_image(const ric_model *m, const ric_cycle *cycle, int test)
     return more;
 }
 
+/* Where it is and what it was taken for: the atlas names what it has not found. */
+static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event *event, const ric_resonance *resonance,
+                               const ric_cycle *cycle)
+{
+    ric_unplaced *more = realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
+    if (!more) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    e->unplaced = more;
+    more[e->n_unplaced++] = (ric_unplaced){.test = event->test, .p = resonance ? resonance->p : 0,
+                                           .q = resonance ? resonance->q : 0,
+                                           .energy = ric_cycle_energy(g->model, cycle) * g->model->energy_unit,
+                                           .frequency = TWO_PI / ric_cycle_period(cycle) * g->model->omega_ref};
+    return RIC_OK;
+}
+
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
@@ -477,11 +491,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
                       : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
                                   : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
     status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+    if (status == RIC_E_NUMERIC) status = add_unplaced(g, e, event, resonance, cycle);
     ric_cycle_free(cycle);
-    if (status == RIC_E_NUMERIC) {
-        e->n_unplaced++;
-        return RIC_OK;
-    }
     if (!node) return status;
     int index = ric_graph_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");

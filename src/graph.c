@@ -41,6 +41,7 @@ void ric_edge_release(ric_edge *e)
     ric_trace_free(e->trace);
     ric_cycle_free(e->first);
     free(e->inner);
+    free(e->unplaced);
 }
 
 void ric_graph_free(ric_graph *g)

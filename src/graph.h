@@ -20,13 +20,20 @@ typedef struct {
     double at;               /* arclength */
 } ric_passage;
 
+/* An event whose junction does not converge. */
+typedef struct {
+    int test, p, q;          /* q = 0: no multiplication */
+    double energy, frequency; /* as the atlas has them */
+} ric_unplaced;
+
 typedef struct {
     ric_trace *trace;
     int from, to;            /* nodes, -1 = none */
     unsigned leave, arrive;  /* choices at them */
     int n_inner;
     ric_passage *inner;      /* in order */
-    int n_unplaced;          /* events whose junction does not converge */
+    int n_unplaced;
+    ric_unplaced *unplaced;  /* in order */
     double energy[2];        /* least and largest of its points */
     ric_cycle *first;        /* its first orbit, owned: the word is that of all */
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */

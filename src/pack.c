@@ -8,7 +8,7 @@
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
  * stored is dropped when a run begins (ric_trace_version). */
-#define PACK_FORMAT 6
+#define PACK_FORMAT 7
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
 #define SANE 10000000
@@ -28,7 +28,7 @@ static size_t packed_size(const ric_trace *tr)
     return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) +
            (size_t)tr->n_point * tr->stride * sizeof(double) +
            events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) +
-           sizeof(uint64_t) + sizeof(double) + sizeof(int); /* closed springs, blind, unresolved */
+           sizeof(uint64_t) + 5 * sizeof(double) + sizeof(int); /* closed springs, blind, unresolved, and where */
 }
 
 static void write(char **to, const void *from, size_t size)
@@ -62,6 +62,8 @@ ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
     if (c->model->springs) write(&to, c->closed, sizeof *c->closed);
     write(&to, &tr->blind, sizeof tr->blind);
     write(&to, &tr->unresolved, sizeof tr->unresolved);
+    write(&to, tr->blind_at, sizeof tr->blind_at);
+    write(&to, tr->crowded_at, sizeof tr->crowded_at);
     write(&to, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
     for (int i = 0; i < tr->n_event; i++) write_event(&to, &tr->events[i], c->n_unknown);
     write_event(&to, &tr->end, c->n_unknown);
@@ -126,6 +128,8 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
     ric_chain_close(tr->chain, closed);
     if (!take(&from, &size, &tr->blind, sizeof tr->blind)) goto damaged;
     if (!take(&from, &size, &tr->unresolved, sizeof tr->unresolved)) goto damaged;
+    if (!take(&from, &size, tr->blind_at, sizeof tr->blind_at)) goto damaged;
+    if (!take(&from, &size, tr->crowded_at, sizeof tr->crowded_at)) goto damaged;
     if (h.parts > 1 && (status = ric_nodes_divide(tr->chain, h.parts))) goto out;
     if (!ric_trace_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;

@@ -7,7 +7,7 @@
 #include "pack.h"
 #include "status.h"
 
-#define PAUSE_FORMAT 2 /* changes with the layout, which is private to one version on one type of machine */
+#define PAUSE_FORMAT 3 /* changes with the layout, which is private to one version on one type of machine */
 
 /* -------------------------------------------------------------------- bytes */
 

@@ -13,7 +13,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 14
+#define RIC_NUMERICS 15
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -132,6 +132,8 @@ typedef struct {
     bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
     int unresolved;      /* places where functions may vanish twice, and too near to tell */
     double blind;        /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
+    double blind_at[2], crowded_at[2]; /* least and largest energy of the steps with lost multipliers, and with places
+                                        * that are unresolved; 0 while there are none */
     bool arrival;        /* the end is a point where the branch meets its own mirror image */
     ric_why why;
     long evaluations;
@@ -149,12 +151,14 @@ void ric_trace_free(ric_trace *trace);
  * until a step has succeeded (ric_trace_advance). */
 typedef struct {
     double definite[RIC_N_TEST];
-    double step, step_max, wanted, after, longest, blind, lowest, scale;
+    double step, step_max, wanted, after, longest, blind, lowest, scale, blind_at[2], crowded_at[2];
     int32_t n_point, n_event, n_past, unresolved, approaches, avoided, steep, has_past;
     uint32_t ignore;
 } ric_trace_place;
 
 ric_trace_place ric_trace_mark(const ric_trace *trace);
+/* Takes the energies of the step at work into a range; first: the range is that of the step. */
+void ric_trace_widen(const ric_trace *trace, bool first, double range[2]);
 /* Undoes what a step has done that was broken off. */
 void ric_trace_return(ric_trace *trace, const ric_trace_place *place);
 

@@ -1,4 +1,5 @@
 /* Where a trace stands between two steps, and back to there: what a step hands to the next. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,8 @@ ric_trace_place ric_trace_mark(const ric_trace *tr)
     here.longest = tr->longest;
     here.blind = tr->blind;
     here.lowest = tr->lowest;
+    memcpy(here.blind_at, tr->blind_at, sizeof here.blind_at);
+    memcpy(here.crowded_at, tr->crowded_at, sizeof here.crowded_at);
     here.scale = tr->chain->scale;
     here.n_point = tr->n_point;
     here.n_event = tr->n_event;
@@ -49,6 +52,8 @@ void ric_trace_return(ric_trace *tr, const ric_trace_place *to)
     tr->longest = to->longest;
     tr->blind = to->blind;
     tr->lowest = to->lowest;
+    memcpy(tr->blind_at, to->blind_at, sizeof tr->blind_at);
+    memcpy(tr->crowded_at, to->crowded_at, sizeof tr->crowded_at);
     tr->chain->scale = to->scale;
     tr->n_point = to->n_point;
     tr->samples.n_past = to->n_past;
@@ -58,4 +63,12 @@ void ric_trace_return(ric_trace *tr, const ric_trace_place *to)
     tr->steep = to->steep;
     tr->has_past = to->has_past;
     tr->ignore = to->ignore;
+}
+
+void ric_trace_widen(const ric_trace *tr, bool first, double range[2])
+{
+    double least = fmin(tr->now.row.energy, tr->next.row.energy),
+           largest = fmax(tr->now.row.energy, tr->next.row.energy);
+    range[0] = first ? least : fmin(range[0], least);
+    range[1] = first ? largest : fmax(range[1], largest);
 }

@@ -296,6 +296,7 @@ static void check_study(const ric_study *study, const char *name)
         const char *text = branch_of(atlas, id).why, *last = strrchr(text, ';');
         if (strstr(text, "to a junction")) sscanf(last ? last + 1 : text, "%d", &n);
         said += n;
+        if (n && !strstr(text, " at E ")) fail_msg("%s: branch %d does not say where: %s", name, id, text);
     }
     if (ric_atlas_n_unplaced(atlas) != unplaced || said != unplaced)
         fail_msg("%s: %d events without a junction, the atlas counts %d, its branches %d", name, unplaced,

@@ -103,7 +103,7 @@ def read(path, junctions):
     for branch, junction in atlas.execute("SELECT branch, junction FROM branch_junction ORDER BY branch, position"):
         passed[branch].append(number[junction])
     for row in atlas.execute("SELECT id, label, word, mirror, symmetric, reversible, depth, stop, why, from_junction, to_junction FROM branch"):
-        why = re.sub(r"(; )?\d+ events? on it do(es)? not converge to (a junction|junctions)", "", row[8])
+        why = re.sub(r"(; )?\d+ events? on it do(es)? not converge to a junction( \([^)]*\))?", "", row[8])
         why = re.sub(r"(; )?(on (up to )?\S+ % of it multipliers are lost|events on it may lie closer).*", "", why)
         branches[(*row[1:8], why, number[row[9]], number[row[10]], tuple(passed[row[0]]))] += 1
     unplaced = atlas.execute("SELECT value FROM meta WHERE key = 'unplaced'").fetchone()

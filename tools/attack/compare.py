@@ -30,10 +30,10 @@ def _letters(word):
 
 
 def _rows(atlas):
-    junctions = [(j["kind"], _letters(j["word"]), j["grazings"], j["multiple"], j["energy"], j["frequency"], j["label"])
-                 for j in atlas.junctions]
+    junctions = [(j["kind"], _letters(j["word"]), j["grazings"], j["multiple"], j["energy"], j["frequency"], j["label"],
+                  j["id"]) for j in atlas.junctions]
     ends = [(("branch", b["symmetric"], b["reversible"]), _letters(b["word"]), b["impacts"], 0,
-             b["energy_max"], b["frequency_max"], b["label"]) for b in atlas.branches]
+             b["energy_max"], b["frequency_max"], b["label"], b["id"]) for b in atlas.branches]
     return junctions + ends
 
 
@@ -51,17 +51,68 @@ def missing(one, other):
     return lost
 
 
-def _texts(*atlases):
-    """What the atlases themselves say they have not done: unplaced events, blind parts, failed branches, refusals."""
+PLACE = 1e-4  # relative: an event that did not converge is said where it was seen, which is not where it is
+UNPLACED = re.compile(r"([a-z][a-z -]*?)(?: (\d+)/(\d+))? at E (\S+) omega ([^\s,)]+)")
+RANGE = r".*?\(E (\S+) to ([^\s)]+)\)"
+LOST = re.compile("multipliers are lost in rounding" + RANGE)
+CROWDED = re.compile("events on it may lie closer together" + RANGE)
+KINDS = {"period extremum": "period-extremum", "branch point": "branch-point", "asked-for value": "user"}
+
+
+def gaps(atlas):
+    """What an atlas says may be missing: (kinds or None for all, multiple or 0, least and largest energy, letters)."""
     out = []
-    for a in atlases:
-        if int(a.meta.get("unplaced", 0)):
-            out.append(f"{a.meta['unplaced']} events unplaced")
-        if int(a.meta.get("blind", 0)):
-            out.append(f"{a.meta['blind']} branches blind")
-        out += [f"branch {b['label']}: {b['stop']} {b['why']}" for b in a.branches if b["stop"] == "failed"]
-        out += [f"junction {j['label']}: {j['refusal']}" for j in a.junctions if j["refused"]]
+    for b in atlas.branches:
+        why, letters = b["why"] or "", _letters(b["word"])
+        for clause in why.split("; "):
+            if "not converge to a junction (" in clause:
+                for kind, _, q, energy, _ in UNPLACED.findall(clause[clause.index("junction (") + 9:]):
+                    e = float(energy)
+                    out.append((kind.strip(), int(q or 0), e * (1 - PLACE), e * (1 + PLACE), letters))
+            for pattern, kind in ((LOST, "multiplication"), (CROWDED, None)):
+                found = pattern.search(clause)
+                if found:
+                    out.append((kind, 0, float(found[1]), float(found[2]), letters))
     return out
+
+
+def _is_kind(said, kind):
+    return said in (None, "event") or kind == KINDS.get(said, said)
+
+
+def _passes(atlas, junction):
+    """The branches that a junction lies on."""
+    on = {b for b, rows in atlas.on_branch.items() if any(r["junction"] == junction for r in rows)}
+    return on | {b["id"] for b in atlas.branches if junction in (b["from_junction"], b["to_junction"])}
+
+
+def unnamed(lost, one, other):
+    """Rows of `one` that `other` lacks without either saying so: a gap of that kind has to hold the place, on a branch
+    of as many letters. What hangs on a junction that is missing by name, and on nothing else, is missing with it."""
+    said = gaps(one) + gaps(other)
+    words = {b["id"]: _letters(b["word"]) for b in one.branches}
+    stuck = {_letters(b["word"]) for a in (one, other) for b in a.branches if b["stop"] == "failed"}
+    left = list(lost)
+    absent_branches, absent_junctions = set(), set()
+    changed = True
+    while changed:
+        changed = False
+        for row in list(left):
+            branch = isinstance(row[0], tuple)
+            if branch:
+                ends = [b for b in one.branches if b["id"] == row[7]][0]
+                touched = {ends["from_junction"], ends["to_junction"]} - {None}
+                named = bool(touched & absent_junctions) or words[row[7]] in stuck
+            else:
+                on = _passes(one, row[7])
+                named = bool(on & absent_branches) or any(
+                    _is_kind(kind, row[0]) and q in (0, row[3]) and low <= row[4] <= high and
+                    letters in {words[b] for b in on} for kind, q, low, high, letters in said)
+            if named:
+                left.remove(row)
+                (absent_branches if branch else absent_junctions).add(row[7])
+                changed = True
+    return left
 
 
 def variants(program, study, base_path, folder, which, limit):
@@ -90,12 +141,13 @@ def variants(program, study, base_path, folder, which, limit):
             continue
         lost, more_rows = missing(base, atlas), missing(atlas, base)
         if lost or more_rows:
-            said = _texts(base, atlas)
-            text = f"{len(lost)} rows lost, {len(more_rows)} new: " + "; ".join(
+            unsaid = unnamed(lost, base, atlas) + unnamed(more_rows, atlas, base)
+            shown = unsaid or lost + more_rows
+            text = f"{len(lost)} rows lost, {len(more_rows)} new, {len(unsaid)} of them not named: " + "; ".join(
                 f"{'-' if row in lost else '+'} {row[0] if isinstance(row[0], str) else row[0][0]} {row[6]} E={row[4]:.9g} "
-                f"w={row[5]:.9g}" for row in (lost + more_rows)[:6])
-            (named if said else findings).append({"kind": f"other atlas, {name.split()[0]}", "where": name,
-                                                  "text": text + (f" [{'; '.join(said[:3])}]" if said else "")})
+                f"w={row[5]:.9g}" for row in shown[:6])
+            (findings if unsaid else named).append({"kind": f"other atlas, {name.split()[0]}", "where": name,
+                                                    "text": text})
     if "workers" in which:
         atlas = _run(program, study, folder, "workers", limit, "-j", "2")
         if atlas is not None and (isinstance(atlas, int) or atlas.meta.get("digest") != base.meta.get("digest")):
