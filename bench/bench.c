@@ -393,7 +393,7 @@ static void smooth_paths(double seconds)
         snprintf(text, sizeof text,
                  "title: power\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],\n"
                  "  contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}\n"
-                 "explore: {start: [1], energy: [0, %d], multiply: 1, depth: 1}\n",
+                 "explore: {start: [1], energy: [0, %d], frequency: [0.2, 10], multiply: 1, depth: 1}\n",
                  rows[i].exponent, ENERGY);
         need(!ric_study_parse(text, "bench", ".", &study), ric_detail());
         explore(study, &graph, &spent);

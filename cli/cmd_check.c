@@ -123,13 +123,18 @@ static json_t *mode_row(const facts *f, int i)
 }
 
 /* Columns of CSV: the keys of the first row, in order. */
-static int print_rows(const facts *f, cli_format format)
+static int print_rows(const facts *f, const ric_study *study, cli_format format)
 {
     json_t *rows = json_array(), *value;
     const char **columns = NULL, *key;
     int n = 0, code;
     for (int i = 0; i < f->n; i++)
         json_array_append_new(rows, mode_row(f, i));
+    ric_status status = cli_windows_rows(study, rows);
+    if (status) {
+        json_decref(rows);
+        return cli_report(status);
+    }
     columns = calloc(json_object_size(json_array_get(rows, 0)) + 1, sizeof *columns);
     if (!columns) {
         json_decref(rows);
@@ -285,13 +290,14 @@ static void print_remarks(const facts *f)
              "simulate` takes it");
 }
 
-static void print_text(const facts *f, const ric_study *study)
+static ric_status print_text(const facts *f, const ric_study *study)
 {
     print_head(f, study);
     print_modes(f);
     for (int i = 0; i < f->m; i++)
         print_contact(f, i);
     print_remarks(f);
+    return cli_windows_print(study);
 }
 
 /* ----------------------------------------------------------------- command */
@@ -305,13 +311,15 @@ static int run(int argc, char **argv)
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1))
         return CLI_WRONG;
     ric_status status = ric_study_read(argv[1], &study);
+    if (!status && ric_model_restitution(ric_study_model(study)) == 1)
+        status = ric_explore_check(study);
     if (!status)
         status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
     code = cli_report(status);
     if (!status && format == CLI_TEXT)
-        print_text(&f, study);
+        code = cli_report(print_text(&f, study));
     else if (!status)
-        code = print_rows(&f, format);
+        code = print_rows(&f, study, format);
     facts_free(&f);
     ric_study_free(study);
     return code;
@@ -325,9 +333,11 @@ const cli_command cli_check = {
         "\n"
         "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
         "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
-        "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. --json and\n"
-        "--csv give one row per mode; contact J's values are normal_J, compliance_J (c.c up to this mode) and\n"
-        "locked_J.\n"
+        "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the\n"
+        "windows, those of the study or chosen for the model, and the modes that they leave out. What `run`\n"
+        "would refuse is refused here as well. --json and --csv give one row per mode; contact J's values are\n"
+        "normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy and\n"
+        "window_frequency.\n"
         "\n"
         "example: ricochet check examples/elementary/study.yaml\n",
     .run = run,

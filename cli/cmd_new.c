@@ -28,7 +28,8 @@ static const char model_part[] =
     "      normal: [-1, 1]      # gap coordinate s = b.x, here x2 - x1\n"
     "      clearance: 1.0       # d > 0: the stop is at s = d and, on the other side, at s = -d\n"
     "      sides: both          # both, upper (s <= d) or lower (s >= -d)\n"
-    "      law: rigid           # the only one so far\n";
+    "      law: rigid           # or bilinear, with the stiffness of a spring behind the gap; or power, with keys of "
+    "its own\n";
 
 /* Fit to stand between quotes in YAML; a folder may be called anything. */
 static bool is_plain(const char *title)

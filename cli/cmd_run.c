@@ -116,6 +116,8 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
             status = RIC_E_NOMEM;
         if (!status)
             print_report(rows);
+        if (!status)
+            status = cli_windows_tell(atlas);
     }
     json_decref(rows);
     return status ? cli_report(status) : CLI_DONE;

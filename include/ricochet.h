@@ -94,6 +94,12 @@ ric_status ric_model_modal_normals(const ric_model *model, double *out);
 /* Scaled energy at which linear mode i first touches a contact, and that contact; +inf and -1 where it never does.
  * [n_dof] each. */
 ric_status ric_model_grazing_energies(const ric_model *model, double *energy, int *contact);
+/* Scaled energy from which on contacts matter to linear mode i, [n_dof]: its first touch; under a power law where the
+ * force of a spring is as large as that of the structure; +inf for a mode that is not seen, or rigid. */
+ric_status ric_model_onsets(const ric_model *model, double *energy);
+/* What a dimensionless energy is a multiple of: the onset of the lowest mode that has one; `mode` (may be NULL) is its
+ * number from 1. NaN and 0 if there is none, as for a single free body. */
+double ric_model_onset(const ric_model *model, int *mode);
 /* The n_dof - 1 frequencies of the structure with contact f closed for good (s = 0 held), ascending. Omega_0 of the
  * article for n = 2. */
 ric_status ric_model_locked_frequencies(const ric_model *model, int contact, double *out);
@@ -125,8 +131,8 @@ typedef struct {
 
 /* Every option is one row of RIC_OPTIONS in src/options.c: name, type, default, range, unit, help. */
 typedef struct {
-    double energy[2];     /* scaled energy window */
-    double frequency[2];  /* rad/s, of the shortest period */
+    double energy[2];     /* scaled energy window; 0, 0: one is chosen for the model, and the study has its numbers */
+    double frequency[2];  /* rad/s, of the shortest period; 0, 0 likewise */
     int impacts;          /* largest number of impacts per period */
     int multiply;         /* largest q of a q-tupling; 1 = none */
     int base;             /* depart only from multiplications by q, and duplicates by k, that divide it; 0 = from any */
@@ -565,6 +571,8 @@ typedef struct {
     void *user;
 } ric_run_options;
 
+/* RIC_E_INPUT, with the reason and the remedy, for a study that ric_explore would refuse. */
+ric_status ric_explore_check(const ric_study *study);
 /* Explores the study into the atlas file `path`, which is created, continued or extended. */
 ric_status ric_explore(const ric_study *study, const char *path, const ric_run_options *run);
 

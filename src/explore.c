@@ -79,6 +79,16 @@ static ric_status check_springs(const ric_study *study)
     return status;
 }
 
+ric_status ric_explore_check(const ric_study *study)
+{
+    if (ric_model_restitution(ric_study_model(study)) != 1)
+        return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic "
+                                     "orbits; `ricochet simulate` takes any");
+    ric_status status = ric_graph_check_start(ric_study_model(study));
+    if (!status) status = check_phases(study);
+    return status ? status : check_springs(study);
+}
+
 /* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or
  * on request to stop. */
 ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run,
@@ -90,10 +100,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     char *starts = NULL;
     ric_status written = RIC_OK, status = RIC_OK;
     if (out) *out = NULL;
-    if (ric_model_restitution(ric_study_model(study)) != 1)
-        return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic "
-                                     "orbits; `ricochet simulate` takes any");
-    if ((status = check_phases(study)) || (status = check_springs(study))) return status;
+    if ((status = ric_explore_check(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
     if ((status = ric_store_set_solver(store, ric_trace_version()))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;

@@ -183,23 +183,35 @@ static ric_status start_stretch(ric_graph *g, ric_chain *chain, const double *u)
     return status;
 }
 
+/* The face that a loose mass goes to and fro before; -1 if there is no such mass, or more than one contact. */
+static int loose_face(const ric_model *m)
+{
+    bool loose = false;
+    for (int i = 0; i < m->n; i++) loose |= m->omega[i] == 0;
+    for (int f = 0; loose && m->n_contact == 1 && f < m->n_face; f++)
+        if (m->face[f].mirror >= 0 && m->face[f].side > 0) return f;
+    return -1;
+}
+
+ric_status ric_graph_check_start(const ric_model *m)
+{
+    if (!m->springs || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
+    return ric_fail(RIC_E_INPUT,
+                    "the structure can move as a rigid body against a contact of law bilinear: such families have no "
+                    "closed form to start from in this version; hold the structure by a soft spring, or make the "
+                    "contact rigid");
+}
+
 static ric_status start_loose(ric_graph *g)
 {
     const ric_model *m = g->model;
-    int n = m->n, upper = -1, face[2] = {-1, -1};
-    bool loose = false, inside = false;
-    for (int i = 0; i < n; i++) loose |= m->omega[i] == 0;
-    for (int f = 0; f < m->n_face && upper < 0; f++)
-        if (m->face[f].mirror >= 0 && m->face[f].side > 0) upper = f;
-    if (!loose || upper < 0 || m->n_contact > 1) return RIC_OK;
-    if (m->springs)
-        return ric_fail(RIC_E_INPUT,
-                        "the structure can move as a rigid body against a contact of law bilinear: such families have "
-                        "no closed form to start from in this version; hold the structure by a soft spring, or make "
-                        "the contact rigid");
+    int n = m->n, upper = loose_face(m), face[2] = {-1, upper};
+    bool inside = false;
+    if (upper < 0) return RIC_OK;
     ric_chain *chain = NULL;
-    face[1] = upper;
-    ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
+    ric_status status = ric_graph_check_start(m);
+    if (status) return status;
+    status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
     double u[n + 1], low = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 1e-3;
     for (double omega = low; !status && omega < TWO_PI / g->limits.period[0]; omega *= SCAN) {
         closed_form(m, &m->face[upper], omega, u);

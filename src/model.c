@@ -414,6 +414,51 @@ ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *c
     return RIC_OK;
 }
 
+/* Linear mode i with the force of contact f under a power law as large as that of the structure along it: with r the
+ * displacement c_fi A over the contact's length, reference r^m c_fi = omega_i^2 A, so that r^(m-1) = omega_i^2 /
+ * (reference c_fi^2). */
+static double power_onset(const ric_model *m, int f, int i)
+{
+    const ric_contact *contact = &m->contact[f];
+    const bool own = contact->length > 0;
+    const double c = m->normal[f * m->n_dof + i], omega2 = m->frequency[i] * m->frequency[i],
+                 k = own ? contact->reference : contact->stiffness, length = own ? contact->length : 1,
+                 ratio = pow(omega2 / (k * c * c), 1.0 / (contact->exponent - 1)),
+                 amplitude = length / c * ratio / ric_model_length(m);
+    return omega2 * amplitude * amplitude / 2;
+}
+
+ric_status ric_model_onsets(const ric_model *m, double *energy)
+{
+    int contact[m->n_dof];
+    if (!m->smooth) {
+        ric_status status = ric_model_grazing_energies(m, energy, contact);
+        for (int i = 0; i < m->n_dof; i++)
+            if (!m->seen[i]) energy[i] = INFINITY;
+        return status;
+    }
+    for (int i = 0; i < m->n_dof; i++) {
+        energy[i] = INFINITY;
+        for (int f = 0; f < m->n_contact; f++)
+            if (m->seen[i] && m->frequency[i] > 0 && m->normal[f * m->n_dof + i] != 0)
+                energy[i] = fmin(energy[i], power_onset(m, f, i));
+    }
+    return RIC_OK;
+}
+
+double ric_model_onset(const ric_model *m, int *mode)
+{
+    double energy[m->n_dof];
+    if (mode) *mode = 0;
+    if (ric_model_onsets(m, energy)) return NAN;
+    for (int i = 0; i < m->n_dof; i++)
+        if (isfinite(energy[i])) {
+            if (mode) *mode = i + 1;
+            return energy[i];
+        }
+    return NAN;
+}
+
 /* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in mass-normalised modal
  * coordinates. */
 ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double *out)

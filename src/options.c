@@ -20,11 +20,11 @@ static const ric_option RIC_OPTIONS[] = {
     /* section, key, type, field, default, min, max, above, unit, help */
     {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
      "linear modes to start from: modes for all, or a list such as [1, 2]"},
-    {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 200}, 0, 1e12, false, "scaled energy",
-     "energy window; a branch that begins below its lower end is followed up into it, one that comes down to it ends "
+    {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 0}, 0, 1e18, false, "scaled energy",
+     "energy window, or auto for one that `ricochet check` shows; a branch that begins below its lower end is followed up into it, one that comes down to it ends "
      "there"},
-    {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0.2, 10}, 0, 1e12, true, "rad/s",
-     "window of the frequency that belongs to the shortest period"},
+    {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0, 0}, 0, 1e12, true, "rad/s",
+     "window of the frequency that belongs to the shortest period, or auto"},
     {"explore", "impacts", RIC_OPTION_INTEGER, FIELD(impacts), {12, 0}, 1, 4096, false, "impacts",
      "largest number of impacts per period"},
     {"explore", "multiply", RIC_OPTION_INTEGER, FIELD(multiply), {2, 0}, 1, 1000, false, "periods",
@@ -41,7 +41,7 @@ static const ric_option RIC_OPTIONS[] = {
      "largest arclength step"},
     {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
      "depart only to branches with z(t + T/2) = -z(t)"},
-    {"explore", "at_energy", RIC_OPTION_NUMBERS, FIELD(at_energy), {0, 0}, 0, 1e12, true, "scaled energy",
+    {"explore", "at_energy", RIC_OPTION_NUMBERS, FIELD(at_energy), {0, 0}, 0, 1e18, true, "scaled energy",
      "energies that become junctions of kind user on every branch that passes them, such as [1.5, 10]"},
     {"explore", "at_frequency", RIC_OPTION_NUMBERS, FIELD(at_frequency), {0, 0}, 0, 1e12, true, "rad/s",
      "the same for frequencies of the orbit, such as [1.2, 1.6]"},
@@ -196,9 +196,11 @@ static ric_status read_number(const ric_option *option, const char *text, double
 static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts, double out[2],
                               int *item)
 {
+    out[0] = out[1] = 0;
+    if (!list && !strcmp(texts[0], "auto"))
+        return RIC_OK;
     if (!list || n != 2)
-        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [%g, %g]",
-                        option->initial[0], option->initial[1]);
+        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [0.2, 10], or auto");
     for (int i = 0; i < 2; i++) {
         ric_status status = read_number(option, texts[i], &out[i]);
         if (status) {
@@ -210,6 +212,11 @@ static ric_status read_window(const ric_option *option, bool list, int n, const 
         return RIC_OK;
     return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first", out[0], out[1],
                     out[0] == out[1] ? "empty" : "reversed");
+}
+
+bool ric_option_is_auto(const double window[2])
+{
+    return window[0] == 0 && window[1] == 0;
 }
 
 static int compare_integers(const void *left, const void *right)
@@ -342,7 +349,10 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
     case RIC_OPTION_REAL: ric_text_write(*real, out); break;
     case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
     case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
-    case RIC_OPTION_WINDOW: write_numbers(2, real, out); break;
+    case RIC_OPTION_WINDOW:
+        if (ric_option_is_auto(real)) fputs("auto", out);
+        else write_numbers(2, real, out);
+        break;
     case RIC_OPTION_NUMBERS:
         write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out);
         break;
@@ -383,7 +393,7 @@ static const char *type_text(ric_option_type type)
     case RIC_OPTION_REAL: return "number";
     case RIC_OPTION_INTEGER: return "whole number";
     case RIC_OPTION_SWITCH: return "true or false";
-    case RIC_OPTION_WINDOW: return "[lower, upper]";
+    case RIC_OPTION_WINDOW: return "[lower, upper] or `auto`";
     case RIC_OPTION_MODES: return "`modes` or a list";
     case RIC_OPTION_NUMBERS: return "list of up to " TEXT(RIC_NUMBERS_MAX) " numbers";
     case RIC_OPTION_CASCADE: return "`all` or a list";

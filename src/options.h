@@ -22,7 +22,7 @@ typedef struct {
     const char *key;
     ric_option_type type;
     size_t offset;       /* in struct ric_explore_options */
-    double initial[2];   /* default; the second one for windows only; lists of numbers are empty */
+    double initial[2];   /* default; the second one for windows only, 0, 0 for auto; lists of numbers are empty */
     double min, max;     /* allowed values */
     bool above;          /* min itself is not allowed */
     const char *unit;
@@ -37,7 +37,9 @@ const ric_option *ric_option_find(const char *section, const char *key);
  * be right, without a place; *item is the text at fault, -1 if it is the whole. */
 ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
                            ric_explore_options *out, int *item);
-/* The value as it stands in a study: 24, [0, 200], modes. */
+/* A window that is to be chosen for the model, `auto` in a study. */
+bool ric_option_is_auto(const double window[2]);
+/* The value as it stands in a study: 24, [0, 200], auto, modes. */
 void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out);
 
 /* The options of a section as commented lines of a study at their defaults; the whole of docs/options.md. */

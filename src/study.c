@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <locale.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include "options.h"
 #include "region.h"
 #include "status.h"
+#include "windows.h"
 
 enum {
     FILE_MAX = 64 << 20,
@@ -26,6 +28,7 @@ struct ric_study {
     ric_model *model;
     size_t restitution_line;
     ric_explore_options options;
+    bool chosen[2]; /* the windows of energy and frequency, by the program */
     int n_name;
     ric_name *names;
 };
@@ -57,9 +60,88 @@ static ric_status read_option(const ric_yaml *r, const ric_option *option, const
     return ric_yaml_wrong(r, list && item >= 0 ? ric_yaml_item(r, value, item) : value, key, "%s", why);
 }
 
+/* Energies given as multiples of the first touch of a mode: numbers of the options that become scaled energies when the
+ * model is known. */
+typedef struct {
+    const ric_yaml_node *place;
+    char key[RIC_KEY_MAX];
+    int mode, n; /* from 1; 0: the numbers are energies already */
+    double *value;
+} multiples;
+
+/* The numbers of all regions, and the two of explore. */
+typedef struct {
+    int n;
+    multiples of[RIC_REGIONS_MAX + 2];
+} all_multiples;
+
+static ric_status read_multiples(const ric_yaml *r, const ric_option *option, const char *key, const ric_yaml_node *map,
+                                 ric_explore_options *out, multiples *m)
+{
+    static const char *const keys[] = {"first_touch_of", "times"};
+    ric_yaml_slot slots[2];
+    char part[2][RIC_KEY_MAX];
+    double mode = 0;
+    ric_status status = ric_yaml_map(r, map, key, 2, keys, slots);
+    for (int i = 0; i < 2; i++) ric_yaml_join(part[i], key, keys[i]);
+    for (int i = 0; i < 2 && !status; i++)
+        if (!slots[i].key)
+            status = ric_yaml_wrong(r, map, part[i], "missing; write {first_touch_of: 1, times: [0, 100]}");
+    if (!status && ric_yaml_is_scalar(slots[1].value))
+        status = ric_yaml_wrong(r, slots[1].value, part[1], "expected a list of numbers; write times: [0, 100]");
+    if (status || (status = ric_yaml_real(r, slots[0].value, part[0], &mode))) return status;
+    if (mode != floor(mode) || mode < 1 || mode > RIC_MATRIX_MAX)
+        return ric_yaml_wrong(r, slots[0].value, part[0], "%.10g is no mode; give its number, from 1", mode);
+    *m = (multiples){.place = slots[0].value, .mode = (int)mode};
+    snprintf(m->key, sizeof m->key, "%s", part[0]);
+    return read_option(r, option, part[1], slots[1].value, out);
+}
+
+/* An option that may be energies; `m` tells whether they are multiples. */
+static ric_status read_energies(const ric_yaml *r, const ric_option *option, const char *key,
+                                const ric_yaml_node *value, ric_explore_options *out, multiples *m)
+{
+    m->mode = 0;
+    if (value->type == YAML_MAPPING_NODE &&
+        (option == ric_option_find("explore", "energy") || option == ric_option_find("explore", "at_energy")))
+        return read_multiples(r, option, key, value, out, m);
+    return read_option(r, option, key, value, out);
+}
+
+static void keep_multiples(all_multiples *all, const multiples *m, int n, double *value)
+{
+    if (!m->mode) return;
+    all->of[all->n] = *m;
+    all->of[all->n].n = n;
+    all->of[all->n++].value = value;
+}
+
+static ric_status apply_multiples(const ric_yaml *r, const ric_model *model, const all_multiples *all)
+{
+    const double largest = ric_option_find("explore", "energy")->max;
+    double onset[ric_model_n_dof(model)];
+    ric_status status = ric_model_onsets(model, onset);
+    for (int i = 0; i < all->n && !status; i++) {
+        const multiples *m = &all->of[i];
+        if (m->mode > ric_model_n_dof(model))
+            return ric_yaml_wrong(r, m->place, m->key, "there is no mode %d; the structure has modes 1 to %d", m->mode,
+                                  ric_model_n_dof(model));
+        if (!isfinite(onset[m->mode - 1]))
+            return ric_yaml_wrong(r, m->place, m->key,
+                                  "mode %d never touches a contact; name one of those for which `ricochet check` "
+                                  "shows a first touch",
+                                  m->mode);
+        for (int k = 0; k < m->n; k++)
+            if ((m->value[k] *= onset[m->mode - 1]) > largest)
+                return ric_yaml_wrong(r, m->place, m->key, "energies up to %.3g come of it, and up to %g are taken",
+                                      m->value[k], largest);
+    }
+    return status;
+}
+
 /* *start: where the list of modes stands, NULL if it is not given. */
 static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, const ric_yaml_node **start,
-                               ric_explore_options *out)
+                               ric_explore_options *out, all_multiples *all)
 {
     enum { MOST = 32 };
     const ric_option *options, *found[MOST];
@@ -76,8 +158,11 @@ static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, con
     ric_status status = from->key ? ric_yaml_map(r, from->value, "explore", n, keys, slots) : RIC_OK;
     for (int i = 0; from->key && i < n && !status; i++) {
         ric_yaml_join(key, "explore", keys[i]);
+        multiples m = {.mode = 0};
         if (slots[i].key)
-            status = read_option(r, found[i], key, slots[i].value, out);
+            status = read_energies(r, found[i], key, slots[i].value, out, &m);
+        if (found[i]->type == RIC_OPTION_NUMBERS) keep_multiples(all, &m, out->at_energy.n, out->at_energy.value);
+        else keep_multiples(all, &m, 2, out->energy);
         if (found[i]->type == RIC_OPTION_MODES)
             *start = slots[i].value;
     }
@@ -182,8 +267,10 @@ static ric_explore_options options_of(const ric_region *region)
     return o;
 }
 
-static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_region *out)
+static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_region *out,
+                              all_multiples *all)
 {
+    multiples m, relative = {.mode = 0};
     ric_explore_options given = options_of(&(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME,
                                                          .multiply = RIC_REGION_SAME});
     ric_yaml_slot slots[REGION_KEYS];
@@ -192,18 +279,24 @@ static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const
     for (int i = 0; i < REGION_KEYS && !status; i++) {
         ric_yaml_join(key, path, region_keys[i]);
         if (slots[i].key)
-            status = read_option(r, ric_option_find("explore", region_keys[i]), key, slots[i].value, &given);
-        else if (i < 2)
+            status = read_energies(r, ric_option_find("explore", region_keys[i]), key, slots[i].value, &given, &m);
+        if (!status && slots[i].key && i < 2 && ric_option_is_auto(i ? given.frequency : given.energy))
+            status = ric_yaml_wrong(r, slots[i].value, key,
+                                    "'auto' says nothing of a part of the plane; write [lower, upper]");
+        if (slots[i].key && i == 0) relative = m;
+        else if (!slots[i].key && i < 2)
             status = ric_yaml_wrong(r, map, key,
                                     "missing; a region is {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}");
     }
     *out = (ric_region){.depth = given.depth, .impacts = given.impacts, .multiply = given.multiply};
     memcpy(out->energy, given.energy, sizeof out->energy);
     memcpy(out->frequency, given.frequency, sizeof out->frequency);
+    keep_multiples(all, &relative, 2, out->energy);
     return status;
 }
 
-static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric_explore_options *out)
+static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric_explore_options *out,
+                               all_multiples *all)
 {
     char key[RIC_KEY_MAX];
     if (!from->key)
@@ -222,7 +315,7 @@ static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric
                               "explore.cascade says what is departed from, wherever it is; leave out one of the two");
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "regions[%d]", i + 1);
-        ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i]);
+        ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i], all);
         if (status)
             return status;
     }
@@ -323,8 +416,23 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_COUNT };
 static const char *const study_keys[S_COUNT] = {"title", "model", "explore", "regions", "names", "tolerance"};
 
+/* What the model has to say about the options. */
+static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place, const all_multiples *all,
+                                 ric_study *study)
+{
+    char why[300];
+    ric_explore_options *o = &study->options;
+    ric_status status = apply_multiples(r, study->model, all);
+    study->chosen[0] = ric_option_is_auto(o->energy);
+    study->chosen[1] = ric_option_is_auto(o->frequency);
+    if (status || (status = ric_windows_choose(study->model, o)) != RIC_E_INPUT) return status;
+    snprintf(why, sizeof why, "%s", ric_detail());
+    return ric_yaml_wrong(r, place, "explore", "%s", why);
+}
+
 static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model *raw)
 {
+    all_multiples relative = {.n = 0};
     ric_yaml_slot slots[S_COUNT];
     const ric_yaml_node *root = ric_yaml_root(r), *start = NULL;
     ric_status status = ric_yaml_map(r, root, "", S_COUNT, study_keys, slots);
@@ -338,12 +446,12 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     /* cheap sections first: a wrong option is told before the eigenvalues of a large model are computed */
     ric_explore_options_init(&study->options);
-    if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options)))
+    if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options, &relative)))
         return status;
     if (slots[S_TOLERANCE].key)
         status = read_option(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
                              &study->options);
-    if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options)) ||
+    if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options, &relative)) ||
         (status = read_names(r, &slots[S_NAMES], study)))
         return status;
     if (!slots[S_MODEL].key)
@@ -351,7 +459,9 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     if ((status = ric_raw_model_read(r, &slots[S_MODEL], raw, &study->model)))
         return status;
     study->restitution_line = raw->restitution_line;
-    if ((status = check_start(r, start, raw->n, &study->options)))
+    if ((status = check_start(r, start, raw->n, &study->options)) ||
+        (status = settle_options(r, slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key, &relative,
+                                 study)))
         return status;
     return write_text(study, raw);
 }
@@ -527,6 +637,11 @@ void ric_study_free(ric_study *study)
 size_t ric_study_restitution_line(const ric_study *study)
 {
     return study->restitution_line;
+}
+
+bool ric_study_window_chosen(const ric_study *study, bool frequency)
+{
+    return study->chosen[frequency];
 }
 
 const char *ric_study_title(const ric_study *study)

@@ -18,4 +18,8 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region);
  * 1. */
 size_t ric_study_restitution_line(const ric_study *study);
 
+/* Whether the window of energy, or of frequency, was left to the program. Numbers stand in the text of the study all
+ * the same, so that an atlas keeps the windows that it was made with. */
+bool ric_study_window_chosen(const ric_study *study, bool frequency);
+
 #endif

@@ -288,13 +288,14 @@ static void wrong_numbers(void **state)
     line_refused(8, "      clearance: 0x10", "model.contacts[1].clearance", SAYS("not a number"));
     line_refused(12, "  at_energy: ten", "explore.at_energy", SAYS("list of numbers", "[ten]"));
     line_refused(12, "  at_energy: 10", "explore.at_energy", SAYS("write [10]"));
-    line_refused(12, "  at_energy: {a: 1}", "explore.at_energy", SAYS("expected a value"));
+    line_refused(12, "  at_energy: {a: 1}", "explore.at_energy.a", SAYS("unknown key", "first_touch_of, times"));
+    line_refused(12, "  at_frequency: {a: 1}", "explore.at_frequency", SAYS("expected a value"));
     line_refused(12, "  at_energy: [[1], 2]", "explore.at_energy", SAYS("expected a plain value"));
-    line_refused(12, "  at_energy: [1, ten]", "explore.at_energy", SAYS("'ten' is not a number", "(0, 1e+12]"));
+    line_refused(12, "  at_energy: [1, ten]", "explore.at_energy", SAYS("'ten' is not a number", "(0, 1e+18]"));
     line_refused(12, "  at_energy: ['10']", "explore.at_energy", SAYS("remove the quotes"));
     line_refused(12, "  at_energy: [1, ~]", "explore.at_energy", SAYS("'~' is not a number"));
     line_refused(12, "  at_energy: [1, .nan]", "explore.at_energy", SAYS("not finite"));
-    line_refused(12, "  at_energy: [-1]", "explore.at_energy", SAYS("-1 is out of range", "(0, 1e+12]"));
+    line_refused(12, "  at_energy: [-1]", "explore.at_energy", SAYS("-1 is out of range", "(0, 1e+18]"));
     line_refused(12, "  at_energy: [1, 2, 1.0]", "explore.at_energy", SAYS("1.0 is listed twice"));
     line_refused(12, "  at_frequency: [0]", "explore.at_frequency", SAYS("out of range", "(0, 1e+12]"));
     line_refused(

@@ -1,0 +1,148 @@
+#!/usr/bin/env bash
+# Structures in units of their own, without a window in the study: the first run gives a picture with impacts, soon; and what check and run say where
+# windows hold nothing.
+set -u
+. tests/tap.sh
+
+cat >"$folder/chain.yaml" <<'Y'
+title: Three masses in a row, mm t s
+model:
+  mass: [[0.001, 0, 0], [0, 0.002, 0], [0, 0, 0.001]]
+  stiffness: [[700, -500, 0], [-500, 1000, -500], [0, -500, 600]]
+  contacts:
+    - {normal: [0, 1, 0], clearance: 0.25}
+Y
+cat >"$folder/cubic.yaml" <<'Y'
+title: Two masses and a cubic spring
+model:
+  mass: [[1, 0], [0, 1]]
+  stiffness: [[2, -1], [-1, 2]]
+  contacts:
+    - {normal: [1, 0], law: power, exponent: 3, stiffness: 0.5}
+Y
+cat >"$folder/gear.yaml" <<'Y'
+title: A loose gear on one that is held by a spring, SI
+model:
+  mass: [[1, 0], [0, 0.3]]
+  stiffness: [[5.0e+4, 0], [0, 0]]
+  contacts:
+    - {normal: [1, -1], clearance: 1.0e-3}
+Y
+cat >"$folder/free.yaml" <<'Y'
+title: A free mass between two stops
+model:
+  mass: [[0.3]]
+  stiffness: [[0]]
+  contacts:
+    - {normal: [1], clearance: 1.0e-3}
+Y
+cat >"$folder/one.yaml" <<'Y'
+title: An impact oscillator, SI
+model:
+  mass: [[0.5]]
+  stiffness: [[2000]]
+  contacts:
+    - {normal: [1], clearance: 1.0e-3, sides: upper}
+Y
+# A drone's arm: a tube of carbon, clamped, five beam elements, a mass at its tip, which meets a bumper. SI, Matrix Market files as a finite-element
+# program writes them.
+python3 - "$folder" <<'P'
+import math, sys
+folder, L, elements, E, rho = sys.argv[1], 0.25, 5, 70e9, 1600
+I, A, h = math.pi / 64 * (0.016**4 - 0.014**4), math.pi / 4 * (0.016**2 - 0.014**2), 0.05
+k = [[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h], [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h * h, -6 * h, 4 * h * h]]
+m = [[156, 22 * h, 54, -13 * h], [22 * h, 4 * h * h, 13 * h, -3 * h * h], [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h * h, -22 * h, 4 * h * h]]
+n = 2 * elements
+def assembled(element, factor):
+    full = [[0.0] * (n + 2) for _ in range(n + 2)]
+    for e in range(elements):
+        for i in range(4):
+            for j in range(4):
+                full[2 * e + i][2 * e + j] += factor * element[i][j]
+    return [row[2:] for row in full[2:]]
+M, K = assembled(m, rho * A * h / 420), assembled(k, E * I / h**3)
+M[n - 2][n - 2] += 0.08
+for name, matrix in ("M", M), ("K", K):
+    with open(f"{folder}/{name}.mtx", "w") as out:
+        print("%%MatrixMarket matrix array real general", n, n, sep="\n", file=out)
+        for j in range(n):
+            for i in range(n):
+                print(repr(matrix[i][j]), file=out)
+tip = [int(i == n - 2) for i in range(n)]
+print(f"title: A drone's arm\nmodel:\n  mass: {{file: M.mtx}}\n  stiffness: {{file: K.mtx}}\n  contacts:\n"
+      f"    - {{normal: {tip}, clearance: 0.002, law: bilinear, stiffness: 2.0e+4}}", file=open(f"{folder}/drone.yaml", "w"))
+P
+
+# picture NAME BRANCHES: a run ends with at least so many branches that meet a contact, over a range of energies, whose middle points are replayed
+picture() {
+    "$ricochet" run "$folder/$1.yaml" >"$folder/said" 2>&1 || { cat "$folder/said"; return 1; }
+    ! grep 'no orbit that meets' "$folder/said" || return 1
+    "$ricochet" branches "$folder/$1.ricochet" --json >"$folder/branches.json" || return 1
+    python3 - "$folder/branches.json" "$2" <<'P'
+import json, sys
+rows = [b for b in json.load(open(sys.argv[1])) if b["impacts"] or b["frequency_max"] > b["frequency_min"]]
+print(len(rows), "branches that meet a contact,", sum(b["points"] for b in rows), "points")
+assert len(rows) >= int(sys.argv[2])
+assert max(b["energy_max"] for b in rows) > 8 * min(b["energy_min"] for b in rows)
+P
+    [ $? = 0 ] && grep 'orbits replayed' "$folder/said"
+}
+ok 'a chain in mm, t, s' picture chain 50
+ok 'a drone arm of beam elements' picture drone 10
+ok 'two masses and a cubic spring' picture cubic 3
+ok 'a loose gear' picture gear 50
+ok 'a free mass' picture free 1
+ok 'an impact oscillator' picture one 1
+
+windows() { # of every model, as check has them: where the modes begin that it says begin
+    for name in chain drone cubic gear free one; do
+        "$ricochet" check "$folder/$name.yaml" --json >"$folder/check.json" || return 1
+        python3 - "$folder/check.json" <<'P' || return 1
+import json, sys
+for row in json.load(open(sys.argv[1])):
+    assert row["window_energy_by"] == row["window_frequency_by"] == "auto"
+    (e0, e1), (f0, f1) = row["window_energy"], row["window_frequency"]
+    assert 0 <= e0 < e1 and 0 < f0 < f1
+    assert not row["begins"] or (e0 < row["onset"] < e1 and f0 < row["frequency"] < f1)
+P
+    done
+}
+ok 'check has the windows' windows
+says() { # PATTERN ARGUMENTS: the program says it, with exit code 0
+    local pattern=$1
+    shift
+    "$ricochet" "$@" >"$folder/said" 2>&1 || { cat "$folder/said"; return 1; }
+    cat "$folder/said"
+    tr '\n' ' ' <"$folder/said" | grep -q -e "$pattern"
+}
+ok 'check names what the windows leave out' says 'mode 2 stays linear: its first touch is at energy 65671.7, above the window' check "$folder/chain.yaml"
+{ cat "$folder/chain.yaml"; echo 'explore: {energy: [0, 50], frequency: [0.2, 10]}'; } >"$folder/narrow.yaml"
+ok 'check warns of windows that hold nothing' says 'the windows hold no mode that meets a contact' check "$folder/narrow.yaml"
+ok 'a run there says why' says 'no orbit that meets a contact was found: mode 1 touches first, at scaled energy 118.49, and the window ends at 50; leave out' \
+    run "$folder/narrow.yaml"
+sed 's/energy: \[0, 50\]/energy: [0, 20000]/' "$folder/narrow.yaml" >"$folder/slow.yaml"
+ok 'and of frequencies' says 'warning: the windows hold no mode' check "$folder/slow.yaml"
+
+refused() { # PATTERN STUDY: by check as by run, with exit code 2 and no file
+    local command
+    for command in check run; do
+        "$ricochet" "$command" "$2" >"$folder/said" 2>&1
+        [ $? = 2 ] && grep -q -e "$1" "$folder/said" || { cat "$folder/said"; return 1; }
+    done
+    [ ! -e "${2%.yaml}.ricochet" ]
+}
+{ cat "$folder/drone.yaml"; echo 'explore: {frequency: [0.2, 10]}'; } >"$folder/fast.yaml"
+ok 'what run refuses check refuses: a mode that turns too often' refused 'mode 10 at .* turns' "$folder/fast.yaml"
+sed 's/clearance: 1.0e-3/clearance: 1.0e-3, law: bilinear, stiffness: 1.0e+5/' "$folder/free.yaml" >"$folder/loose.yaml"
+ok 'a loose mass against a spring' refused 'no closed form' "$folder/loose.yaml"
+{ cat "$folder/chain.yaml"; echo 'explore: {energy: {first_touch_of: 1, times: [0, 20]}, impacts: 4, depth: 1}'; } >"$folder/times.yaml"
+ok 'energies in first touches' says 'scaled energy 0 to 2369.8, ' check "$folder/times.yaml"
+python3 - >"$folder/long.yaml" <<'P'
+n = 120
+row = lambda f: "[" + ", ".join(map(str, f)) + "]"
+print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
+print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)) for i in range(n)))
+print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}")
+P
+ok 'check says that a run will take long' says 'warning: a branch of 120 modes takes about' check "$folder/long.yaml"
+finish
