@@ -70,6 +70,7 @@ static int add_share(const replay *r, int i, int f, int first, int count, real *
         }
     real size = sqrt(ric_replay_dot(n, b, b));
     if (!(size > UNSEEN * sqrt(face->cc))) return count;
+    size = copysign(size, b[i]); /* a mode alone is itself */
     for (int j = 0; j < n; j++) b[j] /= size;
     return count + 1;
 }
