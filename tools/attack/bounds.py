@@ -62,7 +62,7 @@ def reference(j, word, row, enough):
         u, w, _ = j.s.from_stored(judge.floats(row["state"])[None, :])
         T = ar.array(np.array([row["flights_sum"]]), False) * j.s.omega_ref
         X = smooth.integrate(j.s, u, w, T)[2]
-        return j._power_rho(u, w, X)[0], j._power_shaken(u, w, T, 3e-19)[0]
+        return j._power_rho(u, w, X, False)[0], j._power_shaken(u, w, T, 3e-19, False)[0]
     chain, _, _ = j.chain_of(word, [row])
     fine, _ = orbits.polish(chain)
     rho, again = j._rho(fine)[0], j._rho(j._shaken(fine, 3e-19))[0]
@@ -93,7 +93,7 @@ def one(lib, program, seed, kind, points, rng, ratios, unknown):
         chosen = [places[i] for i in rng.choice(len(places), min(points, len(places)), replace=False)] if places else []
         chosen += [ends[i] for i in rng.choice(len(ends), min(points // 4, len(ends)), replace=False)] if ends else []
         for branch, point in chosen:
-            if not branch["impacts"]:
+            if not branch["impacts"] and not j.s.power:
                 continue
             asked = ask(lib, handle, branch["id"], point, j.s.n)
             if asked is None or j.s.n < 2 or not np.isfinite(asked[2]).any():
