@@ -27,8 +27,8 @@ static const char *name_of(int test)
 static int list_unplaced(const ric_edge *e, const char *before, size_t size, char *text)
 {
     int n = e->n_unplaced;
-    int used = snprintf(text, size, "%s%d event%s on it do%s not converge to a junction (", before, n, n == 1 ? "" : "s",
-                        n == 1 ? "es" : "");
+    int used = snprintf(text, size, "%s%d event%s on it do%s not converge to a junction (", before, n,
+                        n == 1 ? "" : "s", n == 1 ? "es" : "");
     for (int i = 0; i < n; i++) {
         const ric_unplaced *u = &e->unplaced[i];
         char kind[48];

@@ -408,8 +408,10 @@ static ric_status check_flight(const ric_simulator *sim, real flight)
     double fastest = 0;
     for (int i = 0; i < sim->n; i++) fastest = fmax(fastest, (double)sim->omega[i]);
     if (!(fastest * (double)flight > PHASE_KNOWN)) return RIC_OK;
-    return ric_fail(RIC_E_RANGE, "no digit would be known after %.3g s without an impact: the fastest mode turns by %.6g "
-                    "rad/s; follow the motion for less than %.3g s", (double)flight, fastest, PHASE_KNOWN / fastest);
+    return ric_fail(RIC_E_RANGE,
+                    "no digit would be known after %.3g s without an impact: the fastest mode turns by %.6g "
+                    "rad/s; follow the motion for less than %.3g s",
+                    (double)flight, fastest, PHASE_KNOWN / fastest);
 }
 
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact)
