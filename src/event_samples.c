@@ -207,7 +207,7 @@ ric_status ric_samples_refine(ric_trace *tr, unsigned which, bool pairs, double 
         if (split && !close) {
             ric_status status = insert(tr, (a + b) / 2, h, &good);
             if (status) return status;
-            i = i > q->now ? i - 1 : i; /* what is new tells more of the neighbour, too */
+            if (good && i > q->now) i--; /* what is new tells more of the neighbour, too */
         }
         if (!fine && !good) ric_trace_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
         if (!good) i++;

@@ -21,7 +21,8 @@ static const ric_option RIC_OPTIONS[] = {
     {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
      "linear modes to start from: modes for all, or a list such as [1, 2]"},
     {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 0}, 0, 1e18, false, "scaled energy",
-     "energy window, or auto for one that `ricochet check` shows; a branch that begins below its lower end is followed up into it, one that comes down to it ends "
+     "energy window, or auto for one that `ricochet check` shows; "
+     "a branch that begins below its lower end is followed up into it, one that comes down to it ends "
      "there"},
     {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0, 0}, 0, 1e12, true, "rad/s",
      "window of the frequency that belongs to the shortest period, or auto"},

@@ -71,4 +71,16 @@ rows = [j for j in json.load(sys.stdin) if "??" in j["label"]]
 assert rows and all(j["a"] is None and j["b"] is None and j["decided"] is None for j in rows)'
 }
 ok 'junctions without a label are shown as such' shown
+# Between two samples of a step lies a point at which no orbit was found: it was asked for again, for ever.
+cat >"$folder/samples.yaml" <<'YAML'
+model:
+  mass: [[2, 0], [0, 1]]
+  stiffness: [[9, -1], [-1, 1]]
+  contacts:
+    - {normal: [-1, 1], length: 1, exponent: 7, law: power}
+explore: {energy: [0, 200], frequency: [0.11, 11]}
+YAML
+ends_in_time() { timeout -s KILL 600 "$ricochet" run "$folder/samples.yaml" -o "$folder/samples.ricochet" --seconds 15; [ $? -le 3 ]; }
+ok "a point that cannot be inserted between others keeps no run from its end" ends_in_time
+
 finish
