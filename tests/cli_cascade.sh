@@ -52,7 +52,7 @@ ok 'the atlas is left as it is' same
 ok 'an atlas without paths says what to do' exits 0 'explore.multiply' "$ricochet" cascade "$elementary"
 ok 'no such cascade' exits 1 '0 of 2 multiplications' "$ricochet" cascade "$elementary" --branch "$(id "$elementary" 'A3[001]')" --doublings 2
 ok 'a linear mode' exits 1 'linear mode' "$ricochet" cascade "$elementary" --branch 1 --doublings 2
-ok 'no such branch' exits 1 . "$ricochet" cascade "$elementary" --branch 999 --doublings 2
+ok 'no such branch' exits 1 'no branch 999: the numbers run from 1 to' "$ricochet" cascade "$elementary" --branch 999 --doublings 2
 ok '--doublings without a branch' exits 2 'needs --branch' "$ricochet" cascade "$elementary" --doublings 2
 ok '--doublings and --multiply' exits 2 'choose one' "$ricochet" cascade "$elementary" --branch 3 --doublings 2 --multiply 2
 cubic=$folder/cubic.ricochet
@@ -65,26 +65,43 @@ ok 'a cubic spring runs' "$ricochet" run "$folder/cubic.yaml" -o "$cubic"
 ok 'its cascades are followed' exits 0 '719\.90979' "$ricochet" cascade "$cubic" --branch "$(id "$cubic" S-)" --multiply 2/3,2,4
 ok 'and listed' exits 0 '1/2' "$ricochet" cascade "$cubic" --multiply 2
 
-for list in 1 2,x 4/3 '' 2,,0; do
-    ok "--multiply '$list'" exits 2 . "$ricochet" cascade "$elementary" --branch 3 --multiply "$list"
-done
+while IFS='|' read -r list said; do
+    ok "--multiply '$list'" exits 2 "$said" "$ricochet" cascade "$elementary" --branch 3 --multiply "$list"
+done <<'END'
+1|the multiplicity '1' is not a whole number from 2 to
+2,x|the multiplicity 'x' is not a whole number
+4/3|p of p/q '4' is not a whole number from 1 to 2
+|--multiply needs a value
+2,,0|the multiplicity '0' is not a whole number
+END
 
 if command -v gnuplot >/dev/null; then
     picture() { # NAME OPTION...
-        "$ricochet" plot cascade "$atlas" "${@:2}" -o "$folder/$1" && [ -s "$folder/$1" ]
+        "$ricochet" plot cascade "$atlas" "${@:2}" -o "$folder/$1" && whole "$folder/$1"
+    }
+    drawn() { # SVG PATTERN...: lines of `curves`
+        curves "$folder/$1" >"$folder/curves"
+        cat "$folder/curves"
+        for pattern in "${@:2}"; do grep -qxE "$pattern" "$folder/curves" || return 1; done
     }
     base=$(id "$atlas" 'S2-[01]')
     ok 'diagram' picture diagram.svg --branch "$base" --multiply 2/3,2,4
+    ok 'a line at each multiplication, and the path' drawn diagram.svg 'natural frequency: 3' 'a?symmetric, (un)?stable: [1-9][0-9]*'
     ok 'diagram of x1' picture x1.pdf --branch "$base" --multiply 2/3,2,4 --dof 1
     ok 'shapes' picture shapes.png --branch "$base" --multiply 2/3,2,4 --shapes
     ok 'circle' picture circle.svg --branch "$s6" --circle --duplicate 12
+    ok 'what is drawn of the circle, and multipliers' drawn circle.svg 'grid: 12' 'a?symmetric, (un)?stable: [1-9][0-9]*'
     ok 'circle and a list' exits 2 'leave out' "$ricochet" plot cascade "$atlas" --branch "$s6" --circle --multiply 2 -o "$folder/no.svg"
     ok 'no list' exits 2 'missing' "$ricochet" plot cascade "$atlas" --branch "$s6" -o "$folder/no.svg"
     ok 'no such displacement' exits 2 'displacements 1 to 2' "$ricochet" plot cascade "$atlas" --branch "$base" --multiply 3,2 --dof 3 -o "$folder/no.svg"
     ok 'nothing on the circle' exits 1 'unit circle' "$ricochet" plot cascade "$elementary" --branch "$(id "$elementary" 'A3[001]')" --circle -o "$folder/no.svg"
+    of_cubic() {
+        rm -f "$folder/cubic.svg"
+        "$ricochet" plot "$@" "$cubic" --branch "$(id "$cubic" S+)" -o "$folder/cubic.svg" && whole "$folder/cubic.svg" && drawn cubic.svg 'axes: [1-9][0-9]*'
+    }
     for picture in "cascade --multiply 2,2" "cascade --multiply 2,2 --shapes" "cascade --circle"; do
         # shellcheck disable=SC2086
-        ok "plot $picture" sh -c '"$1" plot $2 "$3" --branch "$4" -o "$5" && grep -q "</svg>" "$5"' sh "$ricochet" "$picture" "$cubic" "$(id "$cubic" S+)" "$folder/cubic.svg"
+        ok "plot $picture" of_cubic $picture
     done
 fi
 

@@ -65,7 +65,9 @@ exits() {
 # is_a FORMAT FILE: the right kind of file, whole from head to tail
 is_a() {
     case $1 in
-    svg) head -c 300 "$2" | grep -q '<svg' && tail -c 20 "$2" | grep -q '</svg>' ;;
+    svg) python3 -c 'import sys, xml.etree.ElementTree as xml
+root = xml.parse(sys.argv[1]).getroot()
+assert root.tag.endswith("}svg") and any(path.get("d") for path in root.iter("{http://www.w3.org/2000/svg}path"))' "$2" ;;
     pdf) [ "$(head -c 5 "$2")" = '%PDF-' ] && tail -c 16 "$2" | grep -q '%%EOF' ;;
     png) [ "$(head -c 4 "$2" | tail -c 3)" = PNG ] && tail -c 8 "$2" | head -c 4 | grep -q IEND ;;
     esac

@@ -52,6 +52,31 @@ END
 # same FILE FILE: they are, and there is something in them
 same() { [ -s "$1" ] && cmp "$1" "$2"; }
 
+# whole FILE: a picture that ends as its kind does; of an SVG every curve has a point
+whole() {
+    case $1 in
+    *.svg) curves "$1" >/dev/null ;;
+    *.pdf) [ "$(head -c 5 "$1")" = '%PDF-' ] && tail -c 16 "$1" | grep -q '%%EOF' ;;
+    *.png) [ "$(head -c 4 "$1" | tail -c 3)" = PNG ] && tail -c 8 "$1" | head -c 4 | grep -q IEND ;;
+    *) return 1 ;;
+    esac
+}
+
+# curves SVG: of a well-formed picture the names of what is drawn, with the number of pieces of lines each has
+curves() {
+    python3 - "$1" <<'END'
+import sys, xml.etree.ElementTree as xml
+space = "{http://www.w3.org/2000/svg}"
+pieces = {}
+for group in xml.parse(sys.argv[1]).getroot().iter(space + "g"):
+    title = group.find(space + "title")
+    if title is not None and not title.text.startswith("gnuplot_plot"):
+        pieces[title.text] = pieces.get(title.text, 0) + sum(path.get("d", "").count("M") for path in group.iter(space + "path"))
+assert pieces and all(pieces.values()), pieces
+print(*(f"{name}: {n}" for name, n in pieces.items()), sep="\n")
+END
+}
+
 size() { stat -c %s "$1" 2>/dev/null || echo 0; } # FILE: its bytes
 
 # cut SIGNAL PID ATLAS BYTES WHOLE: what writes the atlas gets the signal once the atlas has so many bytes, however fast the machine is; whether that
