@@ -30,7 +30,7 @@ for clearance in 1.0e-300 1.0e+300; do
     study "c$clearance" "$mass" "$spring" "$(contact '[-1, 1]' $clearance)" "$window"
     ok "clearance $clearance" ends 0 branches run "$folder/c$clearance.yaml"
     branches "c$clearance"
-    ok "has the same branches" diff "$folder/usual.csv" "$folder/c$clearance.csv"
+    ok "has the same branches" same "$folder/usual.csv" "$folder/c$clearance.csv"
     ok "that verify" ends 0 "agree with" verify "$folder/c$clearance.ricochet"
 done
 

@@ -48,7 +48,7 @@ for attempt in 1 2; do
     ranks 3 "$mpi" run "$folder/long.yaml" -o "$folder/broken.ricochet" >/dev/null 2>&1 &
     # timeout and mpirun bear the same words: nobody is killed before the three ranks are there
     while kill -0 $! 2>/dev/null && [ "$(pgrep -f "$rank" | wc -l)" -lt 5 ]; do sleep 0.05; done
-    while kill -0 $! 2>/dev/null && [ "$(size "$folder/broken.ricochet")" -lt $((attempt * $(size "$folder/whole.ricochet") / 4)) ]; do sleep 0.01; done
+    while kill -0 $! 2>/dev/null && [ "$(bytes "$folder/broken.ricochet")" -lt $((attempt * $(bytes "$folder/whole.ricochet") / 4)) ]; do sleep 0.01; done
     pkill -KILL -n -f "$rank" # the youngest process: a rank
     wait $! || deaths=$((deaths + 1))
 done

@@ -77,15 +77,15 @@ print(*(f"{name}: {n}" for name, n in pieces.items()), sep="\n")
 END
 }
 
-size() { stat -c %s "$1" 2>/dev/null || echo 0; } # FILE: its bytes
+bytes() { stat -c %s "$1" 2>/dev/null || echo 0; } # FILE: its bytes
 
-# cut SIGNAL PID ATLAS BYTES WHOLE: what writes the atlas gets the signal once the atlas has so many bytes, however fast the machine is; whether that
+# break_off SIGNAL PID ATLAS BYTES WHOLE: what writes the atlas gets the signal once the atlas has so many bytes, however fast the machine is; whether that
 # stopped it before the atlas was as large as the whole one
-cut() {
-    while kill -0 "$2" 2>/dev/null && [ "$(size "$3")" -lt "$4" ]; do sleep 0.005; done
+break_off() {
+    while kill -0 "$2" 2>/dev/null && [ "$(bytes "$3")" -lt "$4" ]; do sleep 0.005; done
     kill -"$1" "$2" 2>/dev/null
     { wait "$2"; } 2>/dev/null
-    [ $? -gt 128 ] && [ "$(size "$3")" -lt "$(size "$5")" ]
+    [ $? -gt 128 ] && [ "$(bytes "$3")" -lt "$(bytes "$5")" ]
 }
 
 # The plan, and the exit code of the program.
