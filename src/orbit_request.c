@@ -88,6 +88,8 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
                            .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN,
                            .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
                            .residual = (float)c->residual, .stable = floquet.stable};
+    /* what memory was missing for looks undecided or lost, not missing */
+    if ((status = ric_trust(RIC_OK))) goto out;
     *out = o;
     o = NULL;
 out:
