@@ -31,7 +31,7 @@ for signal in KILL TERM INT; do
     stops=0
     for attempt in 1 2 3 4 5 6; do
         "$ricochet" run "$folder/study.yaml" -o "$folder/broken.ricochet" 2>/dev/null &
-        break_off $signal $! "$folder/broken.ricochet" $((attempt * $(bytes "$folder/whole.ricochet") / 8)) "$folder/whole.ricochet" && stops=$((stops + 1))
+        break_off $signal $! "$folder/broken.ricochet" $((attempt * $(bytes "$folder/whole.ricochet") / 8)) && stops=$((stops + 1))
     done
     ok "SIG$signal stops it on its way" test $stops -ge 1
     ok "after six times SIG$signal the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/broken.ricochet"

@@ -79,13 +79,14 @@ END
 
 bytes() { stat -c %s "$1" 2>/dev/null || echo 0; } # FILE: its bytes
 
-# break_off SIGNAL PID ATLAS BYTES WHOLE: what writes the atlas gets the signal once the atlas has so many bytes, however fast the machine is; whether that
-# stopped it before the atlas was as large as the whole one
+# break_off SIGNAL PID ATLAS BYTES: the program gets the signal once the atlas has so many bytes, however fast the machine
+# is; whether the signal ended it. A shell that has not become the program yet would tidy up the folder on its way out.
 break_off() {
+    while kill -0 "$2" 2>/dev/null && ! grep -q '^ricochet' "/proc/$2/comm" 2>/dev/null; do sleep 0.002; done
     while kill -0 "$2" 2>/dev/null && [ "$(bytes "$3")" -lt "$4" ]; do sleep 0.005; done
     kill -"$1" "$2" 2>/dev/null
     { wait "$2"; } 2>/dev/null
-    [ $? -gt 128 ] && [ "$(bytes "$3")" -lt "$(bytes "$5")" ]
+    [ $? -gt 128 ]
 }
 
 # The plan, and the exit code of the program.
