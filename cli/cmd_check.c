@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "../src/study.h"
 #include "cli.h"
 
 /* Everything that is shown, asked from the library once. n modes, m contacts. */
@@ -297,6 +298,7 @@ static ric_status print_text(const facts *f, const ric_study *study)
     for (int i = 0; i < f->m; i++)
         print_contact(f, i);
     print_remarks(f);
+    if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));
     return cli_windows_print(study);
 }
 

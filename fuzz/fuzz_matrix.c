@@ -19,7 +19,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_need(text != NULL, "memory");
     memcpy(text, data, size);
     text[size] = 0;
-    if (!ric_matrix_market_parse(text, size, "fuzz.mtx", &n, &matrix)) {
+    if (!ric_matrix_market_parse(text, size, "fuzz.mtx", &n, &matrix, NULL)) {
         if (n < 1 || n > RIC_MATRIX_MAX) abort();
         for (int i = 0; i < n * n; i++)
             if (!isfinite(matrix[i])) abort();

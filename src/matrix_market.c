@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,7 @@
 #include "options.h"
 #include "status.h"
 
-enum { TOKEN_MAX = 64, FILE_MAX = 64 << 20 };
+enum { TOKEN_MAX = 64, FILE_MAX = 64 << 20, ENTRIES_MAX = FILE_MAX / 6 /* of "1 1 0\n" */ };
 
 /* ------------------------------------------------------------------- files */
 
@@ -214,7 +215,7 @@ static ric_status read_header(scanner *s, header *out)
     out->n = (int)rows;
     out->entries = full;
     if (out->coordinate)
-        status = next_integer(s, "the number of entries", full, &out->entries);
+        status = next_integer(s, "the number of entries", ENTRIES_MAX, &out->entries);
     return status;
 }
 
@@ -234,40 +235,45 @@ static ric_status read_array(scanner *s, const header *h, double *out)
     return RIC_OK;
 }
 
-static ric_status read_entry(scanner *s, const header *h, bool *given, double *out)
+/* `given` [n * n]: places of the file that have been read. */
+static ric_status read_entry(scanner *s, const header *h, bool *given, double *out, long *repeated)
 {
     long row = 0, column = 0, n = h->n;
+    double value = 0;
     ric_status status = next_integer(s, "a row", n, &row);
     if (!status)
         status = next_integer(s, "a column", n, &column);
     if (status)
         return status;
     long at = (row - 1) * n + column - 1, across = (column - 1) * n + row - 1;
-    if (h->symmetric && column > row)
-        return bad(s, "row %ld, column %ld is above the diagonal; a symmetric file holds the lower half only", row,
-                   column);
-    if (given[at])
-        return bad(s, "row %ld, column %ld is given a second time; give each entry once", row, column);
+    if (h->symmetric && row != column && given[across])
+        return bad(s, "row %ld, column %ld, and row %ld, column %ld as well: whether that is one entry or the sum of two "
+                      "cannot be told; write one half of a symmetric matrix, or general in the first line", row,
+                   column, column, row);
+    *repeated += given[at];
     given[at] = true;
-    status = next_real(s, row, column, &out[at]);
+    if ((status = next_real(s, row, column, &value))) return status;
+    out[at] += value;
     if (h->symmetric)
         out[across] = out[at];
-    return status;
+    return isfinite(out[at]) ? RIC_OK
+                             : bad(s, "the entries of row %ld, column %ld have no finite sum", row, column);
 }
 
-static ric_status read_coordinate(scanner *s, const header *h, double *out)
+static ric_status read_coordinate(scanner *s, const header *h, double *out, long *repeated)
 {
     ric_status status = RIC_OK;
     bool *given = calloc((size_t)h->n * (size_t)h->n, sizeof *given);
     if (!given)
         return ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", s->label);
     for (long i = 0; i < h->entries && !status; i++)
-        status = read_entry(s, h, given, out);
+        status = read_entry(s, h, given, out, repeated);
     free(given);
     return status;
 }
 
-ric_status ric_matrix_market_parse(const char *text, size_t size, const char *label, int *n, double **out)
+ric_status ric_matrix_market_parse(const char *text, size_t size, const char *label, int *n, double **out,
+                                   long *repeated)
 {
     scanner s = {text, text + size, label, 1};
     header h = {false, false, 0, 0};
@@ -281,7 +287,8 @@ ric_status ric_matrix_market_parse(const char *text, size_t size, const char *la
         status = ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", label);
         goto out;
     }
-    status = h.coordinate ? read_coordinate(&s, &h, matrix) : read_array(&s, &h, matrix);
+    long twice = 0;
+    status = h.coordinate ? read_coordinate(&s, &h, matrix, &twice) : read_array(&s, &h, matrix);
     if (status)
         goto out;
     next(&s, word);
@@ -290,6 +297,7 @@ ric_status ric_matrix_market_parse(const char *text, size_t size, const char *la
         goto out;
     }
     *n = h.n;
+    if (repeated) *repeated = twice;
     *out = matrix;
     matrix = NULL;
 out:
@@ -297,13 +305,13 @@ out:
     return status;
 }
 
-ric_status ric_matrix_market_read(const char *path, int *n, double **out)
+ric_status ric_matrix_market_read(const char *path, int *n, double **out, long *repeated)
 {
     char *text = NULL;
     size_t size = 0;
     ric_status status = ric_file_read(path, FILE_MAX, true, &text, &size);
     if (!status)
-        status = ric_matrix_market_parse(text, size, path, n, out);
+        status = ric_matrix_market_parse(text, size, path, n, out, repeated);
     free(text);
     return status;
 }

@@ -27,15 +27,17 @@ static ric_status check_matrix(int n, const double *A, const char *name)
     double largest = 0;
     for (int i = 0; i < n * n; i++) {
         if (!isfinite(A[i]))
-            return ric_fail(RIC_E_INPUT, "%s matrix: entry [%d][%d] is not a finite number", name, i / n, i % n);
+            return ric_fail(RIC_E_INPUT, "%s matrix: the entry of row %d, column %d is not a finite number", name, i / n + 1,
+                            i % n + 1);
         largest = fmax(largest, fabs(A[i]));
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
             if (fabs(A[i * n + j] - A[j * n + i]) > 1e-12 * largest)
                 return ric_fail(RIC_E_INPUT,
-                                "%s matrix is not symmetric: [%d][%d] = %.17g but [%d][%d] = %.17g; make them equal",
-                                name, i, j, A[i * n + j], j, i, A[j * n + i]);
+                                "%s matrix is not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; make "
+                                "them equal",
+                                name, i + 1, j + 1, A[i * n + j], j + 1, i + 1, A[j * n + i]);
     return RIC_OK;
 }
 
@@ -60,7 +62,7 @@ static ric_status check_contact(int n, int i, const ric_contact *contact)
     double largest = 0;
     for (int j = 0; j < n; j++) {
         if (!isfinite(contact->normal[j]))
-            return ric_fail(RIC_E_INPUT, "contact %d: normal[%d] is not a finite number", i + 1, j);
+            return ric_fail(RIC_E_INPUT, "contact %d: number %d of the normal is not finite", i + 1, j + 1);
         largest = fmax(largest, fabs(contact->normal[j]));
     }
     if (largest == 0)
@@ -112,13 +114,14 @@ static ric_status check_mass(int n, const double *M)
         status =
             value[0] > 0
                 ? ric_fail(RIC_E_INPUT,
-                           "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check entry "
-                           "[%d][%d] = %g",
-                           value[0], value[n - 1], worst, worst, M[worst * n + worst])
+                           "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check row "
+                           "%d, column %d, which is %g",
+                           value[0], value[n - 1], worst + 1, worst + 1, M[worst * n + worst])
                 : ric_fail(
                       RIC_E_INPUT,
-                      "mass matrix is not positive definite: its smallest eigenvalue is %g; check entry [%d][%d] = %g",
-                      value[0], worst, worst, M[worst * n + worst]);
+                      "mass matrix is not positive definite: its smallest eigenvalue is %g; check row %d, column %d, "
+                      "which is %g",
+                      value[0], worst + 1, worst + 1, M[worst * n + worst]);
     }
 out:
     free(A);

@@ -104,7 +104,7 @@ static const char *digits(const char *text)
     return text;
 }
 
-/* [-+] digits [. digits] [e [-+] digits], with a digit before or after the point: no hexadecimal, no blanks. */
+/* [-+] digits [. digits] [e [-+] digits], also with the d of Fortran, with a digit before or after the point: no hexadecimal, no blanks. */
 static bool is_decimal(const char *text)
 {
     text += *text == '-' || *text == '+';
@@ -116,7 +116,7 @@ static bool is_decimal(const char *text)
         any = any || end > text + 1;
         text = end;
     }
-    if (any && (*text == 'e' || *text == 'E')) {
+    if (any && *text && strchr("eEdD", *text)) {
         text += text[1] == '-' || text[1] == '+' ? 2 : 1;
         const char *end = digits(text);
         any = end > text;
@@ -139,10 +139,21 @@ static bool names_no_finite(const char *text)
     return false;
 }
 
+enum { FORTRAN_MAX = 64 }; /* characters of a number whose exponent is a d; 25 name every double */
+
 ric_text_kind ric_text_real(const char *text, double *out)
 {
+    char copy[FORTRAN_MAX];
     if (!is_decimal(text))
         return names_no_finite(text) ? RIC_TEXT_NOT_FINITE : RIC_TEXT_NO_NUMBER;
+    const size_t mark = strcspn(text, "dD");
+    if (text[mark]) {
+        if (strlen(text) >= sizeof copy)
+            return RIC_TEXT_NO_NUMBER;
+        strcpy(copy, text);
+        copy[mark] = 'e';
+        text = copy;
+    }
     *out = ric_c_strtod(text, NULL);
     return isfinite(*out) ? RIC_TEXT_NUMBER : RIC_TEXT_NOT_FINITE;
 }

@@ -46,7 +46,8 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
 void ric_options_template(const char *section, FILE *out);
 void ric_options_document(FILE *out);
 
-/* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite. The locale's decimal point
+/* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite; an exponent may be
+ * marked by the d of Fortran. The locale's decimal point
  * does not matter. */
 typedef enum { RIC_TEXT_NUMBER, RIC_TEXT_NOT_FINITE, RIC_TEXT_NO_NUMBER } ric_text_kind;
 ric_text_kind ric_text_real(const char *text, double *out);

@@ -28,6 +28,7 @@ struct ric_study {
     ric_model *model;
     size_t restitution_line;
     ric_explore_options options;
+    char remark[400]; /* "" from an atlas */
     bool chosen[2]; /* the windows of energy and frequency, by the program */
     int n_name;
     ric_name *names;
@@ -459,6 +460,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     if ((status = ric_raw_model_read(r, &slots[S_MODEL], raw, &study->model)))
         return status;
     study->restitution_line = raw->restitution_line;
+    snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
         (status = settle_options(r, slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key, &relative,
                                  study)))
@@ -637,6 +639,11 @@ void ric_study_free(ric_study *study)
 size_t ric_study_restitution_line(const ric_study *study)
 {
     return study->restitution_line;
+}
+
+const char *ric_study_remark(const ric_study *study)
+{
+    return study->remark;
 }
 
 bool ric_study_window_chosen(const ric_study *study, bool frequency)

@@ -22,4 +22,8 @@ size_t ric_study_restitution_line(const ric_study *study);
  * the same, so that an atlas keeps the windows that it was made with. */
 bool ric_study_window_chosen(const ric_study *study, bool frequency);
 
+/* What was made of the matrices that the study does not say literally, such as the mean of two halves that differ by
+ * rounding; "" if nothing. Borrowed. */
+const char *ric_study_remark(const ric_study *study);
+
 #endif

@@ -2,6 +2,7 @@
 #include "study_parts.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,7 +50,21 @@ static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const 
     return RIC_OK;
 }
 
-static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, const char *key, int *n, double **out)
+static void add_remark(ric_raw_model *raw, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* One sentence after the other, as long as there is room. */
+static void add_remark(ric_raw_model *raw, const char *format, ...)
+{
+    va_list arguments;
+    const size_t used = strlen(raw->remark);
+    va_start(arguments, format);
+    if (used) snprintf(raw->remark + used, sizeof raw->remark - used, "; ");
+    vsnprintf(raw->remark + strlen(raw->remark), sizeof raw->remark - strlen(raw->remark), format, arguments);
+    va_end(arguments);
+}
+
+static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, const char *key, int *n, double **out,
+                                   ric_raw_model *raw)
 {
     static const char *const keys[] = {"file"};
     ric_yaml_slot file;
@@ -74,7 +89,10 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
         goto out;
     }
     snprintf(path, size, "%s%s%s", relative ? r->base : "", relative ? "/" : "", name);
-    status = ric_matrix_market_read(path, n, out);
+    long repeated = 0;
+    status = ric_matrix_market_read(path, n, out, &repeated);
+    if (!status && repeated)
+        add_remark(raw, "%s: %ld entries of its file stand there before, and are added to them", key, repeated);
     if (status == RIC_E_INPUT) {
         snprintf(why, sizeof why, "%s", ric_detail());
         status = ric_yaml_wrong(r, file.value, key, "%s", why);
@@ -85,37 +103,76 @@ out:
     return status;
 }
 
-/* Twice the stored rounding of a symmetric matrix that some program wrote; larger differences are mistakes. */
-#define SYMMETRY_TOLERANCE 1e-12
+/* Twice the stored rounding of a symmetric matrix, of its largest entry, about which nothing is said. */
+#define ROUNDING 1e-12
+/* Rounding of an assembly in many steps or of numbers that were printed with nine digits, relative to the two entries
+ * of the diagonal that belong to it, so that a small block beside a large one is seen; it is said. Larger differences
+ * are mistakes. */
+#define SYMMETRY_TOLERANCE 1e-8
 
-static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key, int n, double *A)
+static double entry(const double *A, int n, int row, int column)
 {
-    double largest = 0;
+    return A[(size_t)row * (size_t)n + (size_t)column];
+}
+
+/* Whether nothing but zeros stands above the diagonal, or below: half of a symmetric matrix. */
+static bool is_half(int n, const double *A)
+{
+    bool upper = false, lower = false;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            lower |= entry(A, n, i, j) != 0;
+            upper |= entry(A, n, j, i) != 0;
+        }
+    return upper != lower;
+}
+
+static ric_status not_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key, int n, const double *A,
+                                const int at[2])
+{
+    const ric_yaml_node *row = ric_yaml_is_list(value) ? ric_yaml_item(r, value, at[0]) : value;
+    return ric_yaml_wrong(r, row, key,
+                          "not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; %s", at[0] + 1,
+                          at[1] + 1, entry(A, n, at[0], at[1]), at[1] + 1, at[0] + 1, entry(A, n, at[1], at[0]),
+                          is_half(n, A) ? "all on one side of the diagonal is zero: if this is half of the matrix, "
+                                          "write the other half, or symmetric in the first line of its file"
+                                        : "make them equal");
+}
+
+static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key, int n, double *A,
+                                  ric_raw_model *raw)
+{
+    double largest = 0, worst = 0;
     for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
         largest = fmax(largest, fabs(A[i]));
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) {
             double *low = &A[(size_t)i * (size_t)n + (size_t)j], *high = &A[(size_t)j * (size_t)n + (size_t)i];
-            const ric_yaml_node *row = ric_yaml_is_list(value) ? ric_yaml_item(r, value, i) : value;
-            if (fabs(*low - *high) > SYMMETRY_TOLERANCE * largest)
-                return ric_yaml_wrong(
-                    r, row, key,
-                    "not symmetric: row %d, column %d is %.10g but row %d, column %d is %.10g; make them equal", i + 1,
-                    j + 1, *low, j + 1, i + 1, *high);
+            const double off = fabs(*low - *high),
+                         size = sqrt(fabs(entry(A, n, i, i))) * sqrt(fabs(entry(A, n, j, j)));
+            if (!(off <= ROUNDING * largest)) {
+                if (!(off <= SYMMETRY_TOLERANCE * size))
+                    return not_symmetric(r, value, key, n, A, (const int[]){i, j});
+                worst = fmax(worst, off / size);
+            }
             *low = *high = *low == *high ? *low : 0.5 * *low + 0.5 * *high;
         }
+    if (worst > 0)
+        add_remark(raw, "%s is symmetric up to %.1e of its diagonal only, and the mean of both halves is taken", key,
+                   worst);
     return RIC_OK;
 }
 
 /* n = 0 on entry: any size. */
-static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key, int *n, double **out)
+static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key, int *n, double **out,
+                              ric_raw_model *raw)
 {
     int rows = 0;
     ric_status status;
     if (ric_yaml_is_list(matrix->value))
         status = read_rows(r, matrix->value, key, &rows, out);
     else if (matrix->value->type == YAML_MAPPING_NODE)
-        status = read_matrix_file(r, matrix->value, key, &rows, out);
+        status = read_matrix_file(r, matrix->value, key, &rows, out, raw);
     else
         return ric_yaml_wrong(r, matrix->value, key,
                               "expected a matrix, found %s; write rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
@@ -125,7 +182,7 @@ static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, co
                                 "%d x %d, but the mass matrix is %d x %d; both have one row per displacement", rows,
                                 rows, *n, *n);
     if (!status)
-        status = check_symmetric(r, matrix->value, key, rows, *out);
+        status = check_symmetric(r, matrix->value, key, rows, *out, raw);
     *n = rows;
     return status;
 }
@@ -379,10 +436,10 @@ ric_status ric_raw_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_
     if (!slots[M_STIFFNESS].key)
         return ric_yaml_wrong(r, from->key, "model.stiffness",
                               "missing; give rows such as [[9, -1], [-1, 1]], or {file: K.mtx}");
-    if ((status = read_matrix(r, &slots[M_MASS], "model.mass", &n, &raw->mass)))
+    if ((status = read_matrix(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw)))
         return status;
     raw->n = n;
-    if ((status = read_matrix(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness)))
+    if ((status = read_matrix(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness, raw)))
         return status;
     if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw)))
         return status;

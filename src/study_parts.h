@@ -14,9 +14,9 @@
 
 enum { RIC_KEY_MAX = 96 }; /* "model.contacts[12].clearance" */
 
-/* A document, the name it has in messages, and the folder that its paths are relative to. */
+/* A document with its text, the name it has in messages, and the folder that its paths are relative to. */
 typedef struct {
-    const char *label, *base;
+    const char *label, *base, *text; /* text: while it is loaded */
     yaml_document_t document;
 } ric_yaml;
 
@@ -63,6 +63,14 @@ ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const c
 /* Double-quoted YAML: what is not plainly printable is escaped, so that any text comes back as it was. */
 void ric_yaml_write(const char *text, FILE *out);
 
+/* ------------------------------------------------------------- study_words.c */
+
+/* The one of n keys that people mean by another word, the sentence for what no key is for, and what to write for a
+ * value that is none; NULL: nothing is known. */
+const char *ric_word_of_key(const char *found, int n, const char *const *keys);
+const char *ric_word_of_nothing(const char *found);
+const char *ric_word_of_value(const char *found);
+
 /* ------------------------------------------------------------- study_model.c */
 
 typedef struct {
@@ -71,6 +79,7 @@ typedef struct {
     ric_contact *contacts; /* names and normals owned */
     double restitution;
     size_t restitution_line; /* 0 if not given */
+    char remark[400];        /* what was made of the matrices that the study does not say literally; "" */
 } ric_raw_model;
 
 /* Fills `raw`, to be freed also on failure, and makes the model of it. */

@@ -91,10 +91,23 @@ static ric_status check_bytes(const ric_yaml *r, const char *text, size_t size)
     return RIC_OK;
 }
 
+/* Whether a tab is among the blanks that line `line`, from 0, begins with. */
+static bool tab_indents(const char *text, size_t line)
+{
+    for (; line > 0 && text; line--) {
+        text = strchr(text, '\n');
+        text += text != NULL;
+    }
+    return text && memchr(text, '\t', strspn(text, " \t"));
+}
+
 /* libyaml names every problem but, now and then, that of memory. */
 static ric_status parser_failed(const ric_yaml *r, const yaml_parser_t *parser)
 {
     if (parser->error == YAML_MEMORY_ERROR || !parser->problem) return ric_yaml_no_memory(r);
+    if (tab_indents(r->text, parser->problem_mark.line))
+        return wrong_at(r, parser->problem_mark.line + 1, "syntax",
+                        "a tab stands in the indentation of this line; YAML is indented by blanks, never by tabs");
     return wrong_at(r, parser->problem_mark.line + 1, "syntax",
                     "%s%s%s; check indentation, brackets and colons near column %zu",
                     parser->context ? parser->context : "", parser->context ? ", " : "", parser->problem,
@@ -175,11 +188,13 @@ static ric_status load(ric_yaml *r, const char *text, size_t size)
 
 ric_status ric_yaml_load(ric_yaml *r, const char *text, size_t size)
 {
+    r->text = text;
     ric_status status = check_bytes(r, text, size);
     if (!status)
         status = check_limits(r, text, size);
     if (!status)
         status = load(r, text, size);
+    r->text = NULL;
     return status;
 }
 
@@ -266,18 +281,38 @@ void ric_yaml_join(char out[RIC_KEY_MAX], const char *path, const char *key)
     snprintf(out, RIC_KEY_MAX, "%.60s%s%.32s", path, path[0] ? "." : "", key);
 }
 
+static size_t shared(const char *a, const char *b)
+{
+    size_t n = 0;
+    while (a[n] && a[n] == b[n]) n++;
+    return n;
+}
+
+enum { STEM = 4 }; /* letters at the beginning that make two words forms of one */
+
+/* The key that is meant: by another word, with a slip of the pen in less than half of it, or in another form. */
+static const char *meant_key(const char *found, int n, const char *const *keys)
+{
+    const char *meant = ric_word_of_key(found, n, keys);
+    int distance = 3;
+    for (int i = 0; i < n && !ric_word_of_key(found, n, keys); i++) {
+        int d = edit_distance(found, keys[i]);
+        if (d < distance && 2 * d < (int)strlen(found)) {
+            distance = d;
+            meant = keys[i];
+        }
+    }
+    for (int i = 0; i < n && !meant; i++)
+        if (shared(found, keys[i]) >= STEM) meant = keys[i];
+    return meant;
+}
+
 static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const char *path, int n,
                               const char *const *keys)
 {
     char full[RIC_KEY_MAX], all[300] = "";
-    const char *closest = NULL;
-    int distance = 3;
+    const char *closest = meant_key(ric_yaml_text(key), n, keys), *none = ric_word_of_nothing(ric_yaml_text(key));
     for (int i = 0; i < n; i++) {
-        int d = edit_distance(ric_yaml_text(key), keys[i]);
-        if (d < distance) {
-            distance = d;
-            closest = keys[i];
-        }
         size_t used = strlen(all);
         snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", keys[i]);
     }
@@ -285,6 +320,8 @@ static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const
     for (char *c = full; *c; c++)
         if (iscntrl((unsigned char)*c))
             *c = '?';
+    if (none)
+        return ric_yaml_wrong(r, key, full, "unknown key; %s; the keys here are %s", none, all);
     if (closest)
         return ric_yaml_wrong(r, key, full, "unknown key; did you mean '%s'?", closest);
     return ric_yaml_wrong(r, key, full, "unknown key; the keys here are %s", all);
@@ -365,7 +402,9 @@ ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const c
     if (!ric_yaml_is_scalar(from->value))
         return ric_yaml_wrong(r, from->value, key, "expected a word, found %s; write %s", ric_yaml_kind(from->value),
                               all);
-    return ric_yaml_wrong(r, from->value, key, "'%.40s' is not known; write %s", ric_yaml_text(from->value), all);
+    const char *meant = ric_word_of_value(ric_yaml_text(from->value));
+    return ric_yaml_wrong(r, from->value, key, "'%.40s' is not known; write %s%s%s", ric_yaml_text(from->value), all,
+                          meant ? "; you may mean " : "", meant ? meant : "");
 }
 
 /* ----------------------------------------------------------------- writing */

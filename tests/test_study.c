@@ -207,7 +207,17 @@ static void unknown_keys(void **state)
     line_refused(8, "      clearence: 1", "model.contacts[1].clearence", SAYS("unknown key", "'clearance'"));
     line_refused(15, "  impact: 3", "explore.impact", SAYS("'impacts'"));
     line_refused(15, "  colour: 3", "explore.colour", SAYS("unknown key", "start, energy, frequency, impacts"));
-    line_refused(4, "  damping: [[0]]", "model.damping", SAYS("unknown key", "mass, stiffness, contacts, restitution"));
+    line_refused(4, "  damping: [[0]]", "model.damping",
+                 SAYS("unknown key", "no damping", "mass, stiffness, contacts, restitution"));
+    line_refused(4, "  units: SI", "model.units", SAYS("unknown key", "no units", "N/mm"));
+    line_refused(8, "      gap: 1", "model.contacts[1].gap", SAYS("did you mean 'clearance'"));
+    line_refused(8, "      clearence: 1", "model.contacts[1].clearence", SAYS("did you mean 'clearance'"));
+    line_refused(8, "      cubic: 1", "model.contacts[1].cubic", SAYS("did you mean 'exponent'"));
+    line_refused(8, "      rigidity: 1", "model.contacts[1].rigidity", SAYS("the keys here are name, normal"));
+    line_refused(14, "  frequencies: [1, 2]", "explore.frequencies", SAYS("did you mean 'frequency'"));
+    line_refused(14, "  modes: [1, 2]", "explore.modes", SAYS("did you mean 'start'"));
+    line_refused(10, "      law: cubic", "model.contacts[1].law", SAYS("law: power with exponent: 3"));
+    line_refused(9, "      sides: right", "model.contacts[1].sides", SAYS("sides: upper"));
     line_refused(19, "  - {nam: C, kind: grazing, energy: 1, frequency: 1}", "names[1].nam", SAYS("'name'"));
     line_refused(20, "<<: {}", "<<", SAYS("unknown key"));
 }
@@ -263,13 +273,41 @@ static void matrices_not_symmetric(void **state)
     (void)state;
     line_refused(4, "  stiffness: [[9, -1], [-1.1, 1]]", "model.stiffness",
                  SAYS("not symmetric", "row 2, column 1 is -1.1", "row 1, column 2 is -1", "make them equal"));
+    /* what differs in the last digits is shown with them */
+    line_refused(4, "  stiffness: [[9, -1], [-1.0000001, 1]]", "model.stiffness",
+                 SAYS("row 2, column 1 is -1.0000001", "row 1, column 2 is -1;"));
+    line_refused(4, "  stiffness: [[9, -1], [0, 1]]", "model.stiffness", SAYS("half of the matrix"));
+    /* relative to what belongs to it, not to the largest entry of all */
+    refused("model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+            "  stiffness: [[1.0e10, 0, 0], [0, 3, -1.01], [0, -1, 3]]\n"
+            "  contacts: [{normal: [1, 1, 1], clearance: 1}]\n", 3, "model.stiffness", SAYS("not symmetric"));
+}
+
+/* Rounding of other programs is taken for what it is, and said where it is more than the last digits. */
+static void matrices_symmetric_up_to_rounding(void **state)
+{
+    static const char *const off[] = {"-1.000000001", "-1.0000000000000002"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        char line[80];
+        ric_study *study = NULL;
+        snprintf(line, sizeof line, "  stiffness: [[9, -1], [%s, 1]]", off[i]);
+        char *text = with_line(4, line);
+        assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
+        const double *K = ric_model_stiffness(ric_study_model(study));
+        assert_true(K[1] == K[2] && fabs(K[1] + 1) < 1e-9);
+        assert_true(i == 0 ? strstr(ric_study_remark(study), "model.stiffness is symmetric up to") != NULL
+                           : !*ric_study_remark(study));
+        ric_study_free(study);
+        free(text);
+    }
 }
 
 static void matrices_not_definite(void **state)
 {
     (void)state;
     line_refused(3, "  mass: [[2, 0], [0, -0.3]]", "model.mass",
-                 SAYS("not positive definite", "eigenvalue is -0.3", "check entry"));
+                 SAYS("not positive definite", "eigenvalue is -0.3", "check row 2, column 2, which is -0.3"));
     line_refused(3, "  mass: [[1, 2], [2, 1]]", "model.mass", SAYS("not positive definite", "-1"));
     line_refused(4, "  stiffness: [[1, 2], [2, 1]]", "model.stiffness", SAYS("not positive semidefinite"));
 }
@@ -486,7 +524,8 @@ static void broken_yaml(void **state)
     (void)state;
     refused(text, 4, "syntax", SAYS("brackets"));
     free(text);
-    line_refused(9, "\t  sides: both", "syntax", SAYS("indentation"));
+    line_refused(9, "\t  sides: both", "syntax", SAYS("a tab stands in the indentation", "blanks"));
+    line_refused(9, "      \tsides: [both", "syntax", SAYS("a tab stands"));
     line_refused(10, "  }", "syntax", SAYS("brackets"));
     refused("model: *nothing\n", 1, "syntax", SAYS("alias"));
     refused("title: a\n---\ntitle: b\n", 2, "syntax", SAYS("second document"));
@@ -650,6 +689,7 @@ int main(void)
         cmocka_unit_test(keys_given_twice),
         cmocka_unit_test(wrong_shapes),
         cmocka_unit_test(matrices_not_symmetric),
+        cmocka_unit_test(matrices_symmetric_up_to_rounding),
         cmocka_unit_test(matrices_not_definite),
         cmocka_unit_test(wrong_numbers),
         cmocka_unit_test(normals_of_zeros),

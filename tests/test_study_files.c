@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "ricochet.h"
+#include "study.h"
 
 static char folder[] = "/tmp/ricochet-study-XXXXXX";
 
@@ -104,11 +105,13 @@ static void bad_matrix_files(void **state)
     matrix_file_refused(COORDINATE "1001 1001 1\n1 1 1\n",
                         "M.mtx:2: the number of rows is '1001'; it must be a whole number from 1 to 1000");
     matrix_file_refused(COORDINATE "99999999999999999999 1 1\n", "M.mtx:2: the number of rows");
-    matrix_file_refused(COORDINATE "2 2 4\n", "M.mtx:2: the number of entries is '4'");
+    matrix_file_refused(COORDINATE "2 2 99999999\n", "M.mtx:2: the number of entries is '99999999'");
+    matrix_file_refused(COORDINATE "2 2 4\n1 1 1\n", "the file ends");
     matrix_file_refused(COORDINATE "-2 2 1\n", "the number of rows is '-2'");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n3 1 1\n", "M.mtx:4: a row is '3'");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 2 1\n", "M.mtx:4: row 1, column 2 is above the diagonal");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n1 1 1\n", "M.mtx:4: row 1, column 1 is given a second time");
+    matrix_file_refused(COORDINATE "2 2 4\n1 1 1\n2 2 1\n1 2 0.5\n2 1 0.5\n",
+                        "M.mtx:6: row 2, column 1, and row 1, column 2 as well");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1e308\n1 1 1e308\n", "M.mtx:4: the entries of row 1, column 1 have no");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n", "the file ends");
     matrix_file_refused(COORDINATE "2 2 1\n1 1 1\n2 2 1\n", "M.mtx:4: '2' follows after the last of 1 entries");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 nan\n2 2 1\n",
@@ -118,9 +121,44 @@ static void bad_matrix_files(void **state)
                         "M.mtx:4: '2.000000000000000000...' has more than");
     matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 " ZEROS "2 1\n",
                         "M.mtx:4: '00000000000000000000...' has more than");
-    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D0\n", "M.mtx:4: the entry of row 2, column 2 is '1D0'");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D\n", "M.mtx:4: the entry of row 2, column 2 is '1D'");
+    matrix_file_refused(COORDINATE "2 2 2\n1 1 1\n2 2 1D999\n", "entries must be finite");
+    matrix_file_refused("%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 1\n2 2 1\n2 1 0.5\n",
+                        "all on one side of the diagonal is zero: if this is half");
     matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1\n0.5\n0\n1\n", "not symmetric");
     matrix_file_refused("%%MatrixMarket matrix array real general\n2 2\n1 0 0\n", "the file ends");
+}
+
+static void same_as_inline(const char *mass, const char *stiffness, const char *remark)
+{
+    char path[200];
+    ric_study *study = NULL;
+    put("s.yaml", with_files);
+    put("M.mtx", mass);
+    put("K.mtx", stiffness);
+    path_of("s.yaml", path);
+    if (ric_study_read(path, &study)) print_error("%s\n", ric_detail());
+    assert_non_null(study);
+    const double M[] = {2000, 0.5, 0.5, 1}, K[] = {9, -1, -1, 1};
+    assert_memory_equal(ric_model_mass(ric_study_model(study)), M, sizeof M);
+    assert_memory_equal(ric_model_stiffness(ric_study_model(study)), K, sizeof K);
+    if (!strstr(ric_study_remark(study), remark)) print_error("%s\n", ric_study_remark(study));
+    assert_true(*remark ? strstr(ric_study_remark(study), remark) != NULL : !*ric_study_remark(study));
+    ric_study_free(study);
+}
+
+/* Fortran's exponents, the upper half instead of the lower, entries that an assembly writes one after the other. */
+static void what_other_programs_write(void **state)
+{
+    static const char M[] = COORDINATE "2 2 3\n1 1 2.0D+03\n1 2 5.0d-1\n2 2 1D0\n",
+                      K[] = COORDINATE "2 2 3\n1 1 9\n2 1 -1\n2 2 1\n";
+    (void)state;
+    same_as_inline(M, K, "");
+    same_as_inline(M, COORDINATE "2 2 5\n1 1 8\n2 1 -0.5\n1 1 1\n2 2 1\n2 1 -0.5\n",
+                   "model.stiffness: 2 entries of its file stand there before, and are added");
+    same_as_inline(COORDINATE "2 2 4\n1 1 1.D3\n1 2 .5D0\n2 2 1\n1 1 1.D+03\n", K, "model.mass: 1 entries");
+    same_as_inline("%%MatrixMarket matrix coordinate real general\n2 2 5\n1 1 2000\n1 2 0.5\n2 1 0.25\n2 2 1\n"
+                   "2 1 0.25\n", K, "model.mass: 1 entries");
 }
 
 static void matrix_paths_that_are_no_files(void **state)
@@ -162,6 +200,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(matrices_from_files),
         cmocka_unit_test(bad_matrix_files),
+        cmocka_unit_test(what_other_programs_write),
         cmocka_unit_test(matrix_paths_that_are_no_files),
         cmocka_unit_test(study_paths_that_are_no_files),
     };
