@@ -37,6 +37,9 @@ ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
     json_object_set_new(row, "points", json_integer(branch->n_point));
     json_object_set_new(row, "energy_min", cli_number(d * d * branch->energy_min));
     json_object_set_new(row, "energy_max", cli_number(d * d * branch->energy_max));
+    const double onset = ric_model_onset(model, NULL);
+    json_object_set_new(row, "relative_energy_min", cli_number(branch->energy_min / onset));
+    json_object_set_new(row, "relative_energy_max", cli_number(branch->energy_max / onset));
     json_object_set_new(row, "frequency_min", cli_number(branch->frequency_min));
     json_object_set_new(row, "frequency_max", cli_number(branch->frequency_max));
     json_object_set_new(row, "from", cli_id(branch->from));
@@ -129,8 +132,8 @@ static int run(int argc, char **argv)
 {
     static const char *const all[] = {
         "id", "label", "word", "impacts", "symmetric", "reversible", "mirror", "stable_fraction", "points",
-        "energy_min", "energy_max", "frequency_min", "frequency_max", "from", "to", "stop", "why", "junctions",
-        "junction_arclengths", "depth", "mode", NULL};
+        "energy_min", "energy_max", "relative_energy_min", "relative_energy_max", "frequency_min", "frequency_max",
+        "from", "to", "stop", "why", "junctions", "junction_arclengths", "depth", "mode", NULL};
     static const char *const few[] = {
         "id", "label", "impacts", "symmetric", "reversible", "stable_fraction", "points", "energy_min", "energy_max",
         "frequency_min", "frequency_max", "from", "to", "stop", "junctions", "depth", NULL};
@@ -161,6 +164,8 @@ const cli_command cli_branches = {
         "  junctions         ids of the junctions that the branch passes through, in order;\n"
         "                    junction_arclengths says where\n"
         "  depth             least number of departures from the start\n"
+        "  relative_energy_  energies as multiples of the onset of the lowest mode, where contacts begin to\n"
+        "                    matter to it; numbers without a unit (min and max, in --csv and --json)\n"
         "  stable_fraction   share of the arclength on which the orbits are stable\n"
         "  --physical        energies in the units of the study, not scaled by the clearance\n"
         "\n"

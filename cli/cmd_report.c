@@ -214,9 +214,22 @@ static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
     return RIC_OK;
 }
 
+/* What relative energies are multiples of; nothing for a free body, which has none. */
+static void add_onset(json_t *rows, const ric_atlas *atlas)
+{
+    char detail[120];
+    int mode;
+    const ric_model *model = ric_atlas_model(atlas);
+    const double onset = ric_model_onset(model, &mode);
+    snprintf(detail, sizeof detail, "scaled, %s mode %d; relative energies are multiples of it",
+             ric_model_n_face(model) ? "the first touch of" : "where springs are as stiff as the structure to", mode);
+    if (mode) add(rows, "onset", cli_number(onset), detail);
+}
+
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
 {
     ric_status status = add_branches(rows, atlas);
+    add_onset(rows, atlas);
     if (!status)
         status = add_departures(rows, atlas);
     if (!status)

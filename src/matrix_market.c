@@ -247,8 +247,8 @@ static ric_status read_entry(scanner *s, const header *h, bool *given, double *o
         return status;
     long at = (row - 1) * n + column - 1, across = (column - 1) * n + row - 1;
     if (h->symmetric && row != column && given[across])
-        return bad(s, "row %ld, column %ld, and row %ld, column %ld as well: whether that is one entry or the sum of two "
-                      "cannot be told; write one half of a symmetric matrix, or general in the first line", row,
+        return bad(s, "row %ld, column %ld, and row %ld, column %ld as well: whether that is one entry or the sum of "
+                      "two cannot be told; write one half of a symmetric matrix, or general in the first line", row,
                    column, column, row);
     *repeated += given[at];
     given[at] = true;

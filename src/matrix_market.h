@@ -7,8 +7,8 @@
 enum { RIC_MATRIX_MAX = 1000 }; /* rows of a dense matrix: 8 MB */
 
 /* Reads `path` into *out [*n * *n], allocated, row-major. Entries that stand there more than once are summed, as an
- * assembly writes them: *repeated is how many, may be NULL. A symmetric file may hold either half. On failure the detail is "PATH:LINE: what is wrong; what
- * would be right". */
+ * assembly writes them: *repeated is how many, may be NULL. A symmetric file may hold either half. On failure the
+ * detail is "PATH:LINE: what is wrong; what would be right". */
 ric_status ric_matrix_market_read(const char *path, int *n, double **out, long *repeated);
 /* The same from `size` bytes at `text`; text[size] must be 0. `label` stands for the file in messages. */
 ric_status ric_matrix_market_parse(const char *text, size_t size, const char *label, int *n, double **out,

@@ -27,16 +27,16 @@ static ric_status check_matrix(int n, const double *A, const char *name)
     double largest = 0;
     for (int i = 0; i < n * n; i++) {
         if (!isfinite(A[i]))
-            return ric_fail(RIC_E_INPUT, "%s matrix: the entry of row %d, column %d is not a finite number", name, i / n + 1,
-                            i % n + 1);
+            return ric_fail(RIC_E_INPUT, "%s matrix: the entry of row %d, column %d is not a finite number", name,
+                            i / n + 1, i % n + 1);
         largest = fmax(largest, fabs(A[i]));
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
             if (fabs(A[i * n + j] - A[j * n + i]) > 1e-12 * largest)
                 return ric_fail(RIC_E_INPUT,
-                                "%s matrix is not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; make "
-                                "them equal",
+                                "%s matrix is not symmetric: row %d, column %d is %.17g but row %d, column %d is "
+                                "%.17g; make them equal",
                                 name, i + 1, j + 1, A[i * n + j], j + 1, i + 1, A[j * n + i]);
     return RIC_OK;
 }

@@ -21,8 +21,8 @@ static const ric_option RIC_OPTIONS[] = {
     {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
      "linear modes to start from: modes for all, or a list such as [1, 2]"},
     {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 0}, 0, 1e18, false, "scaled energy",
-     "energy window, or auto for one that `ricochet check` shows; "
-     "a branch that begins below its lower end is followed up into it, one that comes down to it ends "
+     "energy window, auto, or multiples of an onset, {first_touch_of: 1, times: [0, 100]}; a branch that begins below "
+     "its lower end is followed up into it, one that comes down to it ends "
      "there"},
     {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0, 0}, 0, 1e12, true, "rad/s",
      "window of the frequency that belongs to the shortest period, or auto"},
@@ -43,7 +43,8 @@ static const ric_option RIC_OPTIONS[] = {
     {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
      "depart only to branches with z(t + T/2) = -z(t)"},
     {"explore", "at_energy", RIC_OPTION_NUMBERS, FIELD(at_energy), {0, 0}, 0, 1e18, true, "scaled energy",
-     "energies that become junctions of kind user on every branch that passes them, such as [1.5, 10]"},
+     "energies, or multiples of an onset, that become junctions of kind user on every branch that passes them, such as "
+     "[1.5, 10]"},
     {"explore", "at_frequency", RIC_OPTION_NUMBERS, FIELD(at_frequency), {0, 0}, 0, 1e12, true, "rad/s",
      "the same for frequencies of the orbit, such as [1.2, 1.6]"},
     {"", "tolerance", RIC_OPTION_REAL, FIELD(tolerance), {1e-12, 0}, 1e-14, 1e-4, false, "relative",
@@ -104,7 +105,8 @@ static const char *digits(const char *text)
     return text;
 }
 
-/* [-+] digits [. digits] [e [-+] digits], also with the d of Fortran, with a digit before or after the point: no hexadecimal, no blanks. */
+/* [-+] digits [. digits] [e [-+] digits], also with the d of Fortran, with a digit before or after the point: no
+ * hexadecimal, no blanks. */
 static bool is_decimal(const char *text)
 {
     text += *text == '-' || *text == '+';
@@ -416,10 +418,8 @@ static const char *type_text(ric_option_type type)
 void ric_options_document(FILE *out)
 {
     char value[64], range[64];
-    fputs("# Options of a study\n\n"
-          "Keys of the section `explore` of a study, and keys at its top. All are optional. This page is made from the "
-          "list in\n"
-          "`src/options.c`; `tests/test_options.c` compares the two.\n\n"
+    fputs("## explore\n\n"
+          "Keys of the section `explore` of a study, and one at its top. All are optional.\n\n"
           "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n", out);
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
         const ric_option *option = &RIC_OPTIONS[i];
@@ -429,7 +429,7 @@ void ric_options_document(FILE *out)
                 option->key, type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range,
                 option->unit, option->help);
     }
-    fputs("\n## Regions\n\n"
+    fputs("\n## regions\n\n"
           "Larger budgets for a part of the plane, in a list at the top of a study; `ricochet view` writes such "
           "regions into its atlas.\n\n"
           "```yaml\n"

@@ -1,4 +1,4 @@
-/* The explore options, once: the study reader, the study writer, `ricochet new` and docs/options.md are made from this
+/* The explore options, once: the study reader, the study writer, `ricochet new` and docs/study.md are made from this
  * list. */
 #ifndef RIC_OPTIONS_H
 #define RIC_OPTIONS_H
@@ -42,7 +42,8 @@ bool ric_option_is_auto(const double window[2]);
 /* The value as it stands in a study: 24, [0, 200], auto, modes. */
 void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out);
 
-/* The options of a section as commented lines of a study at their defaults; the whole of docs/options.md. */
+/* The options of a section as commented lines of a study at their defaults; sections explore and regions of
+ * docs/study.md. */
 void ric_options_template(const char *section, FILE *out);
 void ric_options_document(FILE *out);
 

@@ -27,11 +27,11 @@ static const word WORDS[] = {
     {"name", "title"}, {"description", "title"}, {"structure", "model"}, {"system", "model"}, {"options", "explore"},
 };
 
-#define NO_DAMPING "families of periodic orbits of a free motion have no damping (README); restitution below 1 is for " \
-                   "`ricochet simulate`"
+#define NO_DAMPING "families of periodic orbits of a free motion have no damping (README); restitution below 1 is " \
+                   "for `ricochet simulate`"
 #define NO_FORCE "families of periodic orbits are those of the free motion, without a force (README)"
-#define NO_UNITS "there are no units: mass, stiffness and lengths are in any that fit each other, such as kg, N/m and " \
-                 "m, or t, N/mm and mm, with seconds"
+#define NO_UNITS "there are no units: mass, stiffness and lengths are in any that fit each other, such as kg, N/m " \
+                 "and m, or t, N/mm and mm, with seconds"
 
 static const word NOTHING[] = {
     {"damping", NO_DAMPING}, {"C", NO_DAMPING}, {"zeta", NO_DAMPING}, {"loss", NO_DAMPING}, {"friction", NO_DAMPING},
