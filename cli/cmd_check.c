@@ -266,6 +266,12 @@ static void print_contact(const facts *f, int contact)
                100 * late_growth(f, contact));
 }
 
+static bool two_sided(const facts *f)
+{
+    ric_contact first;
+    return !is_smooth(f) && !ric_model_contact(f->model, 0, &first) && first.sides == RIC_SIDES_BOTH;
+}
+
 static void print_remarks(const facts *f)
 {
     int unseen = 0, unseen_rigid = 0, seen_rigid = 0;
@@ -283,9 +289,10 @@ static void print_remarks(const facts *f)
         puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are given in the frame "
              "that moves along");
     if (seen_rigid)
-        printf("%d rigid motion%s a stop sees: it has no linear touch; its family starts at the lower edge of the "
-               "energy window\n",
-               seen_rigid, plural(seen_rigid));
+        printf("%d rigid motion%s a stop sees: it has no linear touch; %s\n", seen_rigid, plural(seen_rigid),
+               f->m == 1 && two_sided(f)
+                   ? "its family starts at the lower edge of the energy window"
+                   : "no family starts from it, which takes a single contact, rigid and with both sides");
     if (ric_model_restitution(f->model) < 1)
         puts("restitution is below 1: the structure loses energy, so that `ricochet run` refuses it; `ricochet "
              "simulate` takes it");

@@ -228,6 +228,7 @@ static int explore(const ric_study *study, const char *name, const char *path, l
     d.before = before;
     d.same = before && !strcmp(ric_study_text(ric_atlas_study(before)), ric_study_text(study));
     if (*ric_study_remark(study)) cli_say("ricochet: %s: %s\n", name, ric_study_remark(study));
+    cli_windows_warn(study);
     cli_catch_signals();
     ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
     clear_progress(&d);

@@ -55,11 +55,14 @@ static bool begins(const facts *f, int i)
            f->frequency[i] >= frequency[0] && f->frequency[i] <= frequency[1];
 }
 
+/* Whether a loose mass has families to start from: before one contact with both sides. */
 static bool is_loose(const facts *f)
 {
-    for (int i = 0; i < f->n; i++)
-        if (f->seen[i] && f->frequency[i] == 0) return true;
-    return false;
+    bool loose = false;
+    ric_contact contact;
+    for (int i = 0; i < f->n; i++) loose |= f->seen[i] && f->frequency[i] == 0;
+    return loose && !f->smooth && ric_model_n_contact(f->model) == 1 && !ric_model_contact(f->model, 0, &contact) &&
+           contact.sides == RIC_SIDES_BOTH;
 }
 
 /* --------------------------------------------------------------- remarks */
@@ -100,7 +103,9 @@ static void print_left_out(const facts *f)
  * size, and under a power law the integration of as many sensitivities. */
 #define RIGID_SECONDS 2e-5
 #define SMOOTH_SECONDS 4e-3
-#define LONG 2.0 /* seconds for one branch from which on that is said */
+#define LONG 0.4 /* seconds for one branch from which on that is said */
+#define FEW_BRANCHES 20 /* that an atlas has with the default budgets, and many */
+#define MANY_BRANCHES 200
 
 static double branch_seconds(const facts *f)
 {
@@ -108,21 +113,50 @@ static double branch_seconds(const facts *f)
     return (f->smooth ? SMOOTH_SECONDS : RIGID_SECONDS) * n * n * n;
 }
 
-static void print_length(const facts *f)
+/* "4 s", "10 min", "2 h": one digit, which is all that is known. */
+static void write_duration(double seconds, size_t size, char *out)
 {
+    const double unit = seconds < 100 ? 1 : seconds < 6000 ? 60 : 3600;
+    snprintf(out, size, "%.0f %s", ceil(seconds / unit), unit == 1 ? "s" : unit == 60 ? "min" : "h");
+}
+
+/* What is said of a run that will take long; "" for others. */
+static void write_length(const facts *f, size_t size, char *out)
+{
+    char least[20], most[20];
     const double seconds = branch_seconds(f);
-    if (seconds > LONG)
-        printf("warning: a branch of %d modes takes about %.1g s, and an atlas has tens to hundreds of them; a first "
-               "run\nwith start: [1], depth: 1 and --seconds tells more. What takes the time are the modes: reduce "
-               "the structure\nto those that matter.\n",
-               ric_model_n_mode(f->model), seconds);
+    out[0] = '\0';
+    if (seconds <= LONG) return;
+    write_duration(FEW_BRANCHES * seconds, sizeof least, least);
+    write_duration(MANY_BRANCHES * seconds, sizeof most, most);
+    snprintf(out, size, "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; --seconds "
+             "S ends with what is found till then, and `start: [1]` with `depth: 1` asks for little. The work grows with "
+             "the cube of the modes: reduce the structure to those that matter",
+             ric_model_n_mode(f->model), seconds, FEW_BRANCHES, MANY_BRANCHES, least, most);
+}
+
+ric_status cli_windows_warn(const ric_study *study)
+{
+    facts f;
+    char length[500];
+    ric_status status = facts_ask(study, &f);
+    if (!status) write_length(&f, sizeof length, length);
+    if (!status && *length) cli_say("ricochet: %s\n", length);
+    facts_free(&f);
+    return status;
 }
 
 static bool any_begins(const facts *f)
 {
     for (int i = 0; i < f->n; i++)
         if (is_started(f, i) && begins(f, i)) return true;
-    return is_loose(f) && !f->smooth;
+    return is_loose(f);
+}
+
+/* Contacts of a part cannot be met at the energy of that part alone: a run departs from nothing then. */
+static bool falls_apart(const facts *f)
+{
+    return ric_model_n_part(f->model) > 1;
 }
 
 /* ----------------------------------------------------------------- check */
@@ -134,6 +168,7 @@ static const char *by(bool chosen)
 
 static void print_windows(const facts *f, const ric_study *study)
 {
+    char length[500];
     const double *energy = f->options->energy, *frequency = f->options->frequency;
     printf("\nwindows: scaled energy %.6g to %.6g%s, frequency %.6g to %.6g rad/s%s\n", energy[0], energy[1],
            by(ric_study_window_chosen(study, false)), frequency[0], frequency[1],
@@ -146,7 +181,11 @@ static void print_windows(const facts *f, const ric_study *study)
     if (!any_begins(f))
         puts("warning: the windows hold no mode that meets a contact, and a run would find linear motions only; leave "
              "out\nenergy and frequency, or write auto, for windows that do");
-    print_length(f);
+    if (falls_apart(f))
+        puts("warning: the structure falls into parts that no contact joins, and a run departs from nothing in it; "
+             "study\neach part alone");
+    write_length(f, sizeof length, length);
+    if (*length) printf("warning: %s\n", length);
 }
 
 ric_status cli_windows_print(const ric_study *study)
@@ -196,15 +235,26 @@ static bool has_impacts(const ric_atlas *atlas, const facts *f)
     return false;
 }
 
-static void say_why(const facts *f)
+/* The first refusal of a junction; "" if there is none. */
+static const char *refusal(const ric_atlas *atlas)
+{
+    ric_junction junction;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
+        if (!ric_atlas_junction(atlas, id, &junction) && junction.departures.refused) return junction.refusal;
+    return "";
+}
+
+static void say_why(const facts *f, const ric_atlas *atlas)
 {
     int lowest = -1;
     const double *energy = f->options->energy, *frequency = f->options->frequency;
     for (int i = 0; i < f->n; i++)
         if (is_started(f, i) && isfinite(f->onset[i]) && (lowest < 0 || f->onset[i] < f->onset[lowest])) lowest = i;
     if (any_begins(f)) {
-        cli_say("ricochet: no orbit that meets a contact was found, although modes meet one inside the windows; "
-                "`ricochet report` says which departures were refused or lie outside the windows\n");
+        const char *why = refusal(atlas);
+        cli_say("ricochet: no orbit that meets a contact was found, although modes meet one inside the windows%s%s; "
+                "`ricochet report` says which departures were refused or not tried\n",
+                *why ? ": " : "", why);
         return;
     }
     cli_say("ricochet: no orbit that meets a contact was found");
@@ -226,7 +276,7 @@ ric_status cli_windows_tell(const ric_atlas *atlas)
 {
     facts f;
     ric_status status = facts_ask(ric_atlas_study(atlas), &f);
-    if (!status && !has_impacts(atlas, &f)) say_why(&f);
+    if (!status && !has_impacts(atlas, &f)) say_why(&f, atlas);
     facts_free(&f);
     return status;
 }

@@ -11,7 +11,8 @@
 #define MANY 300.0
 #define LOWEST 4.0    /* and at this many times that of the lowest mode, which is looked for first: */
 #define FAR 1e4       /* unless its onset is so much higher than that of another, as near a node of the mode */
-#define LOOSE 0.01    /* the window of a loose mass, which moves at any energy, begins at so many times the onset */
+#define LOOSE 0.04    /* the window of a loose mass, which moves at any energy, begins at so many times the onset, at a
+                       * fifth of its speeds: below, families of long periods lie densely and cost most of a run */
 #define OVERTONE 5.0  /* the frequency window ends at so many times the highest mode that is met in it */
 #define PHASE 1e7     /* a mode turns less within the longest period: the limit of a run */
 #define FREE_LOW 0.1  /* gaps that a body without any spring crosses in a second, for want of another time */

@@ -144,5 +144,28 @@ print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n
 print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)) for i in range(n)))
 print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}")
 P
-ok 'check says that a run will take long' says 'warning: a branch of 120 modes takes about' check "$folder/long.yaml"
+ok 'check says that a run will take long' says 'warning: a branch of 120 modes takes about 3e+01 s, and an atlas .* 12 min to 2 h' check "$folder/long.yaml"
+begun() { # run says it, too
+    "$ricochet" run "$folder/long.yaml" --seconds 0.1 >"$folder/said" 2>&1
+    [ $? = 3 ] && grep 'a branch of 120 modes takes about' "$folder/said"
+}
+ok 'and so does the run' begun
+cat >"$folder/planes.yaml" <<'Y'
+model:
+  mass: [[0.02, 0], [0, 0.02]]
+  stiffness: [[12000, 0], [0, 13000]]
+  contacts:
+    - {normal: [1, 0], clearance: 0.15}
+    - {normal: [0, 1], clearance: 0.15}
+Y
+ok 'a structure that falls apart: check' says 'warning: the structure falls into parts' check "$folder/planes.yaml"
+ok 'and run' says 'no orbit that meets .*: the structure falls into parts that no contact joins' run "$folder/planes.yaml"
+cat >"$folder/side.yaml" <<'Y'
+model:
+  mass: [[0.12, 0], [0, 0.05]]
+  stiffness: [[6.0e+4, 0], [0, 0]]
+  contacts:
+    - {normal: [-1, 1], clearance: 0.0005, sides: lower}
+Y
+ok 'a loose mass before one side' says 'no family starts from it, which takes a single contact, rigid and with both sides' check "$folder/side.yaml"
 finish
