@@ -320,8 +320,6 @@ static int run(int argc, char **argv)
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1))
         return CLI_WRONG;
     ric_status status = ric_study_read(argv[1], &study);
-    if (!status && ric_model_restitution(ric_study_model(study)) == 1)
-        status = ric_explore_check(study);
     if (!status)
         status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
     code = cli_report(status);
@@ -343,10 +341,10 @@ const cli_command cli_check = {
         "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
         "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
         "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the\n"
-        "windows, those of the study or chosen for the model, and the modes that they leave out. What `run`\n"
-        "would refuse is refused here as well. --json and --csv give one row per mode; contact J's values are\n"
-        "normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy and\n"
-        "window_frequency.\n"
+        "windows, those of the study or chosen for the model, and the modes that they leave out, and\n"
+        "the reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's\n"
+        "values are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy\n"
+        "and window_frequency.\n"
         "\n"
         "example: ricochet check examples/elementary/study.yaml\n",
     .run = run,

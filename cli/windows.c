@@ -129,9 +129,9 @@ static void write_length(const facts *f, size_t size, char *out)
     if (seconds <= LONG) return;
     write_duration(FEW_BRANCHES * seconds, sizeof least, least);
     write_duration(MANY_BRANCHES * seconds, sizeof most, most);
-    snprintf(out, size, "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; --seconds "
-             "S ends with what is found till then, and `start: [1]` with `depth: 1` asks for little. The work grows with "
-             "the cube of the modes: reduce the structure to those that matter",
+    snprintf(out, size, "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; "
+             "--seconds S ends with what is found till then, and `start: [1]` with `depth: 1` asks for little. The work "
+             "grows with the cube of the modes: reduce the structure to those that matter",
              ric_model_n_mode(f->model), seconds, FEW_BRANCHES, MANY_BRANCHES, least, most);
 }
 
@@ -166,9 +166,17 @@ static const char *by(bool chosen)
     return chosen ? " (chosen)" : "";
 }
 
+/* What a run says to the study before it begins, beside losses, which `check` names elsewhere. */
+static bool refused(const ric_study *study, char *why, size_t size)
+{
+    const bool is = ric_model_restitution(ric_study_model(study)) == 1 && ric_explore_check(study) == RIC_E_INPUT;
+    snprintf(why, size, "%s", is ? ric_detail() : "");
+    return is;
+}
+
 static void print_windows(const facts *f, const ric_study *study)
 {
-    char length[500];
+    char length[500], why[600];
     const double *energy = f->options->energy, *frequency = f->options->frequency;
     printf("\nwindows: scaled energy %.6g to %.6g%s, frequency %.6g to %.6g rad/s%s\n", energy[0], energy[1],
            by(ric_study_window_chosen(study, false)), frequency[0], frequency[1],
@@ -178,6 +186,7 @@ static void print_windows(const facts *f, const ric_study *study)
                f->smooth ? "where the springs are as stiff as the structure in the motion" : "the first touch",
                f->reference, energy[1] / f->unit);
     print_left_out(f);
+    if (refused(study, why, sizeof why)) printf("warning: a run refuses this study: %s\n", why);
     if (!any_begins(f))
         puts("warning: the windows hold no mode that meets a contact, and a run would find linear motions only; leave "
              "out\nenergy and frequency, or write auto, for windows that do");
@@ -205,7 +214,9 @@ static json_t *pair(const double window[2])
 ric_status cli_windows_rows(const ric_study *study, json_t *rows)
 {
     facts f;
+    char why[600];
     ric_status status = facts_ask(study, &f);
+    const bool is_refused = !status && refused(study, why, sizeof why);
     json_t *row;
     size_t i;
     json_array_foreach(rows, i, row) {
@@ -219,6 +230,7 @@ ric_status cli_windows_rows(const ric_study *study, json_t *rows)
                             json_string(ric_study_window_chosen(study, false) ? "auto" : "study"));
         json_object_set_new(row, "window_frequency_by",
                             json_string(ric_study_window_chosen(study, true) ? "auto" : "study"));
+        json_object_set_new(row, "refused", is_refused ? json_string(why) : json_null());
         json_object_set_new(row, "branch_seconds", cli_number(branch_seconds(&f)));
     }
     facts_free(&f);

@@ -17,6 +17,7 @@
 #define PHASE 1e7     /* a mode turns less within the longest period: the limit of a run */
 #define FREE_LOW 0.1  /* gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_HIGH 10.0
+#define FREE_PART 1e-4 /* of the top of an energy window that is given, where frequencies begin if that begins at 0 */
 
 #define TWO_PI 6.283185307179586477
 
@@ -106,12 +107,21 @@ static void choose_energy(const ric_model *m, const range *r, double out[2])
     out[0] = rounded(out[0], floor);
 }
 
+/* Frequency of a loose mass at an energy: it crosses four gaps a period, at a speed, in gaps, of sqrt(2 E c.c). */
+static double loose_frequency(const range *r, double energy)
+{
+    return TWO_PI / 4 * sqrt(2 * energy * r->cc);
+}
+
 static void choose_frequency(const ric_model *m, const ric_explore_options *o, const range *r, double out[2])
 {
     double fastest = 0;
-    if (!isfinite(r->first)) { /* the body turns round at both sides: four gaps a period */
-        out[0] = rounded(TWO_PI / 4 * FREE_LOW, floor);
-        out[1] = rounded(TWO_PI / 4 * FREE_HIGH, ceil);
+    const bool given = !ric_option_is_auto(o->energy), below = given && r->loose && o->energy[1] < r->first;
+    if (!isfinite(r->first) || below) { /* what moves in the window are loose masses */
+        const double unit = 0.5 / r->cc, top = given ? o->energy[1] : FREE_HIGH * FREE_HIGH * unit,
+                     low = given ? fmax(o->energy[0], FREE_PART * top) : FREE_LOW * FREE_LOW * unit;
+        out[0] = rounded(loose_frequency(r, low), floor);
+        out[1] = rounded(2 * loose_frequency(r, top), ceil);
         return;
     }
     for (int i = 0; i < m->n_dof; i++)

@@ -123,16 +123,15 @@ ok 'a run there says why' says 'no orbit that meets a contact was found: mode 1 
 sed 's/energy: \[0, 50\]/energy: [0, 20000]/' "$folder/narrow.yaml" >"$folder/slow.yaml"
 ok 'and of frequencies' says 'warning: the windows hold no mode' check "$folder/slow.yaml"
 
-refused() { # PATTERN STUDY: by check as by run, with exit code 2 and no file
-    local command
-    for command in check run; do
-        "$ricochet" "$command" "$2" >"$folder/said" 2>&1
-        [ $? = 2 ] && grep -q -e "$1" "$folder/said" || { cat "$folder/said"; return 1; }
-    done
+refused() { # PATTERN STUDY: by run, with exit code 2 and no file, and check says so beforehand
+    "$ricochet" check "$2" >"$folder/said" 2>&1 && grep -q -e "warning: a run refuses this study: .*$1" "$folder/said" || { cat "$folder/said"; return 1; }
+    "$ricochet" check "$2" --json | grep -q -e "\"refused\": .*$1" || return 1
+    "$ricochet" run "$2" >"$folder/said" 2>&1
+    [ $? = 2 ] && grep -q -e "$1" "$folder/said" || { cat "$folder/said"; return 1; }
     [ ! -e "${2%.yaml}.ricochet" ]
 }
 { cat "$folder/drone.yaml"; echo 'explore: {frequency: [0.2, 10]}'; } >"$folder/fast.yaml"
-ok 'what run refuses check refuses: a mode that turns too often' refused 'mode 10 at .* turns' "$folder/fast.yaml"
+ok 'what run refuses check says: a mode that turns too often' refused 'mode 10 at .* turns' "$folder/fast.yaml"
 sed 's/clearance: 1.0e-3/clearance: 1.0e-3, law: bilinear, stiffness: 1.0e+5/' "$folder/free.yaml" >"$folder/loose.yaml"
 ok 'a loose mass against a spring' refused 'no closed form' "$folder/loose.yaml"
 { cat "$folder/chain.yaml"; echo 'explore: {energy: {first_touch_of: 1, times: [0, 20]}, impacts: 4, depth: 1}'; } >"$folder/times.yaml"

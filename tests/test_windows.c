@@ -159,6 +159,12 @@ static void loose_masses(void **state)
     assert_true(o->energy[0] > 0 && o->energy[0] < 25000 && o->energy[1] > 25000);
     assert_true(o->frequency[0] > 10 && o->frequency[0] < 223 && o->frequency[1] > 223);
     ric_study_free(study);
+    /* an energy window that is given below all touches is the loose mass's own: 2 pi / 4 sqrt(2 E c.c) */
+    study = parse("  mass: [[1, 0], [0, 0.3]]\n  stiffness: [[5.0e4, 0], [0, 0]]\n"
+                  "  contacts: [{normal: [1, -1], clearance: 1.0e-3}]\n", "explore: {energy: [0.1, 10]}\n");
+    o = ric_study_options(study);
+    assert_true(o->frequency[0] > 1 && o->frequency[0] < 1.29 && o->frequency[1] > 12.8 && o->frequency[1] < 28);
+    ric_study_free(study);
     study = parse("  mass: [[0.3]]\n  stiffness: [[0]]\n  contacts: [{normal: [1], clearance: 1.0e-3}]\n", "");
     assert_true(isnan(ric_model_onset(ric_study_model(study), &mode)) && mode == 0);
     assert_true(ric_study_options(study)->energy[0] > 0);
