@@ -69,7 +69,8 @@ int cli_list(const cli_listing *listing, int argc, char **argv);
 
 /* What `ricochet report` lists: rows with item, value and detail. */
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);
-/* Of the windows of a study: what `run` says first, of one that will take long; what `check` prints, and adds to its rows, one per mode; and what `run` says of an atlas
+/* Of the windows of a study: what `run` says first, of one that will take long; what `check` prints, and adds to its
+ * rows, one per mode; and what `run` says of an atlas
  * without an orbit that meets a contact. */
 ric_status cli_windows_warn(const ric_study *study);
 ric_status cli_windows_print(const ric_study *study);

@@ -573,7 +573,8 @@ typedef struct {
 
 /* RIC_E_INPUT, with the reason and the remedy, for a study that ric_explore would refuse. */
 ric_status ric_explore_check(const ric_study *study);
-/* Explores the study into the atlas file `path`, which is created, continued or extended. */
+/* Explores the study into the atlas file `path`, which is created, continued or extended. Where progress asks to stop,
+ * the work is kept, and the tables are those that came farthest of this run and earlier ones. */
 ric_status ric_explore(const ric_study *study, const char *path, const ric_run_options *run);
 
 /* ------------------------------------------------------------------ verify */

@@ -1,5 +1,6 @@
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "chart.h"
 #include "graph.h"
@@ -125,9 +126,30 @@ out:
     return status;
 }
 
+/* An unfinished atlas that has not come as far as an earlier run of the same study does not take its place. */
+static bool has_come_as_far(void *user, const ric_atlas *unfinished)
+{
+    const ric_atlas *before = user;
+    return !before || ric_atlas_contains(unfinished, before);
+}
+
+/* What the file has of the same study, or NULL. */
+static ric_atlas *read_before(const ric_study *study, const char *path)
+{
+    ric_atlas *before = NULL;
+    if (ric_atlas_read(path, &before)) return NULL; /* the run itself says what is wrong with it */
+    if (!strcmp(ric_study_text(ric_atlas_study(before)), ric_study_text(study))) return before;
+    ric_atlas_free(before);
+    return NULL;
+}
+
 ric_status ric_explore(const ric_study *study, const char *path, const ric_run_options *run)
 {
-    return ric_explore_with(study, path, run, &(ric_explore_more){0}, NULL);
+    ric_atlas *before = read_before(study, path);
+    ric_status status = ric_explore_with(study, path, run,
+                                         &(ric_explore_more){.worth = has_come_as_far, .user = before}, NULL);
+    ric_atlas_free(before);
+    return status;
 }
 
 /* --------------------------------------------------------- at the other end */

@@ -1,5 +1,6 @@
 /* Runs that are stopped again and again, in the midst of whatever they do: each comes a step further, what it leaves is
- * an atlas, and the last one ends with the bits of a run that nobody has disturbed. */
+ * an atlas with no less than there was before, and the last one ends with the bits of a run that nobody has
+ * disturbed. */
 #include "stored_atlases.h"
 
 #include "depart.h"
@@ -43,7 +44,7 @@ static int count_unmeasured(const ric_atlas *atlas)
 /* The number of stops until the run has come to its end; *unmeasured: of them with labels left. */
 static int run_in_pieces(const ric_study *study, const char *path, int workers, int *unmeasured)
 {
-    int stops = 0;
+    int stops = 0, most = 0;
     for (ric_status status = RIC_E_INTERRUPTED; status; stops++) {
         impatience i = {.after = stops % 7 * stops % 5};
         const ric_run_options options = {.workers = workers, .progress = impatient, .user = &i};
@@ -52,6 +53,9 @@ static int run_in_pieces(const ric_study *study, const char *path, int workers, 
         ric_atlas *atlas = read_back(path);
         assert_int_equal(ric_atlas_finished(atlas), status == RIC_OK);
         *unmeasured += count_unmeasured(atlas) > 0;
+        if (status && ric_atlas_n_branch(atlas) < most)
+            fail_msg("%d branches after %d stops, where there have been %d", ric_atlas_n_branch(atlas), stops, most);
+        most = ric_atlas_n_branch(atlas);
         ric_atlas_free(atlas);
         if (stops > 3000) fail_msg("stopped %d times, and no end", stops);
     }
