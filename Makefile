@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
+.PHONY: help setup setup-tests build python demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -20,6 +20,7 @@ help:
 	@echo "make bench     build and measure the speed"
 	@echo "make time      what is promised about time, on a machine that does nothing else"
 	@echo "make build     build the program and the library in $(BUILD)/"
+	@echo "make python    build, install what the Python package needs, and leave it ready in python/"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
@@ -57,6 +58,11 @@ comma := ,
 
 build: $(BUILD)/build.ninja
 	@ninja -C $(BUILD) --quiet
+
+python: build
+	@tools/setup python
+	@ln -sfn $(abspath $(BUILD))/src/libricochet.so python/ricochet/libricochet.so
+	@tools/python -c 'import ricochet; print("ricochet", ricochet.__version__, "is ready: PYTHONPATH=python python3, or pip install .")'
 
 demo: build
 	@mkdir -p $(DEMO)

@@ -1,0 +1,397 @@
+"""Atlases: branches, and the junctions where they meet."""
+from __future__ import annotations
+
+import difflib
+import os
+from typing import Iterator, List, Optional, Union
+
+from ._library import RangeError, check, copy_of, detail, ffi, fields_of, filled, lib, pointer, text_of, word_of
+import numpy as np
+
+from ._model import Model
+from ._orbit import Orbit
+from ._show import Markup, curve, table, text_table
+
+
+class Listing(tuple):
+    """Branches or junctions in the order of their ids: a tuple that shows itself as a table.
+
+    `column("energy_min")` is an array with one number of all of them.
+    """
+
+    def column(self, name: str) -> np.ndarray:
+        """[len] an attribute of all of them."""
+        return np.array([getattr(one, name) for one in self])
+
+    def _rows(self, markup: bool) -> list:
+        return [one._row(markup) for one in self]
+
+    def __repr__(self) -> str:
+        return text_table(self[0]._HEADING, self._rows(False)) if self else "none"
+
+    def _repr_html_(self) -> str:
+        return table(self[0]._HEADING + [""], self._rows(True)) if self else "none"
+
+
+class Junction:
+    """A place where branches meet, or where one has an extremum.
+
+    Attributes
+    ----------
+    id : int, from 1
+    kind : start, grazing, corner, extremum, branch-point, multiplication, period-extremum or user
+    label : str, such as G1_2,4 or C1_32; name : str, from the study
+    energy : float, scaled; frequency : float, rad/s, where it is drawn (omega / q of a q-tupling)
+    impacts, letters, grazings : int
+    multiple : int, q of a q-tupling, else 1
+    rotation : (p, q) or None
+    a, b : int or None
+        Multiplicities of the article's C_ab; `decided` whether they are measured.
+    refusal : str
+        Why departures were refused.
+    """
+
+    _HEADING = ["id", "label", "name", "kind", "energy", "frequency", "branches", "open departures"]
+
+    def __init__(self, atlas: Atlas, number: int):
+        self.atlas, self._raw = atlas, ffi.new("ric_junction *")
+        check(lib.ric_atlas_junction(atlas._handle, number, self._raw))
+        self.__dict__.update({name: value for name, value in fields_of(self._raw[0]).items() if name != "n_branch"})
+        self.kind = text_of(lib.ric_kind_text(self._raw.kind))
+        self.rotation = tuple(self.rotation) if self.rotation[1] else None
+        if not (self.a or self.b):
+            self.a = self.b = self.decided = None
+
+    @property
+    def word(self) -> str:
+        """Faces that the orbit hits in one period."""
+        return word_of(self.atlas.model._handle, self.letters, self._raw.word)
+
+    @property
+    def state(self) -> np.ndarray:
+        """[2 n_dof] x, then v (1/s), scaled, of the original orbit right after its first impact."""
+        return copy_of(self._raw.state, 2 * self.atlas.model.n_dof)
+
+    @property
+    def flights(self) -> np.ndarray:
+        """[max(letters, 1)], s."""
+        return copy_of(self._raw.flights, max(1, self.letters))
+
+    @property
+    def branches(self) -> Listing:
+        """The branches that end at it or pass it."""
+        ids = copy_of(self._raw.branches, self._raw.n_branch, np.intc)
+        return Listing(self.atlas.branches[i - 1] for i in ids)
+
+    @property
+    def departures(self) -> dict:
+        """What became of them: taken, known, inadmissible, over_budget and refused; `over` counts by budget."""
+        counts = fields_of(self._raw.departures)
+        over = counts.pop("over")
+        counts["over"] = {text_of(lib.ric_budget_text(i)): count for i, count in enumerate(over) if count}
+        return counts
+
+    @property
+    def title(self) -> str:
+        """Its name, or else its label."""
+        return self.name or self.label
+
+    def _row(self, markup: bool) -> list:
+        row = [self.id, self.label, self.name, self.kind, self.energy, self.frequency,
+               " ".join(branch.label for branch in self.branches), self.departures["over_budget"]]
+        return row + [""] * markup
+
+    def __repr__(self) -> str:
+        return (f"Junction {self.id} {self.label}{f' ({self.name})' if self.name else ''}: {self.kind}, energy "
+                f"{self.energy:.10g}, frequency {self.frequency:.10g} rad/s, {len(self.branches)} branches")
+
+    def _repr_html_(self) -> str:
+        return table(self._HEADING, [self._row(False)])
+
+
+class Branch:
+    """A family of periodic orbits of one word and one symmetry.
+
+    Attributes
+    ----------
+    id : int, from 1
+    label : str, such as S2-[01]
+    impacts, letters : int, of one period
+    symmetric, reversible : bool
+    mirror : str
+        Mirror points, "" if not reversible.
+    stable_fraction : float
+    energy_min, energy_max : float, scaled; frequency_min, frequency_max : float, rad/s
+    stop : str
+        Why its far end is where it is: junction, corner, window, budget, closed or failed; `why` a sentence.
+    depth : int
+        Departures from the start.
+    mode : int
+        Of linear modes and backbones, from 1, else 0.
+
+    The numbers of its points are arrays [n_point]: arclength, energy (scaled), frequency (rad/s), period (s), trace
+    (lambda + 1/lambda, n = 2), log_trace, rotation (gamma of multipliers exp(+-2 pi i gamma)), reach (gap over clearance),
+    approach (scaled speed), residual (relative); stable and undecided (bool); state [n_point, 2 n_dof], flights
+    [n_point, max(letters, 1)], multipliers [n_point, 2 (n_mode - 1)]. They are read once, by one copy, and cannot be
+    written to.
+    """
+
+    _HEADING = ["id", "label", "impacts", "points", "stable share", "energy", "frequency", "from", "to"]
+
+    def __init__(self, atlas: Atlas, number: int):
+        self.atlas, self._raw, self._columns = atlas, ffi.new("ric_branch *"), {}
+        check(lib.ric_atlas_branch(atlas._handle, number, self._raw))
+        hidden = ("n_point", "n_junction", "from", "to")
+        self.__dict__.update({name: value for name, value in fields_of(self._raw[0]).items() if name not in hidden})
+        self.stop = text_of(lib.ric_stop_text(self._raw.stop))
+
+    def __len__(self) -> int:
+        return self._raw.n_point
+
+    def _column(self, name: str) -> np.ndarray:
+        if name not in self._columns:
+            width, key = ffi.new("int *"), name.encode()
+            check(lib.ric_atlas_column(self.atlas._handle, self.id, key, width, ffi.NULL))
+            shape = (len(self), width[0]) if name in ("state", "flights") else len(self)
+            array = filled(shape, lambda out: lib.ric_atlas_column(self.atlas._handle, self.id, key, width, out))
+            array.flags.writeable = False
+            self._columns[name] = array
+        return self._columns[name]
+
+    arclength = property(lambda self: self._column("arclength"), doc="[n_point]")
+    energy = property(lambda self: self._column("energy"), doc="[n_point], scaled")
+    frequency = property(lambda self: self._column("frequency"), doc="[n_point], rad/s")
+    period = property(lambda self: self._column("period"), doc="[n_point], s")
+    trace = property(lambda self: self._column("trace"), doc="[n_point] lambda + 1/lambda; NaN for n_mode != 2")
+    log_trace = property(lambda self: self._column("log_trace"), doc="[n_point] log |trace|, without overflow")
+    rotation = property(lambda self: self._column("rotation"), doc="[n_point] gamma in [0, 1); NaN off the unit circle")
+    reach = property(lambda self: self._column("reach"), doc="[n_point] largest gap over clearance in flight")
+    approach = property(lambda self: self._column("approach"), doc="[n_point] smallest speed of approach, scaled, 1/s")
+    residual = property(lambda self: self._column("residual"), doc="[n_point] relative")
+    state = property(lambda self: self._column("state"), doc="[n_point, 2 n_dof] x, then v (1/s), scaled")
+    flights = property(lambda self: self._column("flights"), doc="[n_point, max(letters, 1)], s")
+
+    @property
+    def stable(self) -> np.ndarray:
+        """[n_point] bool; what is not stable is unstable or undecided."""
+        return self._column("stable") == lib.RIC_STABLE_YES
+
+    @property
+    def undecided(self) -> np.ndarray:
+        """[n_point] bool: on the border within rounding."""
+        return self._column("stable") == lib.RIC_STABLE_UNDECIDED
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """[n_point, 2 (n_mode - 1)] complex, computed from the stored orbits when asked for; NaN where they are lost."""
+        if "multipliers" not in self._columns:
+            array = np.full((len(self), max(0, 2 * (self.atlas.model.n_mode - 1))), complex(np.nan, np.nan))
+            for i in range(len(self)):
+                try:
+                    array[i] = self.point(i).multipliers
+                except ArithmeticError:
+                    pass
+            array.flags.writeable = False
+            self._columns["multipliers"] = array
+        return self._columns["multipliers"]
+
+    @property
+    def word(self) -> str:
+        """The faces that are hit in one period: 0-9a-z, numbers with dots beyond."""
+        return word_of(self.atlas.model._handle, self.letters, self._raw.word)
+
+    @property
+    def ends(self) -> tuple:
+        """The junctions at its first and at its last point, None where there is none."""
+        return tuple(self.atlas.junctions[i - 1] if i else None for i in (getattr(self._raw, "from"), self._raw.to))
+
+    @property
+    def junctions(self) -> Listing:
+        """The junctions between its ends, in their order; `junction_arclengths` says where."""
+        ids = copy_of(self._raw.junctions, self._raw.n_junction, np.intc)
+        return Listing(self.atlas.junctions[i - 1] for i in ids)
+
+    @property
+    def junction_arclengths(self) -> np.ndarray:
+        """[len(junctions)]"""
+        return copy_of(self._raw.junction_at, self._raw.n_junction)
+
+    def _find(self, at: int, value: float) -> List[Orbit]:
+        n, out = ffi.new("int *"), ffi.new("ric_orbit ***")
+        check(lib.ric_orbit_find(self.atlas._handle, self.id, at, value, n, out))
+        count, array = n[0], out[0]
+        owner = ffi.gc(array, lambda orbits: lib.ric_orbits_free(count, orbits))
+        return [Orbit(self, array[i], owner) for i in range(count)]
+
+    def point(self, i: int) -> Orbit:
+        """The orbit of stored point i, from 0; -1 is the last one."""
+        return self._find(lib.RIC_AT_POINT, i + len(self) if i < 0 else i)[0]
+
+    def orbits(self, energy: Optional[float] = None, frequency: Optional[float] = None) -> List[Orbit]:
+        """Every orbit of a scaled energy, or of a frequency in rad/s, in the order of the branch."""
+        if (energy is None) == (frequency is None):
+            raise TypeError("give either energy=E, scaled, or frequency=F in rad/s")
+        at, value = (lib.RIC_AT_ENERGY, energy) if frequency is None else (lib.RIC_AT_FREQUENCY, frequency)
+        return self._find(at, value)
+
+    def orbit(self, energy: Optional[float] = None, frequency: Optional[float] = None,
+              which: Optional[int] = None) -> Orbit:
+        """The orbit of a scaled energy, or of a frequency in rad/s; `which`, from 0, if there are several."""
+        found = self.orbits(energy, frequency)
+        if which is not None and -len(found) <= which < len(found):
+            return found[which]
+        if which is None and len(found) == 1:
+            return found[0]
+        asked = f"energy {energy:.12g}" if frequency is None else f"frequency {frequency:.12g}"
+        low, high = (self.energy_min, self.energy_max) if frequency is None else (self.frequency_min, self.frequency_max)
+        if not found:
+            raise RangeError(f"branch {self.id} {self.label} has no orbit of {asked}; it runs from {low:.12g} to {high:.12g}")
+        raise RangeError(f"branch {self.id} {self.label} has {len(found)} orbits of {asked}: give which=0 to "
+                         f"{len(found) - 1}, or take them all with orbits()")
+
+    def _row(self, markup: bool) -> list:
+        ends = [end.title if end else "" for end in self.ends]
+        if not ends[1]:
+            ends[1] = self.stop
+        row = [self.id, self.label, self.impacts, len(self), self.stable_fraction,
+               f"{self.energy_min:.5g} to {self.energy_max:.5g}", f"{self.frequency_min:.5g} to {self.frequency_max:.5g}",
+               *ends]
+        return row + [Markup(self._picture(90, 24))] * markup
+
+    def _picture(self, width: int, height: int) -> str:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            energy = np.log10(self.energy)
+        return curve(np.where(np.isfinite(energy), energy, np.nanmin(energy[np.isfinite(energy)], initial=0)),
+                     self.frequency, self.stable, width, height)
+
+    def __repr__(self) -> str:
+        return (f"Branch {self.id} {self.label}: {self.impacts} impacts, {len(self)} points, energy {self.energy_min:.6g} to "
+                f"{self.energy_max:.6g}, frequency {self.frequency_min:.6g} to {self.frequency_max:.6g} rad/s, stable share "
+                f"{self.stable_fraction:.3g}")
+
+    def _repr_html_(self) -> str:
+        return f"{table(self._HEADING, [self._row(False)])}{self._picture(240, 90)}"
+
+
+class Atlas:
+    """An atlas file: branches of periodic orbits, and the junctions where they meet.
+
+    It is read as a whole when it is opened; the file is not held open. Lengths are scaled by d of the first contact and
+    energies by d^2 (`model.length`); times are in s, frequencies in rad/s.
+
+    Parameters
+    ----------
+    path : str
+
+    Attributes
+    ----------
+    branches, junctions : Listing
+        In the order of their ids, from 1: branches[0].id is 1.
+    """
+
+    def __init__(self, path: Union[str, os.PathLike]):
+        out = ffi.new("ric_atlas **")
+        check(lib.ric_atlas_read(os.fsencode(path), out))
+        self.path = os.fspath(path)
+        self._handle = ffi.gc(out[0], lib.ric_atlas_free)
+        self.model = Model._borrow(lib.ric_atlas_model(self._handle), self._handle)
+        self.branches = Listing(Branch(self, i + 1) for i in range(lib.ric_atlas_n_branch(self._handle)))
+        self.junctions = Listing(Junction(self, i + 1) for i in range(lib.ric_atlas_n_junction(self._handle)))
+
+    @property
+    def study(self):
+        """The study that it was made from."""
+        from ._study import Study
+        return Study._borrow(lib.ric_atlas_study(self._handle), self._handle)
+
+    @property
+    def finished(self) -> bool:
+        """False if the run was stopped before its end; `explore` with the same study and path goes on."""
+        return lib.ric_atlas_finished(self._handle)
+
+    def __len__(self) -> int:
+        return len(self.branches)
+
+    def __iter__(self) -> Iterator[Branch]:
+        return iter(self.branches)
+
+    def branch(self, which: Union[int, str]) -> Branch:
+        """A branch by its id, its label or its key."""
+        return _choose(self.branches, which, "branch", ("label", "key"))
+
+    def junction(self, which: Union[int, str]) -> Junction:
+        """A junction by its id, its name, its label or its key."""
+        return _choose(self.junctions, which, "junction", ("name", "label", "key"))
+
+    def verify(self, all: bool = False, branch: Optional[int] = None, workers: int = 1, progress: Optional[bool] = None):
+        """Replays stored orbits with an independent simulator, and computes anew what is stored with them.
+
+        Parameters
+        ----------
+        all : bool
+            Every stored point, instead of eight of each branch.
+        branch : int
+            Only this one.
+        workers : int
+            How many at a time.
+
+        Returns
+        -------
+        Verification
+        """
+        from ._verify import verify
+        return verify(self, all, branch, workers, progress)
+
+    def hunt(self, energy: float, impacts: int = 6, period: Optional[float] = None, progress: Optional[bool] = None,
+             compare: bool = True, **options):
+        """Looks for all periodic orbits of one scaled energy by brute force, and tells which of them the atlas lacks.
+
+        For structures of which rigid stops see two modes. What is not found is not proved to be absent.
+
+        Parameters
+        ----------
+        energy : float, scaled
+        impacts : int
+            Longest word, at most 24.
+        period : float, s
+            Longest period; unless given, what the frequency window of the study allows.
+        compare : bool
+            Whether to compare with the atlas.
+        options
+            lines, rows, row, random, seed: how densely is looked; see `ricochet hunt --help`.
+
+        Returns
+        -------
+        Hunt
+        """
+        from ._hunt import hunt
+        return hunt(self, energy, impacts, period, progress, compare, options)
+
+    def _head(self) -> str:
+        return (f"Atlas {self.path}: {self.study.title}, {len(self.branches)} branches, {len(self.junctions)} junctions"
+                f"{'' if self.finished else ', not finished'}")
+
+    def __repr__(self) -> str:
+        return f"{self._head()}\n{self.branches!r}"
+
+    def _repr_html_(self) -> str:
+        import html
+        return f"<b>{html.escape(self._head())}</b>{self.branches._repr_html_()}"
+
+
+def _choose(listing: Listing, which, what: str, names: tuple):
+    """By id, or by the first of `names` that fits."""
+    if isinstance(which, (int, np.integer)) and not isinstance(which, bool):
+        if 1 <= which <= len(listing):
+            return listing[which - 1]
+        raise RangeError(f"no {what} {which}: the numbers run from 1 to {len(listing)}")
+    for name in names:
+        found = [one for one in listing if which and getattr(one, name, None) == which]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise RangeError(f"{len(found)} {what}s have the {name} '{which}': give one of the ids "
+                             f"{', '.join(str(one.id) for one in found)}")
+    known = [text for one in listing for text in (getattr(one, name, None) for name in names) if text]
+    near = difflib.get_close_matches(str(which), known, 3, 0.5)
+    raise RangeError(f"no {what} '{which}'" + (f"; there is {', '.join(dict.fromkeys(near))}" if near else ""))

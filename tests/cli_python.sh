@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# The Python package: explorations, reduction, pictures, its documentation, and pip without a network.
+set -u
+. tests/tap.sh
+
+# An instrumented library cannot be loaded by a program that is not.
+if sanitized; then
+    echo '1..0 # SKIP the library is instrumented, and Python is not'
+    exit 77
+fi
+if ! tools/python -c '' 2>"$folder/missing"; then
+    echo "1..0 # SKIP $(cat "$folder/missing")"
+    exit 77
+fi
+export MPLBACKEND=Agg MPLCONFIGDIR=$folder/matplotlib RICOCHET_LIBRARY=$(dirname "$ricochet")/src/libricochet.so
+
+# part MODULE NAME: a file of tests in Python, with what it prints
+part()
+{
+    if tools/python -with "$1" -c '' 2>/dev/null; then
+        RICOCHET=$ricochet ok "$2" tools/python -with "$1" "tests/python/$2.py"
+        grep '^#' "$folder/log" 2>/dev/null
+    else
+        left_out "$2" "no Python with $1"
+    fi
+}
+part scipy test_explore
+part scipy test_reduce
+part matplotlib test_plot
+
+documented() { tools/python tools/python-reference | diff docs/python.md -; }
+ok 'docs/python.md is what tools/python-reference makes of the package' documented
+
+# pip builds and installs it without a network, and what is installed works far from the tree.
+python=$(tools/python -c 'import sys; print(sys.executable)')
+if "$python" -m pip --version >/dev/null 2>&1; then
+    ok 'pip install . needs no network' "$python" -m pip install --quiet --no-index --no-deps --target "$folder/installed" .
+    installed() { cd "$folder" && unset RICOCHET_LIBRARY && PYTHONPATH=$folder/installed "$python" -c '
+import ricochet, sys
+from ricochet import _library
+assert _library.library_path.startswith(sys.argv[1]), _library.library_path
+ricochet.Model([[1]], [[1]], [dict(normal=[1], clearance=1)])' "$folder/installed"; }
+    ok 'the installed package has its own library' bash -c "$(declare -f installed); folder='$folder' python='$python'; installed"
+else
+    left_out 'pip install .' "no pip for $python"
+fi
+missing() { RICOCHET_LIBRARY=/nowhere tools/python -c 'import ricochet' 2>&1 | grep -q 'RICOCHET_LIBRARY names /nowhere'; }
+ok 'a library that is not there is told' missing
+finish

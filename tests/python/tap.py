@@ -1,0 +1,43 @@
+"""TAP lines for the tests of the Python package: each is a function, and what it raises is shown."""
+import os
+import sys
+import tempfile
+import traceback
+
+PROGRAM = os.environ.get("RICOCHET", "build/ricochet")
+LONG = os.environ.get("RICOCHET_TEST_LONG", "0") != "0"
+os.environ.setdefault("MPLBACKEND", "Agg")
+os.environ.setdefault("RICOCHET_LIBRARY", os.path.join(os.path.dirname(os.path.abspath(PROGRAM)), "src", "libricochet.so"))
+
+
+class Skip(Exception):
+    """Why a test is left out."""
+
+
+def raises(kind, text, call, *arguments, **options):
+    """The call raises this, and says that."""
+    try:
+        call(*arguments, **options)
+    except kind as failure:
+        assert text in str(failure), f"'{text}' is not in: {failure}"
+        return failure
+    raise AssertionError(f"{kind.__name__} was not raised")
+
+
+def run(tests):
+    """Every test gets a folder of its own."""
+    failed = 0
+    for number, test in enumerate(tests, 1):
+        name = (test.__doc__ or test.__name__).strip().splitlines()[0]
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                test(folder)
+            print(f"ok {number} - {name}", flush=True)
+        except Skip as reason:
+            print(f"ok {number} - {name} # SKIP {reason}", flush=True)
+        except BaseException:
+            failed += 1
+            print(f"not ok {number} - {name}", flush=True)
+            print("\n".join("# " + line for line in traceback.format_exc().splitlines()), flush=True)
+    print(f"1..{len(tests)}")
+    sys.exit(1 if failed else 0)
