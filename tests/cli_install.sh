@@ -36,6 +36,8 @@ orbit() { "$folder/orbit" "$folder/two-masses.ricochet" 1.5 | grep -q "^branch 3
 ok "an orbit at an energy" orbit
 period() { "$folder/orbit" "$folder/two-masses.ricochet" 1.5 | awk 'NR == 2 { a = $2 } END { exit !($2 - a < 1e-9 && a - $2 < 1e-9) }'; }
 ok "it comes back after its period" period
+hunted() { "$folder/hunt" "$folder/two-masses.ricochet" 5 | grep -c ' known' | grep -qx '[2-9]'; }
+ok "a hunt finds orbits of the atlas again" hunted
 # from -2 the mass is at the stop, 1, after 2 pi / 3, with the speed sqrt(4 - 1)
 first() { "$folder/simulation" | head -n 1 | awk '{ exit !($3 + 0 > 2.094394 && $3 + 0 < 2.094396 && $5 > 1.732050 && $5 < 1.732052) }'; }
 ok "the simulation has its first impact where it should" first
