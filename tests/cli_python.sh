@@ -44,6 +44,13 @@ ricochet.Model([[1]], [[1]], [dict(normal=[1], clearance=1)])' "$folder/installe
 else
     left_out 'pip install .' "no pip for $python"
 fi
+# The first python3 on PATH finds the packages of Debian, if it is of the same version.
+fits() { [ "$(python3 -c 'import sys; print(sys.version_info[:2])')" = "$(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])')" ]; }
+if fits 2>/dev/null && /usr/bin/python3 -c 'import numpy, cffi' 2>/dev/null; then
+    ok 'PYTHONPATH=python python3' env PYTHONPATH=python PYTHONDONTWRITEBYTECODE=1 python3 -c 'import ricochet; ricochet.Model'
+else
+    left_out 'PYTHONPATH=python python3' 'it is of another version than /usr/bin/python3, or that has no NumPy and cffi'
+fi
 missing() { RICOCHET_LIBRARY=/nowhere tools/python -c 'import ricochet' 2>&1 | grep -q 'RICOCHET_LIBRARY names /nowhere'; }
 ok 'a library that is not there is told' missing
 finish

@@ -5,6 +5,7 @@ library is loaded before NumPy, because a process has one LAPACK and the first o
 those of the program, bit for bit, with the reference LAPACK only.
 """
 import ctypes.util
+import glob
 import os
 import re
 import sys
@@ -89,17 +90,20 @@ def _check_version(header: str, header_path: str, path: str) -> None:
 
 
 def _check_linear_algebra() -> None:
-    """Another LAPACK than the reference one, loaded before, takes its place in the whole process."""
-    try:
-        with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
-            loaded = {line.split()[-1] for line in maps if re.search(r"openblas|libblis|mkl|atlas", line.rsplit("/")[-1])}
-    except OSError:
+    """Another LAPACK than the reference one, loaded before, takes its place in the whole process.
+
+    Debian keeps the reference libraries in folders of their own, blas/ and lapack/, where the library looks for them;
+    elsewhere nothing is known, and nothing said.
+    """
+    if not glob.glob("/usr/lib/*/lapack/liblapack.so.3"):
         return
-    shared = {path for path in loaded if re.search(r"lib(blas|lapack)\.so", os.path.basename(path)) or "openblas" in path
-              and "numpy.libs" not in path and "scipy.libs" not in path}
-    if shared:
-        warnings.warn(f"{sorted(shared)[0]} was loaded before ricochet: the last digits may differ from those of the "
-                      "program; import ricochet before NumPy", RuntimeWarning, stacklevel=4)
+    with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
+        loaded = sorted({line.split()[-1] for line in maps if re.search(r"/lib(blas|lapack)\.so[^/]*$", line.rstrip())})
+    for path in loaded:
+        if os.path.basename(os.path.dirname(path)) not in ("blas", "lapack"):
+            warnings.warn(f"{path} was loaded before ricochet: the last digits may differ from those of the program; import "
+                          "ricochet before NumPy and SciPy", RuntimeWarning, stacklevel=4)
+            return
 
 
 def _load():

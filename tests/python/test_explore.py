@@ -1,13 +1,18 @@
 """Explorations from Python: the same atlas, Ctrl-C, errors, and how objects show themselves."""
+import contextlib
+import glob
+import io
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
 
-from tap import PROGRAM, raises, run
+from tap import PROGRAM, Skip, raises, run
 
 import ricochet
+from ricochet._running import Bar
 import numpy as np
 
 STUDY = "examples/symmetric-path/study.yaml"
@@ -219,7 +224,7 @@ def test_copies(folder):
     assert orbit.at(0.1)[0].shape == (2,) and study.model.n_dof == 2 and noise
 
 
-def test_program_is_not_needed(folder):
+def test_few_packages(folder):
     """the package needs neither SciPy nor matplotlib until it is asked for what they do"""
     code = ("import sys; sys.modules['scipy'] = sys.modules['matplotlib'] = None\n"
             "import ricochet; print(ricochet.explore.__name__)\n"
@@ -228,5 +233,31 @@ def test_program_is_not_needed(folder):
     assert done.stdout.split("\n")[:2] == ["explore", "no reduce"], done
 
 
+def test_bar(folder):
+    """a progress bar is drawn on a terminal, taken away at the end, and never where none is wanted"""
+    with contextlib.redirect_stderr(io.StringIO()) as terminal:
+        bar = Bar(True)
+        bar.show(0.5, "12 branches")
+        bar.close()
+    assert "[############............] 12 branches" in terminal.getvalue() and terminal.getvalue().endswith("\r\033[K")
+    for wanted in (None, False):  # None: a StringIO is no terminal
+        with contextlib.redirect_stderr(io.StringIO()) as terminal:
+            bar = Bar(wanted)
+            bar.show(0.5, "12 branches")
+            bar.close()
+        assert not terminal.getvalue()
+
+
+def test_linear_algebra(folder):
+    """another BLAS that was loaded before is told, since last digits may differ; the reference one is not"""
+    found = glob.glob("/usr/lib/*/blas/libblas.so.3")
+    if not found:
+        raise Skip("the reference BLAS has no folder of its own")
+    other = shutil.copy(found[0], os.path.join(folder, "libblas.so.3"))
+    for first, said in ((f"import ctypes; ctypes.CDLL('{other}')", "loaded before ricochet"), ("import numpy", "")):
+        done = subprocess.run([sys.executable, "-c", f"{first}\nimport ricochet"], capture_output=True, text=True, check=True)
+        assert said in done.stderr and bool(done.stderr) == bool(said), done.stderr
+
+
 run([test_same_atlas, test_matrices, test_all_digits, test_interrupt, test_stops, test_errors, test_several, test_flags,
-     test_shows, test_copies, test_program_is_not_needed])
+     test_shows, test_copies, test_few_packages, test_bar, test_linear_algebra])
