@@ -47,7 +47,7 @@ def _tag():
 def _sources():
     folder = os.path.join(HERE, "ricochet")
     for name in sorted(os.listdir(folder)):
-        if name.endswith(".py"):
+        if name.endswith((".py", ".typed")):
             yield f"ricochet/{name}", os.path.join(folder, name)
     yield "ricochet/ricochet.h", HEADER
     yield "ricochet/libricochet.so", os.path.realpath(_library())
