@@ -51,6 +51,18 @@ if fits 2>/dev/null && /usr/bin/python3 -c 'import numpy, cffi' 2>/dev/null; the
 else
     left_out 'PYTHONPATH=python python3' 'it is of another version than /usr/bin/python3, or that has no NumPy and cffi'
 fi
+# A library that is not that of the header would give wrong numbers, not errors.
+tree=$folder/tree
+mkdir -p "$tree/include" "$tree/build/src"
+cp -r python "$tree/"
+rm -f "$tree/python/ricochet/libricochet.so"
+cp "$(dirname "$ricochet")/src/libricochet.so" "$tree/build/src/"
+imports() { PYTHONPATH=$tree/python env -u RICOCHET_LIBRARY "$python" -B -c 'import ricochet' 2>&1; }
+header() { sed "$1" include/ricochet.h >"$tree/include/ricochet.h" && touch -d "$2" "$tree/include/ricochet.h"; } # SED TIME
+ok 'a header and its library' eval 'header "" yesterday && imports'
+ok 'a library that lacks a function is refused' eval 'header "s/^const char \*ric_version/void ric_nothing(void);\n&/" yesterday && imports | grep -q "lacks ric_nothing"'
+ok 'a library of another version is refused' eval 'header "s/\(RIC_VERSION \"\)/\19./" yesterday && imports | grep -q "of version"'
+ok 'a library that is older than its header is refused' eval 'header "" tomorrow && imports | grep -q "older than its header"'
 missing() { RICOCHET_LIBRARY=/nowhere tools/python -c 'import ricochet' 2>&1 | grep -q 'RICOCHET_LIBRARY names /nowhere'; }
 ok 'a library that is not there is told' missing
 finish
