@@ -129,7 +129,8 @@ static void write_length(const facts *f, size_t size, char *out)
     if (seconds <= LONG) return;
     write_duration(FEW_BRANCHES * seconds, sizeof least, least);
     write_duration(MANY_BRANCHES * seconds, sizeof most, most);
-    snprintf(out, size, "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; "
+    snprintf(out, size,
+             "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; "
              "--seconds S ends with what is found till then, and `start: [1]` with `depth: 1` asks for little. The "
              "work grows with the cube of the modes: reduce the structure to those that matter",
              ric_model_n_mode(f->model), seconds, FEW_BRANCHES, MANY_BRANCHES, least, most);
