@@ -5,7 +5,7 @@ TSAN ?= build-tsan
 FUZZ ?= build-fuzz
 FUZZ_CC ?= clang-14
 DEMO = $(BUILD)/demo
-FOLDERS = include/. src/. cli/. tests/. bench/. fuzz/. web/. web/src/.
+FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
 .PHONY: help setup setup-tests build python demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean

@@ -15,10 +15,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "cycle.h"
-#include "graph.h"
-#include "motion.h"
-#include "trace.h"
+#include "orbit/periodic.h"
+#include "explore/graph.h"
+#include "model/modal.h"
+#include "branch/continuation.h"
 
 #define TWO_PI 6.283185307179586477
 #define ARC 0.01       /* step in the norm of the unknowns */

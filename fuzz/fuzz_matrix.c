@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "fuzz.h"
-#include "matrix_market.h"
+#include "study/matrix_market.h"
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {

@@ -5,8 +5,8 @@
 #include <math.h>
 
 #include "fuzz.h"
-#include "start.h"
-#include "store_parts.h"
+#include "explore/start.h"
+#include "atlas/store_parts.h"
 
 static uint8_t *good;
 static size_t good_size;

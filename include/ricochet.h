@@ -129,7 +129,7 @@ typedef struct {
     int depth, impacts, multiply; /* as in ric_explore_options; RIC_REGION_SAME: as elsewhere */
 } ric_region;
 
-/* Every option is one row of RIC_OPTIONS in src/options.c: name, type, default, range, unit, help. */
+/* Every option is one row of RIC_OPTIONS in src/study/options.c: name, type, default, range, unit, help. */
 typedef struct {
     double energy[2];     /* scaled energy window; 0, 0: one is chosen for the model, and the study has its numbers */
     double frequency[2];  /* rad/s, of the shortest period; 0, 0 likewise */

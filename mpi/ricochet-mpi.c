@@ -10,9 +10,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "../cli/cli.h"
-#include "../src/crew.h"
-#include "../src/solve.h"
+#include "common/cli.h"
+#include "explore/remote.h"
+#include "junction/node_cache.h"
 
 enum { TAG_JOB = 1, TAG_RESULT, TAG_STOP };
 #define AHEAD 2           /* departures given to a rank at a time, so that none waits for the post */

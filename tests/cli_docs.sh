@@ -66,7 +66,7 @@ for study in examples/*/study.yaml; do
     ok "README.md: $study" grep -q "($study)" README.md
 done
 
-wide=$(grep -nE '^.{121}' src/*.[ch] cli/*.[ch] include/*.h tests/*.[ch] bench/*.c fuzz/*.[ch])
+wide=$(grep -nE '^.{121}' src/*/*.[ch] cli/*/*.[ch] include/*.h tests/*.[ch] bench/*.c fuzz/*.[ch])
 ok 'CONTRIBUTING.md: no line of C has more than 120 columns' test -z "$wide"
 
 finish

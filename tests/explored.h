@@ -2,8 +2,8 @@
 #ifndef EXPLORED_H
 #define EXPLORED_H
 
-#include "chart.h"
-#include "graph.h"
+#include "explore/rows.h"
+#include "explore/graph.h"
 
 /* `store`: traces of an earlier run, or NULL; `max_step` 0: that of the study. */
 static inline ric_atlas *explore_text_with(const char *text, ric_store *store, double max_step)

@@ -4,9 +4,9 @@
 
 #include <stdlib.h>
 
-#include "smooth.h"
+#include "flow/power_flow.h"
 
-#include "series_quad.h"
+#include "flow/taylor_quad.h"
 
 /* w [2n] through the time tau, rounded at the end only. */
 static bool quad_fly(const ric_model *m, double tau, double *w)

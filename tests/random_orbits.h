@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "graph.h"
+#include "explore/graph.h"
 #include "random_models.h"
 
 /* Contacts on both sides, so that centres exist, or with `any_side` on both, the upper or the lower one only;

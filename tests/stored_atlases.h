@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "random_models.h"
-#include "store.h"
+#include "atlas/store.h"
 
 static const char pair_text[] =
     "title: A pair\n"

@@ -6,12 +6,12 @@
 
 #include "explored.h"
 
-#include "model.h"
-#include "floquet.h"
-#include "flight.h"
-#include "phase.h"
-#include "problem.h"
-#include "simulate.h"
+#include "model/model.h"
+#include "orbit/floquet.h"
+#include "flow/flight.h"
+#include "model/regime.h"
+#include "branch/symmetry.h"
+#include "check/simulator.h"
 #include "sample.h"
 
 enum { MAX_W = 12, MAX_A = (MAX_W + 1) * (MAX_W + 1) };

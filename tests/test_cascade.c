@@ -12,7 +12,7 @@
 #include <lapacke.h>
 
 #include "explored.h"
-#include "problem.h"
+#include "branch/symmetry.h"
 
 #define DELTA 8.721097200 /* ratio of successive parameter differences of doublings of area-preserving maps */
 

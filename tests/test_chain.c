@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include <lapacke.h>
 
-#include "graph.h"
+#include "explore/graph.h"
 #include "random_orbits.h"
 #include "sample.h"
 

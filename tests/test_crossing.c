@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "crossing.h"
-#include "crossing_gap.h"
-#include "depart.h"
+#include "junction/branch_point.h"
+#include "branch/branch_point_gap.h"
+#include "junction/switching.h"
 #include "explored.h"
 
 static const double PI = 3.14159265358979323846;

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "graph.h"
+#include "explore/graph.h"
 #include "random_orbits.h"
 #include "sample.h"
 

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "explored.h"
-#include "subset.h"
+#include "junction/grazing_words.h"
 #include "sample.h"
 
 #define FIXED 1e-6 /* distance of an orbit from its image that counts as none */

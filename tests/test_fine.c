@@ -10,8 +10,8 @@
 #include <cmocka.h>
 
 #include "explored.h"
-#include "fine.h"
-#include "trace.h"
+#include "junction/node_solve_quad.h"
+#include "branch/continuation.h"
 
 static ric_atlas *explore(double max_step)
 {

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "explored.h"
-#include "motion.h"
+#include "model/modal.h"
 #include "random_orbits.h"
 #include "sample.h"
 

@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-#include "atlas.h"
+#include "atlas/atlas.h"
 #include "explored.h"
-#include "hunt.h"
+#include "hunt/hunt.h"
 #include "random_models.h"
-#include "simulate.h"
+#include "check/simulator.h"
 
 #define TWO_MASSES \
     "title: two masses\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n" \

@@ -18,7 +18,7 @@
 #include <cmocka.h>
 #include <lapacke.h>
 
-#include "chart.h"
+#include "explore/rows.h"
 #include "random_models.h"
 #include "sample.h"
 

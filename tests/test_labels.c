@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "border.h"
+#include "junction/border.h"
 #include "explored.h"
-#include "multiplicity.h"
+#include "junction/multiplicity.h"
 #include "random_models.h"
 
 enum { LARGEST = 64, WANTED = 8 };

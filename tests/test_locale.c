@@ -4,8 +4,8 @@
 #include <locale.h>
 #include <sqlite3.h>
 
-#include "options.h"
-#include "start.h"
+#include "study/options.h"
+#include "explore/start.h"
 
 /* A German locale of the system, or one made here; false: there is none to be had. */
 static bool comma_locale(void)

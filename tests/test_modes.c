@@ -2,7 +2,7 @@
  * solver and as the simulator have them: orthonormal in M to rounding, whatever lies between the frequencies. */
 #include "simulated_models.h"
 
-#include "simulate.h"
+#include "check/simulator.h"
 
 /* M = D A D, A well-conditioned; K = L Q diag(lambda) Q' L' with M = L L' and Q orthogonal. */
 static void make_clustered(int n, double *M, double *K)

@@ -11,7 +11,7 @@
 #include <cmocka.h>
 #include <lapacke.h>
 
-#include "nodes.h"
+#include "orbit/shooting_nodes.h"
 #include "random_models.h"
 #include "sample.h"
 

@@ -12,9 +12,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "options.h"
+#include "study/options.h"
 #include "ricochet.h"
-#include "windows.h"
+#include "study/windows.h"
 
 static const char model[] =
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: "

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "reach.h"
+#include "orbit/reach.h"
 #include "random_orbits.h"
 #include "sample.h"
 

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "region.h"
-#include "status.h"
-#include "study.h"
+#include "study/region.h"
+#include "base/status.h"
+#include "study/study.h"
 
 static const char model[] =
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "depart.h"
-#include "graph.h"
-#include "ring.h"
+#include "junction/switching.h"
+#include "explore/graph.h"
+#include "junction/multiplication.h"
 
 #include "cvode_flow.h"
 #include "sample.h"

@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "memory.h" /* as every file of the library has it */
+#include "base/memory.h" /* as every file of the library has it */
 
-#include "../src/floquet.c"
+#include "../src/orbit/floquet.c"
 
 static const double ZERO[] = {0.0, -0.0}, TWIST[] = {-1, -0.0, 0.0, 1};
 

@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "flight.h"
+#include "flow/flight.h"
 #include "random_models.h"
-#include "smooth.h"
+#include "flow/power_flow.h"
 
 #include "cvode_flow.h"
 #include "quad_flow.h"

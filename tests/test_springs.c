@@ -12,7 +12,7 @@
 
 #include "explored.h"
 #include "random_models.h"
-#include "word.h"
+#include "model/word.h"
 #include "sample.h"
 
 enum { MAX = 60 };

@@ -3,9 +3,9 @@
  * disturbed. */
 #include "stored_atlases.h"
 
-#include "depart.h"
+#include "junction/switching.h"
 #include "explored.h"
-#include "pause.h"
+#include "branch/continuation_pause.h"
 #include "sample.h"
 
 /* Asked by the kernels about every millisecond of work: from the `after`-th question on which something new has been

@@ -2,7 +2,7 @@
 #include "stored_atlases.h"
 
 /* Some tests forge a file with the store's own inner functions. */
-#include "store_parts.h"
+#include "atlas/store_parts.h"
 #include "sample.h"
 
 /* The same model, its numbers written in another way, with other budgets. */

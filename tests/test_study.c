@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "buffer.h"
+#include "base/buffer.h"
 #include "ricochet.h"
-#include "study.h"
+#include "study/study.h"
 #include "sample.h"
 
 /* Line by line, so that a test can replace one: line 1 is title, 7 the normal, 8 the clearance, ... */

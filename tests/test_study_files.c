@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "ricochet.h"
-#include "study.h"
+#include "study/study.h"
 
 static char folder[] = "/tmp/ricochet-study-XXXXXX";
 

@@ -12,11 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "options.h"
+#include "study/options.h"
 #include "random_models.h"
 #include "ricochet.h"
-#include "study.h"
-#include "windows.h"
+#include "study/study.h"
+#include "study/windows.h"
 
 static ric_study *parse(const char *model, const char *rest)
 {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The page of `ricochet view` as C: embed.py OUT.c [NODE WEB FOLDER]
 
-Builds the page from the folder WEB with Vite, run by NODE, into FOLDER, and compresses it with gzip into arrays that the server hands out (cli/view.h).
+Builds the page from the folder WEB with Vite, run by NODE, into FOLDER, and compresses it with gzip into arrays that the server hands out (cli/view/view.h).
 With OUT.c alone the page is left out. The same sources give the same bytes: no time and no name in the compressed data.
 """
 import gzip
@@ -26,7 +26,7 @@ def main():
         subprocess.run([node, os.path.abspath(vite), "build", "--logLevel", "warn", "--outDir", folder, "--emptyOutDir"], cwd=web, check=True)
     names = sorted(os.listdir(folder)) if folder else []
     names = [name for name in names if os.path.splitext(name)[1] in TYPES]
-    text = ["/* Made by tools/embed.py. */", '#include "view.h"', ""]
+    text = ["/* Made by tools/embed.py. */", '#include "view/view.h"', ""]
     entries = []
     for i, name in enumerate(names):
         with open(os.path.join(folder, name), "rb") as file:

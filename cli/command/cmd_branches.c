@@ -1,0 +1,182 @@
+/* ricochet branches ATLAS: one row per branch, or per segment; all or those of the elementary structure. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "common/cli.h"
+
+bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *point)
+{
+    if ((i == 0 && branch->from) || (i == branch->n_point - 1 && branch->to))
+        return true;
+    for (int k = 0; k < branch->n_junction; k++)
+        if (fabs(branch->junction_at[k] - point->arclength) <= 1e-9 * (1 + point->arclength))
+            return true;
+    return false;
+}
+
+ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
+{
+    const ric_model *model = ric_atlas_model(atlas);
+    ric_branch found, *branch = &found;
+    ric_status status = ric_atlas_branch(atlas, id, branch);
+    if (status)
+        return status;
+    json_t *inner = json_array(), *at = json_array();
+    for (int i = 0; i < branch->n_junction; i++) {
+        json_array_append_new(inner, json_integer(branch->junctions[i]));
+        json_array_append_new(at, cli_number(branch->junction_at[i]));
+    }
+    json_object_set_new(row, "id", json_integer(branch->id));
+    json_object_set_new(row, "label", json_string(branch->label));
+    json_object_set_new(row, "word", cli_word(model, branch->letters, branch->word));
+    json_object_set_new(row, "impacts", json_integer(branch->impacts));
+    json_object_set_new(row, "symmetric", json_boolean(branch->symmetric));
+    json_object_set_new(row, "reversible", json_boolean(branch->reversible));
+    json_object_set_new(row, "mirror", json_string(branch->mirror));
+    json_object_set_new(row, "stable_fraction", cli_number(branch->stable_fraction));
+    json_object_set_new(row, "points", json_integer(branch->n_point));
+    json_object_set_new(row, "energy_min", cli_number(d * d * branch->energy_min));
+    json_object_set_new(row, "energy_max", cli_number(d * d * branch->energy_max));
+    const double onset = ric_model_onset(model, NULL);
+    json_object_set_new(row, "relative_energy_min", cli_number(branch->energy_min / onset));
+    json_object_set_new(row, "relative_energy_max", cli_number(branch->energy_max / onset));
+    json_object_set_new(row, "frequency_min", cli_number(branch->frequency_min));
+    json_object_set_new(row, "frequency_max", cli_number(branch->frequency_max));
+    json_object_set_new(row, "from", cli_id(branch->from));
+    json_object_set_new(row, "to", cli_id(branch->to));
+    json_object_set_new(row, "stop", json_string(ric_stop_text(branch->stop)));
+    json_object_set_new(row, "why", json_string(branch->why));
+    json_object_set_new(row, "junctions", inner);
+    json_object_set_new(row, "junction_arclengths", at);
+    json_object_set_new(row, "depth", json_integer(branch->depth));
+    json_object_set_new(row, "mode", cli_id(branch->mode));
+    return RIC_OK;
+}
+
+/* ---------------------------------------------------------------- segments */
+
+/* How an end is called: by the name or the label of its junction, else by what is there instead. */
+static const char *end_text(const ric_atlas *atlas, int id, const char *otherwise)
+{
+    ric_junction junction;
+    if (!id || ric_atlas_junction(atlas, id, &junction))
+        return otherwise;
+    return junction.name[0] ? junction.name : junction.label;
+}
+
+static json_t *stability(const ric_segment *segment)
+{
+    const double fraction = segment->stable_fraction;
+    if (!segment->points)
+        return json_null();
+    return json_string(isnan(fraction) ? "undecided" : fraction == 1 ? "yes" : fraction == 0 ? "no" : "partly");
+}
+
+static json_t *segment_row(const ric_atlas *atlas, const ric_branch *branch, const ric_segment *segment, double d)
+{
+    json_t *row = json_object();
+    const char *from = end_text(atlas, segment->from, "start"),
+               *to = end_text(atlas, segment->to, ric_stop_text(branch->stop));
+    json_object_set_new(row, "segment", json_sprintf("%s|%s %s", branch->label, from, to));
+    json_object_set_new(row, "branch", json_integer(segment->branch));
+    json_object_set_new(row, "from", cli_id(segment->from));
+    json_object_set_new(row, "to", cli_id(segment->to));
+    json_object_set_new(row, "energy_min", cli_number(d * d * segment->energy[0]));
+    json_object_set_new(row, "energy_max", cli_number(d * d * segment->energy[1]));
+    json_object_set_new(row, "frequency_min", cli_number(segment->frequency[0]));
+    json_object_set_new(row, "frequency_max", cli_number(segment->frequency[1]));
+    json_object_set_new(row, "stable", stability(segment));
+    json_object_set_new(row, "stable_fraction", cli_number(segment->stable_fraction));
+    return row;
+}
+
+static ric_status segment_rows(const ric_atlas *atlas, int id, double d, json_t *rows)
+{
+    int n = 0;
+    ric_branch branch;
+    ric_status status = ric_atlas_branch(atlas, id, &branch);
+    ric_segment *segments = status ? NULL : calloc((size_t)branch.n_junction + 1, sizeof *segments);
+    if (!status)
+        status = segments ? ric_branch_segments(atlas, id, &n, segments) : RIC_E_NOMEM;
+    for (int i = 0; !status && i < n; i++)
+        json_array_append_new(rows, segment_row(atlas, &branch, &segments[i], d));
+    free(segments);
+    return status;
+}
+
+/* --------------------------------------------------------------- selection */
+
+typedef struct { bool segments, elementary; } choice;
+
+static ric_status branch_row(const ric_atlas *atlas, int id, double d, json_t *rows)
+{
+    json_t *row = json_object();
+    const ric_status status = cli_branch_row(atlas, id, d, row);
+    json_array_append_new(rows, row);
+    return status;
+}
+
+static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user, json_t *rows)
+{
+    const choice *c = user;
+    ric_bases *bases = NULL;
+    ric_status status = c->elementary ? ric_bases_find(atlas, 0, &bases) : RIC_OK;
+    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++)
+        if (!bases || ric_bases_elementary(bases, id))
+            status = c->segments ? segment_rows(atlas, id, d, rows) : branch_row(atlas, id, d, rows);
+    ric_bases_free(bases);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    static const char *const all[] = {
+        "id", "label", "word", "impacts", "symmetric", "reversible", "mirror", "stable_fraction", "points",
+        "energy_min", "energy_max", "relative_energy_min", "relative_energy_max", "frequency_min", "frequency_max",
+        "from", "to", "stop", "why", "junctions", "junction_arclengths", "depth", "mode", NULL};
+    static const char *const few[] = {
+        "id", "label", "impacts", "symmetric", "reversible", "stable_fraction", "points", "energy_min", "energy_max",
+        "frequency_min", "frequency_max", "from", "to", "stop", "junctions", "depth", NULL};
+    static const char *const parts[] = {"segment",    "branch",        "from",          "to",     "energy_min",
+                                        "energy_max", "frequency_min", "frequency_max", "stable", "stable_fraction",
+                                        NULL};
+    const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
+                      .elementary = cli_take_flag(&argc, argv, "--elementary")};
+    const cli_listing listing = {
+        .command = &cli_branches, .rows = chosen_rows, .user = &c, .all = c.segments ? parts : all,
+        .few = c.segments ? parts : few};
+    return cli_list(&listing, argc, argv);
+}
+
+const cli_command cli_branches = {
+    .name = "branches",
+    .summary = "list the branches of an atlas",
+    .help =
+        "usage: ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n"
+        "\n"
+        "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word)\n"
+        "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a\n"
+        "line; --csv and --json show everything.\n"
+        "\n"
+        "  from, to          junctions at the ends, by id\n"
+        "  stop, why         why the far end is where it is: junction, corner, window, budget, closed or\n"
+        "                    failed, and a sentence on it, or on events that make no junction\n"
+        "  junctions         ids of the junctions that the branch passes through, in order;\n"
+        "                    junction_arclengths says where\n"
+        "  depth             least number of departures from the start\n"
+        "  relative_energy_  energies as multiples of the onset of the lowest mode, where contacts begin to\n"
+        "                    matter to it; numbers without a unit (min and max, in --csv and --json)\n"
+        "  stable_fraction   share of the arclength on which the orbits are stable\n"
+        "  --physical        energies in the units of the study, not scaled by the clearance\n"
+        "\n"
+        "  --elementary      only the elementary structure: the linear modes and backbones, what joins the\n"
+        "                    backbone of the first mode, and what joins the 1- and 2-duplicates of the\n"
+        "                    others; F_1^1, F_i^1 and F_i^2 of `ricochet bases`\n"
+        "  --segments        one row per segment A_N[R]|P1 P2 instead, the part of a branch between\n"
+        "                    consecutive junctions P1 and P2; `stable` says yes, no, undecided or partly of\n"
+        "                    the stored points in between, nothing if there are none\n"
+        "\n"
+        "example: ricochet branches study.ricochet\n"
+        "example: ricochet branches study.ricochet --elementary --segments\n",
+    .run = run,
+};

@@ -1,0 +1,351 @@
+/* ricochet check STUDY: what the model is, before anything is explored. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "study/study.h"
+#include "common/cli.h"
+
+/* Everything that is shown, asked from the library once. n modes, m contacts. */
+typedef struct {
+    const ric_model *model;
+    int n, m;
+    double *frequency, *energy; /* [n] */
+    bool *seen;                 /* [n] */
+    int *contact;               /* [n] */
+    double *normal;             /* [m * n] */
+    double *compliance;         /* [m * n], cumulative */
+    double *locked;             /* [m * (n - 1)] */
+    int *face;                  /* [m] first face of a contact */
+} facts;
+
+static void facts_free(facts *f)
+{
+    free(f->frequency);
+    free(f->energy);
+    free(f->seen);
+    free(f->contact);
+    free(f->normal);
+    free(f->compliance);
+    free(f->locked);
+    free(f->face);
+}
+
+static bool facts_allocate(facts *f, const ric_model *model)
+{
+    size_t n = (size_t)ric_model_n_dof(model), m = (size_t)ric_model_n_contact(model);
+    *f = (facts){.model = model, .n = (int)n, .m = (int)m};
+    f->frequency = malloc(n * sizeof *f->frequency);
+    f->energy = malloc(n * sizeof *f->energy);
+    f->seen = malloc(n * sizeof *f->seen);
+    f->contact = malloc(n * sizeof *f->contact);
+    f->normal = malloc(m * n * sizeof *f->normal);
+    f->compliance = malloc(m * n * sizeof *f->compliance);
+    f->locked = malloc(m * n * sizeof *f->locked);
+    f->face = malloc(m * sizeof *f->face);
+    return f->frequency && f->energy && f->seen && f->contact && f->normal && f->compliance && f->locked && f->face;
+}
+
+/* No stops, but springs that are met at once. */
+static bool is_smooth(const facts *f)
+{
+    return ric_model_n_face(f->model) == 0;
+}
+
+static ric_status facts_ask(facts *f)
+{
+    ric_status status = ric_model_frequencies(f->model, f->frequency);
+    if (!status)
+        status = ric_model_seen(f->model, f->seen);
+    if (!status)
+        status = ric_model_grazing_energies(f->model, f->energy, f->contact);
+    if (!status)
+        status = ric_model_modal_normals(f->model, f->normal);
+    for (int i = 0; i < f->m && !status; i++) {
+        status = ric_model_compliance(f->model, i, f->compliance + (size_t)i * (size_t)f->n);
+        if (!status && f->n > 1)
+            status = ric_model_locked_frequencies(f->model, i, f->locked + (size_t)i * (size_t)(f->n - 1));
+    }
+    for (int i = 0; i < f->n && is_smooth(f); i++) {
+        f->energy[i] = NAN;
+        f->contact[i] = -1;
+    }
+    for (int face = ric_model_n_face(f->model) - 1, contact; face >= 0 && !status; face--) {
+        status = ric_model_face(f->model, face, &contact, NULL, NULL);
+        if (!status)
+            f->face[contact] = face;
+    }
+    return status;
+}
+
+/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its impact orbits do not
+ * converge. */
+static double late_growth(const facts *f, int contact)
+{
+    const double *cumulative = f->compliance + (size_t)contact * (size_t)f->n;
+    double all = cumulative[f->n - 1];
+    return all > 0 ? (all - cumulative[f->n / 2 - 1]) / all : 0;
+}
+
+enum { FEW_MODES = 6 };       /* below, the structure is taken for what it is */
+#define STRONG_GROWTH 0.25    /* a mass of its own at the contact leaves less than this to the upper half */
+
+static bool grows(const facts *f, int contact)
+{
+    return f->n >= FEW_MODES && late_growth(f, contact) > STRONG_GROWTH;
+}
+
+/* -------------------------------------------------------------------- rows */
+
+static void set_numbered(json_t *row, const char *stem, int number, double value)
+{
+    char key[40];
+    snprintf(key, sizeof key, "%s_%d", stem, number);
+    json_object_set_new(row, key, cli_number(value));
+}
+
+static json_t *mode_row(const facts *f, int i)
+{
+    json_t *row = json_object();
+    json_object_set_new(row, "mode", json_integer(i + 1));
+    json_object_set_new(row, "frequency", cli_number(f->frequency[i]));
+    json_object_set_new(row, "seen", json_boolean(f->seen[i]));
+    json_object_set_new(row, "rigid", json_boolean(f->frequency[i] == 0));
+    json_object_set_new(row, "grazing_energy", cli_number(f->energy[i]));
+    json_object_set_new(row, "grazing_contact", f->contact[i] < 0 ? json_null() : json_integer(f->contact[i] + 1));
+    for (int j = 0; j < f->m; j++) {
+        set_numbered(row, "normal", j + 1, f->normal[(size_t)j * (size_t)f->n + (size_t)i]);
+        set_numbered(row, "compliance", j + 1, f->compliance[(size_t)j * (size_t)f->n + (size_t)i]);
+        set_numbered(row, "locked", j + 1, i + 1 < f->n ? f->locked[(size_t)j * (size_t)(f->n - 1) + (size_t)i] : NAN);
+    }
+    json_object_set_new(row, "parts", json_integer(ric_model_n_part(f->model)));
+    json_object_set_new(row, "symmetric", json_boolean(ric_model_symmetric(f->model)));
+    return row;
+}
+
+/* Columns of CSV: the keys of the first row, in order. */
+static int print_rows(const facts *f, const ric_study *study, cli_format format)
+{
+    json_t *rows = json_array(), *value;
+    const char **columns = NULL, *key;
+    int n = 0, code;
+    for (int i = 0; i < f->n; i++)
+        json_array_append_new(rows, mode_row(f, i));
+    ric_status status = cli_windows_rows(study, rows);
+    if (status) {
+        json_decref(rows);
+        return cli_report(status);
+    }
+    columns = calloc(json_object_size(json_array_get(rows, 0)) + 1, sizeof *columns);
+    if (!columns) {
+        json_decref(rows);
+        return cli_report(RIC_E_NOMEM);
+    }
+    json_object_foreach(json_array_get(rows, 0), key, value)
+        columns[n++] = key;
+    code = cli_print_rows(rows, columns, format);
+    free(columns);
+    json_decref(rows);
+    return code;
+}
+
+/* -------------------------------------------------------------------- text */
+
+static const char *plural(int n)
+{
+    return n == 1 ? "" : "s";
+}
+
+/* A text of the study, between two others; nothing if it has none. */
+static void print_quoted(const char *before, const char *text, const char *after)
+{
+    if (!text || !*text) return;
+    fputs(before, stdout);
+    cli_print_visible(text, false);
+    fputs(after, stdout);
+}
+
+static void print_head(const facts *f, const ric_study *study)
+{
+    const ric_model *model = f->model;
+    int parts = ric_model_n_part(model);
+    print_quoted("", ric_study_title(study), "\n\n");
+    if (is_smooth(f)) {
+        ric_contact first;
+        bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
+        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n", f->n, plural(f->n),
+               ric_model_n_mode(model), f->m, plural(f->m));
+        printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n", ric_model_length(model),
+               own ? "the length of contact 1" : "as contact 1 is given by its stiffness",
+               ric_model_length(model) * ric_model_length(model));
+        puts("symmetry: x -> -x maps the structure to itself");
+        if (parts > 1)
+            printf("parts: %d groups of modes that no contact joins; they move independently, each with its own "
+                   "families\n",
+                   parts);
+        return;
+    }
+    printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->n,
+           plural(f->n), ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model),
+           plural(ric_model_n_face(model)), ric_model_restitution(model));
+    printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n", ric_model_length(model));
+    puts(ric_model_symmetric(model)
+             ? "symmetry: x -> -x maps the structure to itself"
+             : "symmetry: none under x -> -x, some contact has one side only; mirror images are separate rows");
+    if (parts > 1)
+        printf("parts: %d groups of modes that no contact joins; they move independently, each with its own families\n",
+               parts);
+}
+
+static void print_modes(const facts *f)
+{
+    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen",
+           is_smooth(f) ? "" : "first touch at scaled energy");
+    for (int i = 0; i < f->n; i++) {
+        printf("%5d  %#14.10g  ", i + 1, f->frequency[i]);
+        if (f->frequency[i] > 0)
+            printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
+        else
+            printf("%14s  ", "-");
+        printf("%-6s ", f->seen[i] ? "yes" : "no");
+        if (is_smooth(f))
+            puts(f->frequency[i] == 0 ? "rigid motion" : f->seen[i] ? "starts a branch at energy 0" : "stays linear");
+        else if (f->contact[i] >= 0)
+            printf("%16.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
+        else
+            printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
+    }
+}
+
+static void print_contact(const facts *f, int contact)
+{
+    static const char *const sides[] = {"both sides", "upper side", "lower side"};
+    ric_contact about;
+    char faces[40];
+    int mirror = -1;
+    size_t n = (size_t)f->n, k = (size_t)contact;
+    if (ric_model_contact(f->model, contact, &about) ||
+        (!is_smooth(f) && ric_model_face(f->model, f->face[contact], NULL, NULL, &mirror)))
+        return;
+    if (is_smooth(f)) {
+        printf("\ncontact %d", contact + 1);
+        print_quoted(" '", about.name, "'");
+        printf(": ");
+        if (about.length > 0)
+            printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length,
+                   about.exponent);
+        else
+            printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
+        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+    } else if (mirror < 0)
+        snprintf(faces, sizeof faces, "face %d", f->face[contact]);
+    else
+        snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
+    if (!is_smooth(f)) {
+        printf("\ncontact %d", contact + 1);
+        print_quoted(" '", about.name, "'");
+        printf(": %s, clearance %g, %s", sides[about.sides], about.clearance, faces);
+        if (about.law == RIC_LAW_BILINEAR)
+            printf(", a spring of stiffness %g beyond\n", about.stiffness);
+        else
+            printf("\n");
+    }
+    if (!is_smooth(f))
+        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+    for (int i = 0; i < f->n; i++) {
+        printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i], f->compliance[k * n + (size_t)i]);
+        if (i + 1 < f->n)
+            printf("%#16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
+        else
+            printf("%16s\n", "-");
+    }
+    if (about.law == RIC_LAW_RIGID && grows(f, contact))
+        printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a\n"
+               "truncated continuum, its impact orbits do not converge with the number of modes; the cures are a mass\n"
+               "of its own at the contact point, or a spring (law: bilinear) in place of the stop.\n",
+               100 * late_growth(f, contact));
+}
+
+static bool two_sided(const facts *f)
+{
+    ric_contact first;
+    return !is_smooth(f) && !ric_model_contact(f->model, 0, &first) && first.sides == RIC_SIDES_BOTH;
+}
+
+static void print_remarks(const facts *f)
+{
+    int unseen = 0, unseen_rigid = 0, seen_rigid = 0;
+    for (int i = 0; i < f->n; i++) {
+        unseen += !f->seen[i];
+        unseen_rigid += !f->seen[i] && f->frequency[i] == 0;
+        seen_rigid += f->seen[i] && f->frequency[i] == 0;
+    }
+    if (unseen || seen_rigid || ric_model_restitution(f->model) < 1)
+        putchar('\n');
+    if (unseen)
+        printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen,
+               plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
+    if (unseen_rigid)
+        puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are given in the frame "
+             "that moves along");
+    if (seen_rigid)
+        printf("%d rigid motion%s a stop sees: it has no linear touch; %s\n", seen_rigid, plural(seen_rigid),
+               f->m == 1 && two_sided(f)
+                   ? "its family starts at the lower edge of the energy window"
+                   : "no family starts from it, which takes a single contact, rigid and with both sides");
+    if (ric_model_restitution(f->model) < 1)
+        puts("restitution is below 1: the structure loses energy, so that `ricochet run` refuses it; `ricochet "
+             "simulate` takes it");
+}
+
+static ric_status print_text(const facts *f, const ric_study *study)
+{
+    print_head(f, study);
+    print_modes(f);
+    for (int i = 0; i < f->m; i++)
+        print_contact(f, i);
+    print_remarks(f);
+    if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));
+    return cli_windows_print(study);
+}
+
+/* ----------------------------------------------------------------- command */
+
+static int run(int argc, char **argv)
+{
+    cli_format format;
+    ric_study *study = NULL;
+    facts f = {0};
+    int code;
+    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1))
+        return CLI_WRONG;
+    ric_status status = ric_study_read(argv[1], &study);
+    if (!status)
+        status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
+    code = cli_report(status);
+    if (!status && format == CLI_TEXT)
+        code = cli_report(print_text(&f, study));
+    else if (!status)
+        code = print_rows(&f, study, format);
+    facts_free(&f);
+    ric_study_free(study);
+    return code;
+}
+
+const cli_command cli_check = {
+    .name = "check",
+    .summary = "show what a study's model is: frequencies, modal normals, first touches",
+    .help =
+        "usage: ricochet check STUDY [--json | --csv]\n"
+        "\n"
+        "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
+        "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
+        "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the\n"
+        "windows, those of the study or chosen for the model, and the modes that they leave out, and\n"
+        "the reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's\n"
+        "values are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy\n"
+        "and window_frequency.\n"
+        "\n"
+        "example: ricochet check examples/elementary/study.yaml\n",
+    .run = run,
+};

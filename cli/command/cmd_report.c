@@ -1,0 +1,269 @@
+/* ricochet report ATLAS: what a run did, what it left out and why, and how good what it found is; all of it from the
+ * file. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/cli.h"
+
+enum { SAMPLE = 64 }; /* branches whose middle point is replayed, as long as that takes no time: */
+#define QUICK 32      /* degrees of freedom; a replay begins with the simulator's own modes, which grow with the cube */
+
+
+static void add(json_t *rows, const char *item, json_t *value, const char *detail)
+{
+    json_t *row = json_object();
+    json_object_set_new(row, "item", json_string(item));
+    json_object_set_new(row, "value", value);
+    json_object_set_new(row, "detail", json_string(detail));
+    json_array_append_new(rows, row);
+}
+
+static void add_count(json_t *rows, const char *item, json_int_t count, const char *detail)
+{
+    add(rows, item, json_integer(count), detail);
+}
+
+/* ------------------------------------------------------------------ branches */
+
+static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
+{
+    int n = ric_atlas_n_branch(atlas), stops[16] = {0}, points = 0;
+    double residual = 0;
+    for (int id = 1; id <= n; id++) {
+        ric_branch branch;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (status)
+            return status;
+        stops[branch.stop % 16]++;
+        points += branch.n_point;
+        for (int i = 0; i < branch.n_point; i++) {
+            ric_point point;
+            if ((status = ric_atlas_point(atlas, id, i, &point, NULL, NULL)))
+                return status;
+            residual = fmax(residual, point.residual);
+        }
+    }
+    add_count(rows, "branches", n, "");
+    for (int i = 0; i < 16; i++)
+        if (stops[i])
+            add_count(rows, "branches that stop", stops[i], ric_stop_text((ric_stop)i));
+    add_count(rows, "points", points, "");
+    add(rows, "largest residual", cli_number(residual), "relative to 1 + |state|");
+    return RIC_OK;
+}
+
+/* ---------------------------------------------------------------------- gaps */
+
+/* A branch that could not be followed further: what lies beyond its last point is missing. */
+static void add_stopped(json_t *rows, const ric_atlas *atlas, const ric_branch *branch)
+{
+    ric_point end;
+    char detail[400];
+    if (branch->stop != RIC_STOP_FAILED || !branch->n_point ||
+        ric_atlas_point(atlas, branch->id, branch->n_point - 1, &end, NULL, NULL))
+        return;
+    snprintf(detail, sizeof detail, "%.100s beyond E %.9g omega %.9g: %.200s", branch->label, end.energy, end.frequency,
+             branch->why);
+    add_count(rows, "rest missing of branch", branch->id, detail);
+}
+
+/* Every branch on which events may be missing, with their kind, their place and the reason. */
+static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch branch;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (status)
+            return status;
+        const char *gaps = ric_branch_gaps(&branch);
+        if (*gaps) {
+            json_t *detail = json_sprintf("%s, E %.9g to %.9g: %s", branch.label, branch.energy_min, branch.energy_max,
+                                          gaps);
+            add(rows, "events may be missing on branch", json_integer(id), detail ? json_string_value(detail) : gaps);
+            json_decref(detail);
+        }
+        add_stopped(rows, atlas, &branch);
+    }
+    return RIC_OK;
+}
+
+/* ---------------------------------------------------------------- departures */
+
+/* Counts each reason once; few are different. */
+static void add_refusals(json_t *rows, const ric_atlas *atlas)
+{
+    json_t *reasons = json_object();
+    const char *why;
+    json_t *count;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction junction;
+        if (ric_atlas_junction(atlas, id, &junction) || !junction.departures.refused)
+            continue;
+        json_int_t before = json_integer_value(json_object_get(reasons, junction.refusal));
+        json_object_set_new(reasons, junction.refusal, json_integer(before + junction.departures.refused));
+    }
+    json_object_foreach(reasons, why, count) add(rows, "departures refused", json_incref(count), why);
+    json_decref(reasons);
+}
+
+/* Where departures were tried with larger budgets than elsewhere. */
+static void add_regions(json_t *rows, const ric_atlas *atlas)
+{
+    const ric_explore_options *o = ric_study_options(ric_atlas_study(atlas));
+    char detail[200];
+    for (int i = 0; i < o->n_region; i++) {
+        const ric_region *r = &o->region[i];
+        snprintf(detail, sizeof detail, "energy %.6g to %.6g, frequency %.6g to %.6g", r->energy[0], r->energy[1],
+                 r->frequency[0], r->frequency[1]);
+        add_count(rows, "region with larger budgets", i + 1, detail);
+    }
+}
+
+int cli_unmeasured(const ric_atlas *atlas)
+{
+    int n = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction junction;
+        n += !ric_atlas_junction(atlas, id, &junction) && junction.b == 0 &&
+             (junction.kind == RIC_KIND_EXTREMUM || junction.kind == RIC_KIND_BRANCH_POINT ||
+              junction.kind == RIC_KIND_MULTIPLICATION);
+    }
+    return n;
+}
+
+static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
+{
+    static const char *const over[RIC_N_BUDGET] = {
+        [RIC_BUDGET_WINDOW] = "outside the windows", [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
+        [RIC_BUDGET_IMPACTS] = "more than `impacts`", [RIC_BUDGET_SYMMETRIC] = "not symmetric",
+        [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated", [RIC_BUDGET_DEPTH] = "beyond `depth`"};
+    /* of a file that may say any int */
+    struct { json_int_t taken, known, inadmissible, over[RIC_N_BUDGET]; } sum = {0};
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction junction;
+        ric_status status = ric_atlas_junction(atlas, id, &junction);
+        if (status)
+            return status;
+        sum.taken += junction.departures.taken;
+        sum.known += junction.departures.known;
+        sum.inadmissible += junction.departures.inadmissible;
+        for (int i = 0; i < RIC_N_BUDGET; i++)
+            sum.over[i] += junction.departures.over[i];
+    }
+    add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
+    if (cli_unmeasured(atlas))
+        add_count(rows, "junctions without a label", cli_unmeasured(atlas),
+                  "not measured yet; the run goes on with them");
+    if (ric_atlas_n_unplaced(atlas))
+        add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
+                  "their junction does not converge");
+    if (ric_atlas_n_blind(atlas))
+        add_count(rows, "branches with multiplications not looked for", ric_atlas_n_blind(atlas),
+                  "where multipliers are lost in rounding");
+    add_count(rows, "departures taken", sum.taken, "");
+    add_count(rows, "departures known", sum.known, "the branch was found another way");
+    add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");
+    add_regions(rows, atlas);
+    add_refusals(rows, atlas);
+    for (int i = 0; i < RIC_N_BUDGET; i++)
+        if (sum.over[i])
+            add_count(rows, "departures not tried", sum.over[i], over[i]);
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- replay */
+
+static int sample_size(const ric_atlas *atlas)
+{
+    double larger = ric_model_n_dof(ric_atlas_model(atlas)) / (double)QUICK;
+    return larger > 1 ? (int)(SAMPLE / (larger * larger * larger)) : SAMPLE;
+}
+
+static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
+{
+    int size = sample_size(atlas), n = size ? ric_atlas_n_branch(atlas) : 0, step = n / (size + !size) + 1,
+        replayed = 0, failed = 0;
+    double flight = 0, back = 0, energy = 0;
+    for (int id = 1; id <= n; id += step) {
+        ric_branch branch;
+        ric_check check;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (status)
+            return status;
+        if (!branch.n_point)
+            continue;
+        if ((status = ric_verify_point(atlas, id, branch.n_point / 2, &check)))
+            return status;
+        replayed++;
+        failed += !check.passed;
+        flight = fmax(flight, check.flight_error);
+        back = fmax(back, isnan(check.return_error) ? 0 : check.return_error / fmax(1, 1e-7 * check.condition));
+        energy = fmax(energy, check.energy_error);
+    }
+    if (size == 0) {
+        add(rows, "orbits replayed", json_string("none"),
+            "the structure is too large to do so in passing; `ricochet verify` does it");
+        return RIC_OK;
+    }
+    add_count(rows, "orbits replayed", replayed, "the middle of a sample of branches; `ricochet verify` does more");
+    add_count(rows, "of them wrong", failed, "");
+    add(rows, "largest flight error", cli_number(flight), "time and state at the next impact");
+    add(rows, "largest return error", cli_number(back), "after one period, over max(1, 1e-7 largest multiplier)");
+    add(rows, "largest energy drift", cli_number(energy), "");
+    return RIC_OK;
+}
+
+/* What relative energies are multiples of; nothing for a free body, which has none. */
+static void add_onset(json_t *rows, const ric_atlas *atlas)
+{
+    char detail[120];
+    int mode;
+    const ric_model *model = ric_atlas_model(atlas);
+    const double onset = ric_model_onset(model, &mode);
+    snprintf(detail, sizeof detail, "scaled, %s mode %d; relative energies are multiples of it",
+             ric_model_n_face(model) ? "the first touch of" : "where springs are as stiff as the structure to", mode);
+    if (mode) add(rows, "onset", cli_number(onset), detail);
+}
+
+ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
+{
+    ric_status status = add_branches(rows, atlas);
+    add_onset(rows, atlas);
+    if (!status)
+        status = add_departures(rows, atlas);
+    if (!status)
+        status = add_gaps(rows, atlas);
+    return status ? status : add_replay(rows, atlas);
+}
+
+static ric_status rows_of(const ric_atlas *atlas, double d, const void *user, json_t *rows)
+{
+    (void)d;
+    (void)user;
+    return cli_report_rows(atlas, rows);
+}
+
+static int run(int argc, char **argv)
+{
+    static const char *const columns[] = {"item", "value", "detail", NULL};
+    static const cli_listing listing = {.command = &cli_report_atlas, .rows = rows_of, .all = columns, .few = columns};
+    return cli_list(&listing, argc, argv);
+}
+
+const cli_command cli_report_atlas = {
+    .name = "report",
+    .summary = "what a run did, what it left out and why, and how good what it found is",
+    .help =
+        "usage: ricochet report ATLAS [--json | --csv]\n"
+        "\n"
+        "Counts the branches and how they end, and what became of the departures from every junction: taken,\n"
+        "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which\n"
+        "events may be missing, with what kind of event, where, and why. The largest residual is that\n"
+        "of all points; the errors of replay are those of the middle points of at most 64 branches (fewer\n"
+        "beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes\n"
+        "from the file.\n"
+        "\n"
+        "example: ricochet report study.ricochet\n",
+    .run = run,
+};

@@ -1,0 +1,309 @@
+/* ricochet run STUDY: explores a study into an atlas. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "atlas/atlas.h"
+#include "explore/remote.h"
+#include "study/region.h"
+#include "study/study.h"
+#include "common/cli.h"
+
+#define MANY_MODES 200
+#define SHARE 1.25    /* a run lasts at least so many times as long as it takes to come to something new: one that was
+                       * stopped again and again on the way there would never end */
+
+const ric_crew *cli_run_crew = NULL;
+
+/* ---------------------------------------------------------------- progress */
+
+typedef struct {
+    bool terminal, over; /* over: the time given has passed */
+    double seconds;      /* given for the run; HUGE_VAL: any */
+    double news;         /* seconds until the run came to something that an earlier one had not done; 0: not yet */
+    struct timespec start, shown;
+    ric_progress last;
+    const ric_atlas *before; /* what was in the file; NULL: nothing */
+    bool same, kept;     /* it is of the same study; its tables were left as they are */
+} display;
+
+static double seconds_since(const struct timespec *then)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
+}
+
+static bool show_progress(const ric_progress *now, void *user)
+{
+    display *d = user;
+    const double passed = seconds_since(&d->start);
+    d->last = *now;
+    if (d->terminal && seconds_since(&d->shown) > 0.1) {
+        fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
+        if (now->labels)
+            cli_say("%d labels left, %.0f s", now->labels, now->seconds);
+        else
+            cli_say("%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
+        fflush(stderr);
+        clock_gettime(CLOCK_MONOTONIC, &d->shown);
+    }
+    if (now->fresh && d->news == 0)
+        d->news = passed;
+    d->over = now->fresh && passed > fmax(d->seconds, SHARE * d->news);
+    return d->over || cli_stopped();
+}
+
+/* An unfinished atlas takes the place of what was in the file, unless it is of the same study and has not come as far
+ * yet. */
+static bool worth(void *user, const ric_atlas *unfinished)
+{
+    display *d = user;
+    d->kept = d->before && d->same && !ric_atlas_contains(unfinished, d->before);
+    return !d->kept;
+}
+
+static void clear_progress(const display *d)
+{
+    if (d->terminal)
+        fputs("\r\033[K", stderr);
+}
+
+/* ----------------------------------------------------------------- summary */
+
+/* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none
+ * of is left out. */
+static void print_report(const json_t *rows)
+{
+    const char *last = "";
+    size_t i;
+    json_t *row;
+    json_array_foreach(rows, i, row) {
+        const char *item = json_string_value(json_object_get(row, "item")),
+                   *detail = json_string_value(json_object_get(row, "detail"));
+        const json_t *value = json_object_get(row, "value");
+        if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
+            continue;
+        cli_say(strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
+        last = item;
+        if (json_is_string(value))
+            cli_say("%s", json_string_value(value));
+        else if (json_is_integer(value))
+            cli_say("%lld", (long long)json_integer_value(value));
+        else
+            cli_say("%.1e", json_real_value(value));
+        if (*detail)
+            cli_say(" (%s)", detail);
+    }
+    fputc('\n', stderr);
+}
+
+/* What `ricochet report` says of the file, from what was written there. */
+static int print_summary(const char *path, const ric_atlas *atlas, const display *d)
+{
+    json_t *rows = json_array();
+    ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
+    if (!status) {
+        cli_say("%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
+                ric_atlas_n_junction(atlas), seconds_since(&d->start));
+        if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory())
+            status = RIC_E_NOMEM;
+        if (!status)
+            print_report(rows);
+        if (!status)
+            status = cli_windows_tell(atlas);
+    }
+    json_decref(rows);
+    return status ? cli_report(status) : CLI_DONE;
+}
+
+/* ----------------------------------------------------------------- command */
+
+/* study.yaml -> study.ricochet; the caller frees it. */
+static char *default_path(const char *study)
+{
+    static const char *const endings[] = {".yaml", ".yml"};
+    size_t length = strlen(study);
+    char *path = malloc(length + sizeof ".ricochet");
+    if (!path)
+        return NULL;
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        size_t ending = strlen(endings[i]);
+        if (length > ending && !strcmp(study + length - ending, endings[i]) && study[length - ending - 1] != '/') {
+            length -= ending;
+            break;
+        }
+    }
+    snprintf(path, length + sizeof ".ricochet", "%.*s.ricochet", (int)length, study);
+    return path;
+}
+
+/* ------------------------------------------------------------------- budgets */
+
+/* What a study asks for less of than the atlas already has: "depth, impacts, regions". */
+static void list_smaller(const ric_explore_options *old, const ric_explore_options *now, size_t size, char *out)
+{
+    bool kept = true;
+    for (int i = 0; i < old->n_region && kept; i++) {
+        kept = false;
+        for (int k = 0; k < now->n_region && !kept; k++)
+            kept = ric_region_covers(&now->region[k], &old->region[i]);
+    }
+    const struct { const char *name; bool smaller; } all[] = {
+        {"energy", now->energy[0] > old->energy[0] || now->energy[1] < old->energy[1]},
+        {"frequency", now->frequency[0] > old->frequency[0] || now->frequency[1] < old->frequency[1]},
+        {"impacts", now->impacts < old->impacts},
+        {"multiply", now->multiply < old->multiply},
+        {"depth", now->depth && (!old->depth || now->depth < old->depth)},
+        {"regions", !kept},
+    };
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (all[i].smaller)
+            snprintf(out + strlen(out), size - strlen(out), "%s%s", *out ? ", " : "", all[i].name);
+}
+
+/* The regions of a study as they stand in its text, to be copied into another. */
+static void print_regions(const ric_study *study)
+{
+    const char *text = strstr(ric_study_text(study), "\nregions:\n"), *line = text ? text + 1 : NULL;
+    for (bool first = true; line && *line && (first || *line == ' '); first = false) {
+        const int n = (int)strcspn(line, "\n");
+        cli_say("%.*s\n", n, line);
+        line += n + (line[n] == '\n');
+    }
+}
+
+/* An atlas that was extended, by `ricochet view` or by a larger study, is made smaller by this one: that is said. */
+static void tell_smaller(const char *path, const ric_study *old, const ric_study *now)
+{
+    char what[100];
+    list_smaller(ric_study_options(old), ric_study_options(now), sizeof what, what);
+    if (*what)
+        cli_say("ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not "
+                "listed any more, the work is kept\n",
+                path, what);
+    if (strstr(what, "regions")) {
+        fputs("ricochet: with these lines in the study it comes back:\n", stderr);
+        print_regions(old);
+    }
+}
+
+/* What is left, and how to go on. */
+static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas, const display *d)
+{
+    if (d->over)
+        cli_say("ricochet: the %g s given are over\n", d->seconds);
+    if (d->kept)
+        cli_say("ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
+    else
+        cli_say("ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;", path,
+                ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
+    if (d->last.open > 0)
+        cli_say(" %d departures of depth %d are left, and what follows from them", d->last.open, d->last.depth);
+    else
+        fputs(" all departures are done", stderr);
+    const int unmeasured = cli_unmeasured(atlas);
+    if (unmeasured)
+        cli_say(", %d labels are not measured yet", unmeasured);
+    cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
+    return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
+}
+
+static int explore(const ric_study *study, const char *name, const char *path, long workers, double seconds)
+{
+    display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
+    clock_gettime(CLOCK_MONOTONIC, &d.start);
+    const ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
+    const ric_explore_more more = {.crew = cli_run_crew, .worth = worth, .user = &d};
+    ric_atlas *before = NULL, *atlas = NULL;
+    if (!access(path, F_OK) && ric_atlas_read(path, &before))
+        before = NULL; /* the run itself says what is wrong with it */
+    d.before = before;
+    d.same = before && !strcmp(ric_study_text(ric_atlas_study(before)), ric_study_text(study));
+    if (*ric_study_remark(study)) cli_say("ricochet: %s: %s\n", name, ric_study_remark(study));
+    cli_windows_warn(study);
+    cli_catch_signals();
+    ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
+    clear_progress(&d);
+    if (before && !d.kept && (!status || status == RIC_E_INTERRUPTED))
+        tell_smaller(path, ric_atlas_study(before), study);
+    ric_atlas_free(before);
+    const int code = status == RIC_E_INTERRUPTED ? tell_stopped(path, name, atlas, &d)
+                     : status                    ? cli_report(status)
+                                                 : print_summary(path, atlas, &d);
+    ric_atlas_free(atlas);
+    return code;
+}
+
+/* The work for one orbit grows with the cube of the modes that take part. Where a single branch may take minutes,
+ * nobody shall wait unawares. */
+static bool too_large(const ric_study *study, double seconds)
+{
+    return ric_model_n_mode(ric_study_model(study)) > MANY_MODES && seconds == HUGE_VAL;
+}
+
+static int run(int argc, char **argv)
+{
+    const char *given, *workers_text, *step, *seconds_text;
+    char *path = NULL;
+    long workers = 1;
+    double seconds = HUGE_VAL;
+    ric_study *study = NULL;
+    int code;
+    if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_value(&argc, argv, "-j", &workers_text) ||
+        !cli_take_value(&argc, argv, "--max-step", &step) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_operands(&cli_run, argc, argv, 1) ||
+        (workers_text && !cli_parse_integer(workers_text, "-j", 1, 1024, &workers)) ||
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &seconds)))
+        return CLI_WRONG;
+    if (!(seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
+    ric_status status = ric_study_read(argv[1], &study);
+    if (!status && step)
+        status = ric_study_override(study, "explore", "step", step, "--max-step");
+    if (!status && !(path = given ? strdup(given) : default_path(argv[1])))
+        status = RIC_E_NOMEM;
+    if (status)
+        code = cli_report(status);
+    else if (!strcmp(path, argv[1]))
+        code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o", path);
+    else if (ric_model_restitution(ric_study_model(study)) < 1)
+        code = cli_wrong("%s:%zu: model.restitution: %g loses energy, so that there are no families of periodic "
+                         "orbits; an atlas needs 1, `ricochet simulate` takes [0, 1]",
+                         argv[1], ric_study_restitution_line(study), ric_model_restitution(ric_study_model(study)));
+    else if (too_large(study, seconds))
+        code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
+                         "give --seconds S to try for so long, or reduce the structure to the modes that matter",
+                         argv[1], ric_model_n_mode(ric_study_model(study)));
+    else
+        code = explore(study, argv[1], path, workers, seconds);
+    free(path);
+    ric_study_free(study);
+    return code;
+}
+
+const cli_command cli_run = {
+    .name = "run",
+    .summary = "explore a study into an atlas",
+    .help =
+        "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
+        "\n"
+        "Explores from the linear modes within the budgets of the study and writes the atlas, one file.\n"
+        "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it\n"
+        "extends the atlas. The result does not depend on WORKERS.\n"
+        "\n"
+        "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
+        "  -j WORKERS     how many at a time, 1 unless given\n"
+        "  --max-step H   largest arclength step, instead of the study's explore.step\n"
+        "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command\n"
+        "                 goes on from there. Needed where more than 200 modes take part\n"
+        "\n"
+        "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
+    .run = run,
+};

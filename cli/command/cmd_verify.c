@@ -1,0 +1,335 @@
+/* ricochet verify ATLAS: replays stored orbits with the simulator, which knows nothing of how they were found, and
+ * computes anew what is stored with them. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <limits.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "common/cli.h"
+
+enum { MOST_WORKERS = 256 };
+
+typedef enum { OF_POINT, OF_BRANCH, OF_JUNCTION } subject;
+static const char *const subject_text[] = {"point", "branch", "junction"};
+
+typedef struct {
+    subject of;
+    bool done;
+    ric_check check;            /* of a junction: its id is the point */
+    ric_claims claims;
+} result;
+
+typedef struct {
+    const ric_atlas *atlas;
+    bool all;
+    result *results;
+    int n, room, branches;
+    atomic_int next, finished;
+    atomic_bool stop;
+    ric_status status;           /* the first that failed, and why */
+    char detail[400];
+    pthread_mutex_t mutex;
+    double seconds;
+    struct timespec start;
+} audit;
+
+/* --------------------------------------------------------------- what to do */
+
+static ric_status add(audit *a, subject of, int branch, int point)
+{
+    if (a->n == a->room) {
+        int room = a->room ? 2 * a->room : 1024;
+        result *more = realloc(a->results, (size_t)room * sizeof *more);
+        if (!more) return RIC_E_NOMEM;
+        a->results = more;
+        a->room = room;
+    }
+    a->results[a->n++] = (result){.of = of, .check = {.branch = branch, .point = point, .flight_error = NAN,
+                                                       .return_error = NAN, .condition = NAN, .energy_error = NAN,
+                                                       .faces_agree = true, .passed = true}};
+    return RIC_OK;
+}
+
+/* point: from 0, or -1. */
+static ric_status add_branch(audit *a, int id, long point)
+{
+    ric_branch branch;
+    int chosen[RIC_VERIFY_SAMPLE], n_chosen = 0;
+    ric_status status = ric_atlas_branch(a->atlas, id, &branch);
+    if (status) return status;
+    if (point >= 0) {
+        ric_point stored;
+        status = ric_atlas_point(a->atlas, id, (int)point, &stored, NULL, NULL);
+        a->branches = 1;
+        return status ? status : add(a, OF_POINT, id, (int)point);
+    }
+    if (branch.n_point == 0) return RIC_OK;
+    a->branches++;
+    if ((status = add(a, OF_BRANCH, id, -1))) return status;
+    for (int i = 0; a->all && i < branch.n_point && !status; i++) status = add(a, OF_POINT, id, i);
+    if (a->all) return status;
+    status = ric_verify_sample(a->atlas, id, &n_chosen, chosen);
+    for (int i = 0; i < n_chosen && !status; i++) status = add(a, OF_POINT, id, chosen[i]);
+    return status;
+}
+
+/* ------------------------------------------------------------------ working */
+
+static double seconds_since(const struct timespec *then)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
+}
+
+static void fail(audit *a, ric_status status)
+{
+    pthread_mutex_lock(&a->mutex);
+    if (!a->status) {
+        a->status = status;
+        snprintf(a->detail, sizeof a->detail, "%s", ric_detail());
+    }
+    pthread_mutex_unlock(&a->mutex);
+    a->stop = true;
+}
+
+static void *work(void *user)
+{
+    audit *a = user;
+    while (!a->stop) {
+        int i = atomic_fetch_add(&a->next, 1);
+        if (i >= a->n) break;
+        result *r = &a->results[i];
+        int branch = r->check.branch, point = r->check.point;
+        ric_status status = r->of == OF_BRANCH     ? ric_verify_branch(a->atlas, branch, &r->claims)
+                            : r->of == OF_JUNCTION ? ric_verify_junction(a->atlas, point, &r->claims)
+                                                   : ric_verify_point(a->atlas, branch, point, &r->check);
+        if (!status && r->of == OF_POINT) status = ric_verify_claims(a->atlas, branch, point, &r->claims);
+        if (status) {
+            fail(a, status);
+            break;
+        }
+        r->done = true;
+        atomic_fetch_add(&a->finished, 1);
+    }
+    return NULL;
+}
+
+/* Until all is done, the time is over or a signal comes; shows on a terminal how far it is. */
+static void wait_for_end(audit *a, int workers, pthread_t *threads)
+{
+    bool terminal = isatty(STDERR_FILENO);
+    const struct timespec nap = {0, 5000000};
+    int naps = 0;
+    while (!a->stop && a->finished < a->n && a->next < a->n + workers) {
+        nanosleep(&nap, NULL);
+        if (cli_stopped() || seconds_since(&a->start) > a->seconds) a->stop = true;
+        if (terminal && ++naps % 20 == 0)
+            fprintf(stderr, "\r\033[K%d of %d points, %.0f s", (int)a->finished, a->n, seconds_since(&a->start));
+    }
+    for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
+    if (terminal) fputs("\r\033[K", stderr);
+}
+
+static ric_status work_all(audit *a, int workers)
+{
+    pthread_t threads[MOST_WORKERS];
+    int started = 0;
+    clock_gettime(CLOCK_MONOTONIC, &a->start);
+    cli_catch_signals();
+    while (started < workers && !pthread_create(&threads[started], NULL, work, a)) started++;
+    if (started == 0) work(a);
+    wait_for_end(a, started, threads);
+    return a->status;
+}
+
+/* ------------------------------------------------------------------ answers */
+
+static const char *agreement(ric_agreement a)
+{
+    return a == RIC_AGREES_YES ? "yes" : a == RIC_AGREES_NO ? "no" : "unchecked";
+}
+
+static bool passes(const result *r)
+{
+    return r->check.passed && r->claims.multipliers != RIC_AGREES_NO && r->claims.stable != RIC_AGREES_NO &&
+           r->claims.numbers != RIC_AGREES_NO;
+}
+
+static void add_row(json_t *rows, const result *r)
+{
+    const ric_check *check = &r->check;
+    const ric_claims *claims = &r->claims;
+    json_t *row = json_object();
+    json_object_set_new(row, "kind", json_string(subject_text[r->of]));
+    json_object_set_new(row, "branch", r->of == OF_JUNCTION ? json_null() : json_integer(check->branch));
+    json_object_set_new(row, "point", r->of == OF_POINT ? json_integer(check->point) : json_null());
+    json_object_set_new(row, "junction", r->of == OF_JUNCTION ? json_integer(check->point) : json_null());
+    json_object_set_new(row, "flight_error", cli_number(check->flight_error));
+    json_object_set_new(row, "return_error", cli_number(check->return_error));
+    json_object_set_new(row, "condition", cli_number(check->condition));
+    json_object_set_new(row, "energy_error", cli_number(check->energy_error));
+    json_object_set_new(row, "faces_agree", json_boolean(check->faces_agree));
+    json_object_set_new(row, "multiplier_error", cli_number(claims->multiplier_error));
+    json_object_set_new(row, "multiplier_bound", cli_number(claims->multiplier_bound));
+    json_object_set_new(row, "multipliers_agree", json_string(agreement(claims->multipliers)));
+    json_object_set_new(row, "stable_agrees", json_string(agreement(claims->stable)));
+    json_object_set_new(row, "numbers_agree", json_string(agreement(claims->numbers)));
+    json_object_set_new(row, "passed", json_boolean(passes(r)));
+    json_object_set_new(row, "finding", json_string(claims->finding));
+    json_array_append_new(rows, row);
+}
+
+/* What is wrong with a point, in a sentence; the first few of them. */
+static void tell_failure(const audit *a, const result *r)
+{
+    ric_branch branch;
+    ric_junction junction;
+    if (r->of == OF_JUNCTION) {
+        const char *name = ric_atlas_junction(a->atlas, r->check.point, &junction) ? "" : junction.label;
+        cli_say("ricochet: junction %d %s: %s\n", r->check.point, name, r->claims.finding);
+        return;
+    }
+    const char *label = ric_atlas_branch(a->atlas, r->check.branch, &branch) ? "" : branch.label;
+    if (r->of == OF_BRANCH) {
+        cli_say("ricochet: branch %d %s: %s\n", r->check.branch, label, r->claims.finding);
+        return;
+    }
+    cli_say("ricochet: branch %d %s, point %d: %s\n", r->check.branch, label, r->check.point,
+            !r->check.passed ? "the motion is not what the simulator makes of it" : r->claims.finding);
+}
+
+static int tell_all(const audit *a)
+{
+    enum { TOLD = 10 };
+    int points = 0, done = 0, failed = 0, open = 0, flags = 0, margins = 0, rows[3] = {0}, wrong[3] = {0};
+    for (int i = 0; i < a->n; i++) {
+        const result *r = &a->results[i];
+        points += r->of == OF_POINT;
+        if (!r->done) continue;
+        if (!passes(r) && failed++ < TOLD) tell_failure(a, r);
+        rows[r->of]++;
+        wrong[r->of] += !passes(r);
+        if (r->of != OF_POINT) continue;
+        done++;
+        open += r->claims.multipliers == RIC_AGREES_UNCHECKED && !isnan(r->claims.multiplier_bound);
+        flags += r->claims.stable == RIC_AGREES_UNCHECKED;
+        margins += r->claims.numbers == RIC_AGREES_UNCHECKED;
+    }
+    if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
+    cli_say("%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
+            a->branches, a->branches == 1 ? "" : "es");
+    for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
+        if (wrong[of])
+            cli_say("%d of %d rows of %s do not\n", wrong[of], rows[of],
+                    of == OF_BRANCH ? "branches" : "junctions");
+    if (open)
+        cli_say("multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
+                "of theirs\n", open, open == 1 ? "" : "s");
+    if (flags)
+        cli_say("stability not checked at %d point%s: on the border within rounding\n", flags,
+                flags == 1 ? "" : "s");
+    if (margins)
+        cli_say("reach and approach not checked at %d point%s: springs multiply the rounding of the stored digits "
+                "beyond them\n", margins, margins == 1 ? "" : "s");
+    bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
+    if (!whole)
+        cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
+                cli_stopped() ? "on request" : "when the time given was over", points - done, points);
+    return failed ? CLI_FAILED : whole ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
+}
+
+static int print_audit(const audit *a, cli_format format)
+{
+    static const char *const columns[] = {
+        "kind", "branch", "point", "junction", "flight_error", "return_error", "condition", "energy_error",
+        "faces_agree",
+        "multiplier_error", "multiplier_bound", "multipliers_agree", "stable_agrees", "numbers_agree", "passed", NULL};
+    json_t *rows = json_array();
+    if (!rows) return cli_report(RIC_E_NOMEM);
+    for (int i = 0; i < a->n; i++)
+        if (a->results[i].done) add_row(rows, &a->results[i]);
+    int code = cli_print_rows(rows, columns, format), verdict = code ? code : tell_all(a);
+    json_decref(rows);
+    return verdict;
+}
+
+static int run(int argc, char **argv)
+{
+    cli_format format;
+    const char *text, *point_text, *seconds_text, *workers_text;
+    long branch = 0, point = -1, workers = 1;
+    ric_atlas *atlas = NULL;
+    audit a = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    a.all = cli_take_flag(&argc, argv, "--all");
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
+        !cli_take_value(&argc, argv, "--point", &point_text) ||
+        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_take_value(&argc, argv, "-j", &workers_text) || !cli_operands(&cli_verify, argc, argv, 1) ||
+        (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
+        (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
+        (workers_text && !cli_parse_integer(workers_text, "-j", 1, MOST_WORKERS, &workers)) ||
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &a.seconds)))
+        return CLI_WRONG;
+    if (!(a.seconds > 0)) return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (point_text && !text) return cli_wrong("verify: --point needs --branch ID, whose points it counts");
+    ric_status status = ric_atlas_read(argv[1], &atlas);
+    a.atlas = atlas;
+    if (!status && branch) status = add_branch(&a, (int)branch, point);
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_branch(&a, id, -1);
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_junction(atlas); id++)
+        status = add(&a, OF_JUNCTION, -1, id);
+    if (!status && (status = work_all(&a, (int)workers)) && *a.detail) {
+        cli_say("ricochet: %s\n", a.detail);
+        free(a.results);
+        ric_atlas_free(atlas);
+        return CLI_FAILED;
+    }
+    int code = status ? cli_report(status) : print_audit(&a, format);
+    free(a.results);
+    ric_atlas_free(atlas);
+    return code;
+}
+
+const cli_command cli_verify = {
+    .name = "verify",
+    .summary = "replay the orbits of an atlas with an independent simulator",
+    .help =
+        "usage: ricochet verify ATLAS [--branch ID [--point I]] [--all] [-j WORKERS] [--seconds S]\n"
+        "                       [--json | --csv]\n"
+        "\n"
+        "Replays the first, the middle and the last point of every branch and five more with a simulator that\n"
+        "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact\n"
+        "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared\n"
+        "with their points and orbits: one row for each, kind branch or junction.\n"
+        "\n"
+        "  flight_error   largest relative error of the time and the end of a flight; at most 1e-11\n"
+        "  return_error   relative distance from the start after one period; at most 1e-9 max(1, 1e-7\n"
+        "                 condition); none at a corner\n"
+        "  condition      largest modulus of a multiplier: what one period makes of a small error; more where\n"
+        "                 slow impacts amplify the simulator's own rounding on the way beyond that\n"
+        "  energy_error   relative error of the energy; at most 1e-11\n"
+        "  faces_agree    whether the faces of the word are met in their order, and no other\n"
+        "  multiplier_error, multiplier_bound\n"
+        "                 of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for\n"
+        "                 more modes of the multipliers that `points` and `orbit` give\n"
+        "  multipliers_agree, stable_agrees, numbers_agree\n"
+        "                 yes, no or unchecked: trace and rotation; the flag; energy, frequency, reach and\n"
+        "                 approach\n"
+        "  --branch ID    only this branch; with --point I only this point\n"
+        "  --all          every stored point\n"
+        "  -j WORKERS     how many at a time, 1 unless given\n"
+        "  --seconds S    stop after that time and show what was done\n"
+        "\n"
+        "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C.\n"
+        "\n"
+        "example: ricochet verify study.ricochet --branch 3 --all\n",
+    .run = run,
+};

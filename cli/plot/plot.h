@@ -1,0 +1,302 @@
+/* Pictures: a page drawn in pixels, axes and panels on it, and one function per kind of picture.
+ *
+ * All layout is computed here, gnuplot only renders: that is how labels can be placed without collisions and how SVG,
+ * PDF and PNG agree. Lengths are pixels (1/96 inch in PDF), the origin is the lower left corner of the page. */
+#ifndef PLOT_H
+#define PLOT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "common/cli.h"
+
+typedef struct { double x, y; } plot_point;
+typedef struct { double left, bottom, right, top; } plot_box;
+
+/* -------------------------------------------------------------- page (plot_page.c) */
+
+/* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
+typedef enum {
+    PLOT_GRID, PLOT_NATURAL, PLOT_LOCKED, PLOT_GHOST,
+    PLOT_DUPLICATE, /* + 0..2: linear, asymmetric, symmetric */
+    PLOT_LINEAR = PLOT_DUPLICATE + 3, /* + 0..2 */
+    PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
+    PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
+    PLOT_ATLAS_DUPLICATE = PLOT_SYMMETRIC + 3, /* + 0..5: one of several atlases */
+    PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6, /* + 3 times 0..5, + 0..2 */
+    PLOT_ZOOM = PLOT_ATLAS + 18,
+    PLOT_SHEET, /* + 0, 1: inside, edge */
+    PLOT_JUMP = PLOT_SHEET + 2,
+    PLOT_STOP,
+    PLOT_SERIES, /* + 0..3 */
+    PLOT_FRAME = PLOT_SERIES + 4,
+    PLOT_LEADER,
+    PLOT_N_STROKE,
+} plot_stroke;
+
+typedef enum {
+    PLOT_CIRCLE,
+    PLOT_SQUARE,
+    PLOT_TRIANGLE,
+    PLOT_TRIANGLE_DOWN,
+    PLOT_DIAMOND,
+    PLOT_STAR,
+    PLOT_CROSS,
+    PLOT_DOT,
+    PLOT_N_MARK,
+} plot_mark;
+
+typedef enum { PLOT_LEFT, PLOT_CENTRE, PLOT_RIGHT } plot_anchor;
+
+typedef struct plot_page plot_page;
+
+/* NULL when memory ran out. */
+plot_page *plot_page_create(double width, double height);
+void plot_page_free(plot_page *page);
+double plot_page_width(const plot_page *page);
+double plot_page_height(const plot_page *page);
+
+void plot_page_line(plot_page *page, plot_stroke stroke, int n, const plot_point *points);
+void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radius);
+/* `text` is in gnuplot's enhanced notation (see plot_text_escape); `at` is the anchor at half height. `upright` turns
+ * it by 90 degrees. */
+void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright,
+                    const char *text);
+/* Colour of a style, "#rrggbb". */
+const char *plot_stroke_colour(plot_stroke stroke);
+
+/* Whether a box, or a straight line, is free of texts and marks; and how many pixels of lines a box covers. */
+bool plot_page_free_box(const plot_page *page, plot_box box);
+bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to);
+double plot_page_ink(plot_page *page, plot_box box);
+
+/* The script that has gnuplot draw the page; false when memory ran out, or the file cannot be written. */
+typedef enum { PLOT_FORMAT_NONE, PLOT_FORMAT_SVG, PLOT_FORMAT_PDF, PLOT_FORMAT_PNG } plot_format;
+bool plot_page_script(plot_page *page, plot_format format, FILE *script);
+bool plot_page_failed(const plot_page *page);
+
+/* ------------------------------------------------------------ rendering (gnuplot.c) */
+
+/* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the
+ * target is untouched. */
+int plot_page_write(plot_page *page, const char *path);
+/* Copies gnuplot's SVG without what a picture does not need (svg.c). */
+bool plot_svg_squeeze(FILE *from, FILE *to);
+/* CLI_DONE, or CLI_WRONG with a message when the ending is none of the three. */
+int plot_check_target(const char *path);
+
+/* -------------------------------------------------------------- texts (plot_text.c) */
+
+/* Free text made safe for enhanced notation: its special characters escaped, broken UTF-8 and control characters
+ * replaced. */
+void plot_text_escape(const char *text, size_t size, char *out);
+/* Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A5[00101]; long words as powers.
+ * Others are escaped. */
+void plot_text_label(const char *label, size_t size, char *out);
+/* Estimated width, on the wide side, and the box that a text fills. */
+double plot_text_width(const char *text, double size);
+/* As gnuplot places pieces of it, up to `end`. */
+double plot_text_exact_width(const char *text, const char *end, double size);
+plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upright, const char *text);
+
+/* ------------------------------------------------------- axes, panels (plot_axes.c) */
+
+typedef enum { PLOT_SCALE_LINEAR, PLOT_SCALE_LOG, PLOT_SCALE_BROKEN, PLOT_SCALE_ASINH } plot_scale;
+
+typedef struct {
+    plot_scale scale;
+    double lo, hi;   /* data */
+    double knee;     /* broken: linear below, logarithmic above */
+    double from, to; /* pixels */
+} plot_axis;
+
+typedef struct { plot_axis x, y; } plot_panel;
+
+double plot_axis_at(const plot_axis *axis, double value);
+plot_box plot_panel_box(const plot_panel *panel);
+/* Frame, tics and axis titles (NULL: tics without numbers). */
+void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title);
+/* Data curve, clipped to the panel and thinned to what the eye can tell; a NaN breaks it. */
+void plot_panel_curve(plot_page *page, const plot_panel *panel, plot_stroke stroke, int n, const plot_point *data);
+bool plot_panel_inside(const plot_panel *panel, plot_point data);
+plot_point plot_panel_at(const plot_panel *panel, plot_point data);
+/* Cuts the segment a-b to the box; false if nothing is left. */
+bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b);
+/* Widens [lo, hi] by `part` of its length (of its logarithm), or to something visible when it is a point. */
+void plot_range_widen(bool logarithmic, double part, double *lo, double *hi);
+
+/* ------------------------------------------------------- legend, labels (plot_labels.c) */
+
+/* One sample per entry, centred in rows below `top`; returns the height used. Draws nothing if page is NULL. */
+typedef struct {
+    const char *text;
+    int stroke; /* plot_stroke, or -1 */
+    int mark;   /* plot_mark, or -1 */
+} plot_legend_entry;
+enum { PLOT_MAX_LEGEND = 32 };
+/* What a picture of branches has to explain: families (linear, asymmetric, symmetric), stabilities, kinds of junctions;
+ * NULL: none. Returns how many. */
+int plot_legend_entries(const bool family[3], unsigned stability, const bool *kinds, plot_legend_entry *out);
+double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, double left, double right, double top);
+
+/* A label that wants to stand near a point. */
+typedef struct {
+    plot_point at;   /* pixels */
+    double clear;    /* keep this far from `at` */
+    double weight;   /* larger is placed first */
+    int group;       /* of labels with the same group > 0 only one is placed: alternatives */
+    const char *colour;
+    bool leader;     /* may stand far away with a thin line to its point */
+    char text[96];
+} plot_tag;
+
+/* Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how many found no
+ * place. Sorts tags. */
+int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double size);
+
+/* ---------------------------------------------------------- options (cmd_plot.c) */
+
+typedef struct {
+    const char *out, *title;
+    double width, height;
+} plot_options;
+
+/* "A:B" with A < B. */
+bool plot_parse_range(const char *text, const char *what, double range[2]);
+/* "X0:X1,Y0:Y1" */
+bool plot_parse_window(const char *text, const char *what, double window[4]);
+/* ATLAS --option VALUE... ATLAS --option VALUE...: each value belongs to the atlas named last before it (-1: none yet).
+ * Returns an exit code, with a message if there are more than `most_atlas` or `most`, another option, or no atlas. */
+typedef struct {
+    const char *text;
+    int atlas;
+} plot_listed;
+int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases,
+                     int most, int *n, plot_listed *values);
+/* Mark of a junction kind, and its word for the legend. */
+plot_mark plot_junction_mark(ric_kind kind);
+plot_stroke plot_branch_family(const ric_branch *branch);
+/* Mixed text for the k-duplicate of a branch: label in the article's notation. */
+void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out);
+
+/* ------------------------------------------------- branches (plot_curves.c) */
+
+/* A branch on the way to the page: points with their stability, and junctions between them. */
+enum { PLOT_JOINT = -1 };
+typedef struct {
+    plot_point at;
+    double arclength;
+    int stable; /* ric_stability, or PLOT_JOINT: a junction, which leaves that to its neighbours */
+} plot_knot;
+typedef struct {
+    int n, room;
+    plot_knot *knots;
+} plot_track;
+
+bool plot_track_add(plot_track *track, plot_point at, double arclength, int stable);
+void plot_track_free(plot_track *track);
+/* Of a stored point: PLOT_JOINT where it is undecided because it is a junction. */
+int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);
+/* By arclength, where joints were added after the points. */
+void plot_track_sort(plot_track *track);
+/* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities
+ * seen, 1 << ric_stability. */
+unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *track);
+
+/* ------------------------------------------------------ motions (plot_motion.c) */
+
+typedef struct {
+    double time;
+    int face;
+    bool touch;
+    int sample; /* index of a row at this time */
+} plot_event;
+
+/* An orbit and its motion over one period. Row i is t, x [n], v [n]; smooth piece k owns the rows first[k] ..
+ * first[k + 1] - 1. */
+typedef struct {
+    const ric_model *model;
+    int n; /* degrees of freedom */
+    int impacts, *word; /* letters of the word, [impacts]; from n_face on a spring opens */
+    double *state, *flights, period;
+    double tolerance; /* how near a gap must come to a stop, in clearances, to be a touch */
+    bool jumps;       /* velocities jump between pieces */
+    int n_piece, *first, n_row, room;
+    double *rows;
+    int n_event;
+    plot_event *events;
+} plot_motion;
+
+/* Copies an orbit; false when memory ran out. model and n must be set. */
+bool plot_motion_keep(plot_motion *motion, int impacts, const int *word, const double *state, const double *flights);
+/* Fills in rows and events of an orbit that was kept. */
+ric_status plot_motion_make(plot_motion *motion);
+void plot_motion_free(plot_motion *motion);
+double *plot_motion_row(const plot_motion *motion, int i);
+/* Gap coordinate in clearances (lengths of a power law): stops are at +1 and -1 for every contact. */
+double plot_motion_gap(const plot_motion *motion, int contact, const double *x);
+/* The face of a contact on a side, -1 if there is no stop. */
+int plot_motion_face(const plot_motion *motion, int contact, int side);
+/* A number read from a row, of coordinate or contact `what`. */
+typedef double (*plot_reading)(const plot_motion *motion, const double *row, int what);
+double plot_read_time(const plot_motion *motion, const double *row, int what);
+double plot_read_x(const plot_motion *motion, const double *row, int what);
+double plot_read_v(const plot_motion *motion, const double *row, int what);
+double plot_read_gap(const plot_motion *motion, const double *row, int what);
+void plot_motion_range(const plot_motion *motion, plot_reading y, int what, double *lo, double *hi);
+/* Displacement at time t, modulo the period. */
+double plot_motion_at(const plot_motion *motion, double t, int coordinate);
+/* One reading against another; times are shown `later`. */
+void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion,
+                      plot_reading x, plot_reading y, int what, double later);
+
+/* ---------------------------------------------- what is named (plot_select.c) */
+
+/* A junction by its id, by its name in the study or by its label. False with a message that starts with `what`. */
+bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *what, int *id);
+
+/* Arclength of a junction on a branch, NaN if it is not on it. */
+double plot_junction_at(const ric_atlas *atlas, const ric_branch *branch, int junction);
+
+typedef struct {
+    int branch;
+    double s[2]; /* arclength from, to; may run backwards */
+} plot_segment;
+
+/* Whether some branch, or a duplicate of one, has this label. */
+bool plot_is_branch(const ric_atlas *atlas, const char *label);
+/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2; #N behind it
+ * takes the Nth of several that fit. */
+bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out);
+
+typedef struct {
+    char name[160];
+    int junction, branch; /* one of them, the other is 0 */
+    int kind;             /* ric_kind of a junction, -1 for a point of a branch */
+    int periods;          /* how often the orbit is gone through; a q-tupling counts q times */
+    int stable;           /* ric_stability, -1 for a junction */
+    double energy, frequency; /* frequency of the orbit itself */
+    plot_motion motion;   /* kept, not yet made; released with plot_motion_free */
+} plot_choice;
+
+/* An orbit: JUNCTION, or SEGMENT@ with a part of the way from 0 to 1, E=.. or F=..; then *K if it is gone through K
+ * times; "NAME: " before it gives it a name. Returns an exit code. */
+int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot_choice *out);
+
+/* The title of the picture, or of the study followed by `extra` (enhanced notation, may be NULL). */
+void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra);
+
+/* ------------------------------------------------------------ the pictures */
+
+/* argv[0] is the kind; --title, --size and -o have been taken out. Each returns an exit code. */
+int plot_fep(int argc, char **argv, const plot_options *options);
+int plot_orbit(int argc, char **argv, const plot_options *options);
+int plot_orbits(int argc, char **argv, const plot_options *options);
+int plot_sheet(int argc, char **argv, const plot_options *options);
+int plot_strobe(int argc, char **argv, const plot_options *options);
+int plot_curves(int argc, char **argv, const plot_options *options);
+int plot_floquet(int argc, char **argv, const plot_options *options);
+int plot_cascade(int argc, char **argv, const plot_options *options);
+
+#endif

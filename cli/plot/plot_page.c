@@ -1,0 +1,391 @@
+/* The page of a picture: lines, marks and texts in pixels, and the script that has gnuplot draw them. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/buffer.h"
+#include "plot.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* Told apart by lightness as well as by hue, so that they stay apart in grey print: symmetric dark, asymmetric middle,
+ * linear light; stable thick, unstable thin, undecided dotted. */
+static const struct {
+    const char *colour, *title;
+    double width;
+    double dash[4]; /* on, off, on, off in pixels between round ends; none = solid */
+} strokes[PLOT_N_STROKE] = {
+    [PLOT_GRID] = {"#dddddd", "grid", 0.6, {0}},
+    [PLOT_NATURAL] = {"#808080", "natural frequency", 0.8, {12, 4, 1, 4}},
+    [PLOT_LOCKED] = {"#808080", "frequency with a contact locked", 0.8, {5, 4}},
+    [PLOT_GHOST] = {"#e3122d", "ghost", 0.7, {0}},
+    [PLOT_LINEAR + RIC_STABLE_NO] = {"#b4b4b4", "linear, unstable", 0.9, {0}},
+    [PLOT_LINEAR + RIC_STABLE_YES] = {"#b4b4b4", "linear, stable", 2.8, {0}},
+    [PLOT_LINEAR + RIC_STABLE_UNDECIDED] = {"#b4b4b4", "linear, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ASYMMETRIC + RIC_STABLE_NO] = {"#d0701c", "asymmetric, unstable", 0.9, {0}},
+    [PLOT_ASYMMETRIC + RIC_STABLE_YES] = {"#d0701c", "asymmetric, stable", 2.8, {0}},
+    [PLOT_ASYMMETRIC + RIC_STABLE_UNDECIDED] = {"#d0701c", "asymmetric, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_SYMMETRIC + RIC_STABLE_NO] = {"#16325c", "symmetric, unstable", 0.9, {0}},
+    [PLOT_SYMMETRIC + RIC_STABLE_YES] = {"#16325c", "symmetric, stable", 2.8, {0}},
+    [PLOT_SYMMETRIC + RIC_STABLE_UNDECIDED] = {"#16325c", "symmetric, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_DUPLICATE] = {"#b4b4b4", "duplicate, linear", 0.9, {6, 3.5}},
+    [PLOT_DUPLICATE + 1] = {"#d0701c", "duplicate, asymmetric", 0.9, {6, 3.5}},
+    [PLOT_DUPLICATE + 2] = {"#16325c", "duplicate, symmetric", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE] = {"#16325c", "duplicate, atlas 1", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 1] = {"#c2301f", "duplicate, atlas 2", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 2] = {"#2a8a57", "duplicate, atlas 3", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 3] = {"#b07a00", "duplicate, atlas 4", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 4] = {"#8a4aa8", "duplicate, atlas 5", 0.9, {6, 3.5}},
+    [PLOT_ATLAS_DUPLICATE + 5] = {"#3a9ac0", "duplicate, atlas 6", 0.9, {6, 3.5}},
+    [PLOT_ATLAS] = {"#16325c", "atlas 1, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 1] = {"#16325c", "atlas 1, stable", 2.8, {0}},
+    [PLOT_ATLAS + 2] = {"#16325c", "atlas 1, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 3] = {"#c2301f", "atlas 2, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 4] = {"#c2301f", "atlas 2, stable", 2.8, {0}},
+    [PLOT_ATLAS + 5] = {"#c2301f", "atlas 2, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 6] = {"#2a8a57", "atlas 3, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 7] = {"#2a8a57", "atlas 3, stable", 2.8, {0}},
+    [PLOT_ATLAS + 8] = {"#2a8a57", "atlas 3, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 9] = {"#b07a00", "atlas 4, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 10] = {"#b07a00", "atlas 4, stable", 2.8, {0}},
+    [PLOT_ATLAS + 11] = {"#b07a00", "atlas 4, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 12] = {"#8a4aa8", "atlas 5, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 13] = {"#8a4aa8", "atlas 5, stable", 2.8, {0}},
+    [PLOT_ATLAS + 14] = {"#8a4aa8", "atlas 5, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ATLAS + 15] = {"#3a9ac0", "atlas 6, unstable", 0.9, {0}},
+    [PLOT_ATLAS + 16] = {"#3a9ac0", "atlas 6, stable", 2.8, {0}},
+    [PLOT_ATLAS + 17] = {"#3a9ac0", "atlas 6, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_ZOOM] = {"#2a8a57", "window of a zoom", 0.9, {4, 3}},
+    [PLOT_SHEET] = {"#3a5f94", "sheet", 0.8, {0}},
+    [PLOT_SHEET + 1] = {"#16325c", "edge of a sheet", 1.7, {0}},
+    [PLOT_JUMP] = {"#8c8c8c", "jump of the velocity", 0.9, {2.5, 3}},
+    [PLOT_STOP] = {"#555555", "stop", 1.1, {12, 4}},
+    [PLOT_SERIES] = {"#16325c", "first", 1.7, {0}},
+    [PLOT_SERIES + 1] = {"#d0701c", "second", 1.7, {7, 4}},
+    [PLOT_SERIES + 2] = {"#2a8a57", "third", 1.7, {9, 4, 1, 4}},
+    [PLOT_SERIES + 3] = {"#a04a8c", "fourth", 2, {0.1, 4}},
+    [PLOT_FRAME] = {"#222222", "axes", 0.9, {0}},
+    [PLOT_LEADER] = {"#777777", "leaders", 0.6, {0}},
+};
+
+struct plot_page {
+    double width, height;
+    ric_buffer lines[PLOT_N_STROKE], objects, texts;
+    int n_label;
+    plot_box *boxes; /* texts and marks */
+    int n_box, room;
+    unsigned char *ink; /* [rows * columns], pixels under lines */
+    unsigned *sums;     /* [(rows + 1) * (columns + 1)] running sums of ink, made when asked for; NULL = stale */
+    int columns, rows;
+    bool failed;
+};
+
+const char *plot_stroke_colour(plot_stroke stroke)
+{
+    return strokes[stroke].colour;
+}
+
+double plot_page_width(const plot_page *page) { return page->width; }
+double plot_page_height(const plot_page *page) { return page->height; }
+
+plot_page *plot_page_create(double width, double height)
+{
+    plot_page *page = calloc(1, sizeof *page);
+    if (!page)
+        return NULL;
+    page->width = width;
+    page->height = height;
+    page->columns = (int)ceil(width);
+    page->rows = (int)ceil(height);
+    page->ink = calloc((size_t)page->columns * (size_t)page->rows, 1);
+    bool good = page->ink;
+    for (int i = 0; i < PLOT_N_STROKE; i++)
+        good &= ric_buffer_open(&page->lines[i]);
+    good &= ric_buffer_open(&page->objects) && ric_buffer_open(&page->texts);
+    if (good)
+        return page;
+    plot_page_free(page);
+    return NULL;
+}
+
+void plot_page_free(plot_page *page)
+{
+    if (!page)
+        return;
+    for (int i = 0; i < PLOT_N_STROKE; i++)
+        ric_buffer_free(&page->lines[i]);
+    ric_buffer_free(&page->objects);
+    ric_buffer_free(&page->texts);
+    free(page->boxes);
+    free(page->ink);
+    free(page->sums);
+    free(page);
+}
+
+/* ------------------------------------------------------------------ drawing */
+
+static void stain(plot_page *page, plot_point a, plot_point b)
+{
+    const double length = hypot(b.x - a.x, b.y - a.y);
+    const int n = 1 + (int)fmin(length, 1e5);
+    for (int i = 0; i <= n; i++) {
+        const int column = (int)floor(a.x + (b.x - a.x) * i / n), row = (int)floor(a.y + (b.y - a.y) * i / n);
+        if (column >= 0 && column < page->columns && row >= 0 && row < page->rows)
+            page->ink[(size_t)row * (size_t)page->columns + (size_t)column] = 1;
+    }
+}
+
+void plot_page_line(plot_page *page, plot_stroke stroke, int n, const plot_point *points)
+{
+    FILE *file = page->lines[stroke].file;
+    for (int i = 0; i < n; i++) {
+        fprintf(file, "%.2f %.2f\n", points[i].x, points[i].y);
+        if (i > 0)
+            stain(page, points[i - 1], points[i]);
+    }
+    fputc('\n', file); /* an empty line lifts the pen */
+    free(page->sums);
+    page->sums = NULL;
+}
+
+static void remember(plot_page *page, plot_box box)
+{
+    if (page->n_box == page->room) {
+        const int room = page->room ? 2 * page->room : 256;
+        plot_box *boxes = realloc(page->boxes, (size_t)room * sizeof *boxes);
+        if (!boxes) {
+            page->failed = true;
+            return;
+        }
+        page->boxes = boxes;
+        page->room = room;
+    }
+    page->boxes[page->n_box++] = box;
+}
+
+enum { ROUND = 20, CORNERS = 20 };
+
+/* Corners of a mark around the origin, of radius about 1; returns how many. */
+static int mark_shape(plot_mark mark, plot_point *out)
+{
+    static const struct { int n; double turn, size; } regular[PLOT_N_MARK] = {
+        [PLOT_SQUARE] = {4, 0.125, 1.2}, [PLOT_TRIANGLE] = {3, 0.25, 1.25}, [PLOT_TRIANGLE_DOWN] = {3, 0.75, 1.25},
+        [PLOT_DIAMOND] = {4, 0, 1.3}, [PLOT_STAR] = {10, 0.25, 1.45}, [PLOT_CROSS] = {12, 0.125, 1},
+    };
+    const int n = regular[mark].n ? regular[mark].n : ROUND; /* gnuplot's own circles have a hundred corners */
+    for (int i = 0; i < n; i++) {
+        double radius = regular[mark].n ? regular[mark].size : mark == PLOT_DOT ? 0.8 : 1;
+        if (mark == PLOT_STAR && i % 2)
+            radius *= 0.45;
+        const double angle = 2 * pi * (regular[mark].turn + (double)i / n);
+        out[i] = (plot_point){radius * cos(angle), radius * sin(angle)};
+    }
+    if (mark == PLOT_CROSS) {
+        static const signed char plus[12][2] = {{1, 3},   {1, 1},   {3, 1},   {3, -1}, {1, -1}, {1, -3},
+                                                {-1, -3}, {-1, -1}, {-3, -1}, {-3, 1}, {-1, 1}, {-1, 3}};
+        for (int i = 0; i < n; i++)
+            out[i] = (plot_point){plus[i][0] * 0.4, plus[i][1] * 0.4};
+    }
+    return n;
+}
+
+void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radius)
+{
+    FILE *file = page->objects.file;
+    plot_point shape[CORNERS];
+    const int n = mark_shape(mark, shape);
+    const char *fill = mark == PLOT_DOT ? "#222222" : "#ffffff";
+    remember(page, (plot_box){at.x - radius, at.y - radius, at.x + radius, at.y + radius});
+    fputs("set object polygon from ", file);
+    for (int i = 0; i <= n; i++)
+        fprintf(file, "%s%.2f,%.2f", i ? " to " : "", at.x + radius * shape[i % n].x, at.y + radius * shape[i % n].y);
+    fprintf(file, " front fs solid 1 border rgb '#222222' fc rgb '%s' lw 1\n", fill);
+}
+
+static void put_label(plot_page *page, plot_point at, const char *anchor, double size, const char *colour, bool upright,
+                      const char *text, size_t n)
+{
+    FILE *file = page->texts.file;
+    fprintf(file, "set label %d '", ++page->n_label);
+    /* gnuplot takes a doubled quote for one quote, but not where a text begins with it: it is added as a text of its
+     * own. Within double quotes it would look for commands. */
+    for (size_t i = 0; i < n; i++) {
+        if (text[i] == '\'')
+            fputs("'.\"'\".'", file);
+        else
+            fputc((unsigned char)text[i] < ' ' || text[i] == 0x7f ? ' ' : text[i], file);
+    }
+    /* FONT(..) is a function of the script: the terminals measure type in different units. */
+    fprintf(file, "' at %.2f,%.2f %s front %s font FONT(%.2f) tc rgb '%s'\n", at.x, at.y, anchor,
+            upright ? "rotate by 90" : "norotate", size, colour);
+}
+
+/* gnuplot sets raised over lowered text too tight, and not at all alike in SVG; so the pieces of such a text are placed
+ * one by one. */
+static void put_pieces(plot_page *page, plot_point at, double size, const char *colour, const char *text)
+{
+    while (*text) {
+        const char *end = text;
+        while (*end && *end != '@')
+            end += *end == '\\' && end[1] ? 2 : 1;
+        put_label(page, at, "left", size, colour, false, text, (size_t)(end - text));
+        at.x += plot_text_exact_width(text, end, size);
+        if (!*end)
+            return;
+        double widest = 0;
+        for (text = end + 1; *text == '^' || *text == '_'; text = end) {
+            const double small = 0.74 * size, shift = *text == '^' ? 0.44 * size : -0.44 * size;
+            end = text + 1;
+            const char *inner = end + (*end == '{');
+            end += *end == '{' ? strcspn(end, "}") : 1;
+            put_label(page, (plot_point){at.x + 0.5, at.y + shift}, "left", small, colour, false, inner,
+                      (size_t)(end - inner));
+            widest = fmax(widest, plot_text_exact_width(inner, end, small));
+            end += *end == '}';
+        }
+        at.x += widest + 1;
+    }
+}
+
+void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright,
+                    const char *text)
+{
+    static const char *const words[] = {"left", "center", "right"};
+    remember(page, plot_text_box(at, anchor, size, upright, text));
+    if (!upright && strchr(text, '@')) {
+        const double width = plot_text_exact_width(text, text + strlen(text), size);
+        put_pieces(page,
+                   (plot_point){at.x - (anchor == PLOT_LEFT     ? 0
+                                        : anchor == PLOT_CENTRE ? width / 2
+                                                                : width),
+                                at.y},
+                   size, colour, text);
+        return;
+    }
+    put_label(page, at, words[anchor], size, colour, upright, text, strlen(text));
+}
+
+bool plot_page_free_box(const plot_page *page, plot_box box)
+{
+    for (int i = 0; i < page->n_box; i++) {
+        const plot_box *b = &page->boxes[i];
+        if (box.left < b->right && b->left < box.right && box.bottom < b->top && b->bottom < box.top)
+            return false;
+    }
+    return true;
+}
+
+bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to)
+{
+    for (int i = 0; i < page->n_box; i++) {
+        plot_point a = from, b = to;
+        if (plot_clip_segment(&page->boxes[i], &a, &b))
+            return false;
+    }
+    return true;
+}
+
+static bool sum_ink(plot_page *page)
+{
+    const size_t columns = (size_t)page->columns, rows = (size_t)page->rows, stride = columns + 1;
+    page->sums = calloc((rows + 1) * stride, sizeof *page->sums);
+    if (!page->sums)
+        return false;
+    for (size_t row = 0; row < rows; row++)
+        for (size_t column = 0, line = 0; column < columns; column++) {
+            line += page->ink[row * columns + column];
+            page->sums[(row + 1) * stride + column + 1] = page->sums[row * stride + column + 1] + (unsigned)line;
+        }
+    return true;
+}
+
+static size_t pixel(double value, int limit)
+{
+    return value < 0 ? 0 : value > limit ? (size_t)limit : (size_t)value;
+}
+
+double plot_page_ink(plot_page *page, plot_box box)
+{
+    if (!page->sums && !sum_ink(page))
+        return 0;
+    const size_t stride = (size_t)page->columns + 1;
+    const size_t left = pixel(floor(box.left), page->columns), right = pixel(ceil(box.right), page->columns);
+    const size_t bottom = pixel(floor(box.bottom), page->rows), top = pixel(ceil(box.top), page->rows);
+    const unsigned *s = page->sums;
+    return (double)(s[top * stride + right] - s[bottom * stride + right] - s[top * stride + left] +
+                    s[bottom * stride + left]);
+}
+
+/* ------------------------------------------------------------------- script */
+
+bool plot_page_failed(const plot_page *page)
+{
+    return page->failed;
+}
+
+/* The terminals measure type, line widths and dashes in units of their own; the factors to pixels were measured with
+ * gnuplot 5.4. */
+static void write_terminal(FILE *script, const plot_page *page, plot_format kind)
+{
+    const double w = page->width, h = page->height;
+    double type = 1;
+    switch (kind) {
+    case PLOT_FORMAT_SVG:
+        fprintf(script, "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font 'Helvetica,12'\n",
+                w, h);
+        break;
+    case PLOT_FORMAT_PDF:
+        type = 0.5625;
+        fprintf(
+            script,
+            "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth 1.5 font 'Helvetica,9'\n",
+            w / 96, h / 96);
+        break;
+    default:
+        type = 0.75;
+        fprintf(script, "set terminal pngcairo size %.0f,%.0f enhanced rounded font 'Helvetica,9'\n", w, h);
+    }
+    fprintf(script, "FONT(s) = sprintf('Helvetica,%%.2f', %g * s)\n", type);
+}
+
+static void write_stroke(FILE *script, plot_format kind, int stroke)
+{
+    const double *dash = strokes[stroke].dash, width = strokes[stroke].width;
+    const double unit = kind == PLOT_FORMAT_SVG   ? 0.5 * width
+                        : kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
+                                                  : 0.3667 * fmax(1, 0.75 * width);
+    fprintf(script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, strokes[stroke].colour);
+    for (int i = 0; i < 4 && dash[i] > 0; i++)
+        fprintf(script, "%c%.3f", i ? ',' : '(', dash[i] / unit);
+    fprintf(script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", strokes[stroke].title);
+}
+
+bool plot_page_script(plot_page *page, plot_format kind, FILE *script)
+{
+    bool good = !page->failed;
+    for (int i = 0; i < PLOT_N_STROKE; i++)
+        good &= ric_buffer_sync(&page->lines[i]);
+    good &= ric_buffer_sync(&page->objects) && ric_buffer_sync(&page->texts);
+    if (!good)
+        return false;
+    fputs("set encoding utf8\n", script);
+    write_terminal(script, page, kind);
+    fputs("unset key\nunset border\nunset tics\n"
+          "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1\n",
+          script);
+    fprintf(script, "set xrange [0:%g]\nset yrange [0:%g]\n", page->width, page->height);
+    for (int i = 0; i < PLOT_N_STROKE; i++)
+        if (page->lines[i].size)
+            fprintf(script, "$l%d << EOD\n%sEOD\n", i, page->lines[i].text);
+    fputs(page->objects.text, script);
+    fputs(page->texts.text, script);
+    fputs("plot -1 lw 0 notitle", script); /* so that there is always a first */
+    for (int i = 0; i < PLOT_N_STROKE; i++)
+        if (page->lines[i].size)
+            write_stroke(script, kind, i);
+    fputc('\n', script);
+    return fflush(script) == 0 && !ferror(script);
+}

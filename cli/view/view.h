@@ -1,0 +1,128 @@
+/* ricochet view: what its files know of each other, in the order of calls. The atlas in memory (view_data.c), answers
+ * made from it (view_orbit.c), its extension (view_grow.c), HTTP (view_http.c), the command (cmd_view.c). */
+#ifndef VIEW_H
+#define VIEW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/cli.h"
+
+/* ------------------------------------------------------------ page (made by tools/embed.py) */
+
+/* A file of the page, compressed with gzip. `path` is what a browser asks for. */
+typedef struct {
+    const char *path, *type, *tag; /* tag: digest of the content */
+    const unsigned char *bytes;
+    size_t n;
+} view_file;
+
+extern const view_file view_page[]; /* ends with path NULL */
+
+/* ------------------------------------------------------------ atlas (view_data.c) */
+
+/* One reading of the atlas. Requests that have begun with one end with it, also when a newer one has taken its
+ * place. */
+typedef struct {
+    ric_atlas *atlas;
+    unsigned generation;    /* 1, 2, ...: pages ask for everything anew when it grows */
+    char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that, for the first
+                             * picture, as /api/outline does */
+    size_t points_size, outline_size;
+    json_t *rows;           /* branches with their places in `points`, as /api/atlas gives them */
+    int holders;            /* under the lock of the shelf */
+} view_data;
+
+typedef struct view_shelf view_shelf; /* holds the newest reading of one file */
+
+ric_status view_shelf_open(const char *path, view_shelf **out);
+void view_shelf_close(view_shelf *shelf);
+const char *view_shelf_path(const view_shelf *shelf);
+/* Reads the file again; on failure the present reading stays. */
+ric_status view_shelf_reload(view_shelf *shelf);
+/* Whether the file is another one, or has changed, since it was read. */
+bool view_shelf_stale(view_shelf *shelf);
+view_data *view_data_take(view_shelf *shelf);
+void view_data_release(view_shelf *shelf, view_data *data);
+
+/* Everything but the points: model, study, branches, junctions. NULL: no memory. */
+json_t *view_describe(const view_data *data);
+
+/* ------------------------------------------------------------ answers (view_orbit.c) */
+
+/* Where on a branch: exactly one of the four ways. */
+typedef enum { VIEW_AT_POINT, VIEW_AT_ENERGY, VIEW_AT_FREQUENCY, VIEW_AT_ARCLENGTH } view_at;
+
+/* The orbits that fit, each with its history; *out is an array. */
+ric_status view_orbits(const ric_atlas *atlas, int branch, view_at at, double value, json_t **out);
+
+/* ------------------------------------------------------------ living atlas (view_grow.c) */
+
+typedef struct view_grower view_grower;
+
+/* Budgets that an extension may raise; 0 leaves one as it is. */
+typedef struct {
+    int depth, impacts, multiply;
+    double seconds; /* stop by itself after so long; 0: never */
+    bool somewhere; /* for departures from junctions within these windows alone; beyond those of the study, branches are
+                     * followed to there */
+    double energy[2], frequency[2];
+} view_budgets;
+
+ric_status view_grower_create(view_shelf *shelf, int workers, view_grower **out);
+/* Asks a running extension to stop, and waits for it. */
+void view_grower_free(view_grower *grower);
+/* RIC_E_BUSY while one is running, RIC_E_INPUT when a budget would shrink, or when the region is none. */
+ric_status view_grower_start(view_grower *grower, const view_budgets *budgets);
+void view_grower_stop(view_grower *grower);
+/* The same, and nothing is begun or written any more: the server ends. */
+void view_grower_leave(view_grower *grower);
+bool view_grower_busy(view_grower *grower);
+/* running, progress, and how the last one ended. */
+json_t *view_grower_status(view_grower *grower);
+
+/* ------------------------------------------------------------ connections (view_lines.c) */
+
+enum {
+    VIEW_LINES_MAX = 96,
+    VIEW_LINES_SPARE = 24,  /* kept free: whoever waits longest for the rest of its request makes room */
+    VIEW_LINE_SECONDS = 10, /* for all of the head of a request, and as much for its body */
+};
+
+typedef struct view_lines view_lines;
+typedef struct view_line view_line;
+
+view_lines *view_lines_create(void);
+void view_lines_free(view_lines *lines);
+/* NULL, which the others take: no memory. */
+view_line *view_lines_open(view_lines *lines, int socket);
+void view_lines_close(view_lines *lines, view_line *line);
+/* From now on the connection waits for a head or a body, or for our answer. */
+void view_line_waits(view_lines *lines, view_line *line, bool waits);
+/* Hangs up on those that take too long; to be called now and then. */
+void view_lines_tidy(view_lines *lines);
+
+/* ------------------------------------------------------------ HTTP (view_http.c) */
+
+typedef struct view_server view_server;
+
+typedef struct {
+    const char *address; /* NULL: 127.0.0.1 */
+    int port;            /* 0: any free one */
+    bool exact;          /* no other port will do */
+} view_listen;
+
+/* Whether a text is an address in numbers: names are not asked for. */
+bool view_address_valid(const char *text);
+/* Listens and answers until it is stopped. On failure NULL, after a message on stderr. */
+view_server *view_server_start(view_shelf *shelf, view_grower *grower, const view_listen *where);
+/* Hangs up on connections that only keep others out; to be called now and then. */
+void view_server_tidy(view_server *server);
+/* Whether somebody has come with the token. */
+bool view_server_visited(const view_server *server);
+void view_server_stop(view_server *server);
+bool view_server_loopback(const view_server *server);
+/* http://127.0.0.1:8787/?token=...; borrowed. */
+const char *view_server_address(const view_server *server);
+
+#endif

@@ -1,0 +1,828 @@
+/* The server of `ricochet view`: who may ask, what may be asked, and how often.
+ *
+ * A page of another site cannot read anything (Host is checked against names that a foreign server could take over, and
+ * nothing is shared across origins) nor start anything (what computes or writes needs a token in a header, which makes
+ * a browser ask for leave that is never given). No part of a request names a file. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <arpa/inet.h>
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <microhttpd.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/halt.h"
+#include "base/memory.h"
+#include "view.h"
+
+enum {
+    BODY_MAX = 4096,            /* bytes of a request; the largest that the page sends has 80 */
+    HEAD_MAX = 1 << 18,         /* bytes of its first lines, and of what is made of them */
+    SWALLOW_MAX = 16 << 20,     /* bytes of a request that is refused, which are read all the same: an answer to
+                                 * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
+    ARGUMENTS_MAX = 32,
+    IDLE_SECONDS = 30,          /* of an answer that nobody takes */
+    COMPUTING_SECONDS = 20,     /* for one answer */
+    COMPUTING_MAX = 4,          /* computing at one time */
+    PORTS_TRIED = 20,
+    TOKEN_BYTES = 16,
+};
+
+/* So many at once, and so many per second from then on. */
+typedef struct { double burst, rate, left; struct timespec last; } bucket;
+
+struct view_server {
+    view_shelf *shelf;
+    view_grower *grower;
+    struct MHD_Daemon *daemon;
+    view_lines *lines;
+    atomic_bool ending, visited;
+    pthread_mutex_t lock;       /* of the next five */
+    bucket stray, any, own, computing; /* requests that go by another name; without the token; with it; that compute */
+    int n_computing;
+    char token[2 * TOKEN_BYTES + 1], mark[17]; /* mark: of this start of the server, for entity tags */
+    char address[200];
+    bool loopback;
+    int port;
+};
+
+/* verdict: a status, known before the body has come and said after it; 0: none yet. */
+typedef struct {
+    size_t n, swallowed;
+    unsigned verdict;
+    const char *why;
+    char body[BODY_MAX + 1];
+} request;
+
+/* What a route has come to. */
+typedef struct {
+    unsigned status;
+    json_t *json;      /* taken over */
+    const char *error; /* instead: a message */
+} answer;
+
+/* ------------------------------------------------------------------- limits */
+
+static const char no_token[] = "the token is missing or wrong; open the address that ricochet view has printed";
+
+static bool take_drop(view_server *server, bucket *b)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    pthread_mutex_lock(&server->lock);
+    const double passed = (double)(now.tv_sec - b->last.tv_sec) + 1e-9 * (double)(now.tv_nsec - b->last.tv_nsec);
+    b->left = b->left + passed * b->rate > b->burst ? b->burst : b->left + passed * b->rate;
+    b->last = now;
+    const bool there = b->left >= 1;
+    b->left -= there;
+    pthread_mutex_unlock(&server->lock);
+    return there;
+}
+
+static bool begin_computing(view_server *server)
+{
+    if (!take_drop(server, &server->computing))
+        return false;
+    pthread_mutex_lock(&server->lock);
+    const bool room = server->n_computing < COMPUTING_MAX;
+    server->n_computing += room;
+    pthread_mutex_unlock(&server->lock);
+    return room;
+}
+
+static void end_computing(view_server *server)
+{
+    pthread_mutex_lock(&server->lock);
+    server->n_computing--;
+    pthread_mutex_unlock(&server->lock);
+}
+
+/* Host must be an address, or localhost: a name that somebody else's name server answers for is how a foreign page
+ * would reach this one. */
+static bool host_allowed(const view_server *server, const char *host)
+{
+    char name[64];
+    unsigned char bytes[16];
+    if (!host || strlen(host) >= sizeof name)
+        return false;
+    strcpy(name, host);
+    const bool six = name[0] == '[';
+    char *end = six ? strchr(name, ']') : strchr(name, ':'), *port = end && six ? end + 1 : end;
+    if (six && !end)
+        return false;
+    if (port && *port) {
+        char *rest;
+        if (*port != ':' || !isdigit((unsigned char)port[1]) || strtol(port + 1, &rest, 10) != server->port || *rest)
+            return false;
+    } else if (server->port != 80)
+        return false;
+    if (end)
+        *end = '\0';
+    if (!strcmp(name, "localhost") || !strcmp(name, "127.0.0.1") || !strcmp(name, "[::1"))
+        return true;
+    return !server->loopback && inet_pton(six ? AF_INET6 : AF_INET, six ? name + 1 : name, bytes) == 1;
+}
+
+/* In a time that does not depend on where the two differ. */
+static bool token_right(const view_server *server, const char *given)
+{
+    unsigned char differs = 0;
+    if (!given || strlen(given) != 2 * TOKEN_BYTES)
+        return false;
+    for (int i = 0; i < 2 * TOKEN_BYTES; i++)
+        differs |= (unsigned char)(given[i] ^ server->token[i]);
+    return differs == 0;
+}
+
+static bool brings_token(view_server *server, struct MHD_Connection *connection)
+{
+    const bool right = token_right(server,
+                                   MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token"));
+    if (right)
+        server->visited = true;
+    return right;
+}
+
+/* ----------------------------------------------------------------- replies */
+
+static void add_headers(struct MHD_Response *response, const char *type)
+{
+    static const char *const headers[][2] = {
+        {"X-Content-Type-Options", "nosniff"}, {"X-Frame-Options", "DENY"}, {"Referrer-Policy", "no-referrer"},
+        {"Cross-Origin-Resource-Policy", "same-origin"}, {"Cross-Origin-Opener-Policy", "same-origin"},
+        {"Content-Security-Policy",
+         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
+         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
+        MHD_add_response_header(response, headers[i][0], headers[i][1]);
+    MHD_add_response_header(response, "Content-Type", type);
+}
+
+static enum MHD_Result queue(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
+{
+    if (!response)
+        return MHD_NO;
+    const enum MHD_Result result = MHD_queue_response(connection, status, response);
+    MHD_destroy_response(response);
+    return result;
+}
+
+static enum MHD_Result reply_text(struct MHD_Connection *connection, unsigned status, char *text, const char *tag)
+{
+    struct MHD_Response *response = text ? MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE)
+                                         : NULL;
+    if (!response) {
+        free(text);
+        return MHD_NO;
+    }
+    add_headers(response, "application/json");
+    MHD_add_response_header(response, "Cache-Control", tag ? "no-cache" : "no-store");
+    if (tag)
+        MHD_add_response_header(response, "ETag", tag);
+    if (status == MHD_HTTP_METHOD_NOT_ALLOWED)
+        MHD_add_response_header(response, "Allow", "GET, HEAD, POST");
+    if (status == MHD_HTTP_TOO_MANY_REQUESTS)
+        MHD_add_response_header(response, "Retry-After", "1");
+    return queue(connection, status, response);
+}
+
+static enum MHD_Result reply_json(struct MHD_Connection *connection, unsigned status, json_t *json, const char *tag)
+{
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(json);
+    if (cli_lost_memory()) {
+        free(text);
+        text = NULL;
+    }
+    return reply_text(connection, status, text, tag);
+}
+
+static enum MHD_Result refuse(struct MHD_Connection *connection, unsigned status, const char *why)
+{
+    return reply_json(connection, status, json_pack("{s:s}", "error", why), NULL);
+}
+
+/* 304 if the browser has it already. */
+static bool known_to_browser(struct MHD_Connection *connection, const char *tag)
+{
+    const char *has = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "If-None-Match");
+    return has && !strcmp(has, tag);
+}
+
+static enum MHD_Result reply_known(struct MHD_Connection *connection, const char *tag)
+{
+    struct MHD_Response *response = MHD_create_response_from_buffer(0, (void *)(uintptr_t) "", MHD_RESPMEM_PERSISTENT);
+    if (!response)
+        return MHD_NO;
+    MHD_add_response_header(response, "ETag", tag);
+    MHD_add_response_header(response, "Cache-Control", "no-cache");
+    return queue(connection, MHD_HTTP_NOT_MODIFIED, response);
+}
+
+static enum MHD_Result reply_file(struct MHD_Connection *connection, const view_file *file)
+{
+    if (known_to_browser(connection, file->tag))
+        return reply_known(connection, file->tag);
+    struct MHD_Response *response = MHD_create_response_from_buffer(file->n, (void *)(uintptr_t)file->bytes,
+                                                                    MHD_RESPMEM_PERSISTENT);
+    if (!response)
+        return MHD_NO;
+    add_headers(response, file->type);
+    MHD_add_response_header(response, "Content-Encoding", "gzip"); /* every browser since 1999 takes it */
+    MHD_add_response_header(response, "ETag", file->tag);
+    MHD_add_response_header(response, "Cache-Control", "no-cache");
+    return queue(connection, MHD_HTTP_OK, response);
+}
+
+/* ------------------------------------------------------------------ numbers */
+
+static const char *argument(struct MHD_Connection *connection, const char *name)
+{
+    return MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, name);
+}
+
+/* Decimal, finite, the whole text; no message on stderr as the command line has it. */
+static bool read_number(const char *text, double *out)
+{
+    char *end = NULL;
+    if (!text || strlen(text) > 40 || text[strspn(text, "0123456789+-.eE")])
+        return false;
+    *out = strtod(text, &end);
+    return end != text && !*end && *out - *out == 0;
+}
+
+static bool read_integer(const char *text, int most, int *out)
+{
+    double value;
+    if (!read_number(text, &value) || !(value >= 0 && value <= most) || value != (double)(int)value)
+        return false;
+    *out = (int)value;
+    return true;
+}
+
+/* ------------------------------------------------------------------- routes */
+
+static unsigned http_status(ric_status status)
+{
+    switch (status) {
+    case RIC_OK: return MHD_HTTP_OK;
+    case RIC_E_INPUT: return MHD_HTTP_BAD_REQUEST;
+    case RIC_E_RANGE: return MHD_HTTP_NOT_FOUND;
+    case RIC_E_NUMERIC: return MHD_HTTP_UNPROCESSABLE_CONTENT;
+    case RIC_E_BUSY: return MHD_HTTP_CONFLICT;
+    case RIC_E_INTERRUPTED: return MHD_HTTP_SERVICE_UNAVAILABLE;
+    default: return MHD_HTTP_INTERNAL_SERVER_ERROR;
+    }
+}
+
+static const char too_large[] = "a request has at most 4096 bytes";
+
+static answer from_status(ric_status status, json_t *json)
+{
+    if (status)
+        return (answer){http_status(status), NULL, ric_detail()[0] ? ric_detail() : ric_status_text(status)};
+    return (answer){MHD_HTTP_OK, json, NULL};
+}
+
+static answer get_orbit(struct MHD_Connection *connection, const view_data *data)
+{
+    static const char *const names[] = {"point", "energy", "frequency", "arclength"};
+    int branch, n = 0;
+    double value = 0;
+    view_at at = VIEW_AT_POINT;
+    json_t *rows = NULL;
+    for (int i = 0; i < 4; i++)
+        if (argument(connection, names[i])) {
+            n++;
+            at = (view_at)i;
+        }
+    int point;
+    if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) || n != 1 ||
+        !read_number(argument(connection, names[at]), &value) ||
+        (at == VIEW_AT_POINT && !read_integer(argument(connection, names[at]), 1 << 30, &point)))
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        "branch and one of point, energy, frequency and arclength are needed, as numbers, the first "
+                        "two as whole ones"};
+    const ric_status status = view_orbits(data->atlas, branch, at, value, &rows);
+    return from_status(status, rows);
+}
+
+static answer get_bases(struct MHD_Connection *connection, const view_data *data)
+{
+    int largest = 0;
+    ric_bases *bases = NULL;
+    json_t *rows = json_array();
+    const char *text = argument(connection, "duplicates");
+    if (text && !read_integer(text, 64, &largest)) {
+        json_decref(rows);
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "duplicates is a number from 1 to 64"};
+    }
+    ric_status status = ric_bases_find(data->atlas, largest, &bases);
+    for (int i = 0; !status && i < ric_bases_n(bases); i++) {
+        ric_base base;
+        if (!(status = ric_bases_get(bases, i, &base)))
+            json_array_append_new(rows, cli_base_row(data->atlas, &base, 1));
+    }
+    ric_bases_free(bases);
+    return from_status(status, rows);
+}
+
+static answer get_cascades(struct MHD_Connection *connection, const view_data *data)
+{
+    const cli_cascade_request all = {0};
+    json_t *rows = json_array();
+    (void)connection;
+    cli_cascade_rows(data->atlas, &all, 1, rows);
+    return (answer){MHD_HTTP_OK, rows, NULL};
+}
+
+/* A budget as a whole number, 0 where it stays as it is. */
+static bool read_budget(const json_t *object, const char *key, int *out)
+{
+    const json_t *value = json_object_get(object, key);
+    const json_int_t n = json_integer_value(value);
+    *out = n >= 0 && n <= 1000000 ? (int)n : 0;
+    return !value || (json_is_integer(value) && n >= 0 && n <= 1000000);
+}
+
+/* Whether these are the keys of an extension, and something in them asks for one. */
+static bool read_budgets(const json_t *object, view_budgets *out)
+{
+    static const char *const keys[] = {"depth", "impacts", "multiply", "seconds", "energy", "frequency"};
+    int seconds = 0;
+    size_t known = 0;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        known += json_object_get(object, keys[i]) != NULL;
+    const bool read = read_budget(object, "depth", &out->depth) && read_budget(object, "impacts", &out->impacts) &&
+                      read_budget(object, "multiply", &out->multiply) && read_budget(object, "seconds", &seconds);
+    out->seconds = seconds;
+    out->somewhere = json_object_get(object, "energy") || json_object_get(object, "frequency");
+    return read && known == json_object_size(object) &&
+           (out->depth || out->impacts || out->multiply || out->seconds > 0 || out->somewhere);
+}
+
+/* [lower, upper]; what is no such thing is not finite, and refused later. */
+static void window(const json_t *object, const char *key, double out[2])
+{
+    const json_t *list = json_object_get(object, key);
+    for (size_t i = 0; i < 2; i++) {
+        const json_t *value = json_array_get(list, i);
+        out[i] = json_is_number(value) && json_array_size(list) == 2 ? json_number_value(value) : NAN;
+    }
+}
+
+static answer post_extend(view_server *server, const request *r)
+{
+    json_t *object = json_loadb(r->body, r->n, JSON_REJECT_DUPLICATES, NULL);
+    view_budgets wanted = {0};
+    if (!json_is_object(object) || !read_budgets(object, &wanted)) {
+        json_decref(object);
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        "the body must be an object with some of depth, impacts, multiply, seconds (whole numbers from "
+                        "0), energy, frequency"};
+    }
+    window(object, "energy", wanted.energy);
+    window(object, "frequency", wanted.frequency);
+    json_decref(object);
+    const ric_status status = view_grower_start(server->grower, &wanted);
+    if (status == RIC_E_BUSY)
+        return (answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
+    if (status == RIC_E_INPUT)
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        wanted.somewhere
+                            ? "a region is energy: [lower, upper] and frequency: [lower, upper], in numbers"
+                            : "a budget would shrink, which would take branches out of the atlas"};
+    return from_status(status, status ? NULL : view_grower_status(server->grower));
+}
+
+static json_t *server_status(view_server *server, const view_data *data)
+{
+    return json_pack("{s:i,s:o}", "generation", (int)data->generation, "extension", view_grower_status(server->grower));
+}
+
+/* --------------------------------------------------------------- dispatching */
+
+typedef struct { view_shelf *shelf; view_data *data; } held;
+
+static void release_held(void *user)
+{
+    held *h = user;
+    view_data_release(h->shelf, h->data);
+    free(h);
+}
+
+/* The packed points stay as long as the response needs them. */
+static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *connection, bool outline,
+                                    const char *tag)
+{
+    held *h = malloc(sizeof *h);
+    if (!h)
+        return MHD_NO;
+    *h = (held){server->shelf, view_data_take(server->shelf)};
+    const view_data *data = h->data;
+    struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(outline ? data->outline_size
+                                                                                                   : data->points_size,
+                                                                                           outline ? data->outline
+                                                                                                   : data->points,
+                                                                                           release_held, h);
+    if (!response) {
+        release_held(h);
+        return MHD_NO;
+    }
+    char generation[16];
+    snprintf(generation, sizeof generation, "%u", h->data->generation);
+    add_headers(response, "application/octet-stream");
+    MHD_add_response_header(response, "ETag", tag);
+    MHD_add_response_header(response, "Cache-Control", "no-cache");
+    MHD_add_response_header(response, "X-Ricochet-Generation", generation);
+    return queue(connection, MHD_HTTP_OK, response);
+}
+
+/* How long an answer may take. */
+typedef struct { view_server *server; struct timespec since; } patience;
+
+static bool exhausted(void *user)
+{
+    const patience *p = user;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return p->server->ending || now.tv_sec - p->since.tv_sec > COMPUTING_SECONDS;
+}
+
+typedef answer (*computed)(struct MHD_Connection *connection, const view_data *data);
+
+static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, computed what,
+                               const view_data *data)
+{
+    if (!brings_token(server, connection))
+        return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
+    if (!begin_computing(server))
+        return refuse(connection, MHD_HTTP_TOO_MANY_REQUESTS, "too many requests at once; again in a second");
+    patience p = {.server = server};
+    clock_gettime(CLOCK_MONOTONIC, &p.since);
+    ric_halt_ask(exhausted, &p);
+    ric_forget_hunger(); /* of the request before */
+    answer a = what(connection, data);
+    const bool halted = ric_halted();
+    ric_halt_ask(NULL, NULL);
+    end_computing(server);
+    if (halted) {
+        json_decref(a.json);
+        a = (answer){MHD_HTTP_SERVICE_UNAVAILABLE, NULL, "this took too long, and was broken off"};
+    }
+    return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
+}
+
+static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *connection, const char *path,
+                                  const view_data *data)
+{
+    static const struct { const char *path; computed what; } computing[] = {
+        {"/api/orbit", get_orbit}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
+    char tag[48];
+    for (const view_file *file = view_page; file->path; file++)
+        if (!strcmp(path, file->path))
+            return reply_file(connection, file);
+    for (size_t i = 0; i < sizeof computing / sizeof *computing; i++)
+        if (!strcmp(path, computing[i].path))
+            return compute(server, connection, computing[i].what, data);
+    if (!strcmp(path, "/api/status"))
+        return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
+    snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
+    const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"),
+               outline = !strcmp(path, "/api/outline");
+    if ((atlas || points || outline) && known_to_browser(connection, tag))
+        return reply_known(connection, tag);
+    if (points || outline)
+        return reply_points(server, connection, outline, tag);
+    if (atlas)
+        return reply_json(connection, MHD_HTTP_OK, view_describe(data), tag);
+    return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
+}
+
+static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *connection, const char *path,
+                                   const request *r)
+{
+    const bool extend = !strcmp(path, "/api/extend");
+    if (!extend && strcmp(path, "/api/stop") != 0)
+        return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
+    if (!brings_token(server, connection))
+        return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
+    if (!extend) {
+        view_grower_stop(server->grower);
+        return reply_json(connection, MHD_HTTP_OK, view_grower_status(server->grower), NULL);
+    }
+    const answer a = post_extend(server, r);
+    return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
+}
+
+static enum MHD_Result count_one(void *user, enum MHD_ValueKind kind, const char *key, const char *value)
+{
+    (void)kind;
+    (void)key;
+    (void)value;
+    ++*(int *)user;
+    return MHD_YES;
+}
+
+static int count_arguments(struct MHD_Connection *connection)
+{
+    int n = 0;
+    MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, count_one, &n);
+    return n;
+}
+
+/* What is known before the body: whether the request is one that will be answered at all. Host first: whoever comes by
+ * another name uses up nothing of those who come by the right one; nor does one without the token of those who have
+ * it. */
+static void judge(view_server *server, struct MHD_Connection *connection, const char *method, request *r)
+{
+    static const char busy[] = "too many requests at once; again in a second";
+    const char *length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
+    const bool named = host_allowed(server, MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host"));
+    bucket *from = !named ? &server->stray : brings_token(server, connection) ? &server->own : &server->any;
+    if (!take_drop(server, from)) {
+        r->verdict = MHD_HTTP_TOO_MANY_REQUESTS;
+        r->why = busy;
+    } else if (!named) {
+        r->verdict = MHD_HTTP_MISDIRECTED_REQUEST;
+        r->why = "this server does not go by that name";
+    } else if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0 && strcmp(method, "POST") != 0) {
+        r->verdict = MHD_HTTP_METHOD_NOT_ALLOWED;
+        r->why = "GET, HEAD and POST only";
+    } else if (count_arguments(connection) > ARGUMENTS_MAX) {
+        r->verdict = MHD_HTTP_URI_TOO_LONG;
+        r->why = "no page has so many arguments";
+    } else if (length && (strlen(length) > 9 || atol(length) > BODY_MAX)) {
+        r->verdict = MHD_HTTP_CONTENT_TOO_LARGE;
+        r->why = too_large;
+    }
+}
+
+/* The first look at a request. Whoever asks before he sends, or would send more than is read, hears at once that there
+ * is no use; others when they have sent it. */
+static enum MHD_Result first_look(view_server *server, struct MHD_Connection *connection, const char *method,
+                                  request **out)
+{
+    request *r = *out = calloc(1, sizeof **out);
+    if (!r)
+        return MHD_NO;
+    judge(server, connection, method, r);
+    const char *length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
+    const bool asks = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Expect") != NULL;
+    const bool endless = length && (strlen(length) > 9 || atol(length) > SWALLOW_MAX);
+    return r->verdict && (asks || endless) ? refuse(connection, r->verdict, r->why) : MHD_YES;
+}
+
+/* A part of the body: kept, or swallowed up to a limit, beyond which the connection is closed. */
+static bool take_part(request *r, const char *body, size_t size)
+{
+    if (!r->verdict && r->n + size > BODY_MAX) {
+        r->verdict = MHD_HTTP_CONTENT_TOO_LARGE;
+        r->why = too_large;
+    }
+    if (r->verdict)
+        return (r->swallowed += size) <= SWALLOW_MAX;
+    memcpy(r->body + r->n, body, size);
+    r->n += size;
+    return true;
+}
+
+static enum MHD_Result answer_request(view_server *server, struct MHD_Connection *connection, const char *path,
+                                      const char *method, const request *r)
+{
+    if (r->verdict)
+        return refuse(connection, r->verdict, r->why);
+    if (!strcmp(method, "POST"))
+        return answer_post(server, connection, path, r);
+    view_data *data = view_data_take(server->shelf);
+    const enum MHD_Result result = answer_get(server, connection, path, data);
+    view_data_release(server->shelf, data);
+    return result;
+}
+
+static view_line *line_of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    return info ? info->socket_context : NULL;
+}
+
+static enum MHD_Result handle(void *user, struct MHD_Connection *connection, const char *path, const char *method,
+                              const char *version, const char *body, size_t *body_size, void **state)
+{
+    view_server *server = user;
+    request *r = *state;
+    (void)version;
+    if (!r) {
+        view_line_waits(server->lines, line_of(connection), true); /* for the body: its time begins */
+        return first_look(server, connection, method, (request **)state);
+    }
+    if (*body_size) {
+        const bool room = take_part(r, body, *body_size);
+        *body_size = 0;
+        return room ? MHD_YES : MHD_NO;
+    }
+    view_line_waits(server->lines, line_of(connection), false);
+    return answer_request(server, connection, path, method, r);
+}
+
+/* A connection begins and ends. */
+static void connected(void *user, struct MHD_Connection *connection, void **context,
+                      enum MHD_ConnectionNotificationCode code)
+{
+    view_server *server = user;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED) {
+        const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+        *context = info ? view_lines_open(server->lines, info->connect_fd) : NULL;
+    } else {
+        view_lines_close(server->lines, *context);
+        *context = NULL;
+    }
+}
+
+/* A text with a NUL in it would be read as what stands before that: it stays as it is written, which names nothing. */
+static size_t unescape(void *user, struct MHD_Connection *connection, char *text)
+{
+    (void)user;
+    (void)connection;
+    return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
+}
+
+static void forget(void *user, struct MHD_Connection *connection, void **state, enum MHD_RequestTerminationCode why)
+{
+    view_server *server = user;
+    (void)why;
+    free(*state);
+    *state = NULL;
+    view_line_waits(server->lines, line_of(connection), true);
+}
+
+/* ------------------------------------------------------------------- socket */
+
+static bool is_loopback(const struct sockaddr *address)
+{
+    if (address->sa_family == AF_INET)
+        return ntohl(((const struct sockaddr_in *)(const void *)address)->sin_addr.s_addr) >> 24 == 127;
+    return IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)(const void *)address)->sin6_addr);
+}
+
+/* A listening socket, or -1 with errno. */
+static int listen_at(const struct addrinfo *where, int port)
+{
+    struct sockaddr_storage address;
+    const int one = 1, fd = socket(where->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    memcpy(&address, where->ai_addr, where->ai_addrlen);
+    if (where->ai_family == AF_INET)
+        ((struct sockaddr_in *)&address)->sin_port = htons((uint16_t)port);
+    else
+        ((struct sockaddr_in6 *)&address)->sin6_port = htons((uint16_t)port);
+    if (fd < 0)
+        return -1;
+    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
+    if (bind(fd, (struct sockaddr *)&address, where->ai_addrlen) || listen(fd, 64)) {
+        const int reason = errno;
+        close(fd);
+        errno = reason;
+        return -1;
+    }
+    return fd;
+}
+
+static int port_of(int fd)
+{
+    struct sockaddr_storage address;
+    socklen_t n = sizeof address;
+    if (getsockname(fd, (struct sockaddr *)&address, &n))
+        return 0;
+    return ntohs(address.ss_family == AF_INET ? ((struct sockaddr_in *)&address)->sin_port
+                                              : ((struct sockaddr_in6 *)&address)->sin6_port);
+}
+
+bool view_address_valid(const char *text)
+{
+    unsigned char bytes[16];
+    return inet_pton(AF_INET, text, bytes) == 1 || inet_pton(AF_INET6, text, bytes) == 1;
+}
+
+static int open_socket(view_server *server, const view_listen *where)
+{
+    const struct addrinfo hints = {.ai_flags = AI_NUMERICHOST, .ai_socktype = SOCK_STREAM};
+    const char *address = where->address ? where->address : "127.0.0.1";
+    struct addrinfo *found = NULL;
+    int fd = -1, tried = 0;
+    if (getaddrinfo(address, NULL, &hints, &found))
+        return -1;
+    do
+        fd = listen_at(found, where->port ? where->port + tried : 0);
+    while (fd < 0 && errno == EADDRINUSE && !where->exact && ++tried < PORTS_TRIED && where->port + tried < 65536);
+    if (fd < 0)
+        cli_say("ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address,
+                where->port, strerror(errno));
+    else {
+        server->loopback = is_loopback(found->ai_addr);
+        server->port = port_of(fd);
+        snprintf(server->address, sizeof server->address,
+                 found->ai_family == AF_INET6 ? "http://[%s]:%d/?token=%s" : "http://%s:%d/?token=%s", address,
+                 server->port, server->token);
+    }
+    freeaddrinfo(found);
+    return fd;
+}
+
+static bool random_hex(size_t bytes, char *out)
+{
+    unsigned char raw[64];
+    if (bytes > sizeof raw || getrandom(raw, bytes, 0) != (ssize_t)bytes)
+        return false;
+    for (size_t i = 0; i < bytes; i++)
+        sprintf(out + 2 * i, "%02x", raw[i]);
+    return true;
+}
+
+/* libmicrohttpd reports broken connections; they are no news to whoever looks at an atlas. */
+static void keep_quiet(void *user, const char *format, va_list arguments)
+{
+    (void)user;
+    (void)format;
+    (void)arguments;
+}
+
+view_server *view_server_start(view_shelf *shelf, view_grower *grower, const view_listen *where)
+{
+    view_server *server = calloc(1, sizeof *server);
+    if (!server || !random_hex(TOKEN_BYTES, server->token) || !random_hex(8, server->mark)) {
+        fputs("ricochet: no memory or no random numbers for the server\n", stderr);
+        free(server);
+        return NULL;
+    }
+    server->shelf = shelf;
+    server->grower = grower;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    server->stray = server->any = server->own = (bucket){.burst = 1000, .rate = 500, .left = 1000, .last = now};
+    server->computing = (bucket){.burst = 240, .rate = 120, .left = 240, .last = now};
+    pthread_mutex_init(&server->lock, NULL);
+    server->lines = view_lines_create();
+    const int fd = server->lines ? open_socket(server, where) : -1;
+    if (fd < 0) {
+        view_server_stop(server);
+        return NULL;
+    }
+    server->daemon = MHD_start_daemon(MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
+                                          MHD_USE_ERROR_LOG,
+                                      0, NULL, NULL, handle, server, MHD_OPTION_EXTERNAL_LOGGER, keep_quiet, NULL,
+                                      MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
+                                      (unsigned)VIEW_LINES_MAX, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_SECONDS,
+                                      MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)HEAD_MAX, MHD_OPTION_NOTIFY_COMPLETED,
+                                      forget, server, MHD_OPTION_NOTIFY_CONNECTION, connected, server,
+                                      MHD_OPTION_UNESCAPE_CALLBACK, unescape, NULL, MHD_OPTION_END);
+    if (!server->daemon) {
+        fputs("ricochet: the server cannot be started\n", stderr);
+        close(fd);
+        view_server_stop(server);
+        return NULL;
+    }
+    return server;
+}
+
+void view_server_stop(view_server *server)
+{
+    if (!server)
+        return;
+    server->ending = true;
+    if (server->daemon)
+        MHD_stop_daemon(server->daemon);
+    view_lines_free(server->lines);
+    pthread_mutex_destroy(&server->lock);
+    free(server);
+}
+
+void view_server_tidy(view_server *server)
+{
+    view_lines_tidy(server->lines);
+}
+
+bool view_server_visited(const view_server *server)
+{
+    return server->visited;
+}
+
+bool view_server_loopback(const view_server *server)
+{
+    return server->loopback;
+}
+
+const char *view_server_address(const view_server *server)
+{
+    return server->address;
+}

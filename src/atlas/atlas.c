@@ -1,0 +1,261 @@
+#include "atlas.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/room.h"
+#include "base/room.h"
+#include "store.h"
+
+static_assert(sizeof(ric_point) % sizeof(double) == 0, "points lie one after the other in an array of doubles");
+
+/* ----------------------------------------------------------------- records */
+
+void ric_branch_record_free(ric_branch_record *branch)
+{
+    if (!branch)
+        return;
+    free(branch->label);
+    free(branch->mirror);
+    free(branch->why);
+    free(branch->word);
+    free(branch->junctions);
+    free(branch->junction_at);
+    free(branch->points);
+    *branch = (ric_branch_record){0};
+}
+
+void ric_junction_record_free(ric_junction_record *junction)
+{
+    if (!junction)
+        return;
+    free(junction->label);
+    free(junction->name);
+    free(junction->refusal);
+    free(junction->word);
+    free(junction->branches);
+    free(junction->state);
+    free(junction->flights);
+    *junction = (ric_junction_record){0};
+}
+
+size_t ric_point_stride(int n_dof, int letters)
+{
+    return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof + (size_t)(letters > 0 ? letters : 1);
+}
+
+/* ------------------------------------------------------------------- atlas */
+
+bool ric_branch_linear(const ric_model *m, const ric_branch *b)
+{
+    return b->impacts == 0 && !(m->smooth && (b->mode == 0 || m->seen[b->mode - 1]));
+}
+
+ric_status ric_atlas_read(const char *path, ric_atlas **out)
+{
+    return ric_store_read(path, out);
+}
+
+void ric_atlas_free(ric_atlas *atlas)
+{
+    if (!atlas)
+        return;
+    for (int i = 0; atlas->branches && i < atlas->n_branch; i++)
+        ric_branch_record_free(&atlas->branches[i]);
+    for (int i = 0; atlas->junctions && i < atlas->n_junction; i++)
+        ric_junction_record_free(&atlas->junctions[i]);
+    free(atlas->branches);
+    free(atlas->junctions);
+    ric_study_free(atlas->study);
+    free(atlas);
+}
+
+const ric_study *ric_atlas_study(const ric_atlas *atlas)
+{
+    return atlas->study;
+}
+
+const ric_model *ric_atlas_model(const ric_atlas *atlas)
+{
+    return ric_study_model(atlas->study);
+}
+
+bool ric_atlas_finished(const ric_atlas *atlas)
+{
+    return atlas->finished;
+}
+
+int ric_atlas_n_unplaced(const ric_atlas *atlas)
+{
+    return atlas->n_unplaced;
+}
+
+int ric_atlas_n_blind(const ric_atlas *atlas)
+{
+    return atlas->n_blind;
+}
+
+int ric_atlas_n_branch(const ric_atlas *atlas)
+{
+    return atlas->n_branch;
+}
+
+int ric_atlas_n_junction(const ric_atlas *atlas)
+{
+    return atlas->n_junction;
+}
+
+static ric_status check_id(const char *what, int id, int n)
+{
+    if (id >= 1 && id <= n)
+        return RIC_OK;
+    if (n == 0)
+        return ric_fail(RIC_E_RANGE, "no %s %d: the atlas has none yet", what, id);
+    return ric_fail(RIC_E_RANGE, "no %s %d: the numbers run from 1 to %d", what, id, n);
+}
+
+ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out)
+{
+    ric_status status = check_id("branch", id, atlas->n_branch);
+    if (!status)
+        *out = atlas->branches[id - 1].row;
+    return status;
+}
+
+ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out)
+{
+    ric_status status = check_id("junction", id, atlas->n_junction);
+    if (!status)
+        *out = atlas->junctions[id - 1].row;
+    return status;
+}
+
+ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights)
+{
+    ric_status status = check_id("branch", branch, atlas->n_branch);
+    if (status)
+        return status;
+    const ric_branch_record *record = &atlas->branches[branch - 1];
+    int n_point = record->row.n_point;
+    if (i < 0 || i >= n_point)
+        return n_point ? ric_fail(RIC_E_RANGE, "no point %d: branch %d has points 0 to %d", i, branch, n_point - 1)
+                       : ric_fail(RIC_E_RANGE, "no point %d: branch %d has no points", i, branch);
+    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
+    size_t n_flight = record->row.letters > 0 ? (size_t)record->row.letters : 1;
+    const double *at = record->points + (size_t)i * record->stride;
+    if (point)
+        memcpy(point, at, sizeof *point);
+    at += sizeof *point / sizeof *at;
+    if (state)
+        memcpy(state, at, n_state * sizeof *state);
+    if (flights)
+        memcpy(flights, at + n_state, n_flight * sizeof *flights);
+    return RIC_OK;
+}
+
+/* ----------------------------------------------------------------- columns */
+
+static const double two_pi = 6.283185307179586;
+
+double ric_point_trace(const ric_point *p)
+{
+    return 2 * sinh(p->trace);
+}
+
+double ric_point_log_trace(const ric_point *p)
+{
+    return fabs(p->trace) + log(-expm1(-2 * fabs(p->trace)));
+}
+
+static double arclength_of(const ric_point *p) { return p->arclength; }
+static double energy_of(const ric_point *p) { return p->energy; }
+static double frequency_of(const ric_point *p) { return p->frequency; }
+static double period_of(const ric_point *p) { return two_pi / p->frequency; }
+static double rotation_of(const ric_point *p) { return p->rotation; }
+static double stable_of(const ric_point *p) { return p->stable; }
+static double reach_of(const ric_point *p) { return p->reach; }
+static double approach_of(const ric_point *p) { return p->approach; }
+static double residual_of(const ric_point *p) { return (double)p->residual; }
+
+static const struct {
+    const char *name;
+    double (*value)(const ric_point *point);
+} columns[] = {
+    {"arclength", arclength_of},      {"energy", energy_of},     {"frequency", frequency_of}, {"period", period_of},
+    {"trace", ric_point_trace},       {"log_trace", ric_point_log_trace},
+    {"rotation", rotation_of},        {"stable", stable_of},     {"reach", reach_of},         {"approach", approach_of},
+    {"residual", residual_of},
+};
+
+static void copy_numbers(const ric_branch_record *record, double (*value)(const ric_point *), double *out)
+{
+    for (int i = 0; i < record->row.n_point; i++) {
+        ric_point point;
+        memcpy(&point, record->points + (size_t)i * record->stride, sizeof point);
+        out[i] = value(&point);
+    }
+}
+
+static void copy_vectors(const ric_branch_record *record, size_t from, size_t width, double *out)
+{
+    for (int i = 0; i < record->row.n_point; i++)
+        memcpy(out + (size_t)i * width, record->points + (size_t)i * record->stride + from, width * sizeof *out);
+}
+
+ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width, double *out)
+{
+    ric_status status = check_id("branch", branch, atlas->n_branch);
+    if (status)
+        return status;
+    const ric_branch_record *record = &atlas->branches[branch - 1];
+    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas)), n_point = sizeof(ric_point) / sizeof *out;
+    if (!strcmp(name, "state") || !strcmp(name, "flights")) {
+        bool state = *name == 's';
+        size_t n = state ? n_state : record->row.letters > 0 ? (size_t)record->row.letters : 1;
+        *width = (int)n;
+        if (out)
+            copy_vectors(record, state ? n_point : n_point + n_state, n, out);
+        return RIC_OK;
+    }
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        if (!strcmp(name, columns[i].name)) {
+            *width = 1;
+            if (out)
+                copy_numbers(record, columns[i].value, out);
+            return RIC_OK;
+        }
+    return ric_fail(RIC_E_RANGE, "no column '%s': a point has arclength, energy, frequency, period, trace, log_trace, "
+                    "rotation, stable, reach, approach, residual, state and flights", name);
+}
+
+/* ------------------------------------------------------------------- texts */
+
+const char *ric_stop_text(ric_stop stop)
+{
+    switch (stop) {
+    case RIC_STOP_JUNCTION: return "junction";
+    case RIC_STOP_CORNER: return "corner";
+    case RIC_STOP_WINDOW: return "window";
+    case RIC_STOP_BUDGET: return "budget";
+    case RIC_STOP_CLOSED: return "closed";
+    case RIC_STOP_FAILED: return "failed";
+    }
+    return "unknown";
+}
+
+const char *ric_kind_text(ric_kind kind)
+{
+    switch (kind) {
+    case RIC_KIND_START: return "start";
+    case RIC_KIND_GRAZING: return "grazing";
+    case RIC_KIND_CORNER: return "corner";
+    case RIC_KIND_EXTREMUM: return "extremum";
+    case RIC_KIND_BRANCH_POINT: return "branch-point";
+    case RIC_KIND_MULTIPLICATION: return "multiplication";
+    case RIC_KIND_PERIOD_EXTREMUM: return "period-extremum";
+    case RIC_KIND_USER: return "user";
+    }
+    return "unknown";
+}

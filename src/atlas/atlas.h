@@ -1,0 +1,41 @@
+/* The atlas in memory: what exploring makes, the store keeps and every reading command asks. */
+#ifndef RIC_ATLAS_ATLAS_H
+#define RIC_ATLAS_ATLAS_H
+
+#include "ricochet.h"
+
+/* A branch that owns its arrays. `row` is what the public interface hands out; its pointers lead into this struct. */
+typedef struct {
+    ric_branch row;
+    char *label, *mirror, *why;
+    int *word, *junctions;
+    double *junction_at;
+    size_t stride;   /* doubles per point: sizeof(ric_point) / 8 + 2 n_dof + max(impacts, 1) */
+    double *points;  /* [n_point * stride]: ric_point, state (x, v), flights */
+} ric_branch_record;
+
+typedef struct {
+    ric_junction row;
+    char *label, *name, *refusal;
+    int *word, *branches;
+    double *state, *flights;
+} ric_junction_record;
+
+struct ric_atlas {
+    ric_study *study;   /* owned */
+    bool finished;
+    int n_unplaced, n_blind;
+    int n_branch, n_junction;
+    ric_branch_record *branches;    /* [n_branch], id = index + 1 */
+    ric_junction_record *junctions; /* [n_junction], id = index + 1 */
+};
+
+/* Whether every branch of `small` is in `large`, as far as words and ends tell. */
+bool ric_atlas_contains(const ric_atlas *large, const ric_atlas *small);
+
+/* Releases what the records own, not the array itself. */
+void ric_branch_record_free(ric_branch_record *branch);
+void ric_junction_record_free(ric_junction_record *junction);
+size_t ric_point_stride(int n_dof, int letters);
+
+#endif

@@ -1,0 +1,350 @@
+/* The atlas file of a run: opened under a lock, continued, committed, closed. */
+#include "store_parts.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/room.h"
+
+enum { WRITER_WAIT = 60000 }; /* ms that a run waits for readers */
+
+/* Floating-point columns carry no type: with REAL the file would keep -0.0 as 0. */
+static const char schema[] =
+    "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT NULL) WITHOUT ROWID;CREATE TABLE trace (key TEXT "
+    "PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL);CREATE TABLE branch (id INTEGER PRIMARY KEY, "
+    "label TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL, symmetric INTEGER NOT NULL, reversible INTEGER "
+    "NOT NULL, mirror TEXT NOT NULL, stable_fraction, points INTEGER NOT NULL, energy_min, energy_max, frequency_min, "
+    "frequency_max, from_junction INTEGER REFERENCES junction, to_junction INTEGER REFERENCES junction, stop TEXT NOT "
+    "NULL, why TEXT NOT NULL, depth INTEGER NOT NULL, mode INTEGER NOT NULL);CREATE TABLE branch_junction (branch "
+    "INTEGER NOT NULL REFERENCES branch, position INTEGER NOT NULL, junction INTEGER NOT NULL REFERENCES junction, "
+    "arclength, PRIMARY KEY (branch, position)) WITHOUT ROWID;CREATE TABLE point (branch INTEGER NOT NULL REFERENCES "
+    "branch, point INTEGER NOT NULL, arclength, energy, frequency, period, trace, log_trace, trace_asinh, rotation, "
+    "stable INTEGER NOT NULL, reach, approach, residual, state BLOB NOT NULL, flights BLOB NOT NULL, PRIMARY KEY "
+    "(branch, point)) WITHOUT ROWID;CREATE TABLE junction (id INTEGER PRIMARY KEY, kind TEXT NOT NULL, label TEXT NOT "
+    "NULL, name TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL, grazings INTEGER NOT NULL, multiple "
+    "INTEGER NOT NULL, rotation_p INTEGER NOT NULL, rotation_q INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT "
+    "NULL, energy, frequency, state BLOB NOT NULL, flights BLOB NOT NULL, taken INTEGER NOT NULL, known INTEGER NOT "
+    "NULL, inadmissible INTEGER NOT NULL, over_budget INTEGER NOT NULL, refused INTEGER NOT NULL, refusal TEXT NOT "
+    "NULL, over_window INTEGER NOT NULL, over_multiply INTEGER NOT NULL, over_impacts INTEGER NOT NULL, over_symmetric "
+    "INTEGER NOT NULL, over_touches INTEGER NOT NULL, over_depth INTEGER NOT NULL);CREATE TABLE junction_branch "
+    "(junction INTEGER NOT NULL REFERENCES junction, branch INTEGER NOT NULL REFERENCES branch, PRIMARY KEY (junction, "
+    "branch)) WITHOUT ROWID;";
+
+struct ric_store {
+    ric_database file;
+    char *path, *lock_path;
+    int lock; /* descriptor that holds the lock, -1 = none */
+    sqlite3_stmt *get, *put, *drop;
+    bool tables_begun; /* the tables are being replaced */
+};
+
+/* ------------------------------------------------------------------- store */
+
+static ric_status begin(ric_database file)
+{
+    return sqlite3_get_autocommit(file.db) ? ric_database_run(file, "BEGIN IMMEDIATE") : RIC_OK;
+}
+
+static void roll_back(ric_database file)
+{
+    if (!sqlite3_get_autocommit(file.db))
+        sqlite3_exec(file.db, "ROLLBACK", NULL, NULL, NULL);
+}
+
+/* A transaction holds what it changes in memory until it commits, so that readers wait only for the commit itself.
+ * Leaving the mode PERSIST removes a journal that a killed run has left without any effect. */
+static ric_status set_up_writer(ric_database file)
+{
+    return ric_database_run(file, "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
+                                  "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
+}
+
+/* An empty file of ours, which SQLite then fills: what another has just laid there is neither filled nor removed. */
+static ric_status lay_file(const char *path)
+{
+    int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644); /* as SQLite makes its files */
+    if (file < 0)
+        return ric_fail(RIC_E_IO, "%s: cannot be made (%s); choose another file with -o", path, strerror(errno));
+    close(file);
+    return RIC_OK;
+}
+
+static ric_status create_file(ric_store *store, const ric_study *study, bool exists)
+{
+    char numbers[96];
+    ric_status status = exists ? RIC_OK : lay_file(store->path);
+    if (status) return status;
+    status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+    if (!status)
+        status = set_up_writer(store->file);
+    if (!status)
+        status = begin(store->file);
+    if (!status)
+        status = ric_database_run(store->file, schema);
+    snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
+             RIC_FORMAT_VERSION);
+    if (!status)
+        status = ric_database_run(store->file, numbers);
+    if (!status)
+        status = ric_store_put_study(store->file, study, false, 0, 0);
+    if (!status)
+        status = ric_store_put_digest(store->file);
+    if (!status)
+        status = ric_database_run(store->file, "COMMIT");
+    if (status) {
+        sqlite3_close(store->file.db);
+        store->file.db = NULL;
+        if (!exists)
+            unlink(store->path);
+    }
+    return status;
+}
+
+static ric_status open_file(ric_store *store, const ric_study *study)
+{
+    ric_status status = ric_store_check_identity(store->path);
+    if (!status)
+        status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+    if (!status)
+        status = ric_store_check_contents(store->file);
+    if (!status)
+        status = ric_store_check_model(store->file, study);
+    if (!status && sqlite3_db_readonly(store->file.db, "main"))
+        status = ric_database_fail(store->file, SQLITE_READONLY);
+    if (!status)
+        status = set_up_writer(store->file);
+    return status;
+}
+
+/* A power failure can leave a journal that takes the file back to the state before it was made, which is no atlas but
+ * an empty file. */
+static ric_status recover(ric_store *store, bool *exists, bool *empty)
+{
+    ric_database file = {0};
+    char journal[strlen(store->path) + sizeof "-journal"];
+    sprintf(journal, "%s-journal", store->path);
+    /* what is wrong is said later */
+    if (*empty || access(journal, F_OK) || ric_store_check_identity(store->path)) return RIC_OK;
+    ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &file);
+    if (!status) status = ric_database_run(file, "SELECT count(*) FROM sqlite_master");
+    sqlite3_close(file.db);
+    return status ? status : ric_store_look(store->path, exists, empty);
+}
+
+ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out)
+{
+    ric_store *store = calloc(1, sizeof *store);
+    bool exists, empty;
+    ric_status status = RIC_OK;
+    *out = NULL;
+    if (!store)
+        return ric_store_fail_memory();
+    store->lock = -1;
+    store->path = ric_store_resolve(path);
+    store->lock_path = store->path ? malloc(strlen(store->path) + sizeof "-lock") : NULL;
+    if (!store->lock_path) {
+        status = ric_store_fail_memory();
+        goto out;
+    }
+    sprintf(store->lock_path, "%s-lock", store->path);
+    status = ric_store_look(store->path, &exists, &empty);
+    if (!status)
+        status = ric_lock_take(store->path, store->lock_path, &store->lock);
+    if (!status)
+        status = ric_store_check_beside(store->path);
+    if (!status)
+        status = ric_store_look(store->path, &exists, &empty); /* again, now that nobody else creates it */
+    if (!status && exists)
+        status = recover(store, &exists, &empty);
+    if (!status)
+        status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
+    if (!status)
+        status = ric_database_prepare(store->file, "SELECT blob, digest FROM trace WHERE key = ?", &store->get);
+    if (!status)
+        status = ric_database_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
+                                      &store->put);
+    if (!status)
+        status = ric_database_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
+out:
+    if (status)
+        ric_store_close(store);
+    else
+        *out = store;
+    return status;
+}
+
+void ric_store_close(ric_store *store)
+{
+    if (!store)
+        return;
+    sqlite3_finalize(store->get);
+    sqlite3_finalize(store->put);
+    sqlite3_finalize(store->drop);
+    /* What was put is worth keeping; if the disk refuses, the last commit still stands. */
+    if (store->file.db && !sqlite3_get_autocommit(store->file.db) &&
+        sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
+        roll_back(store->file);
+    sqlite3_close(store->file.db);
+    ric_lock_release(store->lock_path, &store->lock);
+    free(store->path);
+    free(store->lock_path);
+    free(store);
+}
+
+ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, size_t *size)
+{
+    bool row = false;
+    *blob = NULL;
+    *size = 0;
+    sqlite3_bind_text(store->get, 1, key, -1, SQLITE_STATIC);
+    ric_status status = ric_database_step(store->file, store->get, &row);
+    if (!status && row) {
+        size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
+        const void *bytes = sqlite3_column_blob(store->get, 0);
+        if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
+            status = ric_store_fail_damaged(store->path, "finished work does not match its digest");
+        else if (!(*blob = malloc(n + 1)))
+            status = ric_store_fail_memory();
+        else if (n)
+            memcpy(*blob, bytes, n);
+        *size = status ? 0 : n;
+    }
+    sqlite3_reset(store->get);
+    sqlite3_clear_bindings(store->get);
+    return status;
+}
+
+ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size)
+{
+    bool row;
+    ric_status status = begin(store->file);
+    if (status)
+        return status;
+    sqlite3_bind_text(store->put, 1, key, -1, SQLITE_STATIC);
+    int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
+                    : sqlite3_bind_zeroblob(store->put, 2, 0);
+    sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(blob, size));
+    status = code ? ric_database_fail(store->file, code) : ric_database_step(store->file, store->put, &row);
+    sqlite3_clear_bindings(store->put);
+    return status;
+}
+
+ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status (*each)(void *user, const char *key),
+                                void *user)
+{
+    sqlite3_stmt *query = NULL;
+    bool row = false;
+    ric_status status = ric_database_prepare(store->file, "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
+    if (status)
+        return status;
+    sqlite3_bind_text(query, 1, ending, -1, SQLITE_STATIC);
+    while (!(status = ric_database_step(store->file, query, &row)) && row)
+        if ((status = each(user, (const char *)sqlite3_column_text(query, 0))))
+            break;
+    sqlite3_finalize(query);
+    return status;
+}
+
+ric_status ric_store_trace_drop(ric_store *store, const char *key)
+{
+    bool row;
+    ric_status status = begin(store->file);
+    if (status)
+        return status;
+    sqlite3_bind_text(store->drop, 1, key, -1, SQLITE_STATIC);
+    status = ric_database_step(store->file, store->drop, &row);
+    sqlite3_clear_bindings(store->drop);
+    return status;
+}
+
+ric_status ric_store_commit(ric_store *store)
+{
+    return sqlite3_get_autocommit(store->file.db) ? RIC_OK : ric_database_run(store->file, "COMMIT");
+}
+
+ric_status ric_store_starts_get(ric_store *store, char **text)
+{
+    return ric_store_get_meta(store->file, "starts", text);
+}
+
+/* The end of a transaction that changed the tables: all of it, with the digest that goes with them, or nothing. */
+static ric_status conclude(ric_database file, ric_status status)
+{
+    if (!status)
+        status = ric_store_put_digest(file);
+    if (!status)
+        status = ric_database_run(file, "COMMIT");
+    if (status)
+        roll_back(file);
+    return status;
+}
+
+ric_status ric_store_set_solver(ric_store *store, const char *version)
+{
+    char *kept = NULL;
+    ric_status status = ric_store_get_meta(store->file, "solver", &kept);
+    bool same = kept && !strcmp(kept, version);
+    free(kept);
+    if (status || same) return status;
+    status = begin(store->file);
+    if (!status) status = ric_database_run(store->file, "DELETE FROM trace");
+    if (!status) status = ric_store_put_meta(store->file, "solver", version);
+    if (!status) status = ric_store_put_meta(store->file, "finished", "0");
+    return conclude(store->file, status);
+}
+
+ric_status ric_store_starts_add(ric_store *store, const char *lines)
+{
+    ric_database file = store->file;
+    char *old = NULL, *all = NULL;
+    ric_status status = ric_store_starts_get(store, &old);
+    if (!status && !(all = malloc((old ? strlen(old) : 0) + strlen(lines) + 1))) status = ric_store_fail_memory();
+    if (!status) {
+        sprintf(all, "%s%s", old ? old : "", lines);
+        status = begin(file);
+    }
+    if (!status)
+        status = ric_store_put_meta(file, "starts", all);
+    if (!status)
+        status = ric_store_put_meta(file, "finished", "0");
+    status = conclude(file, status);
+    free(old);
+    free(all);
+    return status;
+}
+
+ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
+{
+    ric_database file = store->file;
+    ric_status status = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
+    if (!status)
+        status = begin(file);
+    store->tables_begun = !status;
+    if (!status)
+        status = ric_database_run(file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
+                              "DELETE FROM branch; DELETE FROM junction");
+    return status ? status : ric_store_put_branches(file, atlas);
+}
+
+ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas)
+{
+    ric_database file = store->file;
+    ric_status status = before;
+    if (!store->tables_begun) /* traces that wait for a commit are no part of it */
+        return status;
+    store->tables_begun = false;
+    if (!status)
+        status = ric_store_put_junctions(file, atlas);
+    if (!status)
+        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
+    return conclude(file, status);
+}
+
+ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
+{
+    return ric_store_write_junctions(store, ric_store_write_branches(store, atlas), atlas);
+}

@@ -1,0 +1,116 @@
+/* What the files of the store share: its database, its checks and its rows. No other file needs it. */
+#ifndef RIC_ATLAS_STORE_PARTS_H
+#define RIC_ATLAS_STORE_PARTS_H
+
+#include <sqlite3.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "store.h"
+
+enum {
+    RIC_APPLICATION_ID = 0x52434854, /* "RCHT" */
+    RIC_FORMAT_VERSION = 1,
+};
+
+/* The columns of a row in the order in which store_write.c puts and store_read.c takes them. */
+#define BRANCH_COLUMNS                                                                                                 \
+    "id, label, impacts, word, symmetric, reversible, mirror, stable_fraction, points, energy_min, energy_max, "       \
+    "frequency_min, "                                                                                                  \
+    "frequency_max, from_junction, to_junction, stop, why, depth, mode"
+#define BRANCH_JUNCTION_COLUMNS "branch, position, junction, arclength"
+#define POINT_COLUMNS                                                                                                  \
+    "branch, point, arclength, energy, frequency, trace_asinh, rotation, stable, reach, approach, residual, state, "   \
+    "flights, "                                                                                                        \
+    "period, trace, log_trace"
+#define JUNCTION_COLUMNS                                                                                               \
+    "id, kind, label, name, impacts, word, grazings, multiple, rotation_p, rotation_q, a, b, energy, frequency, "      \
+    "state, flights, "                                                                                                 \
+    "taken, known, inadmissible, over_budget, refused, refusal, over_window, over_multiply, over_impacts, "            \
+    "over_symmetric, "                                                                                                 \
+    "over_touches, over_depth"
+#define JUNCTION_BRANCH_COLUMNS "junction, branch"
+
+typedef struct {
+    sqlite3 *db;
+    const char *path; /* borrowed */
+} ric_database;
+
+/* ------------------------------------------------------------ store_sqlite.c */
+
+ric_status ric_store_fail_memory(void);
+ric_status ric_store_fail_damaged(const char *path, const char *what);
+ric_status ric_store_fail_foreign(const char *path);
+
+/* A result code of SQLite as one of our kinds. */
+ric_status ric_database_fail(ric_database file, int code);
+/* `wait`: ms until a locked file is given up. */
+ric_status ric_database_open(const char *path, int flags, int wait, ric_database *out);
+/* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody writes
+ * meanwhile. */
+ric_status ric_database_open_still(const char *path, ric_database *out);
+ric_status ric_database_run(ric_database file, const char *sql);
+ric_status ric_database_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
+/* One row further; *row = false at the end, and then the query may run again. */
+ric_status ric_database_step(ric_database file, sqlite3_stmt *query, bool *row);
+/* The number in a one-row answer, as a result code of SQLite. */
+int ric_database_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out);
+
+/* Little-endian float64 on any machine. */
+void ric_store_put_float64(unsigned char *out, size_t n, const double *values);
+void ric_store_take_float64(const unsigned char *in, size_t n, double *values);
+
+/* -------------------------------------------------------------- store_lock.c */
+
+/* The file itself behind links, which may not exist yet, to be freed; NULL without memory. */
+char *ric_store_resolve(const char *path);
+/* What a file is, in words: "a folder". */
+const char *ric_file_kind(mode_t mode);
+/* The lock `path` beside the atlas `atlas`, and its descriptor; released, *lock = -1. */
+ric_status ric_lock_take(const char *atlas, const char *path, int *lock);
+void ric_lock_release(const char *path, int *lock);
+/* Whether another program has left the file in write-ahead mode without anything waiting beside it: SQLite would make
+ * files beside it for whoever only reads, and a run takes it out of that mode. */
+bool ric_store_left_ahead(const char *atlas);
+/* Refuses what SQLite would take for journals of the atlas and is none, before it is opened. */
+ric_status ric_store_check_beside(const char *atlas);
+
+/* ------------------------------------------------------------- store_check.c */
+
+/* Whether there is a file with something in it; anything but a regular file is refused. */
+ric_status ric_store_look(const char *path, bool *exists, bool *empty);
+/* Only the identification numbers, so that a foreign file is left exactly as it is. */
+ric_status ric_store_check_identity(const char *path);
+/* Structure, tables and contents, inside the reader's transaction. */
+ric_status ric_store_check_contents(ric_database file);
+/* That the file is of the model of `study`. */
+ric_status ric_store_check_model(ric_database file, const ric_study *study);
+
+/* The model of a study: from the line `model:` to the next top-level key, as a copy; "" if there is none. NULL without
+ * memory. */
+char *ric_store_model_text(const char *study);
+/* 9 and 9.0 are the same model. */
+ric_status ric_store_compare_models(const char *path, const char *stored, const char *given);
+
+/* FNV-1a with 64 bits (Fowler, Noll, Vo): finds damage, not forgery. */
+uint64_t ric_store_digest(const void *bytes, size_t n);
+/* Writes the digest of all contents, which makes them valid. */
+ric_status ric_store_put_digest(ric_database file);
+
+/* *value = NULL when there is no such key; to be freed. */
+ric_status ric_store_get_meta(ric_database file, const char *key, char **value);
+ric_status ric_store_put_meta(ric_database file, const char *key, const char *value);
+
+/* ------------------------------------------------------------- store_valid.c */
+
+/* Refuses an atlas with numbers that no run can have written. */
+ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas);
+
+/* ------------------------------------------------------------- store_write.c */
+
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced,
+                               int n_blind);
+ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas);
+ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
+
+#endif

@@ -1,0 +1,25 @@
+/* Eigenvalues of small dense matrices, and of products whose factors are kept apart. */
+#ifndef RIC_BASE_EIGEN_H
+#define RIC_BASE_EIGEN_H
+
+#include <stdbool.h>
+
+/* +move or -move, pseudorandomly: errors are measured by moving what is uncertain. */
+static inline double ric_moved(unsigned *bits, double move)
+{
+    double way = *bits >> 31 ? move : -move;
+    *bits = *bits * 1664525u + 1013904223u;
+    return way;
+}
+
+/* re, im of the eigenvalues of A [k * k], destroyed: out [2k]. False: A is not finite, or LAPACK failed. */
+bool ric_eigen(int k, double *A, double *out);
+
+/* mu [2m] = eigenvalues of B C, [m * m] each, sorted, and the error [m] of each, measured on entries that are moved by
+ * `rounding`. The product knows small eigenvalues no better than the rounding of the large ones, as it has the square
+ * of their size. With B = Q R P' (pivoted) R P' C Q is similar to it, and its rows are graded from the large ones down,
+ * to which the QR algorithm keeps: what cancels has the size of the factors, not of the product. H [3 m^2] is
+ * workspace. */
+bool ric_eigen_product(int m, const double *B, const double *C, double rounding, double *H, double *mu, double *error);
+
+#endif

@@ -1,0 +1,27 @@
+/* Running out of memory is not an answer. Every source of the library includes this file first (src/meson.build): its
+ * allocations remember, per thread, when one failed. Functions may then give up in any way, "does not converge" among
+ * them; whoever keeps results asks ric_starved() before it does. */
+#ifndef RIC_BASE_MEMORY_H
+#define RIC_BASE_MEMORY_H
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+void *ric_malloc(size_t size);
+void *ric_calloc(size_t count, size_t size);
+void *ric_realloc(void *old, size_t size);
+char *ric_strdup(const char *text);
+/* Passes on what a function of LAPACKE returned. */
+int ric_lapack(int info);
+
+/* Whether this thread has run out of memory since it was last asked to forget. */
+bool ric_starved(void);
+void ric_forget_hunger(void);
+
+#define malloc ric_malloc
+#define calloc ric_calloc
+#define realloc ric_realloc
+#define strdup ric_strdup
+
+#endif

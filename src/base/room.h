@@ -1,0 +1,13 @@
+/* What the room base gives to the rooms above it (docs/map.md). */
+#ifndef RIC_BASE_ROOM_H
+#define RIC_BASE_ROOM_H
+
+#include "buffer.h"
+#include "c_locale.h"
+#include "cache.h"
+#include "eigen.h"
+#include "halt.h"
+#include "memory.h"
+#include "status.h"
+
+#endif

@@ -1,0 +1,818 @@
+#include "continuation.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "symmetric_end.h"
+#include "base/room.h"
+#include "event.h"
+#include "event_parts.h"
+#include "model/room.h"
+#include "multiple_cover.h"
+
+#define TWO_PI 6.283185307179586477
+#define STEP_ANGLE 0.08      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
+#define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
+#define GIVEN 1e-6           /* drift of a step that ends at a solved point: the first one from a singular start may,
+                              * and is no guess */
+#define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
+#define SOFT_STEP 0.1        /* first step from the grazing of a spring, of its compliance */
+#define FIRST_STEP 3e-5      /* of the size of the unknowns */
+#define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
+#define NEWTON_STEPS 8
+#define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
+#define ACCEPTED 4           /* tolerances: the largest residual of an orbit that is stored */
+#define LOST 2.5e-10         /* the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is
+                              * known of an orbit */
+#define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a
+                              * stored start */
+#define MEASURED 4           /* safety of a measured error */
+#define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
+#define NEAR_BORDER 100      /* of the error of rho: nearer to the border of stability it is measured */
+#define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
+#define PERIODS 8            /* points of a step at which its period is looked at */
+#define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
+#define ON_OTHER 1e-9        /* of the size: an orbit this near to one with more symmetry is that one */
+#define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from
+                              * there (event.c) */
+#define MARGIN 1e-11         /* margins that count as rounding */
+#define BORDER 5e-13         /* slack of a window: what lies on its border is inside, whatever the rounding */
+#define AT_LOWEST 1e-9       /* relative: a start this near to the lower end of the energy window lies on it */
+#define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the
+                              * orbit is known to rounding / time */
+
+ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step,
+                            int max_points)
+{
+    double lowest = m->smooth ? fmax(energy[0], m->linear_energy) : energy[0];
+    double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
+    return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
+                        .period = {TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
+                        .max_step = max_step, .max_points = max_points};
+}
+
+/* ---------------------------------------------------------------- corrector */
+
+/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
+static double of_flights(const ric_chain *c)
+{
+    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
+}
+
+/* A closed spring makes a velocity of the rounding of the displacement at which it was met. */
+static double rounding(const ric_chain *c)
+{
+    return of_flights(c) * (1 + c->stiff);
+}
+
+double ric_trace_tolerance(const ric_chain *c)
+{
+    return rounding(c) + DBL_EPSILON * c->grain;
+}
+
+/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves /
+ * pivot, towards the other branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once
+ * more. */
+double ric_trace_blur(const ric_chain *c, int test)
+{
+    double kernel = rounding(c) / c->smallest * (1 + FLOOR / c->smallest);
+    return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
+}
+
+bool ric_trace_solved(const ric_chain *c)
+{
+    return c->residual <= ACCEPTED * fmin(ric_trace_tolerance(c), LOST);
+}
+
+bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du,
+                       int *iterations)
+{
+    int size = c->n_unknown;
+    /* with springs most displacements are met better than they may be */
+    double floor = FLOOR * of_flights(c), last = HUGE_VAL, kernel[size];
+    for (int i = 0; i <= NEWTON_STEPS; i++) {
+        *iterations = i;
+        ric_chain_evaluate(c, u);
+        if (c->singular || !(c->residual < 1e3)) return false;
+        /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
+        double tolerance = fmin(ric_trace_tolerance(c), LOST);
+        if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
+        if (i > 2 && c->residual > 0.5 * last) return ric_trace_solved(c);
+        last = c->residual;
+        ric_chain_step(c, true, 0, du);
+        if (normal) {
+            ric_chain_step(c, false, 1, kernel);
+            double across = ric_dot(size, normal, kernel), now = ric_dot(size, normal, du) - target;
+            for (int j = 0; j < size; j++) now += normal[j] * (u[j] - origin[j]);
+            if (fabs(across) < 1e-8) return false;
+            for (int j = 0; j < size; j++) du[j] -= now / across * kernel[j];
+        }
+        for (int j = 0; j < size; j++) u[j] += du[j];
+    }
+    return false;
+}
+
+double ric_trace_tangent(const ric_chain *c, const double *along, double *t)
+{
+    ric_chain_step(c, false, 1, t);
+    if (!along || ric_dot(c->n_unknown, t, along) >= 0) return 1;
+    for (int i = 0; i < c->n_unknown; i++) t[i] = -t[i];
+    return -1;
+}
+
+/* ------------------------------------------------------------------ stations */
+
+/* Of the impacts; `springs`: of the closings too. */
+static double smallest_approach(const ric_chain *c, bool springs)
+{
+    const ric_model *m = c->model;
+    double least = HUGE_VAL;
+    if (c->start == RIC_MIRROR_IMPACT) least = c->approach[0];
+    for (int k = 1; k <= c->n_flight; k++) {
+        if (c->face[k] < 0) continue;
+        bool spring = m->face[c->face[k]].spring > 0, closes = spring && c->closed[k] >> c->face[k] & 1;
+        if (!spring || springs) least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
+    }
+    return least;
+}
+
+/* Smallest time between two switches of one spring: it vanishes where an impact would lose its speed, at a grazing. */
+static double smallest_touch(const ric_chain *c, const double *u)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+        if (ric_chain_touches(c, k)) least = fmin(least, u[c->n_start + k]);
+    return least;
+}
+
+/* Flights between different contacts; between mirror points in flight there is no such thing. Two impacts on one
+ * contact cannot come together without losing their speed, which ends a branch; a ghost goes on without, so that there
+ * all flights count. */
+static double smallest_flight(const ric_chain *c, const double *u, bool ghost)
+{
+    const ric_model *m = c->model;
+    double least = HUGE_VAL;
+    for (int k = 0; k < c->n_flight; k++) {
+        int f = c->face[k], g = c->face[k + 1];
+        double tau = u[c->n_start + k];
+        if (ric_chain_touches(c, k)) continue;
+        if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
+    }
+    return least;
+}
+
+static bool positive_flights(const ric_chain *c, const double *u)
+{
+    for (int k = 0; k < c->n_flight; k++)
+        if (!(u[c->n_start + k] > -1e-3)) return false;
+    return true;
+}
+
+/* Pairs in ascending order, so that each is continuous as long as they do not meet; what is lost comes last. */
+static void sort_pairs(int n_pair, const double *rho, double *out)
+{
+    for (int i = 0; i < n_pair; i++) {
+        int place = i;
+        for (; place > 0 && !isnan(rho[2 * i]) && !(out[2 * place - 2] <= rho[2 * i]); place--)
+            memcpy(out + 2 * place, out + 2 * place - 2, 2 * sizeof *out);
+        memcpy(out + 2 * place, rho + 2 * i, 2 * sizeof *out);
+    }
+}
+
+ric_cycle *ric_trace_cycle(const ric_trace *tr, const double *u)
+{
+    ric_chain_fly(tr->chain, u);
+    return ric_cycle_from_chain(tr->chain, u);
+}
+
+const ric_resonance *ric_trace_resonance(const ric_trace *tr, int test)
+{
+    int k = test - RIC_N_TEST;
+    return k >= 0 && k < tr->n_resonance ? &tr->resonances[k] : NULL;
+}
+
+bool ric_trace_resonances(ric_trace *tr)
+{
+    tr->resonances = ric_resonance_list(ric_chain_halves(tr->chain), tr->limits->multiply, &tr->n_resonance);
+    return tr->n_resonance >= 0;
+}
+
+const ric_asked *ric_trace_asked(const ric_trace *tr, int test)
+{
+    int place = test - RIC_N_TEST - tr->n_resonance;
+    return place >= 0 && place < tr->limits->n_asked ? &tr->limits->asked[place] : NULL;
+}
+
+static double definite(double value, double error)
+{
+    return fabs(value) > error ? value : 0;
+}
+
+/* Below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)).
+ * The orbit is known to rounding / pivot at every impact alike, and moves the factors of the map, whose kicks go with 1
+ * / speed, by that much. Where this bound leaves the sign open although it is not the one expected, the error is
+ * measured: unknowns moved by more than they are uncertain, twice this way and that. The tests are the determinants
+ * over their size, which grows without bound near a grazing and with instability. */
+static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest,
+           move = rounding(c) * c->scale * (1 + 1 / c->smallest);
+    const ric_floquet *f = &tr->floquet;
+    double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0},
+           size_of[3];
+    const double most[3] = {f->size_a, f->size_b, f->size_d};
+    bool open = false;
+    for (int i = 0; i < 3; i++) {
+        bool expected = value[i] * tr->definite[RIC_TEST_A + i] > 0 && p != &tr->mid;
+        size_of[i] = error[i] > 0 ? error[i] / DBL_EPSILON : 1;
+        p->factor[i] = value[i] / most[i];
+        p->test[RIC_TEST_A + i] = (expected ? value[i] : definite(value[i], error[i] * blur)) / size_of[i];
+        p->hidden[i] = error[i] * blur / size_of[i];
+        open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
+    }
+    if (!open || !isfinite(move)) return RIC_OK;
+    for (unsigned way = 1; way <= 2; way++) {
+        unsigned bits = way * 2654435769u;
+        for (int i = 0; i < size; i++) tr->guess[i] = p->u[i] + ric_moved(&bits, move);
+        ric_chain_fly(c, tr->guess);
+        ric_status status = ric_floquet_compute(c, &tr->floquet);
+        if (status) return status;
+        double moved[3] = {f->det_a, f->det_b, f->det_d};
+        for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], MEASURED * fabs(moved[i] - value[i]));
+    }
+    ric_chain_fly(c, p->u);
+    for (int i = 0; i < 3; i++) {
+        if (p->test[RIC_TEST_A + i] == 0) p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
+        p->hidden[i] = fmin(p->hidden[i], seen[i] / size_of[i]);
+    }
+    return RIC_OK;
+}
+
+/* How far inside the stable region all rho of the map in use are, or, negative, how far outside the farthest is, x, as
+ * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. */
+static double stable_margin(const ric_floquet *f)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) {
+        double inside = 2 - fabs(f->own[2 * i]), aside = -fabs(f->own[2 * i + 1]);
+        least = fmin(least, aside < 0 ? fmin(inside, aside) : inside);
+    }
+    return least < 0 ? (isinf(least) ? -2 : 2 * least / (2 - least)) : least;
+}
+
+/* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
+ * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow. What is so near to the
+ * border that this may count is measured, as signs are in keep_definite. */
+ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
+{
+    int size = c->n_unknown;
+    double approach = fmax(fabs(smallest_approach(c, false)), DBL_MIN), at = stable_margin(f), seen = 0,
+           steep = at < 0 ? (2 + at) / 2 * ((2 + at) / 2) : 1, error = f->error * steep,
+           blur = 1 + (1 + 1 / approach) * c->scale / c->smallest,
+           move = rounding(c) * c->scale * (1 + 1 / c->smallest), moved[size];
+    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * f->rough * steep * blur))
+        return RIC_OK;
+    ric_stability stable = f->stable;
+    ric_status status = RIC_OK;
+    for (unsigned way = 1; way <= 2 && !status && isfinite(move); way++) {
+        unsigned bits = way * 2654435769u;
+        for (int i = 0; i < size; i++) moved[i] = u[i] + ric_moved(&bits, move);
+        ric_chain_fly(c, moved);
+        if (!(status = ric_floquet_compute(c, f))) seen = fmax(seen, MEASURED * fabs(stable_margin(f) - at));
+    }
+    ric_chain_fly(c, u);
+    if (!status) status = ric_floquet_compute(c, f);
+    f->stable = isfinite(move) && fabs(at) > error + seen ? stable : RIC_STABLE_UNDECIDED;
+    return status;
+}
+
+bool ric_trace_move(const ric_chain *c, const double *u, int way, double *out)
+{
+    int size = c->n_unknown;
+    double plane[2 * size], second;
+    unsigned bits = (unsigned)way * 2654435769u;
+    if (!ric_chain_plane(c, plane, &second)) return false;
+    double across = ric_trace_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
+    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, UNKNOWN * c->scale) + across * plane[i];
+    return isfinite(across);
+}
+
+/* How far the nearest of the pairs `rho` [2 count] is from one. */
+static double off_pair(int count, const double *rho, const double *one)
+{
+    double off = HUGE_VAL;
+    for (int i = 0; i < count; i++) off = fmin(off, hypot(rho[2 * i] - one[0], rho[2 * i + 1] - one[1]));
+    return off;
+}
+
+ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
+{
+    enum { WAYS = RIC_TRACE_WAYS };
+    int k = f->n_pair, size = c->n_unknown;
+    double at[2 * k + 1], seen[k + 1], moved[WAYS * size + 1];
+    ric_status status = RIC_OK;
+    ric_stability stable = f->stable;
+    if (k < 1) return RIC_OK;
+    memcpy(at, f->rho, 2 * (size_t)k * sizeof *at);
+    memset(seen, 0, sizeof seen);
+    bool known = true;
+    for (int way = 0; way < WAYS; way++) known = known && ric_trace_move(c, u, way + 1, moved + way * size);
+    for (int way = 0; way < WAYS && known && !status; way++) {
+        ric_chain_fly(c, moved + way * size);
+        status = ric_floquet_compute(c, f);
+        for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], off_pair(k, f->rho, at + 2 * i));
+    }
+    ric_chain_fly(c, u);
+    if (!status) status = ric_floquet_compute(c, f);
+    f->stable = stable;
+    for (int i = 0; i < k; i++) seen[i] = known ? MEASURED * seen[i] : HUGE_VAL;
+    ric_floquet_widen(f, seen);
+    return status;
+}
+
+typedef struct { double reach, approach, closing, time, energy; } margin;
+
+/* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
+static ric_status measure(ric_trace *tr, double s, const double *u, ric_station *p, margin *out)
+{
+    ric_chain *c = tr->chain;
+    const ric_model *m = c->model;
+    ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
+    if (!status) status = ric_floquet_compute(c, &tr->floquet);
+    if (!status) status = ric_trace_judge(c, u, &tr->floquet);
+    if (status) return status;
+    *out = (margin){.reach = ric_reach(c, u, NULL), .approach = smallest_approach(c, false),
+                     .closing = smallest_approach(c, true), .time = ric_chain_time(c, u),
+                     .energy = ric_chain_energy(c)};
+    p->solved = ric_trace_solved(c);
+    p->row = (ric_point){.arclength = s, .energy = out->energy * m->energy_unit,
+                         .frequency = TWO_PI / out->time * m->omega_ref, .trace = tr->floquet.trace_asinh,
+                         .rotation = tr->floquet.rotation, .reach = out->reach > 0 ? out->reach : NAN,
+                         .approach = out->closing < HUGE_VAL ? out->closing * m->length * m->omega_ref : NAN,
+                         .residual = (float)c->residual, .stable = tr->floquet.stable};
+    return RIC_OK;
+}
+
+ric_status ric_trace_fill(ric_trace *tr, double s, ric_station *p)
+{
+    margin unused;
+    p->s = s;
+    ric_chain_evaluate(tr->chain, p->u);
+    return measure(tr, s, p->u, p, &unused);
+}
+
+ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
+{
+    ric_chain *c = tr->chain;
+    const ric_limits *lim = tr->limits;
+    margin now;
+    tr->steep |= c->model->smooth && ric_trace_tolerance(c) > STEEP;
+    ric_status status = measure(tr, p->s, p->u, p, &now);
+    if (status) return status;
+    double slope = 0;
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) slope += p->t[k];
+    double *F = p->test;
+    sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
+    F[RIC_TEST_REACH] = 1 - now.reach;
+    F[RIC_TEST_APPROACH] = fmin(now.approach, smallest_touch(c, p->u));
+    F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
+    F[RIC_TEST_DET] = orientation * c->end_det;
+    F[RIC_TEST_SLOPE] = definite(ric_chain_energy_slope(c, p->t) / c->scale, ric_trace_blur(c, RIC_TEST_SLOPE));
+    F[RIC_TEST_PERIOD] = definite(slope, ric_trace_blur(c, RIC_TEST_PERIOD));
+    F[RIC_TEST_E_MAX] = lim->energy[1] - now.energy;
+    F[RIC_TEST_E_MIN] = now.energy - tr->lowest;
+    F[RIC_TEST_F_MAX] = now.time - lim->period[0];
+    F[RIC_TEST_F_MIN] = lim->period[1] - now.time;
+    return keep_definite(tr, p, now.approach);
+}
+
+static bool station_create(ric_station *p, int size, int n_pair)
+{
+    p->own = calloc(2 * (size_t)n_pair + 1, sizeof(double));
+    p->u = calloc((size_t)size, sizeof(double));
+    p->t = calloc((size_t)size, sizeof(double));
+    return p->u && p->t && p->own;
+}
+
+static void station_free(ric_station *p)
+{
+    free(p->u);
+    free(p->t);
+    free(p->own);
+}
+
+static bool samples_create(ric_trace *tr)
+{
+    tr->samples.values = calloc(RIC_MOST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance), sizeof(double));
+    return tr->samples.values;
+}
+
+/* ------------------------------------------------------------------- points */
+
+static void write_point(ric_trace *tr, int i, const ric_point *row, const double *u)
+{
+    double *out = tr->points + (size_t)i * tr->stride;
+    memcpy(out, row, sizeof *row);
+    memcpy(out + sizeof *row / sizeof *out, u, (size_t)tr->chain->n_unknown * sizeof *out);
+}
+
+/* Where events fall together, as at a grazing of a spring or at a corner, a flight of no length is solved for to its
+ * rounding, on either side of zero. What is kept lasts no negative time: the point is that with zero in its place, and
+ * filled anew, so that all that is said is said of what is stored. */
+static ric_status without_negative_flights(ric_trace *tr, ric_station *p)
+{
+    const ric_chain *c = tr->chain;
+    bool any = false, undecided = p->row.stable == RIC_STABLE_UNDECIDED;
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
+        if (!(p->u[k] < 0)) continue;
+        if (p->u[k] < -MARGIN) p->solved = false;
+        any = true;
+        p->u[k] = 0;
+    }
+    if (!any || !p->solved) return RIC_OK;
+    ric_status status = ric_trace_fill(tr, p->s, p);
+    if (undecided) p->row.stable = RIC_STABLE_UNDECIDED;
+    return status;
+}
+
+ric_status ric_trace_keep(ric_trace *tr, const ric_station *station)
+{
+    double u[tr->chain->n_unknown];
+    ric_station kept = *station, *p = &kept;
+    memcpy(p->u = u, station->u, sizeof u);
+    p->s = p->row.arclength;
+    ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
+    bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
+    if (status || !p->solved || penetrates) return status;
+    if (tr->n_point == tr->point_capacity) {
+        int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
+        double *grown = realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
+        if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d points of a branch", capacity);
+        tr->points = grown;
+        tr->point_capacity = capacity;
+    }
+    write_point(tr, tr->n_point++, &p->row, p->u);
+    return RIC_OK;
+}
+
+ric_status ric_trace_end_at(ric_trace *tr, const double *u)
+{
+    double own[tr->chain->n_unknown];
+    memcpy(own, u, sizeof own);
+    ric_station p = {.u = own};
+    ric_status status = ric_trace_fill(tr, tr->end.s, &p);
+    if (!status && p.solved) status = without_negative_flights(tr, &p);
+    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    if (status || !p.solved) return status;
+    p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
+    memcpy(tr->end.u, own, sizeof own);
+    if (last->arclength < tr->end.s) return ric_trace_keep(tr, &p);
+    write_point(tr, tr->n_point - 1, &p.row, own);
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- start */
+
+ric_status ric_trace_equip(ric_trace *tr)
+{
+    int n = tr->chain->n_unknown, n_pair = tr->chain->n - 1;
+    size_t size = (size_t)n;
+    tr->du = calloc(size, sizeof(double));
+    tr->guess = calloc(size, sizeof(double));
+    tr->start_u = calloc(size, sizeof(double));
+    tr->start_t = calloc(size, sizeof(double));
+    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, n, n_pair) ||
+        !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
+        !station_create(&tr->past, n, n_pair) || !samples_create(tr))
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    tr->may_gain = ric_arrival_may_gain(tr->chain);
+    return ric_floquet_create(tr->chain->n, &tr->floquet);
+}
+
+ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
+                            const ric_limits *limits, ric_trace **out)
+{
+    ric_status status = RIC_OK;
+    size_t size = (size_t)chain->n_unknown;
+    ric_trace *tr = calloc(1, sizeof *tr);
+    int iterations;
+    *out = NULL;
+    if (!tr) {
+        ric_chain_free(chain);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    tr->chain = chain;
+    tr->limits = limits;
+    tr->lowest = limits->energy[0];
+    tr->ignore = ignore;
+    tr->end.test = -1;
+    tr->stride = sizeof(ric_point) / sizeof(double) + size;
+    if (!ric_trace_resonances(tr)) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        goto out;
+    }
+    if ((status = ric_trace_equip(tr))) goto out;
+    memcpy(tr->now.u, u0, size * sizeof *u0);
+    ric_chain_evaluate(chain, u0);
+    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the
+     * caller's. The smallest pivot does not always show it */
+    bool regular = chain->smallest > BRANCH_POINT && !(ignore & RIC_SINGULAR_START);
+    if (regular && !ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
+        status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
+        goto out;
+    }
+    double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
+    if (regular) sign = ric_trace_tangent(chain, t0, tr->now.t);
+    for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
+    /* families that reach into the window begin below it */
+    if (ric_chain_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
+    if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
+    if (!tr->now.solved) {
+        status = ric_fail(RIC_E_NUMERIC, "the start of a branch is no orbit: residual %g", chain->residual);
+        goto out;
+    }
+    for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
+    memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
+    memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
+    tr->longest = HUGE_VAL;
+    tr->step_max = limits->max_step * chain->scale;
+    tr->step = regular                       ? fmin(FIRST_STEP * chain->scale, tr->step_max)
+               : ignore & RIC_SINGULAR_START ? norm
+                                             : RIC_LEAVING * chain->scale;
+    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays
+     * short of the extrema that follow at the inverse of the stiffness, the square of the frequency
+     * (theory section 10) */
+    if (chain->fastest > 0 && ignore & 1u << RIC_TEST_REACH)
+        tr->step = fmin(tr->step, SOFT_STEP / (1 + chain->fastest * chain->fastest) * chain->scale);
+    if ((status = ric_trace_keep(tr, &tr->now))) goto out;
+    *out = tr;
+    tr = NULL;
+out:
+    ric_trace_free(tr);
+    return status;
+}
+
+void ric_trace_free(ric_trace *tr)
+{
+    if (!tr) return;
+    ric_chain_free(tr->chain);
+    ric_floquet_release(&tr->floquet);
+    station_free(&tr->now);
+    station_free(&tr->next);
+    station_free(&tr->mid);
+    station_free(&tr->past);
+    for (int i = 0; i < tr->n_event; i++) {
+        free(tr->events[i].u);
+        free(tr->events[i].t);
+    }
+    free(tr->events);
+    free(tr->resonances);
+    free(tr->samples.values);
+    free(tr->end.u);
+    free(tr->end.t);
+    free(tr->points);
+    free(tr->du);
+    free(tr->guess);
+    free(tr->start_u);
+    free(tr->start_t);
+    free(tr);
+}
+
+/* --------------------------------------------------------------------- step */
+
+/* Without an event to start from the phase of an orbit is free, and the corrector leaves it as it is. Whatever a chord
+ * had along the flow the cubic below would multiply by five at every step, until no step is short enough: a prediction
+ * goes across the flow. */
+static void across_flow(const ric_trace *tr, double *u)
+{
+    const ric_chain *c = tr->chain;
+    int size = 2 * c->n;
+    if (c->start != RIC_MIRROR_NONE || c->face[0] >= 0) return;
+    double rate[size], along = 0;
+    ric_flight_rate(c->model, c->closed[0], tr->now.u, rate);
+    for (int i = 0; i < size; i++) along += rate[i] * (u[i] - tr->now.u[i]);
+    along /= ric_dot(size, rate, rate);
+    for (int i = 0; i < size; i++) u[i] -= along * rate[i];
+}
+
+/* Cubic through the last two points and tangents, read off at distance h beyond; a straight line at the start. */
+static void predict(const ric_trace *tr, double h, double *u)
+{
+    int size = tr->chain->n_unknown;
+    const double *u0 = tr->now.u, *t0 = tr->now.t, *u1 = tr->past.u, *t1 = tr->past.t;
+    double H = tr->now.s - tr->past.s, x = 1 + h / H;
+    if (!tr->has_past || h > 2.5 * H) {
+        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
+        return;
+    }
+    double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a,
+           d = (x * x * x - x * x) * H;
+    for (int i = 0; i < size; i++) u[i] = a * u1[i] + b * t1[i] + c * u0[i] + d * t0[i];
+    across_flow(tr, u);
+}
+
+/* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no
+ * convergence. */
+static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, int *iterations, double *orientation)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    predict(tr, h, tr->next.u);
+    memcpy(tr->guess, tr->next.u, (size_t)size * sizeof *tr->guess);
+    if (!ric_trace_correct(c, tr->next.u, tr->now.u, tr->now.t, h, tr->du, iterations)) return false;
+    if (!positive_flights(c, tr->next.u)) return false;
+    double moved = 0, chord = 0;
+    for (int i = 0; i < size; i++) {
+        double d = tr->next.u[i] - tr->guess[i], e = tr->next.u[i] - tr->now.u[i];
+        moved += d * d;
+        chord += e * e;
+    }
+    *orientation = ric_trace_tangent(c, tr->now.t, tr->next.t);
+    *angle = acos(fmin(1, ric_dot(size, tr->next.t, tr->now.t)));
+    *drift = sqrt(moved) / h;
+    /* arc over chord of a circle through both points */
+    tr->next.s = tr->now.s + sqrt(chord) * (1 + *angle * *angle / 24);
+    return true;
+}
+
+/* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their
+ * sign twice do not show it. The period between the two points is that of the cubic through both. */
+static bool crowded(const ric_trace *tr, double h)
+{
+    const ric_chain *c = tr->chain;
+    const ric_station *a = &tr->now, *b = &tr->next;
+    double T[2] = {ric_chain_time(c, a->u), ric_chain_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0,
+           H = b->s - a->s;
+    if (tr->limits->ghost || h < ALIKE * c->scale) return false;
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
+        slope[0] += c->multiple * a->t[k];
+        slope[1] += c->multiple * b->t[k];
+    }
+    for (int i = 0; i <= PERIODS; i++) {
+        double x = (double)i / PERIODS, y = x * x * (3 - 2 * x),
+               t = T[0] + (T[1] - T[0]) * y + H * x * (1 - x) * (slope[0] * (1 - x) - slope[1] * x);
+        low = fmin(low, t);
+        high = fmax(high, t);
+    }
+    return ric_resonance_faint(c->model, tr->limits->multiply, low, high) > 1;
+}
+
+static void adapt(ric_trace *tr, double h, double angle, int iterations)
+{
+    double factor = angle > 1e-12 ? STEP_ANGLE / angle : 2;
+    if (iterations > 3) factor = fmin(factor, 0.7);
+    factor = fmax(0.3, fmin(2, factor));
+    tr->step_max = tr->limits->max_step * tr->chain->scale;
+    tr->step = fmin(h * factor, tr->step_max);
+    if (tr->after > 0) tr->step = fmin(tr->step, tr->after);
+    tr->after = 0;
+}
+
+/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out
+ * on the right side, and not stay at zero: contacts that stay together, or impacts that stay without speed, are no
+ * branch. */
+static bool margins_hold(const ric_station *p, unsigned ignored)
+{
+    static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
+    for (int i = 0; i < 3; i++)
+        if (!(p->test[margins[i]] > (ignored & 1u << margins[i] ? MARGIN : -MARGIN))) return false;
+    return true;
+}
+
+static void swap_stations(ric_trace *tr)
+{
+    ric_station old = tr->past;
+    tr->past = tr->now;
+    tr->now = tr->next;
+    tr->next = old;
+    tr->has_past = true;
+}
+
+/* The two halves of the period of an orbit between two mirror points of one kind are images of each other: then its
+ * branch is another one. */
+static bool symmetric_after_all(const ric_chain *c)
+{
+    int n = c->n;
+    double off = 0;
+    if (!c->model->smooth || c->start != c->end || c->start == RIC_MIRROR_NONE) return false;
+    for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(c->w[i] + c->w[2 * n + i]));
+    return off < ON_OTHER * c->scale;
+}
+
+/* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips
+ * over to it. The bordered determinant tells: its zero ahead, by the secant, is approached by steps that leave some of
+ * the way. */
+static double before_crossing(const ric_trace *tr, double h)
+{
+    double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET], least = LAST_STEP * tr->chain->scale;
+    if (!tr->chain->model->smooth || !tr->has_past || tr->ignore || !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) ||
+        h <= least)
+        return h;
+    double x = (tr->now.s - tr->past.s) * f1 / (f0 - f1);
+    return fmin(h, fmax(x / 3, least));
+}
+
+const char *ric_why_text(ric_why why)
+{
+    static const char *const text[RIC_N_WHY] = {
+        [RIC_WHY_NONE] = "",
+        [RIC_WHY_ENERGY_MAX] = "upper end of the energy window",
+        [RIC_WHY_ENERGY_MIN] = "lower end of the energy window",
+        [RIC_WHY_FREQUENCY_MAX] = "upper end of the frequency window",
+        [RIC_WHY_FREQUENCY_MIN] = "lower end of the frequency window",
+        [RIC_WHY_CLOSED] = "back at its start",
+        [RIC_WHY_POINTS] = "largest number of points of a branch",
+        [RIC_WHY_NO_STEP] = "no step, however small, stays on the branch",
+        [RIC_WHY_NO_JUNCTION] = "the junction at the end does not converge",
+        [RIC_WHY_NO_FIT] = "the branch does not fit the junction at its end",
+        [RIC_WHY_NO_WAY_BACK] = "the way back does not lead home",
+    };
+    return text[why];
+}
+
+ric_status ric_trace_advance(ric_trace *tr, bool *done)
+{
+    ric_status status = RIC_OK;
+    double h = tr->step, size = tr->chain->scale;
+    *done = false;
+    if (tr->n_point >= tr->limits->max_points) {
+        tr->stop = RIC_STOP_BUDGET;
+        tr->why = RIC_WHY_POINTS;
+        *done = true;
+        return RIC_OK;
+    }
+    int order;
+    tr->longest = HUGE_VAL;
+    if ((status = ric_repeat_ahead(tr, &h, &order, &tr->mid))) return status;
+    h = before_crossing(tr, h);
+    if (order > 3) {
+        *done = true;
+        return ric_event_arrive(tr, &tr->mid);
+    }
+    if (order == 3) { /* there the branch passes, and the determinant touches zero */
+        if ((status = ric_event_keep(tr, RIC_TEST_DET, &tr->mid))) return status;
+        tr->ignore |= 1u << RIC_TEST_DET;
+    }
+    for (;;) {
+        double angle = 0, drift = 0, orientation;
+        int iterations = 0;
+        bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
+        tr->evaluations += iterations + 1;
+        bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
+        good = good && !symmetric_after_all(tr->chain) && !(tr->may_gain && ric_arrival_gains(tr->chain, tr->next.u));
+        if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT && !crowded(tr, h)) {
+            if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
+            if (!ric_event_suspicious(tr, h)) {
+                bool retry = false;
+                if ((status = ric_event_find(tr, h, done, &retry))) return status;
+                if (*done) return RIC_OK;
+                if (!retry) {
+                    adapt(tr, h, angle, iterations);
+                    break;
+                }
+                if (tr->wanted > 0) {
+                    h = tr->wanted;
+                    tr->wanted = 0;
+                    continue;
+                }
+            }
+        }
+        h *= good ? 0.5 : 0.25;
+        if (h < SMALLEST_STEP * size) {
+            tr->stop = RIC_STOP_FAILED;
+            tr->why = RIC_WHY_NO_STEP;
+            *done = true;
+            return RIC_OK;
+        }
+    }
+    for (int i = 0; i < RIC_N_TEST; i++)
+        if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
+    if (!tr->limits->ghost && !margins_hold(&tr->next, tr->ignore))
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
+            tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
+    tr->ignore = 0;
+    tr->approaches = 0;
+    if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
+    ric_samples_shift(tr);
+    swap_stations(tr);
+    return ric_trace_keep(tr, &tr->now);
+}
+
+ric_status ric_trace_run(ric_trace *tr)
+{
+    bool done = false;
+    ric_status status = RIC_OK;
+    while (!done && !status) {
+        const ric_trace_place here = ric_trace_mark(tr);
+        status = ric_trust(ric_trace_advance(tr, &done));
+        if (status == RIC_E_INTERRUPTED) ric_trace_return(tr, &here);
+        else if (tr->limits->stepped) tr->limits->stepped(tr->limits->user);
+    }
+    if (!status && tr->n_point == 0) return ric_fail(RIC_E_NUMERIC, "no orbit of the branch can be solved for");
+    return status;
+}

@@ -1,0 +1,218 @@
+/* Following one branch from one end to the other (docs/theory.md section 7): predict, correct, look for events,
+ * adapt. */
+#ifndef RIC_BRANCH_CONTINUATION_H
+#define RIC_BRANCH_CONTINUATION_H
+
+#include "user_point.h"
+#include "orbit/room.h"
+#include "resonance.h"
+
+/* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
+ * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
+ * would mix branches of two programs. */
+#define RIC_NUMERICS 15
+
+/* Why a trace ended where it did, where ric_stop alone does not say it. */
+typedef enum {
+    RIC_WHY_NONE,
+    RIC_WHY_ENERGY_MAX,
+    RIC_WHY_ENERGY_MIN,
+    RIC_WHY_FREQUENCY_MAX,
+    RIC_WHY_FREQUENCY_MIN,
+    RIC_WHY_CLOSED,
+    RIC_WHY_POINTS,
+    RIC_WHY_NO_STEP,
+    RIC_WHY_NO_JUNCTION,
+    RIC_WHY_NO_FIT,
+    RIC_WHY_NO_WAY_BACK,
+    RIC_N_WHY
+} ric_why;
+/* The reason as a sentence, "" for RIC_WHY_NONE. */
+const char *ric_why_text(ric_why why);
+
+/* Test functions; an event is a zero of one of them. */
+enum {
+    RIC_TEST_REACH,    /* 1 - reach */
+    RIC_TEST_APPROACH, /* smallest approach speed, and time between two switches of one spring */
+    RIC_TEST_FLIGHT,   /* smallest flight time between different contacts; on a ghost, of all */
+    RIC_TEST_DET,      /* bordered determinant */
+    RIC_TEST_SLOPE,    /* dE/ds */
+    RIC_TEST_A,        /* kernels that break a symmetry of the form (floquet.h) */
+    RIC_TEST_B,
+    RIC_TEST_D,
+    RIC_TEST_PERIOD,   /* dT/ds */
+    RIC_TEST_E_MAX,
+    RIC_TEST_E_MIN,
+    RIC_TEST_F_MAX,
+    RIC_TEST_F_MIN,
+    RIC_N_TEST,        /* and beyond it, one for every resonance of the trace, and then for all that is asked for */
+};
+#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is;
+                                               * t0 is the first step */
+#define RIC_LEAVING 1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are
+                          * rounding */
+
+/* One solved point of a branch. */
+typedef struct {
+    double s;
+    double *u, *t;       /* [n_unknown] unknowns and unit tangent */
+    double test[RIC_N_TEST];
+    double factor[3];    /* the factors A, B, D of the map over what they are at most: smooth, but next to nothing
+                          * beside a grazing */
+    double hidden[3];    /* below it the sign of their tests is lost in rounding */
+    double *own;         /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
+    ric_point row;
+    bool solved;         /* its residual is rounding: only such orbits are stored */
+} ric_station;
+
+/* Points of the step at work whose test functions are known, in order, the present one at `now`, and before it some of
+ * the steps before (event_samples.c). */
+enum { RIC_PAST_SAMPLES = 2, RIC_MOST_SAMPLES = 80 };
+typedef struct {
+    int n, now, n_past;
+    double x[RIC_MOST_SAMPLES]; /* distance from the present point */
+    double s[RIC_PAST_SAMPLES]; /* arclength of those before */
+    double *values;             /* [RIC_MOST_SAMPLES * (RIC_N_TEST + n_resonance)] */
+} ric_samples;
+
+typedef struct {
+    int test;            /* which function vanished */
+    double s;
+    double *u, *t;       /* owned */
+} ric_event;
+
+typedef struct {
+    double energy[2];    /* window, internal units */
+    double period[2];    /* smallest and largest period, internal units */
+    double max_step;     /* relative to the size of the unknowns */
+    int max_points;
+    int multiply;        /* largest q of a q-tupling that is looked for; below 2 none */
+    int n_asked;         /* energies and frequencies whose passages are events */
+    ric_asked asked[RIC_ASKED_MAX];
+    bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
+    void (*stepped)(void *user); /* NULL, or told of every step */
+    void *user;
+} ric_limits;
+
+/* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
+ric_limits ric_trace_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step,
+                            int max_points);
+
+typedef struct {
+    ric_chain *chain;    /* owned */
+    const ric_limits *limits;
+    double lowest;       /* energy below which a branch is not followed that starts above it */
+    ric_floquet floquet;
+    int n_resonance;
+    ric_resonance *resonances;
+    ric_station now, next, mid, past;
+    ric_samples samples;
+    bool has_past;
+    bool may_gain;       /* orbits of this word may have more symmetry than the form (arrival.h) */
+    double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
+    double step, step_max;
+    double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
+    double longest;      /* step that still keeps before an orbit of fewer periods that lies ahead */
+    int approaches;      /* attempts to place this step over a crossing */
+    bool avoided;        /* another branch comes near ahead, and does not cross: the zero that the bordered determinant
+                          * heads for is none */
+    unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
+    double *du, *guess, *start_u, *start_t;
+    /* what was found */
+    int n_point, point_capacity;
+    size_t stride;       /* doubles: ric_point, then u */
+    double *points;
+    int n_event, event_capacity;
+    ric_event *events;   /* interior ones, in order */
+    ric_event end;       /* what stopped the branch (end.test = -1: no event) */
+    ric_stop stop;
+    bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
+    int unresolved;      /* places where functions may vanish twice, and too near to tell */
+    double blind;        /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
+    double blind_at[2], crowded_at[2]; /* least and largest energy of the steps with lost multipliers, and with places
+                                        * that are unresolved; 0 while there are none */
+    bool arrival;        /* the end is a point where the branch meets its own mirror image */
+    ric_why why;
+    long evaluations;
+} ric_trace;
+
+/* Room for the stations of a trace that has its chain and its resonances. */
+ric_status ric_trace_equip(ric_trace *trace);
+/* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the
+ * kernel there, but for a singular start). */
+ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
+                            const ric_limits *limits, ric_trace **out);
+void ric_trace_free(ric_trace *trace);
+
+/* All that a step changes and the next one reads, but for the stations: those of the last two steps are left alone
+ * until a step has succeeded (ric_trace_advance). */
+typedef struct {
+    double definite[RIC_N_TEST];
+    double step, step_max, wanted, after, longest, blind, lowest, scale, blind_at[2], crowded_at[2];
+    int32_t n_point, n_event, n_past, unresolved, approaches, avoided, steep, has_past;
+    uint32_t ignore;
+} ric_trace_place;
+
+ric_trace_place ric_trace_mark(const ric_trace *trace);
+/* Takes the energies of the step at work into a range; first: the range is that of the step. */
+void ric_trace_widen(const ric_trace *trace, bool first, double range[2]);
+/* Undoes what a step has done that was broken off. */
+void ric_trace_return(ric_trace *trace, const ric_trace_place *place);
+
+/* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
+ric_status ric_trace_advance(ric_trace *trace, bool *done);
+/* Steps to the end; or to RIC_E_INTERRUPTED (halt.h), and then the trace stands where its last step ended and can be
+ * run again, with the same outcome. */
+ric_status ric_trace_run(ric_trace *trace);
+
+/* The orbit at the unknowns u of the trace's chain, flown there; symmetries are those of the form. NULL: no memory. */
+ric_cycle *ric_trace_cycle(const ric_trace *trace, const double *u);
+/* What a test beyond RIC_N_TEST stands for; NULL if it is no resonance. */
+const ric_resonance *ric_trace_resonance(const ric_trace *trace, int test);
+/* The resonances that are watched on chains like this one; false: no memory. */
+bool ric_trace_resonances(ric_trace *trace);
+
+/* What a test beyond the resonances looks for; NULL for other tests. */
+const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
+
+/* Everything that a stored point says of the orbit at station->u, and whether it is solved; the chain is left
+ * evaluated there. Its test functions, and stability next to another branch, are the caller's. */
+ric_status ric_trace_fill(ric_trace *trace, double s, ric_station *station);
+/* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than
+ * rounding, as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch
+ * come by here, but for the last one, which the orbit of its junction may replace. */
+ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
+/* The orbit at u becomes the end of the branch, stored if it is solved. */
+ric_status ric_trace_end_at(ric_trace *trace, const double *u);
+
+/* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True
+ * when converged. */
+bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target,
+                       double *du, int *iterations);
+/* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
+ * itself: undecided where that may count. */
+ric_status ric_trace_judge(ric_chain *chain, const double *u, ric_floquet *floquet);
+/* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each within its own, and all
+ * of them by what the residual leaves open across the curve, where the Jacobian is least. Along the curve lie other
+ * orbits. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
+enum { RIC_TRACE_WAYS = 4 };
+bool ric_trace_move(const ric_chain *chain, const double *u, int way, double *out);
+/* The error of multipliers just computed at u, where the chain has been evaluated, from then on with that of the orbit:
+ * unknowns within their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of
+ * which less than three digits are left are lost. */
+ric_status ric_trace_bound(ric_chain *chain, const double *u, ric_floquet *floquet);
+/* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
+bool ric_trace_solved(const ric_chain *chain);
+/* Residual that counts as rounding for a chain. */
+double ric_trace_tolerance(const ric_chain *chain);
+/* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over
+ * the smallest pivot. */
+double ric_trace_blur(const ric_chain *chain, int test);
+/* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation
+ * sign. */
+double ric_trace_tangent(const ric_chain *chain, const double *along, double *t);
+/* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent
+ * station->t. */
+ric_status ric_trace_examine(ric_trace *trace, ric_station *station, double orientation);
+
+#endif

@@ -1,0 +1,639 @@
+#include "event.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "symmetric_end.h"
+#include "branch_point_gap.h"
+#include "event_parts.h"
+#include "model/room.h"
+#include "base/room.h"
+
+/* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has
+ * jumped. */
+#define JUMP 1e-7
+/* How far the sign of a factor that was never seen may come out of rounding in one step, over the least that is
+ * seen. */
+#define EMERGED 100
+/* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
+#define ASIDE_STEPS 3
+/* Of the size: the start of a closed branch again. */
+#define SAME_PLACE 1e-8
+/* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through
+ * that point has another heading. */
+#define ON_CUBIC 1e-4
+/* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
+#define APPROACHES 4
+/* What may keep two branches apart (ric_crossing_gap) that cross: rounding. */
+#define CROSSED 1e-11
+/* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
+#define ON_SLOPE 0.02
+
+#define POLE 0.1 /* of 1, its largest value: the test of a resonance that is above it where it has changed its sign has
+                  * no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
+#define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
+#define PASSES 4 /* looks at one step, the later ones with the events of the one before among the points */
+#define BRIDGED 6 /* pieces of a step over a branch point */
+#define NEAREST 1e-7 /* distance from an end with poles, of the size of the orbit, up to which events are looked for:
+                      * nearer by orbits are known to rounding over the distance */
+#define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
+#define STRETCHES 3 /* of a step, between its extrema of energy and of period */
+#define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter
+                        * steps */
+
+static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |
+                                 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
+                                 1u << RIC_TEST_F_MIN;
+/* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them
+ * passes through zero the singular functions change sign without a zero. */
+static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A |
+                                       1u << RIC_TEST_B | 1u << RIC_TEST_D;
+/* Functions that vanish at an extremum. */
+static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
+
+static bool watched(const ric_trace *tr, int test)
+{
+    if (tr->ignore & 1u << test) return false;
+    /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that could be crossed */
+    if (test == RIC_TEST_DET && tr->longest < HUGE_VAL) return false;
+    return !(tr->limits->ghost && (free_of_ghosts & 1u << test));
+}
+
+/* Distance of a zero of the bordered determinant in this step or close behind its end; infinite if there is none. */
+static double crossing_ahead(const ric_trace *tr, double h)
+{
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], x = h * fa / (fa - fb);
+    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
+}
+
+/* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first
+ * that is seen may be that behind a zero: it has to be seen soon after it emerges. */
+static bool emerges_late(const ric_trace *tr)
+{
+    for (int i = 0; i < 3; i++) {
+        int test = RIC_TEST_A + i;
+        bool lost = tr->definite[test] == 0 && tr->past.test[test] == 0 && tr->now.test[test] == 0;
+        if (watched(tr, test) && lost && fabs(tr->next.test[test]) > EMERGED * tr->now.hidden[i]) return true;
+    }
+    return false;
+}
+
+bool ric_event_suspicious(const ric_trace *tr, double h)
+{
+    return tr->has_past && h >= SHORTEST * tr->chain->scale && crossing_ahead(tr, h) == HUGE_VAL && emerges_late(tr);
+}
+
+/* -------------------------------------------------------------------- keeping */
+
+static ric_status fill_event(const ric_trace *tr, int test, const ric_station *p, ric_event *out)
+{
+    size_t bytes = (size_t)tr->chain->n_unknown * sizeof(double);
+    *out = (ric_event){.test = test, .s = p->s, .u = malloc(bytes), .t = malloc(bytes)};
+    if (!out->u || !out->t) {
+        free(out->u);
+        free(out->t);
+        out->u = out->t = NULL;
+        return ric_fail(RIC_E_NOMEM, "no memory for an event");
+    }
+    memcpy(out->u, p->u, bytes);
+    memcpy(out->t, p->t, bytes);
+    return RIC_OK;
+}
+
+ric_status ric_event_keep(ric_trace *tr, int test, const ric_station *p)
+{
+    if (tr->n_event == tr->event_capacity) {
+        int capacity = tr->event_capacity ? 2 * tr->event_capacity : 8;
+        ric_event *grown = realloc(tr->events, (size_t)capacity * sizeof *grown);
+        if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d events", capacity);
+        tr->events = grown;
+        tr->event_capacity = capacity;
+    }
+    ric_status status = fill_event(tr, test, p, &tr->events[tr->n_event]);
+    if (!status) tr->n_event++;
+    return status;
+}
+
+ric_status ric_event_arrive(ric_trace *tr, const ric_station *p)
+{
+    ric_status status = fill_event(tr, RIC_TEST_DET, p, &tr->end);
+    tr->arrival = true;
+    tr->stop = RIC_STOP_JUNCTION;
+    tr->why = RIC_WHY_NONE;
+    return status ? status : ric_trace_keep(tr, p);
+}
+
+/* ------------------------------------------------------------------- the step */
+
+static void end_by(ric_trace *tr, int test)
+{
+    static const ric_why edge[RIC_N_TEST] = {
+        [RIC_TEST_E_MAX] = RIC_WHY_ENERGY_MAX, [RIC_TEST_E_MIN] = RIC_WHY_ENERGY_MIN,
+        [RIC_TEST_F_MAX] = RIC_WHY_FREQUENCY_MAX, [RIC_TEST_F_MIN] = RIC_WHY_FREQUENCY_MIN};
+    tr->stop = edge[test] ? RIC_STOP_WINDOW : RIC_STOP_JUNCTION;
+    tr->why = edge[test];
+}
+
+/* Back at the orbit `home`, at the arclength s, going the same way as `heading` from there. */
+static bool reaches(ric_trace *tr, double h, const double *home, const double *heading, double *s)
+{
+    int size = tr->chain->n_unknown;
+    double along = 0, across = 0;
+    for (int i = 0; i < size; i++) along += (home[i] - tr->now.u[i]) * tr->now.t[i];
+    if (!(along > 0 && along <= h)) return false;
+    for (int i = 0; i < size; i++) {
+        double d = home[i] - tr->now.u[i] - along * tr->now.t[i];
+        across += d * d;
+    }
+    if (sqrt(across) > 0.3 * h) return false;
+    double distance = 0, first = along, most = SAME_PLACE * tr->chain->scale, *u = tr->mid.u;
+    const double *t = tr->next.t;
+    /* a branch point itself, as which many branches start: the cubic knows it */
+    if (tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0) {
+        ric_event_cubic(tr, along, h, u);
+        along = 0;
+        for (int i = 0; i < size; i++) along += (home[i] - u[i]) * t[i];
+        for (int i = 0; i < size; i++) u[i] += along * t[i];
+        most = fmax(most, ON_CUBIC * h);
+    } else {
+        bool good = false;
+        if (ric_event_solve(tr, along, h, &tr->mid, &good) || !good) return false;
+        t = tr->mid.t;
+    }
+    for (int i = 0; i < size; i++) distance = fmax(distance, fabs(u[i] - home[i]));
+    if (!(distance < most && ric_dot(size, t, heading) > 0.5)) return false;
+    *s = tr->now.s + (tr->next.s - tr->now.s) * (first / h);
+    return true;
+}
+
+/* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre to a rest under a
+ * power law an orbit shows its image x -> -x half a period on, which is the same orbit: there the way round a closed
+ * branch may end with the other sign. */
+static bool closes(ric_trace *tr, double h, double *home, double *s)
+{
+    const ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    double heading[size];
+    if (tr->n_point < 8) return false;
+    memcpy(home, tr->start_u, (size_t)size * sizeof *home);
+    if (reaches(tr, h, home, tr->start_t, s)) return true;
+    if (!c->model->smooth || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
+    for (int i = 0; i < size; i++) {
+        double sign = i == c->n_start ? 1 : -1; /* the time, and states before and after it */
+        home[i] = sign * tr->start_u[i];
+        heading[i] = sign * tr->start_t[i];
+    }
+    return reaches(tr, h, home, heading, s);
+}
+
+/* Ends a closed branch with the point that it began with; what lies beyond was met at the start. */
+static ric_status close_up(ric_trace *tr, const double *home, double s)
+{
+    double slack = SAME_PLACE * tr->chain->scale;
+    for (; tr->n_event > 0 && tr->events[tr->n_event - 1].s > s + slack; tr->n_event--) {
+        free(tr->events[tr->n_event - 1].u);
+        free(tr->events[tr->n_event - 1].t);
+    }
+    tr->stop = RIC_STOP_CLOSED;
+    tr->why = RIC_WHY_CLOSED;
+    memcpy(tr->mid.u, home, (size_t)tr->chain->n_unknown * sizeof *home);
+    ric_status status = ric_trace_fill(tr, s, &tr->mid);
+    return status ? status : ric_trace_keep(tr, &tr->mid);
+}
+
+typedef struct { int test; double x; } root;
+
+static int by_place(const void *a, const void *b)
+{
+    const root *p = a, *q = b;
+    return p->x < q->x ? -1 : p->x > q->x ? 1 : p->test - q->test;
+}
+
+typedef struct {
+    int n, capacity;
+    root *root;
+} root_list;
+
+static void list_root(root_list *list, int test, double x)
+{
+    if (list->n < list->capacity) list->root[list->n++] = (root){test, x};
+}
+
+/* Zeros of one test between the points that are known. A sign that rounding hid at some of them has changed at the
+ * first one: as near as can be told. */
+static ric_status find_zeros(ric_trace *tr, int test, double h, root_list *list, bool *retry)
+{
+    const ric_samples *q = &tr->samples;
+    double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
+    for (int i = q->now; i < q->n; i++) {
+        double f = ric_samples_values(tr, i)[test], x;
+        bool zero, open = last == 0;
+        if (isnan(f)) {
+            last = 0;
+            continue;
+        }
+        if (f == 0) {
+            if (i == q->now || ric_samples_values(tr, i - 1)[test] != 0) hidden = q->x[i];
+            continue;
+        }
+        bool changed = last * f < 0, seen = i > q->now && ric_samples_values(tr, i - 1)[test] != 0;
+        last = f;
+        if (!changed || open || i == q->now) continue;
+        if (!seen) {
+            list_root(list, test, hidden);
+            continue;
+        }
+        double a = q->x[i - 1], b = q->x[i];
+        ric_status status = ric_event_locate(tr, test, a, ric_samples_values(tr, i - 1)[test], b, f, h, &x, &zero);
+        if (status) return status;
+        /* the factors of the map may jump where rounding hides them; in a piece this short nothing else can have
+         * happened. The place of a resonance is known well enough there: the junction is solved anew */
+        bool narrow = b - a < JUMP * tr->chain->scale;
+        if (!zero && narrow && test < RIC_N_TEST && EVENT_SINGULAR & 1u << test) continue;
+        if (!zero && narrow && test >= RIC_N_TEST && fabs(ric_event_value(tr, test, &tr->mid)) > POLE) continue;
+        if (!zero && !(narrow && test >= RIC_N_TEST)) {
+            *retry = true;
+            return RIC_OK;
+        }
+        list_root(list, test, x);
+    }
+    return RIC_OK;
+}
+
+static ric_status find_roots(ric_trace *tr, unsigned which, double h, root_list *list, bool *retry)
+{
+    for (int i = 0; i < RIC_N_TEST && !*retry; i++) {
+        ric_status status = which & 1u << i ? find_zeros(tr, i, h, list, retry) : RIC_OK;
+        if (status) return status;
+    }
+    return RIC_OK;
+}
+
+/* Tests of `which` that are looked at in this step. Of those that vanish at the start the ones that do not end a branch
+ * are looked at right behind it. */
+static unsigned seen_in(const ric_trace *tr, unsigned which)
+{
+    unsigned seen = 0, inside = EVENT_SINGULAR | extrema;
+    for (int i = 0; i < RIC_N_TEST; i++) {
+        bool ghost = tr->limits->ghost && free_of_ghosts & 1u << i;
+        if (which & 1u << i && (watched(tr, i) || (inside & tr->ignore & 1u << i && !ghost))) seen |= 1u << i;
+    }
+    return seen;
+}
+
+/* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the
+ * determinant is rounding; false when all is well. */
+static bool approach_crossing(ric_trace *tr, double h)
+{
+    double x = crossing_ahead(tr, h), length = CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
+    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES)
+        return false;
+    tr->wanted = x > 1.1 * length ? fmin(x - length / 2, 0.9 * h) : step;
+    tr->after = length;
+    return true;
+}
+
+/* Whether functions may have poles where this test vanishes: an impact loses its speed, or a contact shrinks to
+ * nothing. */
+static bool has_poles(int test)
+{
+    return test == RIC_TEST_REACH || test == RIC_TEST_APPROACH || test == RIC_TEST_FLIGHT;
+}
+
+/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and
+ * its distance. */
+static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, bool *retry)
+{
+    root roots[RIC_MOST_SAMPLES];
+    root_list list = {.capacity = RIC_MOST_SAMPLES, .root = roots};
+    *test = -1;
+    *end = h;
+    which = seen_in(tr, which);
+    ric_status status = ric_samples_refine(tr, which, false, NAN, NAN, h);
+    if (!status) status = find_roots(tr, which, h, &list, retry);
+    if (status || *retry || !list.n) return status;
+    qsort(roots, (size_t)list.n, sizeof *roots, by_place);
+    *test = roots[0].test;
+    *end = roots[0].x;
+    return RIC_OK;
+}
+
+/* The points of the step for what happens inside, up to distance `to`: where the branch ends there, it is looked at a
+ * little before, and ever nearer if functions may have poles. */
+static ric_status sample(ric_trace *tr, unsigned which, int test, double to, double h)
+{
+    ric_samples *q = &tr->samples;
+    double least = NEAREST * tr->chain->scale, from = NAN, end = NAN;
+    const unsigned margins = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT;
+    bool pairs = tr->n_resonance > 0, poles = tr->ignore & margins;
+    ric_status status = RIC_OK;
+    if (test >= 0 && (status = ric_samples_cut(tr, fmax(to - least, to / 2), h))) return status;
+    if (q->n < q->now + 2) return RIC_OK; /* nothing converges there */
+    double last = q->x[q->n - 1];
+    if (poles) {
+        from = 0;
+        status = ric_samples_approach(tr, 0, last, least, h);
+        for (int k = 0; k < RIC_N_TEST + tr->n_resonance; k++) ric_samples_values(tr, q->now)[k] = NAN;
+    }
+    if (!status && test >= 0 && has_poles(test)) {
+        end = to;
+        status = ric_samples_approach(tr, to, q->x[q->n - 2], least, h);
+    }
+    return status ? status : ric_samples_refine(tr, which, pairs, from, end, h);
+}
+
+/* ---------------------------------------------------------- what was asked for */
+
+/* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the cubic. */
+static ric_status look(ric_trace *tr, bool solve, double x, double h, ric_station *out, bool *good)
+{
+    *good = true;
+    if (solve) return ric_event_solve(tr, x, h, out, good);
+    ric_event_cubic(tr, x, h, out->u);
+    memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
+    return ric_trace_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
+}
+
+static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double b, double h)
+{
+    bool good;
+    for (int i = 0; i < LOCATE_STEPS; i++) {
+        look(tr, false, (a + b) / 2, h, &tr->mid, &good);
+        if ((ric_event_value(tr, test, &tr->mid) < 0) == (fa < 0)) a = (a + b) / 2;
+        else b = (a + b) / 2;
+    }
+    return (a + b) / 2;
+}
+
+/* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum
+ * in between. A value met exactly counts as above, so that it is found in one of the two steps that end there. */
+static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb, const double *before,
+                                 const double *after, double h, root *roots, int *n, bool *retry)
+{
+    /* on a horizontal branch the frequency is one number but for rounding, and passes nothing */
+    bool horizontal = tr->now.test[RIC_TEST_PERIOD] == 0 && tr->next.test[RIC_TEST_PERIOD] == 0;
+    for (int k = 0; k < tr->limits->n_asked; k++) {
+        int test = RIC_N_TEST + tr->n_resonance + k;
+        double fa = before[k], fb = after[k], x = xb;
+        bool zero = true;
+        if ((fa < 0) == (fb < 0) || (horizontal && tr->limits->asked[k].frequency)) continue;
+        if (!solve) x = bisect_cubic(tr, test, xa, fa, xb, h);
+        else {
+            ric_status status = ric_event_locate(tr, test, xa, fa, xb, fb, h, &x, &zero);
+            if (status) return status;
+        }
+        if (!zero && fmax(fabs(fa), fabs(fb)) > ROUNDING) {
+            *retry = true;
+            return RIC_OK;
+        }
+        roots[(*n)++] = (root){test, zero ? x : xb};
+    }
+    return RIC_OK;
+}
+
+static void distances(const ric_trace *tr, const ric_station *p, double *out)
+{
+    for (int k = 0; k < tr->limits->n_asked; k++) out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
+}
+
+/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots
+ * known: so a value passed twice, on both sides of an extremum, is found twice. Room for STRETCHES * n_asked more
+ * roots. */
+static ric_status find_asked(ric_trace *tr, bool solve, double to, double h, root *roots, int *n, bool *retry)
+{
+    int known = *n;
+    double from = 0, f[2][RIC_ASKED_MAX];
+    if (tr->limits->n_asked == 0) return RIC_OK;
+    qsort(roots, (size_t)known, sizeof *roots, by_place);
+    distances(tr, &tr->now, f[0]);
+    for (int i = 0; i <= known && !*retry; i++) {
+        if (i < known && roots[i].test != RIC_TEST_SLOPE && roots[i].test != RIC_TEST_PERIOD) continue;
+        double x = i < known ? roots[i].x : to;
+        bool good = true, last = i == known && to == h;
+        ric_status status = last ? RIC_OK : look(tr, solve, x, h, &tr->mid, &good);
+        if (status) return status;
+        distances(tr, last ? &tr->next : &tr->mid, f[1]);
+        if (!(*retry = !good)) status = find_monotonic(tr, solve, from, x, f[0], f[1], h, roots, n, retry);
+        if (status) return status;
+        memcpy(f[0], f[1], sizeof f[0]);
+        from = x;
+    }
+    return RIC_OK;
+}
+
+/* The same in a step over a branch point, whose other events have been kept, the first of them `first`. */
+static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
+{
+    int n = 0, known = tr->n_event - first;
+    double scale = h / (tr->next.s - tr->now.s);
+    root roots[known + STRETCHES * tr->limits->n_asked + 1];
+    bool good, retry = false;
+    for (; n < known; n++) roots[n] = (root){tr->events[first + n].test, (tr->events[first + n].s - tr->now.s) * scale};
+    ric_status status = find_asked(tr, false, to, h, roots, &n, &retry);
+    for (int i = known; i < n && !status; i++)
+        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good)))
+            status = ric_event_keep(tr, roots[i].test, &tr->mid);
+    return status;
+}
+
+/* ------------------------------------------------------- over a branch point */
+
+/* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay
+ * together crosses. */
+static bool meets_corner(const ric_trace *tr, const ric_bridge *q, double h, double *at)
+{
+    if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) ||
+        !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0))
+        return false;
+    double x = ric_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
+    if (x > *at + 0.05 * h) return false;
+    *at = x;
+    return true;
+}
+
+/* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at between the points
+ * that are known: multipliers may go to and fro beside it. Room for BRIDGED places; returns their number. */
+static int cross_resonance(const ric_trace *tr, const ric_bridge *q, int k, double at, double to, double h, root *out)
+{
+    int test = RIC_N_TEST + k, n = 0;
+    double from = 0, before = ric_event_value(tr, test, &tr->now);
+    double place[BRIDGED] = {q->x[0], q->x[1], at, q->x[2], q->x[3], h};
+    for (int i = 0; i < BRIDGED; i++) {
+        double x = place[i];
+        if (x <= from || x > h) continue;
+        double value = x == h ? ric_event_value(tr, test, &tr->next) : ric_bridge_test(tr, q, test, x);
+        if (before * value < 0) {
+            double root_at = ric_bridge_root(tr, q, test, from, x, before, NAN);
+            if (root_at < to || to == h) out[n++] = (root){test, root_at};
+        }
+        from = x;
+        before = value;
+    }
+    return n;
+}
+
+/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch
+ * ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
+static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, bool *retry)
+{
+    ric_bridge q;
+    root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
+    int n = 0;
+    int first = tr->n_event;
+    ric_status status = ric_bridge_build(tr, h, &q);
+    *end_test = -1;
+    if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
+    if (status) return status;
+    double at = ric_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
+    if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
+    ric_bridge_station(tr, &q, at, h, &tr->mid);
+    /* a neighbour on the side where there is more room: close by it is lost in rounding */
+    int far = at - q.x[0] > q.x[3] - at ? 0 : 3;
+    const ric_crossed place = {tr->mid.u, q.u + far * tr->chain->n_unknown, q.u + (3 - far) * tr->chain->n_unknown};
+    for (int i = 0; i < ASIDE_STEPS && *end_test < 0; i++) {
+        double aside, x;
+        if (ric_arrival_meets(tr, &place, &aside)) *end_test = RIC_TEST_DET;
+        else if ((x = at + aside * (q.x[far] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
+        else ric_bridge_station(tr, &q, at = x, h, &tr->mid);
+    }
+    bool arrived = *end_test >= 0;
+    if (arrived) *end = at;
+    bool repeated = ric_arrival_repeats(tr, tr->mid.u);
+    /* two branches that only come close: the step has changed from one to the other */
+    if (!arrived && !repeated && !(ric_crossing_gap(tr->chain, tr->mid.u) < CROSSED)) {
+        free(q.u);
+        *retry = tr->avoided = true;
+        return RIC_OK;
+    }
+    /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
+     * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
+     * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. */
+    bool image = !arrived && ric_arrival_passes(tr, &place);
+    bool flat = arrived || image ||
+                (repeated && fabs(ric_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
+                                 ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
+    for (int i = 0; i < RIC_N_TEST; i++) {
+        double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
+        if ((terminal & 1u << i) || !watched(tr, i)) continue;
+        bool shared = flat && (extrema & 1u << i);
+        if (shared) before = tr->definite[i] = -before;
+        /* at a duplicate the kernels of all symmetries open at once, like high powers of the distance */
+        if ((EVENT_SINGULAR & 1u << i) && (arrived || image || repeated)) continue;
+        if (!(before * after < 0)) continue;
+        double x = i == RIC_TEST_DET ? at : ric_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
+        if (arrived && x >= at) continue;
+        roots[n++] = (root){i, x};
+    }
+    for (int k = 0; k < tr->n_resonance; k++) n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
+    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    for (int i = 0; i < n && !status; i++) {
+        ric_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
+        status = ric_event_keep(tr, roots[i].test, &tr->mid);
+    }
+    if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
+    for (int i = 0; i < RIC_N_TEST; i++)
+        /* no sign is expected */
+        if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0;
+    if (arrived && !status) ric_bridge_station(tr, &q, at, h, &tr->mid);
+    free(q.u);
+    return status;
+}
+
+/* The length on which some pair is lost in rounding; on the way to an end where functions have poles this is no news
+ * nearer than NEAREST. */
+static double lost_length(const ric_trace *tr)
+{
+    const ric_samples *q = &tr->samples;
+    double length = 0;
+    for (int i = q->now; tr->n_resonance && i + 1 < q->n; i++) {
+        bool lost = isnan(ric_samples_values(tr, i)[RIC_N_TEST]) || isnan(ric_samples_values(tr, i + 1)[RIC_N_TEST]);
+        double piece = q->x[i + 1] - q->x[i];
+        if (lost && piece > RATIO_NEAREST * NEAREST * tr->chain->scale) length += piece;
+    }
+    return length;
+}
+
+/* Zeros of all that is looked at inside. Where one function vanishes the others are looked at, too: they tell each
+ * other's ways. */
+static ric_status find_inside(ric_trace *tr, unsigned which, double h, root_list *list, bool *retry)
+{
+    for (int pass = 0; pass < PASSES; pass++) {
+        list->n = 0;
+        ric_status status = find_roots(tr, which, h, list, retry);
+        for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
+            status = find_zeros(tr, RIC_N_TEST + k, h, list, retry);
+        int before = ric_samples_changes(tr, which);
+        for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_samples_add(tr, list->root[i].x, h);
+        if (!status && !*retry && list->n) status = ric_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
+        if (status || *retry || ric_samples_changes(tr, which) == before) return status;
+    }
+    return RIC_OK;
+}
+
+static ric_status inner_events(ric_trace *tr, double h, int test, double to, bool *retry)
+{
+    int most = RIC_N_TEST + tr->n_resonance + 4 * RIC_MOST_SAMPLES;
+    root roots[most + STRETCHES * tr->limits->n_asked];
+    root_list list = {.capacity = most, .root = roots};
+    bool good;
+    unsigned inner = seen_in(tr, ~terminal & ((1u << RIC_N_TEST) - 1));
+    ric_status status = sample(tr, inner, test, to, h);
+    *retry = tr->samples.n < tr->samples.now + 2;
+    if (!status && !*retry) status = find_inside(tr, inner, h, &list, retry);
+    for (int i = 0; i < list.n && !status && !*retry; i++) *retry = roots[i].test == RIC_TEST_DET;
+    if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &list.n, retry);
+    if (status || *retry) return status;
+    double lost = lost_length(tr);
+    if (lost > 0) ric_trace_widen(tr, tr->blind == 0, tr->blind_at);
+    tr->blind += lost;
+    qsort(roots, (size_t)list.n, sizeof *roots, by_place);
+    for (int i = 0; i < list.n && !status; i++)
+        if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&
+            !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
+            status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
+                                                    * points */
+    return status;
+}
+
+ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
+{
+    int test;
+    double end;
+    bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
+    if ((*retry = approach_crossing(tr, h))) return RIC_OK;
+    double home[tr->chain->n_unknown], s;
+    bool closed = closes(tr, h, home, &s);
+    /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
+    double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
+    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT)
+                                                                                : terminal;
+    ric_samples_begin(tr, h);
+    ric_status status = find_end(tr, which, h, &test, &end, retry);
+    if (status || *retry) return status;
+    if (test >= 0 && crossed) {
+        if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
+        crossed = tr->now.test[RIC_TEST_DET] * tr->mid.test[RIC_TEST_DET] < 0;
+    }
+    int read = -1; /* the end, read off cubics */
+    if (crossed) status = cross(tr, h, &read, &end, retry);
+    else status = inner_events(tr, h, test, end, retry);
+    if (status || *retry) return status;
+    if (test < 0 && !closed && read < 0) return RIC_OK;
+    *done = true;
+    if (read >= 0) {
+        test = read;
+        tr->arrival = read == RIC_TEST_DET;
+        end_by(tr, test);
+        if (tr->arrival && (status = ric_arrival_settle(tr->chain, tr->mid.u))) return status;
+        if ((status = ric_trace_fill(tr, tr->mid.s, &tr->mid))) return status;
+        tr->mid.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
+    } else if (test < 0) {
+        return close_up(tr, home, s);
+    } else {
+        if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
+        tr->mid.solved &= good;
+        end_by(tr, test);
+    }
+    if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
+    return ric_trace_keep(tr, &tr->mid);
+}

@@ -1,0 +1,20 @@
+/* Events of a step: zeros of test functions, located to rounding (docs/theory.md section 7). */
+#ifndef RIC_BRANCH_EVENT_H
+#define RIC_BRANCH_EVENT_H
+
+#include "continuation.h"
+
+/* Whether a test function may have two zeros between now and next: the parabola through the last three points has its
+ * extremum there and comes close to zero. The step is then halved. */
+bool ric_event_suspicious(const ric_trace *trace, double h);
+
+/* Keeps a station as an interior event; ends the branch at one where it meets an orbit of fewer periods. */
+ric_status ric_event_keep(ric_trace *trace, int test, const ric_station *station);
+ric_status ric_event_arrive(ric_trace *trace, const ric_station *station);
+
+/* Finds every event between now and next. Interior ones are kept; one that ends the branch cuts the step there, stores
+ * the last point and sets *done. *retry asks for a smaller step (a sign change without a zero: the step has left the
+ * branch). */
+ric_status ric_event_find(ric_trace *trace, double h, bool *done, bool *retry);
+
+#endif

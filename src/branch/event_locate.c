@@ -1,0 +1,211 @@
+/* Where within a step something happens: solved for, or read off cubics where nothing can be solved (event.c). */
+#include <stdlib.h>
+#include <string.h>
+
+#include "event_parts.h"
+#include "model/room.h"
+#include "base/room.h"
+
+/* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
+#define TRUE_ZERO 1e-5
+/* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
+#define TRUE_RESONANCE 1e-2
+
+/* ------------------------------------------------------------------ location */
+
+void ric_event_cubic(const ric_trace *tr, double x, double h, double *u)
+{
+    const ric_station *a = &tr->now, *b = &tr->next;
+    double y = x / h, H = b->s - a->s;
+    double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p,
+           s = (y * y * y - y * y) * H;
+    for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
+}
+
+ric_status ric_event_solve(ric_trace *tr, double x, double h, ric_station *out, bool *good)
+{
+    ric_chain *c = tr->chain;
+    const ric_station *a = &tr->now;
+    int iterations;
+    ric_event_cubic(tr, x, h, out->u);
+    *good = ric_trace_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
+    tr->evaluations += iterations + 1;
+    out->solved = *good;
+    out->s = a->s + (tr->next.s - a->s) * (x / h);
+    if (!*good) return RIC_OK;
+    double sign = ric_trace_tangent(c, a->t, out->t);
+    return ric_trace_examine(tr, out, sign);
+}
+
+double ric_event_value(const ric_trace *tr, int test, const ric_station *p)
+{
+    if (test < RIC_N_TEST) return p->test[test];
+    const ric_asked *asked = ric_trace_asked(tr, test);
+    if (asked) return ric_asked_off(asked, p->row.energy, p->row.frequency);
+    return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
+}
+
+/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots that change their
+ * places, what is smooth. */
+static double height(int test, const ric_station *p, double value)
+{
+    return test < RIC_N_TEST && EVENT_SINGULAR & 1u << test ? fabs(p->factor[test == RIC_TEST_A   ? 0
+                                                                             : test == RIC_TEST_B ? 1
+                                                                                                  : 2])
+                                                            : fabs(value);
+}
+
+/* Brent's method. */
+ric_status ric_event_locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h,
+                            double *where, bool *zero)
+{
+    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a,
+           e = d;
+    ric_status status;
+    bool good = false;
+    *zero = false;
+    for (int i = 0; i < LOCATE_STEPS; i++) {
+        if (fb * fc > 0) {
+            c = a;
+            fc = fa;
+            d = e = b - a;
+        }
+        if (fabs(fc) < fabs(fb)) {
+            a = b; b = c; c = a;
+            fa = fb; fb = fc; fc = fa;
+        }
+        double tolerance = 2e-16 * h + 1e-17, m = (c - b) / 2;
+        if (fabs(m) <= tolerance || fb == 0) break;
+        if (fabs(e) < tolerance || fabs(fa) <= fabs(fb)) d = e = m;
+        else {
+            double s = fb / fa, p, q;
+            if (a == c) {
+                p = 2 * m * s;
+                q = 1 - s;
+            } else {
+                double t = fa / fc, r = fb / fc;
+                p = s * (2 * m * t * (t - r) - (b - a) * (r - 1));
+                q = (t - 1) * (r - 1) * (s - 1);
+            }
+            if (p > 0) q = -q;
+            else p = -p;
+            if (2 * p < fmin(3 * m * q - fabs(tolerance * q), fabs(e * q))) {
+                e = d;
+                d = p / q;
+            } else d = e = m;
+        }
+        a = b;
+        fa = fb;
+        b += fabs(d) > tolerance ? d : copysign(tolerance, m);
+        if ((status = ric_event_solve(tr, b, h, &tr->mid, &good))) return status;
+        if (!good) return RIC_OK;
+        fb = ric_event_value(tr, test, &tr->mid);
+        top = fmax(top, height(test, &tr->mid, fb));
+    }
+    if ((status = ric_event_solve(tr, b, h, &tr->mid, &good))) return status;
+    *where = b;
+    double least = ric_event_value(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
+    *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------------ crossings */
+
+static void lagrange(const double *x, double at, double *value, double *slope)
+{
+    for (int i = 0; i < 4; i++) {
+        double product = 1, sum = 0;
+        for (int j = 0; j < 4; j++) {
+            if (j == i) continue;
+            double rest = 1 / (x[i] - x[j]);
+            product *= (at - x[j]) / (x[i] - x[j]);
+            for (int k = 0; k < 4; k++)
+                if (k != i && k != j) rest *= (at - x[k]) / (x[i] - x[k]);
+            sum += rest;
+        }
+        value[i] = product;
+        slope[i] = sum;
+    }
+}
+
+double ric_bridge_test(const ric_trace *tr, const ric_bridge *q, int test, double at)
+{
+    double value[4], slope[4], sum = 0;
+    int n_pair = tr->floquet.n_pair;
+    lagrange(q->x, at, value, slope);
+    for (int i = 0; i < 4; i++)
+        sum += value[i] * (test < RIC_N_TEST ? q->test[i][test]
+                                             : ric_resonance_test(q->own + i * 2 * n_pair, n_pair,
+                                                                  tr->resonances[test - RIC_N_TEST].rho));
+    return sum;
+}
+
+/* Solves at the four distances q->x; false if one of them does not converge. */
+static ric_status build_at(ric_trace *tr, double h, ric_bridge *q, bool *good)
+{
+    size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
+    *good = true;
+    for (int i = 0; i < 4 && *good; i++) {
+        ric_status status = ric_event_solve(tr, q->x[i], h, &tr->mid, good);
+        if (status) return status;
+        memcpy(q->test[i], tr->mid.test, sizeof tr->mid.test);
+        memcpy(q->u + i * size, tr->mid.u, size * sizeof *q->u);
+        memcpy(q->own + i * pairs, tr->mid.own, pairs * sizeof *q->own);
+    }
+    return RIC_OK;
+}
+
+/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be
+ * noise. Where the branch bends too much for that, they lie within the step. */
+ric_status ric_bridge_build(ric_trace *tr, double h, ric_bridge *q)
+{
+    static const double place[4] = {-1, -0.5, 0.5, 1};
+    size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
+    double within[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
+    bool good = false;
+    if (!(q->u = malloc(4 * (size + pairs) * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
+    q->own = q->u + 4 * size;
+    for (int i = 0; i < 4; i++) q->x[i] = root * h + place[i] * CROSSING / 2 * tr->chain->scale;
+    ric_status status = build_at(tr, h, q, &good);
+    if (!status && !good) {
+        memcpy(q->x, within, sizeof within);
+        status = build_at(tr, h, q, &good);
+    }
+    if (!status && !good) status = ric_fail(RIC_E_NUMERIC, "no convergence beside a branch point");
+    if (status) {
+        free(q->u);
+        q->u = NULL;
+    }
+    return status;
+}
+
+/* By bisection on the cubic. */
+double ric_bridge_root(const ric_trace *tr, const ric_bridge *q, int test, double a, double b, double sign,
+                       double known)
+{
+    for (int i = 0; i < 60; i++) {
+        double m = (a + b) / 2, fm = ric_bridge_test(tr, q, test, m) * (m < known ? -1 : 1);
+        if (sign * fm > 0) a = m;
+        else b = m;
+    }
+    return (a + b) / 2;
+}
+
+void ric_bridge_station(const ric_trace *tr, const ric_bridge *q, double x, double h, ric_station *out)
+{
+    int size = tr->chain->n_unknown;
+    double value[4], slope[4], norm = 0;
+    lagrange(q->x, x, value, slope);
+    for (int j = 0; j < size; j++) {
+        out->u[j] = out->t[j] = 0;
+        for (int i = 0; i < 4; i++) {
+            out->u[j] += value[i] * q->u[i * size + j];
+            out->t[j] += slope[i] * q->u[i * size + j];
+        }
+        norm += out->t[j] * out->t[j];
+    }
+    for (int j = 0; j < size; j++) out->t[j] /= sqrt(norm);
+    out->s = tr->now.s + (tr->next.s - tr->now.s) * x / h;
+    out->solved = false; /* until it has been looked at */
+}

@@ -1,0 +1,228 @@
+/* Whether the points at which the test functions of a step are known show every zero of them (docs/theory.md section
+ * 7), and more points where they may not. Between two neighbours a function is taken for the parabola through them and
+ * the nearest other point, with an error of twice what a fourth point, the next nearest, adds to it. A zero is known
+ * where the signs differ and neither curve has another one; none where they agree and zero is farther away than
+ * parabola and error reach. Anything else is halved, down to FINEST, or until MOST points are known. Costs nothing but
+ * arithmetic where no zero is near. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "event_parts.h"
+#include "model/room.h"
+
+#define SAFETY 2
+#define FINEST 1e-8  /* of the size of the orbit: two zeros nearer than this are not looked for */
+#define SEEN 8       /* points at which curves are looked at */
+#define RATIO 16     /* of distances from an end at which functions may have poles: what happens there does so on every
+                      * scale */
+#define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
+#define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
+
+double *ric_samples_values(const ric_trace *tr, int i)
+{
+    return tr->samples.values + (size_t)i * (size_t)(RIC_N_TEST + tr->n_resonance);
+}
+
+static void take(ric_trace *tr, int i, double x, const ric_station *p)
+{
+    double *value = ric_samples_values(tr, i);
+    tr->samples.x[i] = x;
+    memcpy(value, p->test, sizeof p->test);
+    bool lost = false; /* some pair, in rounding: then the others do not tell what is passed */
+    for (int j = 0; j < 2 * tr->floquet.n_pair; j++) lost |= !isfinite(p->own[j]);
+    for (int k = 0; k < tr->n_resonance; k++)
+        value[RIC_N_TEST + k] =
+            lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
+}
+
+static ric_status insert(ric_trace *tr, double x, double h, bool *good)
+{
+    ric_samples *q = &tr->samples;
+    ric_status status = ric_event_solve(tr, x, h, &tr->mid, good);
+    if (status || !*good) return status;
+    int i = q->n;
+    for (; i > q->now && q->x[i - 1] > x; i--) {
+        q->x[i] = q->x[i - 1];
+        memcpy(ric_samples_values(tr, i), ric_samples_values(tr, i - 1),
+               (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
+    }
+    take(tr, i, x, &tr->mid);
+    q->n++;
+    return RIC_OK;
+}
+
+void ric_samples_begin(ric_trace *tr, double h)
+{
+    ric_samples *q = &tr->samples;
+    double scale = h / (tr->next.s - tr->now.s);
+    q->now = q->n_past;
+    for (int i = 0; i < q->now; i++) q->x[i] = (q->s[i] - tr->now.s) * scale;
+    take(tr, q->now, 0, &tr->now);
+    for (int i = 0; i < RIC_N_TEST; i++) /* what vanishes at the start, or is without bound there */
+        if (tr->ignore & 1u << i) ric_samples_values(tr, q->now)[i] = NAN;
+    take(tr, q->now + 1, h, &tr->next);
+    q->n = q->now + 2;
+}
+
+ric_status ric_samples_add(ric_trace *tr, double x, double h)
+{
+    const ric_samples *q = &tr->samples;
+    double near = FINEST * tr->chain->scale;
+    bool good;
+    for (int i = q->now; i < q->n; i++)
+        if (fabs(q->x[i] - x) <= near) return RIC_OK;
+    return q->n == RIC_MOST_SAMPLES ? RIC_OK : insert(tr, x, h, &good);
+}
+
+int ric_samples_changes(const ric_trace *tr, unsigned which)
+{
+    const ric_samples *q = &tr->samples;
+    int count = 0;
+    for (int test = 0; test < RIC_N_TEST + tr->n_resonance; test++) {
+        double last = 0;
+        if (test < RIC_N_TEST && !(which >> test & 1)) continue;
+        for (int i = q->now; i < q->n; i++) {
+            double value = ric_samples_values(tr, i)[test];
+            count += last * value < 0;
+            if (value != 0) last = value;
+        }
+    }
+    return count;
+}
+
+ric_status ric_samples_cut(ric_trace *tr, double end, double h)
+{
+    ric_samples *q = &tr->samples;
+    bool good;
+    while (q->n > q->now + 1 && q->x[q->n - 1] >= end) q->n--;
+    return insert(tr, end, h, &good);
+}
+
+void ric_samples_shift(ric_trace *tr)
+{
+    ric_samples *q = &tr->samples;
+    size_t count = (size_t)(RIC_N_TEST + tr->n_resonance);
+    int kept = q->n - 1 < RIC_PAST_SAMPLES ? q->n - 1 : RIC_PAST_SAMPLES, first = q->n - 1 - kept;
+    double scale = (tr->next.s - tr->now.s) / q->x[q->n - 1];
+    for (int i = 0; i < kept; i++) {
+        q->s[i] = tr->now.s + q->x[first + i] * scale;
+        memmove(ric_samples_values(tr, i), ric_samples_values(tr, first + i), count * sizeof(double));
+    }
+    q->n_past = kept;
+}
+
+/* ---------------------------------------------------------------- one interval */
+
+typedef struct {
+    double length, fa, fb, bend, error, at; /* bend, error: second divided difference, and SAFETY times the third one;
+                                             * at: the third point of the parabola */
+} curve;
+
+static double along(const curve *c, double y, double part)
+{
+    double rest = y * (y - c->length);
+    return c->fa + (c->fb - c->fa) * y / c->length + rest * (c->bend + part * c->error * (y - c->at));
+}
+
+/* Curves with none and with all of the error, to both sides. */
+static bool shows_more(const curve *c)
+{
+    bool differ = c->fa * c->fb < 0;
+    for (int side = -1; side <= 1; side++) {
+        int changes = 0;
+        double before = c->fa;
+        for (int i = 1; i <= SEEN; i++) {
+            double value = i == SEEN ? c->fb : along(c, c->length * i / SEEN, side);
+            changes += before * value < 0;
+            before = value;
+        }
+        if (changes > differ) return true;
+    }
+    return false;
+}
+
+static bool resolved(const ric_trace *tr, int i, int test)
+{
+    const ric_samples *q = &tr->samples;
+    double x[4], f[4];
+    int n = 2;
+    for (int j = 0; j < 2; j++) {
+        x[j] = q->x[i + j] - q->x[i];
+        f[j] = ric_samples_values(tr, i + j)[test];
+    }
+    if (f[0] == 0 || f[1] == 0 || !isfinite(f[0] + f[1])) return true;
+    for (int before = i - 1, after = i + 2; n < 4 && (before >= 0 || after < q->n);) {
+        bool first = after >= q->n || (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
+        int j = first ? before-- : after++;
+        f[n] = ric_samples_values(tr, j)[test];
+        x[n] = q->x[j] - q->x[i];
+        if (isfinite(f[n])) n++;
+    }
+    if (n < 3) return true; /* the first step, as short as it is */
+    double slope = (f[1] - f[0]) / x[1], second = ((f[2] - f[1]) / (x[2] - x[1]) - slope) / x[2], third = 0;
+    if (n == 4) {
+        double other = ((f[3] - f[1]) / (x[3] - x[1]) - slope) / x[3];
+        third = (other - second) / (x[3] - x[2]);
+    } else third = second / (fabs(x[2]) + x[1]);
+    curve c = {.length = x[1], .fa = f[0], .fb = f[1], .bend = second, .error = SAFETY * fabs(third), .at = x[2]};
+    double reach = fmax(fabs(x[2]), fabs(x[2] - x[1])), all = fabs(c.bend) + c.error * reach;
+    if (f[0] * f[1] > 0 && fmin(fabs(f[0]), fabs(f[1])) > x[1] * x[1] / 4 * all) return true;
+    return !shows_more(&c);
+}
+
+/* Where one end of an interval has multipliers and the other has lost them. */
+static bool half_lost(const ric_trace *tr, int i, double from, double to)
+{
+    const ric_samples *q = &tr->samples;
+    double length = q->x[i + 1] - q->x[i], near = HUGE_VAL;
+    if (tr->n_resonance == 0) return false;
+    if (from >= 0 && q->x[i] == from) return false; /* a pole */
+    if (from >= 0) near = fmin(near, q->x[i + 1] - from);
+    if (to >= 0) near = fmin(near, to - q->x[i]);
+    bool known[2];
+    for (int j = 0; j < 2; j++) known[j] = isfinite(ric_samples_values(tr, i + j)[RIC_N_TEST]);
+    return known[0] != known[1] && length > fmin(LOST_LEAST * tr->chain->scale, LOST_WIDTH * near);
+}
+
+/* ------------------------------------------------------------------- the step */
+
+static bool all_resolved(const ric_trace *tr, int i, unsigned which, bool pairs)
+{
+    for (int test = 0; test < RIC_N_TEST; test++)
+        if (which >> test & 1 && !resolved(tr, i, test)) return false;
+    for (int k = 0; pairs && k < tr->n_resonance; k++)
+        if (!resolved(tr, i, RIC_N_TEST + k)) return false;
+    return true;
+}
+
+ric_status ric_samples_refine(ric_trace *tr, unsigned which, bool pairs, double from, double to, double h)
+{
+    ric_samples *q = &tr->samples;
+    double finest = FINEST * tr->chain->scale;
+    for (int i = q->now; i + 1 < q->n;) {
+        double a = q->x[i], b = q->x[i + 1];
+        bool good = false, close = b - a <= finest || q->n == RIC_MOST_SAMPLES;
+        bool fine = all_resolved(tr, i, which, pairs);
+        bool split = !fine || (pairs && half_lost(tr, i, from, to));
+        if (split && !close) {
+            ric_status status = insert(tr, (a + b) / 2, h, &good);
+            if (status) return status;
+            if (good && i > q->now) i--; /* what is new tells more of the neighbour, too */
+        }
+        if (!fine && !good) ric_trace_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
+        if (!good) i++;
+    }
+    return RIC_OK;
+}
+
+/* Points at distances from an end of the interval that fall by RATIO. */
+ric_status ric_samples_approach(ric_trace *tr, double end, double other, double least, double h)
+{
+    ric_samples *q = &tr->samples;
+    bool good;
+    for (double d = fabs(other - end) / RATIO; d >= least && q->n < RIC_MOST_SAMPLES; d /= RATIO) {
+        ric_status status = insert(tr, other > end ? end + d : end - d, h, &good);
+        if (status) return status;
+    }
+    return RIC_OK;
+}

@@ -1,0 +1,7 @@
+/* What the room check gives to the rooms above it (docs/map.md). */
+#ifndef RIC_CHECK_ROOM_H
+#define RIC_CHECK_ROOM_H
+
+#include "simulator.h"
+
+#endif

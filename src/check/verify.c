@@ -1,0 +1,630 @@
+/* Replays a stored orbit with the simulator (docs/theory.md section 11).
+ *
+ * Expected chain: the stored state, flown in closed form for the stored flight times and reflected at the faces of the
+ * word, in the simulator's modal frame. Both steps are isometries of the energy norm |w|^2 = sum p_i^2 + omega_i^2
+ * q_i^2, so that the chain stays exact however unstable the orbit is. Flight by flight the simulator starts from the
+ * chain and has to find the next face, its time and the state behind it; then it runs over a whole period without help.
+ *
+ * What the return may lose is measured by the largest multiplier, from variational columns that are flown here: at an
+ * impact, with dt = -(c.dq) / (c.p) and R = I - 2 c c' / (c.c),
+ *     dq <- R dq,   dp <- R dp + dt 2 (c.omega^2 q) / (c.c) c        (saltation: Aizerman and Gantmakher 1958).
+ * The last digit of the stored doubles may be multiplied beyond what the check allows, so the orbit is first polished:
+ * Newton's method on w_N = w_0 and the gaps, which are well conditioned in the state and the flight times. The residual
+ * of the stored orbit counts as an error of its flights.
+ *
+ * A spring that is met closes and opens: the flight in between is flown with the simulator's own modes of the stiffened
+ * structure, state and accelerations are continuous at both ends, and variational columns go on unchanged. A contact of
+ * no length, as the end of a branch has it, is a touch and left out.
+ *
+ * A touch is no impact: where the orbit grazes, the rounding of the state may make it strike with a speed of
+ * sqrt(rounding). The replay then goes on as if the face had not been there. Only there, and where impacts are nearly
+ * as slow, times are weighed by the speed. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "base/room.h"
+#include "verify_parts.h"
+#include "verify_smooth.h"
+
+#define FLIGHT 1e-11   /* largest relative error of a flight, and of the energy */
+#define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
+#define MISS 8         /* safety of the speed below which an impact may be missed */
+#define AMPLIFIED 1e-7
+#define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
+#define REACH 1e-10    /* a touch shows as reach 1 -+ this */
+#define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
+#define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
+#define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
+#define LAST_DIGITS 1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of
+                           * their phases */
+
+/* -------------------------------------------------------------------- setup */
+
+static ric_status load_faces(replay *r)
+{
+    const real *c;
+    ric_simulator_frame(r->sim, &r->omega, &c);
+    for (int f = 0; f < r->n_face; f++) {
+        face_t *face = &r->face[f];
+        ric_contact contact;
+        ric_status status = ric_model_face(r->model, f, &face->contact, &face->side, NULL);
+        if (!status) status = ric_model_contact(r->model, face->contact, &contact);
+        if (status) return status;
+        face->c = c + face->contact * r->n;
+        face->cc = ric_replay_dot(r->n, face->c, face->c);
+        face->limit = contact.clearance / ric_model_length(r->model);
+        face->spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0;
+    }
+    return RIC_OK;
+}
+
+void ric_replay_close(replay *r)
+{
+    ric_simulator_free(r->sim);
+    free(r->face);
+    free(r->store);
+    free(r->stored);
+    free(r->event);
+    free(r->closed);
+}
+
+static ric_status allocate(replay *r)
+{
+    size_t n = (size_t)r->n, f = (size_t)r->n_flight;
+    r->store = calloc(3 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
+    r->stored = calloc(4 * n + f, sizeof *r->stored);
+    r->face = calloc((size_t)r->n_face + 1, sizeof *r->face);
+    if (!r->store || !r->stored || !r->face)
+        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
+    r->state = r->stored;
+    r->x = r->state + 2 * n;
+    r->flights = r->x + 2 * n;
+    r->kappa = r->store;
+    r->w = r->kappa + n;
+    r->tau = r->w + 2 * n;
+    r->speed = r->tau + f + 1;
+    r->chain = r->speed + f + 1;
+    r->trig = r->chain + (f + 1) * 2 * n;
+    return RIC_OK;
+}
+
+/* The springs in each flight from the letters: those that the word opens before it closes them are closed at its
+ * start. */
+static void find_closed(replay *r)
+{
+    int N = r->n_flight, F = r->n_face;
+    for (int f = 0; f < F; f++) {
+        bool now = false;
+        for (int i = 1; i <= r->branch.letters; i++) {
+            int letter = r->branch.word[i % r->branch.letters];
+            if (letter % F != f) continue;
+            now = i < r->branch.letters ? letter >= F : letter < F;
+            if (i < r->branch.letters) break;
+        }
+        for (int k = 0; k < N; k++) {
+            r->closed[(size_t)k * (size_t)F + (size_t)f] = r->face[f].spring > 0 && now;
+            if (r->branch.letters && r->branch.word[(k + 1) % N] % F == f) now = !now;
+        }
+    }
+}
+
+static ric_status load_events(replay *r)
+{
+    bool springs = false;
+    int letters = r->branch.letters;
+    for (int f = 0; f < r->n_face; f++) springs |= r->face[f].spring > 0;
+    r->event = calloc((size_t)letters + 1, sizeof *r->event);
+    if (springs) r->closed = calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
+    if (!r->event || (springs && !r->closed))
+        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
+    for (int k = 0; k < letters; k++) {
+        int letter = r->branch.word[k];
+        bool good = letter >= 0 && letter < (springs ? 2 : 1) * r->n_face;
+        if (!good || (letter >= r->n_face && !(r->face[letter - r->n_face].spring > 0)))
+            return ric_fail(RIC_E_FORMAT, "branch %d: letter %d of its word is no face of the model", r->branch.id, k);
+        r->event[k] = letter % r->n_face;
+    }
+    r->n_event = letters;
+    if (springs) find_closed(r);
+    return RIC_OK;
+}
+
+/* The orbit from its next event on. */
+static void start_later(replay *r)
+{
+    int N = r->n_event, first = r->event[0];
+    size_t F = (size_t)r->n_face;
+    bool closed[F];
+    real tau = r->tau[0];
+    ric_replay_fly(r, 0, tau, r->chain, r->chain);
+    ric_replay_reflect(r, ric_replay_end_face(r, 0), r->chain);
+    memcpy(closed, r->closed, sizeof closed);
+    memmove(r->closed, r->closed + F, (size_t)(N - 1) * sizeof closed);
+    memcpy(r->closed + (size_t)(N - 1) * F, closed, sizeof closed);
+    for (int i = 0; i + 1 < N; i++) {
+        r->event[i] = r->event[i + 1];
+        r->tau[i] = r->tau[i + 1];
+    }
+    r->event[N - 1] = first;
+    r->tau[N - 1] = tau;
+}
+
+/* Contacts of no length are touches: both events go, and the flights before, in and behind them become one. */
+static void drop_touches(replay *r)
+{
+    size_t F = (size_t)r->n_face;
+    for (int k = 0; k < r->n_event; k++) {
+        int N = r->n_event, next = (k + 1) % N;
+        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || r->tau[k] > NO_LENGTH * r->period)
+            continue;
+        if (N > 2 && (k == 0 || next == 0)) {
+            start_later(r);
+            k = -1;
+            continue;
+        }
+        r->tau[N > 2 ? k - 1 : 0] += N > 2 ? r->tau[k] + r->tau[k + 1] : r->tau[1];
+        if (N == 2) memcpy(r->closed, r->closed + F * (size_t)(1 - k), F * sizeof *r->closed);
+        for (int i = k; i + 2 < N; i++) {
+            r->event[i] = r->event[i + 2];
+            r->tau[i] = r->tau[i + 2];
+            memmove(r->closed + (size_t)i * F, r->closed + (size_t)(i + 2) * F, F * sizeof *r->closed);
+        }
+        r->n_event = N - 2;
+        r->n_flight = N > 2 ? N - 2 : 1;
+        k = -1;
+    }
+}
+
+static ric_status prepare(replay *r, const ric_model *model)
+{
+    r->model = model;
+    r->n = ric_model_n_dof(r->model);
+    r->n_face = ric_model_n_face(r->model);
+    r->n_flight = r->branch.letters > 0 ? r->branch.letters : 1;
+    return allocate(r);
+}
+
+/* From the state and the flights. */
+static ric_status make_orbit(replay *r, bool touches)
+{
+    ric_status status = ric_simulator_create(r->model, &r->sim);
+    if (!status) status = load_faces(r);
+    if (!status) status = load_events(r);
+    if (status) return status;
+    for (int k = 0; k < r->n_flight; k++) {
+        r->tau[k] = r->flights[k];
+        r->period += r->tau[k];
+    }
+    for (int i = 0; i < r->n; i++) r->kappa[i] = r->omega[i] > 0 ? r->omega[i] : 2 * acos((real)-1) / r->period;
+    r->energy = ric_model_energy(r->model, r->state, r->state + r->n);
+    ric_simulator_modal(r->sim, r->state, r->state + r->n, r->chain);
+    r->norm = ric_replay_distance(r, r->chain, NULL);
+    if (r->closed && !touches) drop_touches(r);
+    ric_replay_make_chain(r);
+    return RIC_OK;
+}
+
+ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
+{
+    ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
+    if (!status) status = prepare(r, ric_atlas_model(atlas));
+    if (!status) status = ric_atlas_point(atlas, branch, point, &r->point, r->state, r->flights);
+    return status ? status : make_orbit(r, touches);
+}
+
+ric_status ric_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
+                                 const double *flights)
+{
+    r->branch = *like;
+    ric_status status = prepare(r, model);
+    if (status) return status;
+    memcpy(r->state, state, 2 * (size_t)r->n * sizeof *state);
+    memcpy(r->flights, flights, (size_t)r->n_flight * sizeof *flights);
+    return make_orbit(r, true);
+}
+
+/* ------------------------------------------------------------------- replay */
+
+static ric_status start_at(replay *r, int k, const real *w, real time)
+{
+    ric_status status = ric_simulator_start_modal(r->sim,
+                                                  r->closed ? r->closed + (size_t)(k % r->n_flight) * (size_t)r->n_face
+                                                            : NULL,
+                                                  w);
+    r->offset = time;
+    if (status != RIC_E_INPUT) return status;
+    r->check->faces_agree = false; /* beyond a stop: a finding, not a mistake of the caller */
+    return RIC_OK;
+}
+
+typedef struct {
+    bool hit, refused; /* refused: the simulator would not go on */
+    bool opens;
+    int face;
+    real time;
+    int touches;
+} event;
+
+/* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that
+ * the simulator can tell them apart. */
+static bool only_touched(const replay *r, bool far, real *wait)
+{
+    *wait = 0;
+    for (int f = 0; f < r->n_face; f++) {
+        const face_t *face = &r->face[f];
+        real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n), fall = 0;
+        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * ric_replay_fastest(r, face))
+            continue;
+        for (int i = 0; i < r->n; i++) fall += face->side * face->c[i] * r->omega[i] * r->omega[i] * r->w[i];
+        if (speed > TOUCH * ric_replay_fastest(r, face) || fall <= 0) return false;
+        *wait = fmax(*wait, fmax(3 * fabs(speed) / fall, far ? sqrt(2 * CLOSED * face->limit / fall) : 0));
+    }
+    return *wait > 0;
+}
+
+/* Flies on from a touch in closed form, its impulse undone, until the gap is open again. The simulator cannot do so
+ * where two faces are touched together: it sees impacts that disturb each other, however slow. */
+static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, event *e)
+{
+    real wait;
+    if (struck) ric_replay_reflect(r, struck, r->w);
+    if (!only_touched(r, !struck, &wait)) {
+        e->refused = true;
+        return RIC_OK;
+    }
+    r->touched = true;
+    e->refused = e->hit = false;
+    e->touches++;
+    wait = fmin(wait, end - e->time);
+    ric_replay_fly(r, k, wait, r->w, r->w);
+    e->time += wait;
+    return e->time < end ? start_at(r, k, r->w, e->time) : RIC_OK;
+}
+
+/* Whether a hit is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight k, due
+ * at time `due`. */
+static bool is_impact(const replay *r, const ric_impact *impact, real time, int k, real due)
+{
+    const face_t *face = &r->face[impact->face];
+    if (fabs(impact->approach) > TOUCH * ric_replay_fastest(r, face)) return true;
+    return face == ric_replay_end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
+           fabs(fabs(impact->approach) - r->speed[k + 1]) <= r->speed[k + 1] / 2;
+}
+
+/* Runs to the next impact, at most to time `end`, and passes touches; flight k ends at time `due`. r->w is the state
+ * there. */
+static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
+{
+    *e = (event){.time = r->offset};
+    while (!e->refused) {
+        ric_impact impact;
+        double before;
+        ric_simulator_state(r->sim, &before, NULL, NULL);
+        ric_status status = ric_simulator_advance(r->sim, fmax(before, (double)(end - r->offset)), &e->hit, &impact);
+        e->refused = status == RIC_E_NUMERIC;
+        if (status && !e->refused) return status;
+        ric_simulator_state_modal(r->sim, &e->time, r->w);
+        e->time += r->offset;
+        r->reach = fmax(r->reach, ric_simulator_reach(r->sim));
+        if (!e->hit && !e->refused) break;
+        e->face = e->hit ? impact.face : -1;
+        e->opens = e->hit && impact.opens;
+        if (e->hit && is_impact(r, &impact, e->time, k, due)) break;
+        if (e->hit && r->face[e->face].spring > 0) { /* a touch of a spring, which the simulator passes by itself */
+            e->hit = false;
+            r->touched = true;
+            e->touches++;
+            continue;
+        }
+        if ((status = pass_touch(r, k, e->hit ? &r->face[e->face] : NULL, end, e))) return status;
+        if (e->time >= end || !r->check->faces_agree) break;
+    }
+    return RIC_OK;
+}
+
+/* Energy of the simulator's own state, from the raw matrices. */
+static double simulated_energy(replay *r)
+{
+    ric_simulator_state(r->sim, NULL, r->x, r->x + r->n);
+    return ric_model_energy(r->model, r->x, r->x + r->n);
+}
+
+static void check_energy(replay *r)
+{
+    ric_replay_worsen(&r->check->energy_error, ric_replay_part(fabs(simulated_energy(r) - r->energy), r->energy));
+}
+
+/* ------------------------------------------------------------------ flights */
+
+static bool orthogonal(const replay *r, const face_t *f, const face_t *g)
+{
+    return fabs(ric_replay_dot(r->n, f->c, g->c)) <= 1e-12 * sqrt(f->cc * g->cc);
+}
+
+/* Whether another face is met at state w together with `face` and the order matters: of two stops whose impacts do not
+ * commute the simulator is right to refuse, and of a stop and a spring it may meet either first. */
+static bool at_corner(const replay *r, const face_t *face, const real *w)
+{
+    for (int f = 0; f < r->n_face; f++) {
+        const face_t *other = &r->face[f];
+        if (other->contact == face->contact || fabs(ric_replay_gap(r, other, w)) > CLOSED * other->limit) continue;
+        if (other->spring > 0 && face->spring > 0) continue;
+        if (!orthogonal(r, face, other)) return true;
+    }
+    return false;
+}
+
+static bool meets_corner(const replay *r)
+{
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        if (face && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n)) return true;
+    }
+    return false;
+}
+
+/* At a corner that is passed two impacts with orthogonal normals fall on one instant and their order says nothing.
+ * Where the simulator has struck the other face first, r->w becomes the state behind the expected one. */
+static void accept_order(const replay *r, int k, event *e)
+{
+    const face_t *expected = ric_replay_end_face(r, k), *struck = e->hit ? &r->face[e->face] : NULL;
+    if (!struck || !expected || struck == expected) return;
+    if (!(struck->spring > 0 && expected->spring > 0) && !orthogonal(r, struck, expected)) return;
+    bool closing = (ric_replay_opens(r, k) ? -1 : 1) * expected->side * ric_replay_dot(r->n, expected->c, r->w + r->n) >
+                   0;
+    if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > CLOSED * expected->limit) return;
+    ric_replay_reflect(r, struck, r->w);
+    ric_replay_reflect(r, expected, r->w);
+    e->opens = ric_replay_opens(r, k);
+    e->face = (int)(expected - r->face);
+}
+
+/* State and time at the end of flight k against the chain, states at the same time. What a slow impact leaves uncertain
+ * is its time, and with it the pull that it turns round; a touch in the word turns a speed round that is none. Struck
+ * at the speed v, it is early or late by the rounding of the gap over v, like any slow impact: the stored doubles alone
+ * leave 1e-9 at 1e-7. */
+static void compare_end(replay *r, int k, real time)
+{
+    const real *expected = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+    const face_t *face = ric_replay_end_face(r, k);
+    real late = fabs(time - r->tau[k]), error;
+    real speed = fabs(r->speed[k + 1]), slow = face ? SLOW * ric_replay_fastest(r, face) : 0;
+    ric_replay_fly(r, k + 1, r->tau[k] - time, r->w, r->w);
+    error = ric_replay_distance(r, r->w, expected);
+    if (face && !(face->spring > 0) && ric_replay_is_touch(r, k)) {
+        error = fmax(0, error - 2 * speed / sqrt(face->cc));
+        late *= speed / slow;
+    } else if (speed < slow) {
+        error = fmax(0, error - 3 * late * ric_replay_rate(r, k + 1, expected));
+        late *= speed / slow;
+    }
+    ric_replay_worsen(&r->check->flight_error, fmax(ric_replay_part(late, fmax(r->tau[k], r->period / r->n_flight)),
+                                                    ric_replay_part(error, r->norm)));
+}
+
+/* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. */
+static ric_status check_touch(replay *r, int k)
+{
+    event e;
+    ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k], &e);
+    if (status) return status;
+    bool corner = e.refused && at_corner(r, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
+    if (corner) { /* two gaps touch at one instant: there is nothing to compare */
+        r->corner = true;
+        return RIC_OK;
+    }
+    if (e.refused || (e.hit && &r->face[e.face] != ric_replay_end_face(r, k))) r->check->faces_agree = false;
+    if (!e.hit && !e.touches && fabs(r->reach - 1) > REACH) r->check->faces_agree = false;
+    compare_end(r, k, e.hit ? e.time : r->tau[k]);
+    return RIC_OK;
+}
+
+static ric_status check_impact(replay *r, int k)
+{
+    event e;
+    const face_t *face = ric_replay_end_face(r, k);
+    ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k] + LATE * r->period / r->n_flight, &e);
+    if (status) return status;
+    accept_order(r, k, &e);
+    bool another = !e.hit || &r->face[e.face] != face || e.opens != ric_replay_opens(r, k),
+         corner = another && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
+    r->corner |= corner;
+    if (corner && !e.refused) return RIC_OK; /* another order: there is nothing to compare */
+    if (corner) ric_replay_reflect(r, face, r->w);
+    else if (another) r->check->faces_agree = false;
+    compare_end(r, k, e.time);
+    return RIC_OK;
+}
+
+/* Linear motion for a period: nothing may be struck. */
+static ric_status check_linear(replay *r)
+{
+    event e;
+    ric_status status = run_to_impact(r, 0, r->period, r->period, &e);
+    if (status) return status;
+    if (e.hit || e.refused || r->reach > 1 + REACH) r->check->faces_agree = false;
+    compare_end(r, 0, e.time);
+    return RIC_OK;
+}
+
+/* Whether more than two switches of springs fall on one instant around flight k, as the end of a branch may have it:
+ * their order says nothing, and a contact of no length among them may be met or not. */
+static bool gathered(const replay *r, int k)
+{
+    int N = r->n_flight, zeros = 0;
+    if (!r->closed || N < 4) return false;
+    for (int i = k + 1; zeros < N && r->tau[i % N] <= NO_LENGTH * r->period; i++) zeros++;
+    for (int i = k + N; zeros < N && r->tau[i % N] <= NO_LENGTH * r->period; i--) zeros++;
+    return zeros > 1;
+}
+
+static ric_status check_flights(replay *r)
+{
+    ric_status status = RIC_OK;
+    for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
+        if (gathered(r, k)) {
+            r->corner = true;
+            continue;
+        }
+        r->reach = 0;
+        status = start_at(r, k, r->chain + (size_t)k * 2 * (size_t)r->n, 0);
+        if (status || !r->check->faces_agree) break;
+        bool spring = ric_replay_end_face(r, k) && ric_replay_end_face(r, k)->spring > 0;
+        status = !ric_replay_end_face(r, k)             ? check_linear(r)
+                 : !spring && ric_replay_is_touch(r, k) ? check_touch(r, k)
+                                                        : check_impact(r, k);
+        r->grazes |= r->touched || r->reach > 1 - REACH;
+        check_energy(r);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------- return */
+
+/* Whether an impact is so slow that an error of the state, relative to its norm, decides if it takes place: at speed v
+ * the gap goes v^2 / 2 pull beyond its face. Then the return is no linear function of the error. */
+static bool may_miss(const replay *r, real error)
+{
+    int n = r->n;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
+        real pull = 0, speed = r->speed[k + 1];
+        /* a touch may be struck or not */
+        if (!face || face->spring > 0 || speed <= BLUNT * ric_replay_fastest(r, face)) continue;
+        for (int i = 0; i < n; i++) pull += face->c[i] * r->omega[i] * r->omega[i] * w[i];
+        if (speed * speed < MISS * 2 * fabs(pull) * error * r->norm) return true;
+    }
+    return false;
+}
+
+/* What the simulator's own rounding grows to over a period: the phase omega tau of a flight is known to its last digit,
+ * which moves the state by that part of the way |dw/dt| tau; several slow impacts in a row can amplify it far more than
+ * the multiplier says. At a branch point the orbit cannot be polished across the branches: what is left open there, if
+ * it is no more than the last digits of the stored doubles, grows likewise. */
+static real rounding_returned(const replay *r)
+{
+    real way = 1;
+    for (int k = 0; k < r->n_flight; k++)
+        way = fmax(way, ric_replay_rate(r, k, r->chain + (size_t)k * 2 * (size_t)r->n) * r->tau[k] / r->norm);
+    real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain) / r->norm;
+    if (open > LAST_DIGITS) open = 0;
+    real error = 32 * LDBL_EPSILON * way + open, grown = error * exp(fmin(700, r->amplification));
+    /* what is only touched is struck with the root of that as speed, and then taken for an impact */
+    bool may_strike = r->grazes && grown > TOUCH * TOUCH;
+    return may_strike || may_miss(r, error) ? HUGE_VAL : grown;
+}
+
+static double allowed(const ric_check *check)
+{
+    return RETURN * fmax(1, AMPLIFIED * check->condition);
+}
+
+/* Where the multiplier alone asks more than the simulator's rounding can give, that amplification is what the return is
+ * divided by; where even this leaves nothing to compare, there is no return error. */
+static void allow_rounding(replay *r)
+{
+    ric_check *check = r->check;
+    real rounding = rounding_returned(r);
+    if (!(check->return_error > allowed(check))) return;
+    if (isfinite(rounding)) check->condition = fmax(check->condition, (double)(rounding / (RETURN * AMPLIFIED)));
+    if (check->return_error > allowed(check) && rounding > LOST) check->return_error = NAN;
+}
+
+/* The whole period from one start. A touch of the word may be struck or not. */
+static ric_status check_return(replay *r)
+{
+    event e = {0}, before = {0};
+    for (int k = 0; k < r->n_flight; k++)
+        if (gathered(r, k)) {
+            r->check->return_error = NAN;
+            return RIC_OK;
+        }
+    real due = 0, mean = r->period / r->n_flight;
+    ric_status status = start_at(r, 0, r->chain, 0);
+    for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
+        bool linear = r->n_event == 0,
+             touch = linear || (ric_replay_is_touch(r, k) && !(ric_replay_end_face(r, k)->spring > 0));
+        real late = linear ? 0 : touch ? fmin(LATE * mean, r->tau[(k + 1) % r->n_flight] / 2) : LATE * mean;
+        due += r->tau[k];
+        before = e;
+        status = run_to_impact(r, k, due, due + late, &e);
+        if (!e.hit && !touch) break;
+    }
+    if (status || !r->check->faces_agree) return status;
+    const face_t *last = ric_replay_end_face(r, r->n_flight - 1);
+    bool both = before.hit && last == &r->face[before.face] && e.time - before.time <= NO_LENGTH * r->period;
+    if (!both) accept_order(r, r->n_flight - 1, &e); /* else the last two were met, in the other order */
+    /* a touch at the end: the state of that time */
+    if (!e.hit) ric_replay_fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w);
+    /* so too at a spring: met slowly, its time is uncertain */
+    else if (last && last->spring > 0) ric_replay_fly(r, r->n_flight, due - e.time, r->w, r->w);
+    r->check->return_error = e.refused && r->corner ? NAN
+                                                    : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);
+    if (r->check->return_error > allowed(r->check) && meets_corner(r)) r->check->return_error = NAN;
+    allow_rounding(r);
+    check_energy(r);
+    return RIC_OK;
+}
+
+static bool passes(const ric_check *check)
+{
+    return check->faces_agree && check->flight_error <= FLIGHT && check->energy_error <= FLIGHT &&
+           (isnan(check->return_error) || check->return_error <= allowed(check));
+}
+
+/* A linear motion that grazes: the equations of its word are singular in the speeds, and there is nothing unstable to
+ * polish. */
+static bool only_touches(const replay *r)
+{
+    for (int k = 0; k < r->n_flight; k++)
+        if (!ric_replay_is_touch(r, k)) return false;
+    return true;
+}
+
+static ric_status check_point(replay *r, bool polished)
+{
+    ric_status status = RIC_OK;
+    if (r->n_event && (status = ric_replay_condition(r))) return status;
+    /* a slow impact may amplify on the way far more than the multipliers say: polished whatever they are */
+    if (r->n_event && !only_touches(r) && (status = ric_replay_polish(r, polished))) return status;
+    if ((status = start_at(r, 0, r->chain, 0))) return status;
+    if (r->check->faces_agree) r->energy = simulated_energy(r);
+    if ((status = check_flights(r)) || !r->check->faces_agree) return status;
+    /* the chain closes: nothing is lost between the last flight and the first */
+    const real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * 2 * (size_t)r->n, r->chain);
+    ric_replay_worsen(&r->check->flight_error, ric_replay_part(open, r->norm));
+    if (r->touched) r->check->condition = fmax(r->check->condition, 1 / BLUNT);
+    return check_return(r);
+}
+
+static ric_status replay_orbit(const ric_atlas *atlas, int branch, int i, bool polished, ric_check *out)
+{
+    replay r = {.check = out};
+    *out = (ric_check){.branch = branch, .point = i, .condition = 1, .faces_agree = true};
+    ric_status status = ric_replay_open(&r, atlas, branch, i, false);
+    if (status) goto out;
+    out->energy_error = ric_replay_part(fabs(r.point.energy - r.energy), r.energy);
+    if ((status = check_point(&r, polished))) goto out;
+    if (!out->faces_agree) ric_replay_worsen(&out->return_error, 1);
+    out->passed = passes(out);
+out:
+    ric_replay_close(&r);
+    return status;
+}
+
+/* Where neighbours on the branch have all but one period, or the orbit is lost in rounding, polishing may lead along
+ * the branch, and past a grazing where it ends: an orbit stands as well if the stored digits do as they are. */
+ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check *out)
+{
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, out, NULL);
+    ric_check stored;
+    ric_status status = replay_orbit(atlas, branch, i, true, out);
+    if (status || out->passed) return status;
+    status = replay_orbit(atlas, branch, i, false, &stored);
+    if (!status && stored.passed) *out = stored;
+    return status;
+}

@@ -1,0 +1,492 @@
+/* What a stored point says beside its orbit: frequency, reach, approach, multipliers and stability, recomputed on the
+ * replay (docs/theory.md section 11). Nothing here is solved: the stored state is flown for the stored times.
+ *
+ * Multipliers: columns of the variational equations are flown in closed form. At an impact, with dt = -(c.dq) / (c.p),
+ * a the acceleration of the flight that ends there, closed springs included, and R = I - 2 c c' / (c.c),
+ *     dq <- R dq,   dp <- R dp - dt 2 (c.a) / (c.c) c        (saltation: Aizerman and Gantmakher 1958);
+ * a spring that closes or opens changes nothing. Where z(t + T/2) = -z(t) half a period does, as M = H^2. */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "base/room.h"
+#include "verify_pairs.h"
+#include "verify_parts.h"
+#include "verify_smooth.h"
+
+#define NOISE (8 * DBL_EPSILON) /* of a flight and an impact in double, relative to the norm: as many roundings */
+#define NUMBER 1e-11     /* largest relative error of a frequency, and of a speed over the largest */
+#define REACHED 1e-10    /* of a reach */
+#define MOST_OPEN 1e-11  /* no orbit that is more than this open passes */
+#define UNSEEN 1e-12     /* part of a normal below which a mode is not seen */
+#define EQUAL 1e-11      /* relative: squares of frequencies that are one */
+#define BACK 1e-6        /* an orbit that repeats itself is after part of the period where it began, to this part */
+#define IMAGE 1e-9       /* half a period later a symmetric orbit is its image to this part */
+#define UNKNOWN 1e-4     /* where rounding of the stored digits grows to this part of the norm, margins tell nothing */
+#define NO_SPEED 1e-60   /* relative: no impact is slower */
+#define FLAT 1e-7        /* part of the largest speed: a gap that changes no faster may be at a maximum */
+#define BRIEF 1e-7       /* of the period: a flight of that length begins and ends at once */
+#define SHORT 3e-6       /* of the period: within a flight of that length a gap is its largest to (2 pi SHORT)^2 / 8 */
+#define AT_FACE 1e-7     /* of a flight: a largest gap that near to an impact on the same contact is that impact */
+
+/* ------------------------------------------------------------- multipliers */
+
+typedef struct {
+    replay *r;
+    real level;          /* of noise */
+    real growth;
+    unsigned bits;
+    int n_seen, *seen;   /* of each direction that is seen a mode of its frequency */
+    real *share;         /* [n_seen * n] and what it is made of */
+} motion;
+
+static void add_noise(motion *m, int size, real norm, real *w)
+{
+    if (!(m->level > 0)) return;
+    for (int i = 0; i < size; i++) w[i] += m->level * norm * ric_pairs_noise(&m->bits);
+}
+
+static bool is_alike(const replay *r, int i, int j)
+{
+    real a = r->omega[i] * r->omega[i], b = r->omega[j] * r->omega[j];
+    return fabs(a - b) <= EQUAL * fmax(a, b);
+}
+
+/* Adds what face f has of the modes as frequent as mode i, perpendicular to the directions from `first` on, as one more
+ * direction; where that is none, nothing. */
+static int add_share(const replay *r, int i, int f, int first, int count, real *share)
+{
+    int n = r->n;
+    const face_t *face = &r->face[f];
+    real *b = share + count * n;
+    for (int j = 0; j < n; j++) b[j] = j >= i && is_alike(r, i, j) ? face->c[j] : 0;
+    for (int twice = 0; twice < 2; twice++)
+        for (int k = first; k < count; k++) {
+            real along = ric_replay_dot(n, b, share + k * n);
+            for (int j = 0; j < n; j++) b[j] -= along * share[k * n + j];
+        }
+    real size = sqrt(ric_replay_dot(n, b, b));
+    if (!(size > UNSEEN * sqrt(face->cc))) return count;
+    size = copysign(size, b[i]); /* a mode alone is itself */
+    for (int j = 0; j < n; j++) b[j] /= size;
+    return count + 1;
+}
+
+/* Directions in the space of the modes that some contact sees, orthonormal, of modes of one frequency each: of several
+ * with equal ones, which are any basis of theirs, as many as there are independent shares. What is not seen has
+ * multipliers of its own, which no impact changes. share [(n + 1) * n], seen [n]. */
+static int find_seen(const replay *r, int *seen, real *share)
+{
+    int count = 0;
+    for (int i = 0; i < r->n; i++) {
+        bool before = false;
+        int first = count;
+        for (int j = 0; j < i; j++) before |= is_alike(r, j, i);
+        for (int f = 0; f < r->n_face && !before; f++) count = add_share(r, i, f, first, count, share);
+        for (int k = first; k < count; k++) seen[k] = i;
+    }
+    return count;
+}
+
+/* Of a vector over the modes what lies along direction k. */
+static real along(const motion *m, int k, const real *x)
+{
+    return ric_replay_dot(m->r->n, m->share + k * m->r->n, x);
+}
+
+/* A column (kappa dq, dp) [2n] through flight k of length t, without its end; trig [2n]: cos and sin of omega t. */
+static void fly_column(const replay *r, int k, real t, const real *trig, real *column)
+{
+    int n = r->n;
+    if (r->closed) {
+        for (int i = 0; i < n; i++) column[i] /= r->kappa[i];
+        if (ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column, column))
+            column[0] = NAN;
+        for (int i = 0; i < n; i++) column[i] *= r->kappa[i];
+        return;
+    }
+    for (int i = 0; i < n; i++) {
+        real a = column[i], p = column[n + i], cosine = trig[i], sine = trig[n + i];
+        if (!(r->omega[i] > 0)) {
+            column[i] = a + r->kappa[i] * t * p;
+            continue;
+        }
+        column[i] = a * cosine + p * sine;
+        column[n + i] = p * cosine - a * sine;
+    }
+}
+
+/* Saltation of a column at an impact that is met at w, before it. */
+static void strike_column(const replay *r, const face_t *face, const real *w, const real *pull, real *column)
+{
+    int n = r->n;
+    real gap = 0, push = 0, speed = ric_replay_dot(n, face->c, w + n), least = NO_SPEED * ric_replay_fastest(r, face);
+    if (fabs(speed) < least) speed = copysign(least, speed);
+    for (int i = 0; i < n; i++) {
+        gap += face->c[i] * column[i] / r->kappa[i];
+        push += face->c[i] * column[n + i];
+    }
+    real kick = -gap / speed * ric_replay_dot(n, face->c, pull);
+    for (int i = 0; i < n; i++) {
+        column[i] -= r->kappa[i] * 2 * gap / face->cc * face->c[i];
+        column[n + i] -= 2 * (push + kick) / face->cc * face->c[i];
+    }
+}
+
+static real size_of(int n, const real *x)
+{
+    return sqrt(ric_replay_dot(n, x, x));
+}
+
+/* Columns [columns * 2n] through flight k and its end. */
+static void carry(motion *m, int k, int columns, real *A)
+{
+    replay *r = m->r;
+    int n = r->n;
+    const face_t *face = ric_replay_end_face(r, k);
+    real w[2 * n], pull[n], trig[2 * n], t = r->tau[k] * (1 + m->level * ric_pairs_noise(&m->bits));
+    memcpy(w, r->chain + (size_t)k * 2 * (size_t)n, sizeof w);
+    for (int i = 0; i < n; i++) w[i] *= r->kappa[i];
+    add_noise(m, 2 * n, r->norm, w);
+    for (int i = 0; i < n; i++) w[i] /= r->kappa[i];
+    ric_replay_fly(r, k, t, w, w);
+    ric_replay_accelerations(r, k, w, pull);
+    for (int i = 0; i < n; i++) sincosl(r->omega[i] * t, trig + n + i, trig + i);
+    for (int j = 0; j < columns; j++) {
+        real *column = A + (size_t)j * 2 * (size_t)n;
+        fly_column(r, k, t, trig, column);
+        if (!(face->spring > 0)) strike_column(r, face, w, pull, column);
+        real size = size_of(2 * n, column);
+        m->growth = fmax(m->growth, size);
+        add_noise(m, 2 * n, m->growth, column); /* entries are known to the rounding of the largest on the way */
+    }
+}
+
+/* Whether the second half of the orbit is the image of the first, in which every face is met on its other side. */
+static bool is_image(const replay *r)
+{
+    int N = r->n_event, half = N / 2;
+    if (!r->branch.symmetric || N % 2 || N == 0) return false;
+    for (int k = 0; k < half; k++) {
+        const face_t *a = &r->face[r->event[k]], *b = &r->face[r->event[k + half]];
+        if (a->contact != b->contact || a->side == b->side) return false;
+    }
+    real image[2 * r->n];
+    const real *w = r->chain + (size_t)half * 2 * (size_t)r->n;
+    for (int i = 0; i < 2 * r->n; i++) image[i] = -w[i];
+    return ric_replay_distance(r, image, r->chain) <= IMAGE * r->norm;
+}
+
+/* rho of one run. */
+static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
+{
+    replay *r = m->r;
+    int n = r->n, s = m->n_seen, size = 2 * s, flights = half ? r->n_event / 2 : r->n_event;
+    size_t square = (size_t)size * (size_t)size;
+    real *A = calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n], flow[size], gradient[size];
+    if (!A) return false;
+    real *M = A + (size_t)size * 2 * (size_t)n, *J = M + square;
+    for (int j = 0; j < size; j++)
+        memcpy(A + (size_t)j * 2 * (size_t)n + (j < s ? 0 : n), m->share + j % s * n, (size_t)n * sizeof *A);
+    for (int k = 0; k < flights; k++) carry(m, k, size, A);
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++)
+            M[i * size + j] = (half ? -1 : 1) * along(m, i % s, A + (size_t)j * 2 * (size_t)n + (i < s ? 0 : n));
+    ric_replay_accelerations(r, 0, r->chain, force);
+    for (int i = 0; i < s; i++) {
+        int k = m->seen[i];
+        real speed = along(m, i, r->chain + n), push = along(m, i, force);
+        flow[i] = r->kappa[k] * speed;
+        flow[s + i] = push;
+        gradient[i] = -push / r->kappa[k];
+        gradient[s + i] = speed;
+        J[i * size + s + i] = 1 / r->kappa[k];
+        J[(s + i) * size + i] = -1 / r->kappa[k];
+    }
+    bool found = ric_pairs_find(size, M, J, flow, gradient, rho, way);
+    free(A);
+    return found;
+}
+
+/* What the rounding of a displacement becomes through a stiff spring: frequencies with it over the lowest without. */
+static real stiffness(const replay *r)
+{
+    real low = INFINITY, high = 0, spring = 0;
+    for (int i = 0; i < r->n; i++) {
+        high = fmax(high, r->omega[i]);
+        if (r->omega[i] > 0) low = fmin(low, r->omega[i]);
+    }
+    for (int f = 0; f < r->n_face; f++) spring = fmax(spring, r->face[f].spring * r->face[f].cc);
+    return r->closed && isfinite(low) ? sqrt(high * high + spring) / low : 1;
+}
+
+/* What the stored digits leave open, relative: the gaps where the orbit meets faces, and its end. */
+static real left_open(const replay *r)
+{
+    size_t step = 2 * (size_t)r->n;
+    real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * step, r->chain) / r->norm;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        open = fmax(open, fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) / face->limit);
+    }
+    return fmin(open, MOST_OPEN);
+}
+
+static ric_status check_multipliers(replay *r, const ric_asked_point *asked, ric_claims *out)
+{
+    int seen[r->n];
+    real share[(r->n + 1) * r->n];
+    motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
+    m.n_seen = find_seen(r, seen, share);
+    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r),
+                       .asked = asked};
+    pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
+    if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
+    bool found = true;
+    real level = fmax(NOISE * stiffness(r), left_open(r));
+    for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair; run++) {
+        m.level = run ? level : 0;
+        m.growth = 1;
+        found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair, &pairs.way[run]);
+    }
+    if (found) ric_pairs_judge(&pairs, m.n_seen, &r->point, out);
+    free(pairs.own);
+    return RIC_OK;
+}
+
+/* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T / 2 pi, modulo 1. */
+static void check_linear(replay *r, ric_claims *out)
+{
+    int seen[r->n], other = -1;
+    real part = 0, share[(r->n + 1) * r->n];
+    motion m = {.r = r, .seen = seen, .share = share};
+    int count = m.n_seen = find_seen(r, seen, share);
+    for (int k = 0; k < count; k++)
+        part += pow(r->kappa[seen[k]] * along(&m, k, r->chain), 2) + pow(along(&m, k, r->chain + r->n), 2);
+    bool alone = part > r->norm * r->norm / 2; /* else no contact sees the mode itself */
+    for (int k = 0; k < count; k++) {
+        real turns = r->omega[seen[k]] * r->period / 6.283185307179586476925L;
+        if (fabs(turns - 1) > NUMBER && other < 0) other = seen[k];
+        else alone &= fabs(turns - 1) <= NUMBER;
+    }
+    out->stable = r->point.stable == RIC_STABLE_YES ? RIC_AGREES_YES : RIC_AGREES_NO;
+    if (out->stable == RIC_AGREES_NO) snprintf(out->finding, sizeof out->finding, "a linear mode is stable");
+    if (count != 2 || !alone || other < 0) return;
+    ric_pair own[RIC_PAIR_RUNS];
+    ric_pairs pairs = {.n_pair = 1, .own = own};
+    for (int run = 0; run < RIC_PAIR_RUNS; run++) {
+        real angle = r->omega[other] * r->period * (1 + (run - 1) * (run > 0) * NOISE);
+        own[run] = 2 * cos(angle);
+        pairs.way[run] = sin(angle) < 0 ? -1 : 1;
+    }
+    ric_claims trace = *out;
+    ric_point point = r->point;
+    ric_pairs_judge(&pairs, 2, &point, &trace);
+    trace.stable = out->stable;
+    *out = trace;
+}
+
+/* ------------------------------------------------------------ other numbers */
+
+static void say(ric_claims *out, const char *name, double stored, double found)
+{
+    out->numbers = RIC_AGREES_NO;
+    if (!*out->finding)
+        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
+}
+
+static double smallest_approach(const replay *r)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; k < r->n_flight; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+        if (!face || (face->spring > 0 && ric_replay_opens(r, k))) continue;
+        real speed = face->spring > 0 ? face->side * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
+        least = fmin(least, (double)speed);
+    }
+    return least;
+}
+
+/* Gap over clearance of the face at w, on the scale on which 1 is a touch: of a closed spring what is left until it
+ * opens, from the other side. */
+static real gap_over(const replay *r, const face_t *face, bool image, bool closed, const real *w)
+{
+    real s = (image ? -1 : 1) * face->side * ric_replay_dot(r->n, face->c, w) / face->limit;
+    return closed ? 2 - s : s;
+}
+
+/* The face's contact has a spring that is closed in flight k; *this: its own. */
+static bool is_closed(const replay *r, int k, const face_t *face, bool *this)
+{
+    bool any = *this = false;
+    for (int f = 0; r->closed && f < r->n_face; f++)
+        if (r->face[f].contact == face->contact && r->closed[(size_t)k * (size_t)r->n_face + (size_t)f]) {
+            any = true;
+            *this |= &r->face[f] == face;
+        }
+    return any;
+}
+
+/* The largest gap over clearance. An impact that does not turn the gap back may fall on a maximum, which then lies in
+ * none of the flights or in either, and a contact may be too short to have one; where a branch ends a touch counts as
+ * an impact or as a reach of 1. */
+typedef struct {
+    double sure, also, touched; /* of what counts in any case; of the others too; of touches too */
+} reached;
+
+static void count(reached *r, bool sure, double value)
+{
+    r->touched = fmax(r->touched, value);
+    if (fabs(value - 1) <= REACHED) return;
+    r->also = fmax(r->also, value);
+    if (sure) r->sure = fmax(r->sure, value);
+}
+
+/* Of one face, or of its image, in flight k. */
+static ric_status reach_in_flight(replay *r, int k, int f, bool image, reached *reach)
+{
+    const face_t *face = &r->face[f], *end = ric_replay_end_face(r, k),
+                 *start = ric_replay_end_face(r, (k + r->n_flight - 1) % r->n_flight);
+    bool own, closed = is_closed(r, k, face, &own);
+    if (closed && (!own || image)) return RIC_OK;
+    real t = r->tau[k], edge = AT_FACE * t;
+    bool leaves = start && start->contact == face->contact, meets = end && end->contact == face->contact;
+    double top = ric_simulator_highest(r->sim, f, image, (double)edge, (double)(t - edge), 0),
+           whole = ric_simulator_highest(r->sim, f, image, (double)(leaves ? edge : 0), (double)(meets ? t - edge : t),
+                                         top);
+    bool brief = r->n_event && t <= BRIEF * r->period;
+    count(reach, !brief, top);
+    count(reach, false, whole);
+    const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+    bool smooth = !end || end->spring > 0 ||
+                  fabs(ric_replay_dot(r->n, end->c, face->c)) <= 1e-12 * sqrt(end->cc * face->cc),
+         flat = fabs(ric_replay_dot(r->n, face->c, w + r->n)) <= FLAT * ric_replay_fastest(r, face) ||
+                (r->n_event && t <= SHORT * r->period);
+    double value = (double)gap_over(r, face, image, closed, w);
+    if (!meets && (!smooth || flat)) count(reach, !smooth && !brief, value);
+    return RIC_OK;
+}
+
+/* Largest gap over clearance in flight, of the orbit and, if it is symmetric, of its image. */
+static ric_status find_reach(replay *r, reached *reach)
+{
+    real w[2 * r->n];
+    *reach = (reached){0, 0, 0};
+    for (int k = 0; k < r->n_flight; k++) {
+        const bool *closed = r->closed ? r->closed + (size_t)k * (size_t)r->n_face : NULL;
+        memcpy(w, r->chain + (size_t)k * 2 * (size_t)r->n, sizeof w);
+        if (r->n_event == 0) ric_replay_fly(r, 0, r->period / 8, w, w); /* no largest gap at the very start */
+        ric_status status = ric_simulator_start_modal(r->sim, closed, w);
+        if (status == RIC_E_INPUT) continue; /* beyond a stop: the replay says so */
+        for (int f = 0; f < r->n_face && !status; f++)
+            for (int image = 0; image <= (r->branch.symmetric ? 1 : 0) && !status; image++)
+                status = reach_in_flight(r, k, f, image, reach);
+        if (status) return status;
+    }
+    return RIC_OK;
+}
+
+/* How often a shorter orbit is gone through, by word, flights and states. */
+static int times_through(const replay *r)
+{
+    int N = r->n_event;
+    size_t step = 2 * (size_t)r->n;
+    for (int part = 1; part <= N / 2; part++) {
+        bool same = N % part == 0 && ric_replay_distance(r, r->chain + part * step, r->chain) <= BACK * r->norm;
+        for (int k = 0; same && k < N; k++)
+            same = r->branch.word[k] == r->branch.word[(k + part) % N] &&
+                   fabs(r->tau[k] - r->tau[(k + part) % N]) <= NUMBER * r->period;
+        if (same) return N / part;
+    }
+    return 1;
+}
+
+/* A branch meets orbits that repeat themselves at its ends; one between them has a period that is none, and a
+ * frequency. */
+static void check_period(const replay *r, int i, ric_claims *out)
+{
+    int times = i > 0 && i + 1 < r->branch.n_point ? times_through(r) : 1;
+    if (times > 1) say(out, "repetitions", 1, times);
+}
+
+/* What an error of the state by `slack`, relative to the norm, does to a gap over its clearance, at most. */
+static double gap_slack(const replay *r, real slack)
+{
+    real most = 0, slowest = INFINITY;
+    for (int i = 0; i < r->n; i++) slowest = fmin(slowest, r->kappa[i]);
+    for (int f = 0; f < r->n_face; f++) most = fmax(most, sqrt(r->face[f].cc) * r->norm / (slowest * r->face[f].limit));
+    return (double)(most * slack);
+}
+
+static bool margins_agree(const replay *r, const reached *reach, double approach, real slack)
+{
+    const ric_point *p = &r->point;
+    double fastest = 0, stored = isnan(p->reach) ? 0 : p->reach, near = REACHED + gap_slack(r, slack);
+    bool none = isinf(approach);
+    for (int f = 0; f < r->n_face; f++) fastest = fmax(fastest, (double)ric_replay_fastest(r, &r->face[f]));
+    if (none != !!isnan(p->approach)) return false;
+    if (!none && !(fabs(p->approach - approach) <= (NUMBER + (double)slack) * fastest)) return false;
+    return fabs(stored - reach->sure) <= near || fabs(stored - reach->also) <= near ||
+           fabs(stored - reach->touched) <= near;
+}
+
+static void say_margin(const replay *r, const reached *reach, double approach, real slack, ric_claims *out)
+{
+    double said = isnan(r->point.reach) ? 0 : r->point.reach;
+    const reached stored = {said, said, said};
+    if (margins_agree(r, &stored, approach, slack)) say(out, "reach", r->point.reach, reach->touched);
+    else say(out, "approach", r->point.approach, isinf(approach) ? NAN : approach);
+}
+
+/* Where they differ the orbit is flown from its stored state both ways, over half a period, and it is measured what
+ * springs make there of the rounding of the stored digits. */
+static ric_status check_margins(replay *r, ric_claims *out)
+{
+    double approach = smallest_approach(r);
+    reached reach;
+    ric_status status = find_reach(r, &reach);
+    if (status || margins_agree(r, &reach, approach, 0)) return status;
+    int N = r->n_event;
+    real slack = N ? fmax(ric_replay_growth(r, 0, N / 2), ric_replay_growth(r, N / 2, N)) * NOISE * N : 0;
+    if (N) ric_replay_fold(r);
+    approach = smallest_approach(r);
+    status = find_reach(r, &reach);
+    if (!(slack <= UNKNOWN) && out->numbers == RIC_AGREES_YES) out->numbers = RIC_AGREES_UNCHECKED;
+    else if (!status && !margins_agree(r, &reach, approach, slack)) say_margin(r, &reach, approach, slack, out);
+    ric_replay_make_chain(r);
+    return status;
+}
+
+static ric_status check_numbers(replay *r, ric_claims *out)
+{
+    const ric_point *p = &r->point;
+    double turn = 6.283185307179586476925, omega = (double)(turn / r->period);
+    out->numbers = RIC_AGREES_YES;
+    if (!(fabs(p->frequency - omega) <= NUMBER * omega)) say(out, "frequency", p->frequency, omega);
+    if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER)) say(out, "energy", p->energy, r->energy);
+    return check_margins(r, out);
+}
+
+ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_claims *out)
+{
+    replay r = {0};
+    *out = (ric_claims){.branch = branch, .point = i, .multiplier_error = NAN, .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+                        .numbers = RIC_AGREES_UNCHECKED};
+    ric_check check;
+    ric_asked_point asked = {0};
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
+    ric_status status = ric_replay_open(&r, atlas, branch, i, true);
+    if (!status) status = check_numbers(&r, out);
+    if (!status) check_period(&r, i, out);
+    if (!status && r.n_event == 0) check_linear(&r, out);
+    else if (!status && !(status = ric_asked_open(atlas, branch, i, &r.point, &asked)))
+        status = check_multipliers(&r, &asked, out);
+    ric_asked_close(&asked);
+    ric_replay_close(&r);
+    return status;
+}

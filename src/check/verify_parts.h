@@ -1,0 +1,93 @@
+/* What the files of the replay share: verify.c (flights, return, verdict), verify_motion.c (the expected chain),
+ * verify_polish.c (multipliers, and the orbit solved to the last digit). No other file needs it. */
+#ifndef RIC_CHECK_VERIFY_PARTS_H
+#define RIC_CHECK_VERIFY_PARTS_H
+
+#include "simulator.h"
+
+/* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
+#define TOUCH 1e-6     /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
+#define SLOW 1e-3      /* below, the time of the impact is weighed */
+#define BLUNT 1e-9     /* no impact amplifies more than one of this speed */
+
+typedef ric_real real;
+
+typedef struct {
+    int contact, side;
+    real limit, cc, spring;
+    const real *c;
+} face_t;
+
+typedef struct {
+    const ric_model *model;
+    ric_simulator *sim;
+    ric_branch branch;
+    ric_point point;
+    int n, n_flight, n_face;     /* n_flight: letters, or 1 */
+    int n_event, *event;         /* faces of the events of the word, in order */
+    bool *closed;                /* [n_flight * n_face] springs in each flight */
+    bool lost;                   /* a frame could not be made */
+    face_t *face;
+    double *state, *flights;     /* [2n] x, v and [n_flight] as stored */
+    const real *omega;           /* [n] the simulator's */
+    real *kappa;                 /* [n] omega, or 2 pi / period for a free mode */
+    real *tau;                   /* [n_flight] flight times, polished if need be */
+    real *chain;                 /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */
+    real *speed;                 /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
+    real *trig;                  /* [n_flight * 2n] cos and sin of omega tau */
+    real *w;                     /* [2n] q, p of the replay */
+    double *x;                   /* [2n] scratch: x, v */
+    real period, norm, offset;   /* offset: time at which the simulator was started anew behind a touch */
+    double energy, reach;        /* energy: of the state that is replayed */
+    real amplification;          /* logarithm: what the end of the period makes of rounding on the way */
+    bool corner, touched, grazes; /* grazes: a face is touched in some flight, or all but */
+    ric_check *check;
+    real *store;
+    double *stored;
+} replay;
+
+/* The stored orbit of a point and its chain, from r = {0} on; to be closed in any case. `touches`: contacts of no
+ * length stay in the word. */
+ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches);
+/* Any other orbit: letters and word of `like`. */
+ric_status ric_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
+                                 const double *flights);
+void ric_replay_close(replay *r);
+real ric_replay_dot(int n, const real *x, const real *y);
+/* |a - b| in the energy norm; b NULL stands for zero. */
+real ric_replay_distance(const replay *r, const real *a, const real *b);
+/* dp/dt [n] in the flight k. */
+void ric_replay_accelerations(const replay *r, int k, const real *w, real *out);
+/* |dw/dt| in the same norm, in the flight k. */
+real ric_replay_rate(const replay *r, int k, const real *w);
+/* In the flight k, with its springs. */
+void ric_replay_fly(const replay *r, int k, real t, const real *w, real *after);
+/* p <- R p; returns the speed into the face before. */
+real ric_replay_reflect(const replay *r, const face_t *face, real *w);
+real ric_replay_gap(const replay *r, const face_t *face, const real *w);
+/* Largest speed of the gap coordinate that the energy allows. */
+real ric_replay_fastest(const replay *r, const face_t *face);
+/* The face where flight k ends is that of event k + 1; none without impacts. */
+const face_t *ric_replay_end_face(const replay *r, int k);
+/* Whether the event at the end of flight k is the opening of a spring. */
+bool ric_replay_opens(const replay *r, int k);
+bool ric_replay_is_touch(const replay *r, int k);
+/* Expected states behind every impact, from chain[0] and tau. */
+void ric_replay_make_chain(replay *r);
+double ric_replay_part(real error, real of);
+void ric_replay_worsen(double *worst, double error);
+
+/* What an error of the state behind event `from`, or later, becomes until the end of flight `to` - 1 at most, with the
+ * times as they are stored: 1 but for springs, which multiply it as they close. */
+real ric_replay_growth(const replay *r, int from, int to);
+/* The second half of the chain anew, from the state behind the last event backwards, which is that behind the first:
+ * what springs make of rounding is then what they do in half a period. ric_replay_make_chain undoes it. */
+void ric_replay_fold(replay *r);
+/* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy, which has the same
+ * eigenvalues. */
+ric_status ric_replay_condition(replay *r);
+/* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another
+ * orbit, or not to `keep`: then what was open in it is measured, no more. */
+ric_status ric_replay_polish(replay *r, bool keep);
+
+#endif

@@ -1,0 +1,244 @@
+/* Rows of branches and junctions: what they say of their points and orbits, computed anew from these. */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "simulator_power.h"
+#include "base/room.h"
+#include "verify_parts.h"
+#include "verify_smooth.h"
+
+#define SAME 1e-12     /* relative: numbers that are stored twice */
+#define SOLVED 1e-9    /* of clearance and norm: what a located orbit may leave open, and an image may be off */
+#define BETWEEN 1e-2   /* relative: how far a junction between points may extend the frequencies of a branch */
+#define ENERGY 1e-10   /* relative, of a located orbit whose numbers are stored together */
+#define IMAGE 1e-6     /* an orbit that is farther from its image than this is not symmetric */
+
+#define EXACT 1e-10    /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
+#define LONG 1e-4      /* of the state: a branch whose orbits differ by less may be beside a symmetric one as a whole */
+
+enum { FEW = 4, SAMPLE = 8 }; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
+
+static void disagree(ric_claims *out, const char *name, double stored, double found)
+{
+    out->numbers = RIC_AGREES_NO;
+    if (!*out->finding)
+        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
+}
+
+static void compare(ric_claims *out, const char *name, double stored, double found, double limit)
+{
+    if (!(fabs(stored - found) <= limit * fmax(fabs(found), DBL_MIN))) disagree(out, name, stored, found);
+}
+
+/* ---------------------------------------------------------------- branches */
+
+/* With the junctions that the branch passes: of frequency, whose multiple is not said, only that it is about so. */
+static ric_status check_ranges(const ric_atlas *atlas, const ric_branch *b, ric_claims *out)
+{
+    double energy[2] = {HUGE_VAL, -HUGE_VAL}, frequency[2] = {HUGE_VAL, -HUGE_VAL};
+    ric_status status = RIC_OK;
+    for (int i = 0; i < b->n_point + b->n_junction && !status; i++) {
+        ric_point p = {0};
+        ric_junction j;
+        bool point = i < b->n_point;
+        status = point ? ric_atlas_point(atlas, b->id, i, &p, NULL, NULL)
+                       : ric_atlas_junction(atlas, b->junctions[i - b->n_point], &j);
+        if (status) break;
+        energy[0] = fmin(energy[0], point ? p.energy : j.energy);
+        energy[1] = fmax(energy[1], point ? p.energy : j.energy);
+        if (!point) continue;
+        frequency[0] = fmin(frequency[0], p.frequency);
+        frequency[1] = fmax(frequency[1], p.frequency);
+    }
+    double between = b->n_junction ? BETWEEN : SAME;
+    compare(out, "energy_min", b->energy_min, energy[0], SAME);
+    compare(out, "energy_max", b->energy_max, energy[1], SAME);
+    compare(out, "frequency_min", b->frequency_min, frequency[0], b->frequency_min < frequency[0] ? between : SAME);
+    compare(out, "frequency_max", b->frequency_max, frequency[1], b->frequency_max > frequency[1] ? between : SAME);
+    return status;
+}
+
+/* A contact of a spring closes and opens, and counts once. */
+static void check_impacts(const ric_branch *b, int n_face, ric_claims *out)
+{
+    int impacts = 0;
+    for (int k = 0; k < b->letters; k++) impacts += b->word[k] < n_face;
+    if (impacts != b->impacts) disagree(out, "impacts", b->impacts, impacts);
+}
+
+/* States behind all events against those of the motion with x -> -x (sign -1), or backwards (reverse): what is
+ * left between the two where they fit best. */
+static real best_fit(const replay *r, bool reverse, real sign)
+{
+    int N = r->n_event, n = r->n;
+    size_t step = 2 * (size_t)n;
+    real best = INFINITY, image[2 * n];
+    for (int shift = 0; shift < N; shift++) {
+        real worst = 0;
+        for (int k = 0; k < N && worst < best; k++) {
+            int at = ((reverse ? shift - k : shift + k) % N + N) % N;
+            const face_t *face = &r->face[r->event[at]];
+            memcpy(image, r->chain + (size_t)at * step, sizeof image);
+            if (reverse) ric_replay_reflect(r, face, image); /* before the impact, then backwards */
+            for (int i = 0; i < 2 * n; i++) image[i] *= sign * (reverse && i >= n ? -1 : 1);
+            worst = fmax(worst, ric_replay_distance(r, image, r->chain + (size_t)k * step));
+        }
+        best = fmin(best, worst);
+    }
+    return best / r->norm;
+}
+
+/* How far the orbit of point i is off its image: in x -> -x half a period on, and backwards. `polished`: solved to the
+ * last digit, as instability leaves less of the stored one. `w` [2 n_dof]: its state, over its size. */
+static ric_status fit_images(const ric_atlas *atlas, int branch, int i, bool polished, real fit[2], real *w)
+{
+    replay r = {0};
+    ric_check check = {.branch = branch, .point = i};
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth_images(atlas, branch, i, fit, w);
+    ric_status status = ric_replay_open(&r, atlas, branch, i, true);
+    r.check = &check;
+    if (!status && polished) status = ric_replay_polish(&r, true);
+    if (!status) {
+        fit[0] = r.n_event % 2 ? INFINITY : best_fit(&r, false, -1);
+        fit[1] = fmin(best_fit(&r, true, 1), best_fit(&r, true, -1));
+        for (int k = 0; k < 2 * r.n; k++) w[k] = r.chain[k] / r.norm;
+    }
+    ric_replay_close(&r);
+    return status;
+}
+
+/* Whether it is right that a branch, some orbit of which is its own image, is not said to have that symmetry. One orbit
+ * does not give it to its branch, which may pass it; nor do the orbits of a branch that is so short that all are beside
+ * one. Several between the ends of a longer branch do. */
+static ric_status ask_others(const ric_atlas *atlas, const ric_branch *b, ric_agreement said[2])
+{
+    int n = ric_model_n_dof(ric_atlas_model(atlas)), inner = b->n_point - 2, count = inner < SAMPLE ? inner : SAMPLE;
+    bool all[2] = {count >= FEW, count >= FEW};
+    ric_status status = RIC_OK;
+    real w[2][2 * n], apart = 0, fit[2];
+    for (int k = 0; k < count && !status; k++) {
+        if ((status = fit_images(atlas, b->id, 1 + (int)((long)k * inner / count), true, fit, w[k > 0]))) break;
+        for (int i = 0; i < 2; i++) {
+            all[i] &= fit[i] < EXACT;
+            if (fit[i] > IMAGE) said[i] = RIC_AGREES_YES;
+        }
+        for (int j = 0; j < 2 * n && k > 0; j++) apart = fmax(apart, fabs(w[1][j] - w[0][j]));
+    }
+    for (int i = 0; i < 2; i++)
+        if (all[i] && apart > LONG) said[i] = RIC_AGREES_NO;
+    return status;
+}
+
+static ric_status check_symmetries(const ric_atlas *atlas, const ric_branch *b, ric_claims *out)
+{
+    static const char *const names[2] = {"symmetric", "reversible"};
+    bool stored[2] = {b->symmetric, b->reversible}, open[2];
+    ric_agreement said[2] = {RIC_AGREES_UNCHECKED, RIC_AGREES_UNCHECKED};
+    real fit[2], w[2 * ric_model_n_dof(ric_atlas_model(atlas))];
+    ric_status status = fit_images(atlas, b->id, b->n_point / 2, false, fit, w);
+    for (int i = 0; i < 2 && !status; i++) {
+        open[i] = !stored[i] && fit[i] < IMAGE;
+        if (stored[i] && fit[i] > IMAGE) disagree(out, names[i], 1, 0);
+    }
+    if (!status && (open[0] || open[1])) status = ask_others(atlas, b, said);
+    for (int i = 0; i < 2 && !status; i++)
+        if (open[i] && said[i] == RIC_AGREES_NO) disagree(out, names[i], 0, 1);
+        else if (open[i] && said[i] == RIC_AGREES_UNCHECKED && out->numbers == RIC_AGREES_YES)
+            out->numbers = RIC_AGREES_UNCHECKED;
+    return status;
+}
+
+ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out)
+{
+    ric_branch b;
+    *out = (ric_claims){.branch = branch, .point = -1, .multiplier_error = NAN, .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+                        .numbers = RIC_AGREES_YES};
+    ric_status status = ric_atlas_branch(atlas, branch, &b);
+    if (status || b.n_point == 0 || (status = check_ranges(atlas, &b, out))) return status;
+    check_impacts(&b, ric_model_n_face(ric_atlas_model(atlas)), out);
+    return ric_branch_linear(ric_atlas_model(atlas), &b) ? RIC_OK : check_symmetries(atlas, &b, out);
+}
+
+/* --------------------------------------------------------------- junctions */
+
+static real period_of(const ric_junction *j)
+{
+    real sum = 0;
+    for (int k = 0; k < (j->letters ? j->letters : 1); k++) sum += j->flights[k];
+    return sum;
+}
+
+/* What the flights of the word leave open at its faces and at the end, relative. */
+static real left_open(const replay *r)
+{
+    size_t step = 2 * (size_t)r->n;
+    real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * step, r->chain) / r->norm;
+    for (int k = 0; k < r->n_event; k++) {
+        const face_t *face = ric_replay_end_face(r, k);
+        open = fmax(open, fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) / face->limit);
+    }
+    return open;
+}
+
+static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_claims *out)
+{
+    replay r = {0};
+    ric_branch like = {.letters = j->letters, .word = j->word, .impacts = j->impacts};
+    ric_status status = ric_replay_open_orbit(&r, m, &like, j->state, j->flights);
+    if (!status) {
+        real open = left_open(&r);
+        if (!(open <= SOLVED) && !(open <= SOLVED + 64 * DBL_EPSILON * ric_replay_growth(&r, 0, r.n_event)))
+            disagree(out, "orbit is left open by 0", 0, (double)open);
+    }
+    ric_replay_close(&r);
+    return status;
+}
+
+/* Integrated over its period. */
+static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_claims *out)
+{
+    int d = ric_model_n_dof(m), n = 2 * d;
+    real y[n], size[2] = {0, 0}, period = period_of(j), turn = period / 6.283185307179586476925L, open = 0, growth = 1;
+    double *Y = calloc((size_t)(n * n), sizeof *Y);
+    ric_springs *springs = NULL;
+    if (!Y) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
+    for (int i = 0; i < n; i++) {
+        y[i] = j->state[i];
+        size[i >= d] = fmax(size[i >= d], fabs(y[i]));
+    }
+    size[0] = fmax(size[0], size[1] * turn);
+    size[1] = fmax(size[1], size[0] / turn);
+    for (int i = 0; i < n; i++) Y[i * n + i] = (double)size[i >= d];
+    ric_status status = ric_springs_create(m, &springs);
+    if (!status) status = ric_springs_go(springs, period, y, Y);
+    for (int i = 0; i < n && !status; i++) {
+        open = fmax(open, fabs(y[i] - j->state[i]) / size[i >= d]);
+        for (int k = 0; k < n; k++) growth = fmax(growth, fabs(Y[i * n + k]) / size[i >= d]);
+    }
+    if (!status && !(open <= SOLVED + 64 * DBL_EPSILON * growth))
+        disagree(out, "orbit is left open by 0", 0, (double)open);
+    ric_springs_free(springs);
+    free(Y);
+    return status;
+}
+
+ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out)
+{
+    ric_junction j;
+    const ric_model *m = ric_atlas_model(atlas);
+    *out = (ric_claims){.branch = -1, .point = id, .multiplier_error = NAN, .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+                        .numbers = RIC_AGREES_YES};
+    ric_status status = ric_atlas_junction(atlas, id, &j);
+    if (status) return status;
+    double period = (double)period_of(&j), energy = ric_model_energy(m, j.state, j.state + ric_model_n_dof(m));
+    compare(out, "energy", j.energy, energy, ENERGY);
+    compare(out, "frequency", j.frequency, 6.283185307179586476925 / period / j.multiple, ENERGY);
+    if (!(energy > 0)) return RIC_OK;
+    return ric_model_n_face(m) ? check_replayed(m, &j, out) : check_smooth(m, &j, out);
+}

@@ -1,0 +1,260 @@
+#include "rows_parts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/room.h"
+#include "orbit/room.h"
+
+#define TWO_PI 6.283185307179586477
+#define LINEAR_POINTS 9
+
+/* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
+static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
+{
+    const ric_trace *tr = e->trace;
+    const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride + sizeof(ric_point) / sizeof(double);
+    ric_chain_fly(tr->chain, p);
+    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, p), *canonical = cycle ? ric_cycle_canonical(m, cycle) : NULL;
+    bool found = canonical && ric_cycle_match(m, canonical, cycle, 1e-9, &out->shift, &out->reverse, &out->mirror);
+    ric_cycle_free(cycle);
+    ric_cycle_free(canonical);
+    return found;
+}
+
+static char *mirror_text(const ric_chain *c)
+{
+    static const char *const names[] = {"", "rest", "impact", "centre"};
+    char text[32];
+    if (c->start == RIC_MIRROR_NONE) return strdup("");
+    const char *a = names[c->start], *b = names[c->end];
+    bool swap = strcmp(a, b) > 0;
+    snprintf(text, sizeof text, "%s-%s", swap ? b : a, swap ? a : b);
+    return strdup(text);
+}
+
+/* S2+[01], A5[00101], S2(3)[01]; the mark of the mode only on backbones. */
+static char *branch_label(const ric_model *m, const ric_branch *b)
+{
+    size_t size = 64 + 5 * (size_t)b->letters;
+    char *text = malloc(size), mark[16] = "";
+    if (!text) return NULL;
+    if (b->mode > 0) {
+        if (m->n_dof == 2 && m->n == 2) snprintf(mark, sizeof mark, "%s", b->mode == 1 ? "+" : "-");
+        else snprintf(mark, sizeof mark, "(%d)", b->mode);
+    }
+    char count[16] = "";
+    if (!m->smooth || ric_branch_linear(m, b)) snprintf(count, sizeof count, "%d", b->impacts);
+    int used = snprintf(text, size, "%s%s%s", b->symmetric ? "S" : "A", count, mark);
+    if (b->impacts > 0) {
+        text[used++] = '[';
+        ric_word_format(m, b->letters, b->word, size - (size_t)used - 2, text + used);
+        strcat(text, "]");
+    }
+    return text;
+}
+
+/* The part of the way from a to b on which a line between them lies below a limit. */
+static double part_below(double a, double b, double limit)
+{
+    if (a <= limit && b <= limit) return 1;
+    if (a > limit && b > limit) return 0;
+    double part = (limit - a) / (b - a);
+    return a <= limit ? part : 1 - part;
+}
+
+/* The arclength between two points on which the branch is stable. For two modes the trace passes 2 or -2 at the border,
+ * wherever the points lie; else stability changes at the first junction between them, or half way. A point that is
+ * undecided lies on the border and says nothing of its neighbours. */
+static double stable_between(const ric_branch *b, const ric_point *q, const ric_point *p)
+{
+    double length = p->arclength - q->arclength, edge = asinh(1), change = q->arclength + length / 2;
+    if (isfinite(q->trace) && isfinite(p->trace))
+        return length * (part_below(q->trace, p->trace, edge) - part_below(q->trace, p->trace, -edge));
+    if (p->stable == RIC_STABLE_UNDECIDED) change = p->arclength;
+    else if (q->stable == RIC_STABLE_UNDECIDED) change = q->arclength;
+    else
+        for (int k = b->n_junction - 1; k >= 0; k--)
+            if (b->junction_at[k] >= q->arclength && b->junction_at[k] <= p->arclength) change = b->junction_at[k];
+    return (q->stable == RIC_STABLE_YES) * (change - q->arclength) +
+           (p->stable == RIC_STABLE_YES) * (p->arclength - change);
+}
+
+/* Ranges over the stored points, and the share of the arclength that is stable. */
+static void summarise(ric_branch_record *r)
+{
+    ric_branch *b = &r->row;
+    double stable = 0, length = 0;
+    b->energy_min = b->frequency_min = HUGE_VAL;
+    b->energy_max = b->frequency_max = -HUGE_VAL;
+    for (int i = 0; i < b->n_point; i++) {
+        const ric_point *p = (const ric_point *)(r->points + (size_t)i * r->stride);
+        b->energy_min = fmin(b->energy_min, p->energy);
+        b->energy_max = fmax(b->energy_max, p->energy);
+        b->frequency_min = fmin(b->frequency_min, p->frequency);
+        b->frequency_max = fmax(b->frequency_max, p->frequency);
+        if (!i) continue;
+        const ric_point *q = (const ric_point *)(r->points + (size_t)(i - 1) * r->stride);
+        length += p->arclength - q->arclength;
+        stable += stable_between(b, q, p);
+    }
+    b->stable_fraction = length > 0 ? stable / length : 0;
+}
+
+/* Extrema of energy and of period are junctions, or so close to a multiplication that they cannot be told from it: with
+ * the junctions the ranges are those of the branch, and not of the points that its steps happen to store. A branch that
+ * passes an orbit of fewer letters goes through it several times. */
+static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
+{
+    for (int k = 0; k < e->n_inner; k++) {
+        const ric_node *node = g->nodes[e->inner[k].node];
+        int letters = ric_cycle_letters(node->cycle), times = letters > 0 ? b->letters / letters : 1;
+        double energy = node->energy * g->model->energy_unit,
+               frequency = TWO_PI / (node->period * times) * g->model->omega_ref;
+        b->energy_min = fmin(b->energy_min, energy);
+        b->energy_max = fmax(b->energy_max, energy);
+        if (g->model->smooth || times < 1) continue;
+        b->frequency_min = fmin(b->frequency_min, frequency);
+        b->frequency_max = fmax(b->frequency_max, frequency);
+    }
+}
+
+static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t, ric_branch_record *r)
+{
+    const ric_trace *tr = e->trace;
+    ric_status status = RIC_OK;
+    for (int i = 0; i < tr->n_point && !status; i++) {
+        const double *in = tr->points + (size_t)i * tr->stride;
+        double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double),
+               *v = x + m->n_dof;
+        memcpy(out, in, sizeof(ric_point));
+        status = ric_turn_write(m, tr->chain, in + sizeof(ric_point) / sizeof(double), t, x, v, v + m->n_dof);
+    }
+    return status;
+}
+
+/* The backbone of a linear mode leaves where the mode itself grazes; what leaves there after several periods has the
+ * same node mode. */
+static int backbone_mode(const ric_graph *g, const ric_edge *e)
+{
+    const int ends[] = {e->from, e->to};
+    if (g->model->smooth) return e->mode >= 0 ? g->model->mode[e->mode] + 1 : 0;
+    for (int i = 0; i < 2; i++)
+        if (e->mode >= 0 && ends[i] >= 0 && g->nodes[ends[i]]->mode == e->mode && g->nodes[ends[i]]->multiple == 1)
+            return g->model->mode[e->mode] + 1;
+    return 0;
+}
+
+ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
+{
+    const ric_model *m = g->model;
+    const ric_trace *tr = e->trace;
+    ric_branch_record *r = &out->record;
+    ric_turn t;
+    ric_chain_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
+    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)), *turned = NULL;
+    if (!cycle) return ric_no_rows();
+    if (!canonical_turn(m, e, &t)) t = (ric_turn){0, false, false};
+    turned = ric_cycle_transform(m, cycle, t.shift, t.reverse, t.mirror);
+    int N = ric_cycle_letters(cycle);
+    *r = (ric_branch_record){.stride = ric_point_stride(m->n_dof, N)};
+    r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
+    r->word = turned ? malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
+    r->mirror = mirror_text(tr->chain);
+    r->why = ric_sheet_why(e);
+    if (turned && r->word) ric_cycle_word(m, turned, r->word);
+    r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word,
+                          .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
+                          .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why,
+                          .depth = e->depth, .mode = backbone_mode(g, e), .n_junction = e->n_inner};
+    r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
+    r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
+    ric_cycle_free(cycle);
+    ric_cycle_free(turned);
+    if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return ric_no_rows();
+    for (int k = 0; k < e->n_inner; k++) r->junction_at[k] = e->inner[k].at;
+    r->row.junctions = r->junctions;
+    r->row.junction_at = r->junction_at;
+    if (!(r->label = branch_label(m, &r->row))) return ric_no_rows();
+    r->row.label = r->label;
+    out->from = e->from;
+    out->to = e->to;
+    out->edge = e;
+    ric_status status = fill_points(m, e, &t, r);
+    if (status) return status;
+    summarise(r);
+    extend_ranges(g, e, &r->row);
+    return RIC_OK;
+}
+
+ric_status ric_sheet_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
+                            double energy, ric_sheet *out)
+{
+    ric_branch_record *r = &out->record;
+    int n = m->n_dof;
+    double omega = m->frequency[mode];
+    double top = fmin(energy, o->energy[1]);
+    *r = (ric_branch_record){.stride = ric_point_stride(n, 0)};
+    r->points = calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
+    r->word = calloc(1, sizeof *r->word);
+    r->junctions = calloc(RIC_ASKED_MAX, sizeof *r->junctions);
+    r->junction_at = calloc(RIC_ASKED_MAX, sizeof *r->junction_at);
+    r->mirror = strdup("centre-rest");
+    r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
+    if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return ric_no_rows();
+    r->row = (ric_branch){.word = r->word, .symmetric = true, .reversible = true, .mirror = r->mirror,
+                          .n_point = LINEAR_POINTS, .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW,
+                          .why = r->why, .mode = mode + 1, .junctions = r->junctions, .junction_at = r->junction_at};
+    for (int i = 0; i < LINEAR_POINTS; i++) {
+        double part = (double)i / (LINEAR_POINTS - 1), E = top * part * part,
+               *x = r->points + (size_t)i * r->stride + sizeof(ric_point) / sizeof(double);
+        ric_point *p = (ric_point *)(r->points + (size_t)i * r->stride);
+        double q = ric_linear_amplitude(omega, E);
+        double rotation = NAN;
+        for (int k = 0; m->n == 2 && k < 2; k++)
+            if (m->mode[k] != mode) rotation = fmod(m->frequency[m->mode[k]] / omega, 1);
+        *p = (ric_point){.arclength = q, .energy = E, .frequency = omega, .rotation = rotation,
+                         .trace = m->n == 2 && seen >= 0 ? asinh(cos(TWO_PI * rotation)) : NAN,
+                         .reach = isfinite(energy) ? sqrt(E / energy) : 0, .approach = NAN, .residual = 0,
+                         .stable = RIC_STABLE_YES};
+        for (int j = 0; j < n; j++) x[j] = m->Phi[j * n + mode] * q;
+        x[2 * n] = TWO_PI / omega;
+    }
+    if (!(r->label = branch_label(m, &r->row))) return ric_no_rows();
+    r->row.label = r->label;
+    out->from = -1;
+    out->to = node;
+    summarise(r);
+    r->row.stable_fraction = 1;
+    return RIC_OK;
+}
+
+static int compare_words(const ric_branch *a, const ric_branch *b)
+{
+    if (a->impacts != b->impacts) return a->impacts - b->impacts;
+    if (a->letters != b->letters) return a->letters - b->letters;
+    for (int i = 0; i < a->letters; i++)
+        if (a->word[i] != b->word[i]) return a->word[i] - b->word[i];
+    return 0;
+}
+
+int ric_sheet_order(const void *p, const void *q)
+{
+    const ric_branch *a = &((const ric_sheet *)p)->record.row, *b = &((const ric_sheet *)q)->record.row;
+    int order;
+    bool linear[2] = {((const ric_sheet *)p)->edge == NULL, ((const ric_sheet *)q)->edge == NULL};
+    if (linear[0] && linear[1]) return a->mode - b->mode;
+    if (linear[0] != linear[1]) return linear[0] ? -1 : 1;
+    if (a->impacts == 0 && !a->mode != !b->mode) return a->mode ? -1 : 1;
+    if (a->impacts == 0 && a->mode && a->mode != b->mode) return a->mode - b->mode;
+    if (!a->impacts != !b->impacts) return a->impacts ? 1 : -1;
+    if (a->depth != b->depth) return a->depth - b->depth;
+    if ((order = compare_words(a, b))) return order;
+    if ((order = ric_compare_numbers(a->energy_min, b->energy_min))) return order;
+    if ((order = ric_compare_numbers(a->frequency_min, b->frequency_min))) return order;
+    if ((order = ric_compare_numbers(a->energy_max, b->energy_max))) return order;
+    if ((order = strcmp(a->mirror, b->mirror))) return order;
+    for (int i = 0; i < 4 && !order; i++) order = ((const ric_sheet *)p)->ends[i] - ((const ric_sheet *)q)->ends[i];
+    return order;
+}

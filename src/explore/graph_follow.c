@@ -1,0 +1,661 @@
+/* From a departure to an edge of the graph: the trace, what it ends at, what it passes. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+#include "junction/room.h"
+#include "graph_parts.h"
+#include "branch/room.h"
+
+#define TWO_PI 6.283185307179586477
+#define AT_END 1e-9   /* arclength within which an event belongs to the end of its branch */
+#define SAME_EVENT 1e-5 /* arclength, relative, within which two events of one place lie */
+#define NEAR_END 1e-2 /* part of a branch near its end where that end's own junction is not met again */
+#define PARTS 16      /* of a period, between inner nodes, the first time that they are needed */
+#define MORE_PARTS 4  /* and each time that they do not suffice */
+#define MOST_PARTS 64
+#define NO_BRANCH 1e-6 /* of the size: what is lost nearer to its start than this is rounding beside a family of more
+                        * parameters, and no branch */
+#define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
+
+/* ------------------------------------------------------------------- tracing */
+
+/* What is traced: departure `choice` of a node (side -1: the other way, at a branch that passes); or the way back from
+ * the end of a trace of that departure, `along`, to its other end. */
+typedef struct {
+    const ric_limits *limits; /* outlive the trace */
+    const ric_node *node;
+    unsigned choice;
+    int side;
+    const ric_trace *along;
+} course;
+
+/* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
+static void trace_key(const course *way, char *key, size_t size)
+{
+    const ric_limits *l = way->limits;
+    const ric_node *node = way->node;
+    uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
+    hash ^= node->cycle->closed;
+    for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
+    locale_t before = ric_c_locale_enter();
+    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
+                        node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, way->choice,
+                        way->side,
+                        l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply, hash);
+    ric_c_locale_leave(before);
+    if (l->n_asked)
+        used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
+    if (way->along) snprintf(key + used, size - (size_t)used, " back");
+}
+
+/* A trace that was broken off is kept beside those that are finished, with the attempt that it belongs to. */
+static const char *paused_key(const char *key, char *out, size_t size)
+{
+    snprintf(out, size, "%s" RIC_PAUSED, key);
+    return out;
+}
+
+/* For later runs, or for the owner of the graph. */
+static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, size_t size)
+{
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) return whole;
+    (g->owner ? g->owner : g)->fresh++;
+    if (g->recall.worker) ric_memo_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
+    if (!g->store) return RIC_OK;
+    char name[1040];
+    ric_status status = ric_store_trace_put(g->store, key, blob ? blob : "", size);
+    return status ? status : ric_store_trace_drop(g->store, paused_key(key, name, sizeof name));
+}
+
+static ric_status keep_paused(ric_graph *g, const char *key, int parts, const ric_trace *tr)
+{
+    char name[1040];
+    void *blob = NULL;
+    size_t size;
+    ric_status status = ric_trace_pause(tr, parts, &blob, &size);
+    paused_key(key, name, sizeof name);
+    if (!status && g->store) status = ric_store_trace_put(g->store, name, blob, size);
+    else if (!status && g->recall.worker) ric_memo_put(g->recall.memo, name, strlen(name), blob, size);
+    free(blob);
+    return status;
+}
+
+/* *out stays NULL where there is none; what cannot be read is traced from its start. */
+static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char *key, int *parts, ric_trace **out)
+{
+    char name[1040];
+    void *blob = NULL;
+    size_t size = 0;
+    ric_status status = RIC_OK;
+    paused_key(key, name, sizeof name);
+    *parts = 0;
+    *out = NULL;
+    if (g->store) status = ric_store_trace_get(g->store, name, &blob, &size);
+    else if (g->recall.worker) {
+        char lent[1100];
+        int n = snprintf(lent, sizeof lent, "%s%s", RIC_LENT, name);
+        blob = ric_memo_take(g->recall.memo, lent, (size_t)n, &size);
+    }
+    if (blob && ric_trace_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM) status = RIC_E_NOMEM;
+    free(blob);
+    return status;
+}
+
+/* The start of a trace that goes from the end of `tr` back along it. */
+static ric_status turn_back(const ric_trace *tr, ric_trace **out)
+{
+    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
+                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
+                            1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
+    ric_chain *chain = ric_chain_copy(tr->chain);
+    double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
+    if (!back) {
+        ric_chain_free(chain);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
+    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, tr->limits, out);
+    free(back);
+    return status;
+}
+
+/* *out stays NULL where nothing admissible departs. */
+static ric_status set_out(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
+{
+    ric_chain *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    if (way->along) return turn_back(way->along, out);
+    ric_status status = ric_node_depart(m, node, way->choice, way->side, &chain, &u0, &t0, &ignore);
+    if (!status && chain) status = ric_trace_create(chain, u0, t0, ignore, way->limits, out);
+    free(u0);
+    free(t0);
+    return status;
+}
+
+/* A branch that is lost before it has left its start. */
+static ric_status not_left(const ric_trace *tr)
+{
+    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    double length = last->arclength, least = NO_BRANCH * tr->chain->scale;
+    if (tr->stop != RIC_STOP_FAILED || length > least) return RIC_OK;
+    return ric_fail(RIC_E_NUMERIC, "the branch is lost %.1e from its start (%s), and not told apart from it", length,
+                    ric_why_text(tr->why));
+}
+
+/* *out that is not NULL before is a trace that was broken off, and goes on; as it does after RIC_E_INTERRUPTED. */
+static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
+{
+    ric_status status = *out ? RIC_OK : ric_trust(set_out(m, way, node, out));
+    bool begun = !status;
+    if (begun && *out) status = ric_trace_run(*out);
+    if (begun && !status && *out) status = not_left(*out);
+    if (status && !(begun && status == RIC_E_INTERRUPTED)) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
+/* The next number of parts between inner nodes that is worth an attempt, 0: none. */
+static int more_parts(const ric_model *m, const course *way, int parts)
+{
+    if (!m->smooth || way->along) return 0;
+    do parts = parts ? MORE_PARTS * parts : PARTS;
+    while (parts <= way->node->cycle->parts);
+    return parts <= MOST_PARTS ? parts : 0;
+}
+
+/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
+ * sought once more with inner nodes, and with more of them (nodes.h). What the last attempt finds counts. *parts: the
+ * attempt, 0 the first; with *out it is one that was broken off. */
+static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts, ric_trace **out)
+{
+    for (;;) {
+        ric_node *divided = ric_node_copy(way->node);
+        if (!divided) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        if (*parts) divided->cycle->parts = *parts;
+        ric_status status = trace_once(m, way, divided, out);
+        ric_node_free(divided);
+        bool lost = *out && ((*out)->stop == RIC_STOP_FAILED || (*out)->steep);
+        int more = status == RIC_E_NUMERIC || (!status && lost) ? more_parts(m, way, *parts) : 0;
+        if (!more) return status;
+        *parts = more;
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+}
+
+/* A trace that is kept: as nothing where nothing departs, as the reason where it could not be traced. */
+static const char refused[] = "refused: ";
+
+static ric_status pack_outcome(ric_status status, const ric_trace *tr, void **blob, size_t *size)
+{
+    *size = 0;
+    if (!status) return tr ? ric_trace_pack(tr, blob, size) : RIC_OK;
+    const char *why = ric_detail();
+    *size = sizeof refused + strlen(why);
+    if (!(*blob = malloc(*size))) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
+    snprintf(*blob, *size, "%s%s", refused, why);
+    return RIC_OK;
+}
+
+static ric_status unpack_outcome(const ric_model *m, const ric_limits *limits, const char *blob, size_t size,
+                                 ric_trace **out)
+{
+    size_t head = sizeof refused - 1;
+    if (size == 0) return RIC_OK;
+    if (size > head && !memcmp(blob, refused, head) && !blob[size - 1])
+        return ric_fail(RIC_E_NUMERIC, "%s", blob + head);
+    return ric_trace_unpack(m, limits, blob, size, out);
+}
+
+static ric_status trace_course(ric_graph *g, const course *way, ric_trace **out)
+{
+    char key[1024];
+    void *blob = NULL;
+    size_t size;
+    int parts;
+    ric_status status = RIC_OK;
+    *out = NULL;
+    trace_key(way, key, sizeof key);
+    if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
+    bool stored = blob != NULL;
+    if (!blob && g->recall.memo && !g->recall.worker) blob = ric_memo_take(g->recall.memo, key, strlen(key), &size);
+    if (blob) {
+        if (!stored) status = keep_trace(g, key, blob, size);
+        if (!status) status = unpack_outcome(g->model, way->limits, blob, size, out);
+        free(blob);
+        return status;
+    }
+    if ((status = take_paused(g, way->limits, key, &parts, out))) return status;
+    status = trace_in_parts(g->model, way, &parts, out);
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) status = whole;
+    if (status == RIC_E_INTERRUPTED && (*out || parts) && keep_paused(g, key, parts, *out)) status = RIC_E_NOMEM;
+    if ((!status || status == RIC_E_NUMERIC) && (g->store || g->recall.worker)) {
+        ric_status kept = pack_outcome(status, *out, &blob, &size);
+        if (!kept) kept = keep_trace(g, key, blob, size);
+        if (kept) status = kept;
+        else if (status) status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof refused - 1);
+    }
+    if (status) {
+        ric_trace_free(*out);
+        *out = NULL;
+    }
+    free(blob);
+    return status;
+}
+
+/* As trace_departure, within limits that outlive the trace. */
+static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side,
+                               ric_trace **out)
+{
+    return trace_course(g, &(course){limits, node, choice, side, NULL}, out);
+}
+
+/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A
+ * branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
+static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
+{
+    ric_status status = trace_within(g, &g->limits, node, choice, side, out);
+    if (status || !*out || !ric_region_multiplies(g->options, (*out)->n_point, (*out)->stride, (*out)->points))
+        return status;
+    ric_trace_free(*out);
+    return trace_within(g, &g->deep, node, choice, side, out);
+}
+
+bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choice)
+{
+    char key[1024];
+    void *blob = NULL;
+    size_t size;
+    if (!g->store) return false;
+    trace_key(&(course){&g->limits, node, choice, 1, NULL}, key, sizeof key);
+    bool found = !ric_store_trace_get(g->store, key, &blob, &size) && blob;
+    free(blob);
+    return found;
+}
+
+/* Whether the branch stopped because gaps of two contacts closed at one instant. */
+static bool at_corner(const ric_trace *tr)
+{
+    ric_touch touch;
+    if (tr->end.test == RIC_TEST_FLIGHT) return true;
+    if (tr->end.test != RIC_TEST_REACH) return false;
+    ric_chain_fly(tr->chain, tr->end.u);
+    ric_reach(tr->chain, tr->end.u, &touch);
+    return touch.face >= 0 && touch.kink;
+}
+
+/* Whether a branch that ends here can be traced from here. */
+static bool departs(const ric_node *node)
+{
+    return !(ric_node_chooses(node) && node->refusal);
+}
+
+/* Which of the branches that leave a multiplication without mirror points this is: its last point before the end
+ * tells. */
+static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric_node *node, unsigned *choice)
+{
+    int side, last = tr->n_point - 1;
+    const ric_point *row = (const ric_point *)(tr->points + (size_t)last * tr->stride);
+    if (last > 0 && row->arclength >= tr->end.s)
+        row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
+    ric_cycle *near = ric_trace_cycle(tr, (const double *)(row + 1));
+    if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_status status = ric_ring_class(g->model, node, near, choice, &side);
+    ric_cycle_free(near);
+    if (status != RIC_E_NUMERIC) return status;
+    *choice = RIC_SIDE; /* refused to those who want to leave here, too */
+    return RIC_OK;
+}
+
+/* Whether two chains are the same problem. */
+static bool same_problem(const ric_chain *a, const ric_chain *b)
+{
+    size_t faces = (size_t)a->n_flight + 1;
+    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight &&
+           a->parts == b->parts && a->closed[0] == b->closed[0] && !memcmp(a->face, b->face, faces * sizeof *a->face);
+}
+
+/* Under a power law, and with springs, the end of a branch at a junction, read off cubics, is replaced by the orbit of
+ * the junction itself: of its images, as orbits of the branch's own problem, the one that lies there. What bends the
+ * curves there grows with the stiffness. */
+static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node *node, unsigned choice)
+{
+    ric_chain *c = tr->chain;
+    int size = c->n_unknown;
+    double nearest = END_NEAR * c->scale, best[size];
+    if (!g->model->springs || !ric_node_leaves(node, choice)) return RIC_OK;
+    ric_problem problem = ric_node_problem(node, choice);
+    ric_cycle *whole = ric_problem_cycle(node->cycle, &problem);
+    if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+    int operations = ric_cycle_operations(g->model);
+    for (int k = 0; k < operations * whole->N; k++) {
+        ric_chain *chain = NULL;
+        double *u = NULL, off = 0;
+        int op = k % operations;
+        ric_cycle *image = ric_cycle_transform(g->model, whole, k / operations, op & 1, op & 2);
+        bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && same_problem(chain, c);
+        for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
+        if (fits && off < nearest) {
+            nearest = off;
+            memcpy(best, u, sizeof best);
+        }
+        ric_cycle_free(image);
+        ric_chain_free(chain);
+        free(u);
+    }
+    ric_cycle_free(whole);
+    return nearest == END_NEAR * c->scale ? RIC_OK : ric_trace_end_at(tr, best);
+}
+
+/* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
+static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
+{
+    ric_status status = RIC_OK;
+    ric_node *node = NULL;
+    *index = -1;
+    *choice = 0;
+    if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
+    ric_cycle *cycle = ric_trace_cycle(tr, tr->end.u);
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_solve solve = {.kind = tr->arrival                                                      ? RIC_SOLVE_ARRIVAL
+                               : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_SOLVE_CORNER
+                                                                                       : RIC_SOLVE_GRAZING};
+    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+    if (status == RIC_E_NUMERIC) {
+        tr->stop = RIC_STOP_FAILED;
+        tr->why = RIC_WHY_NO_JUNCTION;
+        status = RIC_OK;
+    }
+    if (node) {
+        if (node->kind == RIC_KIND_CORNER && node->refusal) tr->stop = RIC_STOP_CORNER;
+        *index = ric_graph_add(g, node, depth);
+        if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
+        else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
+            int found = ric_subset_choice(g->model, g->nodes[*index], cycle);
+            if (found < 0) {
+                tr->stop = RIC_STOP_FAILED;
+                tr->why = RIC_WHY_NO_FIT;
+                *index = -1;
+            } else *choice = (unsigned)found;
+        } else if (ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
+    }
+    if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
+    ric_cycle_free(cycle);
+    return ric_trust(status);
+}
+
+/* ------------------------------------------------------------------- edges */
+
+/* On a half chain tests A and D vanish where the period doubles. */
+static bool doubles(const ric_chain *c, int test)
+{
+    return c->start != RIC_MIRROR_NONE && c->multiple == 2 && (test == RIC_TEST_A || test == RIC_TEST_D);
+}
+
+/* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that
+ * may pass -1 and come back within one step, where only the tests tell both places. *twin: the event is met by its
+ * multiplier, too. */
+static const ric_resonance *resonance_of(const ric_trace *tr, const ric_event *event, bool *twin)
+{
+    const ric_resonance *doubling = NULL;
+    *twin = false;
+    if (!doubles(tr->chain, event->test)) return ric_trace_resonance(tr, event->test);
+    for (int k = 0; k < tr->n_resonance; k++)
+        if (tr->resonances[k].q == 2) doubling = &tr->resonances[k];
+    for (int i = 0; i < tr->n_event; i++) {
+        const ric_resonance *other = ric_trace_resonance(tr, tr->events[i].test);
+        *twin |= other && other == doubling && fabs(tr->events[i].s - event->s) < SAME_EVENT * (1 + event->s);
+    }
+    return doubling;
+}
+
+static bool breaks_or_crosses(int test)
+{
+    return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
+/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several periods, or one
+ * without the symmetry of the junction. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node,
+                                 bool aside, unsigned *choice)
+{
+    int size = e->trace->chain->n_unknown;
+    double u[size];
+    *choice = aside ? RIC_SIDE : RIC_THROUGH;
+    if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
+    for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
+    ric_cycle *near = ric_trace_cycle(e->trace, u);
+    ric_status status = near ? ric_crossing_choice(g->model, node, near, choice)
+                             : ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_cycle_free(near);
+    return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
+}
+
+/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its
+ * mirror image. */
+static bool passes_image(const ric_model *m, const ric_cycle *cycle, int test)
+{
+    ric_cycle *found = !m->symmetric && test == RIC_TEST_DET ? ric_cycle_copy(cycle) : NULL;
+    if (found) ric_cycle_find_symmetries(m, found, 1e-5);
+    bool more = found && ((found->half && !cycle->half) || (found->flip >= 0 && cycle->flip < 0));
+    ric_cycle_free(found);
+    return more;
+}
+
+/* Where it is and what it was taken for: the atlas names what it has not found. */
+static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event *event, const ric_resonance *resonance,
+                               const ric_cycle *cycle)
+{
+    ric_unplaced *more = realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
+    if (!more) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    e->unplaced = more;
+    more[e->n_unplaced++] = (ric_unplaced){.test = event->test, .p = resonance ? resonance->p : 0,
+                                           .q = resonance ? resonance->q : 0,
+                                           .energy = ric_cycle_energy(g->model, cycle) * g->model->energy_unit,
+                                           .frequency = TWO_PI / ric_cycle_period(cycle) * g->model->omega_ref};
+    return RIC_OK;
+}
+
+static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
+{
+    ric_status status;
+    ric_node *node = NULL;
+    const double *last = e->trace->points + (size_t)(e->trace->n_point - 1) * e->trace->stride;
+    bool twin, doubling = doubles(e->trace->chain, event->test);
+    const ric_resonance *resonance = resonance_of(e->trace, event, &twin);
+    if (doubling && (twin || !resonance)) return RIC_OK;
+    /* the ends of a branch are junctions of their own, but for the place where a closed one begins and ends */
+    double length = ((const ric_point *)last)->arclength;
+    if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED)) return RIC_OK;
+    ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    bool aside = !doubling && breaks_or_crosses(event->test) &&
+                 (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
+    const ric_asked *asked = ric_trace_asked(e->trace, event->test);
+    ric_solve solve = aside       ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
+                      : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
+                      : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
+                                  : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
+    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+    if (status == RIC_E_NUMERIC) status = add_unplaced(g, e, event, resonance, cycle);
+    ric_cycle_free(cycle);
+    if (!node) return status;
+    int index = ric_graph_add(g, node, e->depth);
+    if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length))
+        return RIC_OK;
+    for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
+        if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < SAME_EVENT * (1 + event->s)) return RIC_OK;
+    unsigned choice;
+    if ((status = passing_choice(g, e, event, g->nodes[index], aside, &choice))) return status;
+    ric_graph_mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
+    return ric_edge_attach(e, index, choice, event->s);
+}
+
+/* Traces again from the far end, so that what is stored does not depend on which end was found first. */
+static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr,
+                                   bool *turned)
+{
+    ric_trace *back = NULL;
+    int home = -1;
+    unsigned choice = 0;
+    ric_node *a = g->nodes[from], *b = g->nodes[to];
+    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
+    *turned = false;
+    if (order <= 0 || !departs(b)) return RIC_OK;
+    ric_status status = trace_departure(g, b, arrive, 1, &back);
+    if (status == RIC_E_NUMERIC) return RIC_OK;
+    if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
+    if (status) return status;
+    if (!back || home != from || (ric_node_chooses(a) && choice != leave)) {
+        (*tr)->stop = RIC_STOP_FAILED;
+        (*tr)->why = RIC_WHY_NO_WAY_BACK;
+        ric_trace_free(back);
+        return RIC_OK;
+    }
+    ric_trace_free(*tr);
+    *tr = back;
+    *turned = true;
+    return RIC_OK;
+}
+
+/* What tells quickly that an orbit is none of the edge's. */
+static ric_status note_orbits(ric_edge *e)
+{
+    e->energy[0] = HUGE_VAL;
+    e->energy[1] = -HUGE_VAL;
+    for (int i = 0; i < e->trace->n_point; i++) {
+        const ric_point *p = (const ric_point *)(e->trace->points + (size_t)i * e->trace->stride);
+        e->energy[0] = fmin(e->energy[0], p->energy);
+        e->energy[1] = fmax(e->energy[1], p->energy);
+    }
+    e->first = ric_trace_cycle(e->trace, e->trace->points + sizeof(ric_point) / sizeof(double));
+    return e->first ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a branch");
+}
+
+static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth,
+                              int mode)
+{
+    ric_edge *e = ric_graph_add_edge(g);
+    if (!e) {
+        ric_trace_free(tr);
+        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    }
+    e->trace = tr;
+    e->from = from;
+    e->to = to;
+    e->leave = leave;
+    e->arrive = arrive;
+    e->depth = depth;
+    e->mode = mode;
+    ric_status status = note_orbits(e);
+    for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
+    status = ric_trust(status);
+    /* no branch with some of its junctions */
+    if (status == RIC_E_INTERRUPTED) ric_edge_release(&g->edges[--g->n_edge]);
+    return status;
+}
+
+/* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the way, or at the lower
+ * end of the energy window, which a branch that begins below it passes. */
+static bool one_sided(const ric_trace *tr)
+{
+    return tr->stop == RIC_STOP_FAILED || (tr->stop == RIC_STOP_WINDOW && tr->end.test == RIC_TEST_E_MIN);
+}
+
+/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind
+ * is a part of it. */
+static void supersede(ric_graph *g)
+{
+    ric_edge *last = &g->edges[g->n_edge - 1];
+    if (last->trace->stop == RIC_STOP_FAILED || last->from < 0 || last->to < 0) return;
+    for (int i = 0; i < g->n_edge - 1; i++) {
+        ric_edge *e = &g->edges[i];
+        bool same = (e->from == last->from && e->leave == last->leave) ||
+                    (e->from == last->to && e->leave == last->arrive);
+        if (!one_sided(e->trace) || e->to >= 0 || !same) continue;
+        ric_edge_release(e);
+        memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);
+        g->n_edge--;
+        return;
+    }
+}
+
+/* What was taken for known is not, because following it was broken off. */
+static void reopen(ric_status status, ric_node *node, unsigned choice)
+{
+    for (int i = 0; i < node->n_departure && status == RIC_E_INTERRUPTED; i++)
+        if (node->departures[i].choice == choice) node->departures[i].state = RIC_DEPARTURE_OPEN;
+}
+
+ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, bool *taken)
+{
+    ric_trace *tr = NULL;
+    int to = -1;
+    unsigned arrive;
+    bool turned = false;
+    ric_status status = trace_departure(g, g->nodes[from], choice, 1, &tr);
+    *taken = tr != NULL;
+    if (status || !tr) return status;
+    if ((status = end_node(g, tr, depth, &to, &arrive))) goto out;
+    if (to >= 0) {
+        ric_graph_mark(g, g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
+        if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;
+    }
+    int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
+    if (turned) status = finish_edge(g, tr, to, arrive, from, choice, depth, mode);
+    else status = finish_edge(g, tr, from, choice, to, arrive, depth, mode);
+    if (!status) supersede(g);
+    else if (to >= 0) reopen(status, g->nodes[to], arrive);
+    return status;
+out:
+    if (to >= 0) reopen(status, g->nodes[to], arrive);
+    ric_trace_free(tr);
+    return status;
+}
+
+ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, int depth)
+{
+    ric_status status = RIC_OK;
+    ric_trace *tr[2] = {NULL, NULL}, *whole = NULL;
+    int to[2] = {-1, -1};
+    unsigned arrive[2];
+    for (int i = 0; i < 2; i++) {
+        if ((status = trace_departure(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
+        if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
+        if (tr[i]->stop == RIC_STOP_CLOSED) {
+            status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, g->nodes[inside]->mode);
+            tr[i] = NULL;
+            goto out;
+        }
+        if (to[i] < 0 || !departs(g->nodes[to[i]])) continue;
+        bool taken;
+        ric_graph_mark(g, g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
+        status = ric_graph_follow(g, to[i], arrive[i], depth, &taken);
+        reopen(status, g->nodes[to[i]], arrive[i]);
+        goto out;
+    }
+    /* neither end is a junction that branches depart from */
+    int first = tr[0]->end.u ? 0 : 1, far;
+    unsigned choice;
+    if (!tr[first]->end.u) goto out;
+    const course back = {tr[first]->limits, g->nodes[inside], through, first ? -1 : 1, tr[first]};
+    if ((status = trace_course(g, &back, &whole)) || (status = end_node(g, whole, depth, &far, &choice))) goto out;
+    if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
+    status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
+    whole = NULL;
+out:
+    ric_trace_free(tr[0]);
+    ric_trace_free(tr[1]);
+    ric_trace_free(whole);
+    return status;
+}

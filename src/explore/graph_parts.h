@@ -1,0 +1,33 @@
+/* What the files of the graph share: graph.c (nodes and edges), graph_start.c (where it begins), follow.c
+ * (from a departure to an edge), schedule.c (the order of work). No other file needs it. */
+#ifndef RIC_EXPLORE_GRAPH_PARTS_H
+#define RIC_EXPLORE_GRAPH_PARTS_H
+
+#include "graph.h"
+
+/* Keys of traces that were broken off: that of the trace with this ending; in the memo, where workers find what the
+ * store has of them, behind this beginning. */
+#define RIC_PAUSED " paused"
+#define RIC_LENT "lent "
+
+/* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */
+int ric_graph_add(ric_graph *graph, ric_node *node, int depth);
+/* Takes over a node that no other equals, whose departures are listed. -1: no memory. */
+int ric_graph_append(ric_graph *graph, ric_node *node);
+/* The state of departure `choice` of a node, unless it has been taken. */
+void ric_graph_mark(ric_graph *graph, ric_node *node, unsigned choice, ric_departure_state state);
+/* An empty edge, the last of the list; NULL: no memory. */
+ric_edge *ric_graph_add_edge(ric_graph *graph);
+void ric_edge_release(ric_edge *edge);
+
+/* The nodes from which everything else is reached. */
+ric_status ric_graph_start(ric_graph *graph);
+
+/* A branch with a real end: from departure `choice` of node `from`. *taken = false when inadmissible. */
+ric_status ric_graph_follow(ric_graph *graph, int from, unsigned choice, int depth, bool *taken);
+/* The whole of a branch that passes through a junction: to one end, then from there to the other. */
+ric_status ric_graph_follow_through(ric_graph *graph, int inside, unsigned through, int depth);
+/* Whether an earlier run has followed the departure. */
+bool ric_graph_followed_before(ric_graph *graph, const ric_node *node, unsigned choice);
+
+#endif

@@ -1,0 +1,253 @@
+/* Where an exploration begins: the grazings of the modes, the closed form of a loose mass, orbits given from
+ * outside. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "graph_parts.h"
+#include "model/room.h"
+#include "base/room.h"
+
+#define ABOVE 1e-6 /* part by which a start lies above the lower edge of the window */
+#define TWO_PI 6.283185307179586477
+#define EQUAL 1e-11 /* difference of two squared frequencies, relative, that rounding makes */
+#define UNMOVED 1e-9 /* share of a force that counts as none */
+#define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
+
+/* Whether contacts with this exponent drive mode `other` when mode `mode` alone moves: the average of their force over
+ * a period, in units that all of them share. */
+static bool drives(const ric_model *m, int exponent, int mode, int other)
+{
+    double sum = 0, size = 0;
+    for (int f = 0; f < m->n_contact; f++) {
+        double own = m->g[f * m->n + mode], its = m->g[f * m->n + other], push = 0;
+        if (m->contact[f].exponent == exponent) push = m->spring[f] * pow(own, exponent);
+        sum += push * its;
+        size += fabs(push) * hypot(own, its);
+    }
+    return fabs(sum) > UNMOVED * size;
+}
+
+/* Where two modes have one frequency, every mixture of them is a motion of the linear structure. Those have branches
+ * whose average of the springs' energy is stationary: a mode alone does only if it does not drive the others. */
+static int mixed_with(const ric_model *m, int mode)
+{
+    for (int i = 0; i < m->n; i++) {
+        double off = m->omega[i] * m->omega[i] / (m->omega[mode] * m->omega[mode]) - 1;
+        for (int f = 0; f < m->n_contact && i != mode && fabs(off) <= EQUAL; f++)
+            if (drives(m, m->contact[f].exponent, mode, i)) return i;
+    }
+    return -1;
+}
+
+static int nearest_mode(const ric_model *m, int mode)
+{
+    int nearest = -1;
+    double least = HUGE_VAL;
+    for (int i = 0; i < m->n; i++) {
+        double apart = fabs(m->omega[i] - m->omega[mode]);
+        if (i == mode || apart >= least) continue;
+        nearest = i;
+        least = apart;
+    }
+    return nearest;
+}
+
+static ric_status no_start(const ric_model *m, int mode)
+{
+    int other = mixed_with(m, mode);
+    if (other < 0) other = nearest_mode(m, mode);
+    if (m->n_part > 1 || other < 0)
+        return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge", m->mode[mode] + 1);
+    return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy is not known: its frequency is that of mode "
+                    "%d up to %.1e, and the power laws decide which mixtures of the two have branches",
+                    m->mode[mode] + 1, m->mode[other] + 1, fabs(m->omega[other] / m->omega[mode] - 1));
+}
+
+/* A mode that no branch can be started from is a start all the same, at an energy at which its linear motion is an
+ * orbit to rounding, whose departures are refused with the reason. */
+static ric_status refused_start(const ric_model *m, ric_chain *chain, int mode, ric_node **out)
+{
+    double u[m->n + 1];
+    memset(u, 0, sizeof u);
+    u[mode] = STILL;
+    u[m->n] = TWO_PI / (4 * m->omega[mode]);
+    ric_chain_fly(chain, u);
+    ric_cycle *cycle = ric_cycle_from_chain(chain, u);
+    ric_status status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
+    ric_cycle_free(cycle);
+    if (status) return status;
+    no_start(m, mode);
+    (*out)->mode = mode;
+    for (int i = 0; i < (*out)->n_departure; i++) {
+        (*out)->departures[i].state = RIC_DEPARTURE_REFUSED;
+        (*out)->departures[i].why = strdup(ric_detail());
+    }
+    return status;
+}
+
+/* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts
+ * higher, the branch is followed up to there. *out = NULL: it does not come so far. */
+static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
+{
+    static const int face[] = {-1, -1};
+    const ric_model *m = g->model;
+    ric_chain *chain = NULL;
+    ric_trace *way = NULL;
+    ric_cycle *cycle = NULL;
+    int n = m->n, iterations;
+    double u[n + 1], t[n + 1], du[n + 1], energy = 2 * m->linear_energy / m->energy_unit;
+    ric_limits limits = g->limits;
+    *out = NULL;
+    if (m->omega[mode] == 0) return RIC_OK;
+    ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
+    if (status) return status;
+    memset(u, 0, sizeof u);
+    u[mode] = sqrt(2 * energy);
+    u[n] = TWO_PI / (4 * m->omega[mode]);
+    if (mixed_with(m, mode) >= 0 || !ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
+        status = refused_start(m, chain, mode, out);
+        goto out;
+    }
+    if (energy > limits.energy[0]) cycle = ric_cycle_from_chain(chain, u);
+    else {
+        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + ABOVE)}, .period = {0, HUGE_VAL},
+                              .max_step = limits.max_step, .max_points = limits.max_points};
+        memset(t, 0, sizeof t);
+        t[mode] = 1;
+        status = ric_trace_create(chain, u, t, 0, &limits, &way);
+        chain = NULL;
+        if (status || (status = ric_trace_run(way)) || way->end.test != RIC_TEST_E_MAX) goto out;
+        cycle = ric_trace_cycle(way, way->end.u);
+    }
+    status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (*out) (*out)->mode = mode;
+out:
+    ric_cycle_free(cycle);
+    ric_trace_free(way);
+    ric_chain_free(chain);
+    return status;
+}
+
+static ric_status start_modes(ric_graph *g)
+{
+    const ric_model *m = g->model;
+    for (int i = 0; i < m->n; i++) {
+        ric_node *node = NULL;
+        bool wanted = g->options->n_start == 0;
+        for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == m->mode[i] + 1;
+        if (!wanted) continue;
+        ric_status status = m->smooth ? smooth_start(g, i, &node) : ric_node_linear(m, i, &node);
+        if (status) return status;
+        if (!node) continue;
+        if (node->energy > g->limits.energy[1]) {
+            ric_node_free(node);
+            continue;
+        }
+        /* at their energies all refused starts would be taken for one */
+        bool refused = node->n_departure > 0 && node->departures[0].state == RIC_DEPARTURE_REFUSED;
+        int index = refused ? ric_graph_append(g, node) : ric_graph_add(g, node, 0);
+        if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    }
+    return RIC_OK;
+}
+
+/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a closed form
+ * (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)) from the centre, h half a
+ * period, A from s(h/2) = d. It is scanned over the frequency window; every stretch of admissible orbits gives a start,
+ * from which its branch is followed both ways. */
+static void closed_form(const ric_model *m, const ric_face *f, double omega, double *u)
+{
+    int n = m->n;
+    double sum = 0, quarter = TWO_PI / (4 * omega);
+    for (int k = 0; k < n; k++) {
+        double x = m->omega[k] * quarter;
+        sum += f->c[k] * f->c[k] * (m->omega[k] > 0 ? tan(x) / m->omega[k] : quarter);
+        u[k] = f->c[k] / cos(x);
+    }
+    for (int k = 0; k < n; k++) u[k] *= f->gap / sum;
+    u[n] = quarter;
+}
+
+#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
+
+static ric_status start_stretch(ric_graph *g, ric_chain *chain, const double *u)
+{
+    ric_chain_fly(chain, u);
+    ric_cycle *cycle = ric_cycle_from_chain(chain, u);
+    ric_node *node = NULL;
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a start");
+    ric_status status = ric_node_start(g->model, cycle, &node);
+    ric_cycle_free(cycle);
+    if (status == RIC_E_NUMERIC) return RIC_OK;
+    if (!status && ric_graph_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    return status;
+}
+
+/* The face that a loose mass goes to and fro before; -1 if there is no such mass, or more than one contact. */
+static int loose_face(const ric_model *m)
+{
+    bool loose = false;
+    for (int i = 0; i < m->n; i++) loose |= m->omega[i] == 0;
+    for (int f = 0; loose && m->n_contact == 1 && f < m->n_face; f++)
+        if (m->face[f].mirror >= 0 && m->face[f].side > 0) return f;
+    return -1;
+}
+
+ric_status ric_graph_check_start(const ric_model *m)
+{
+    if (!m->springs || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
+    return ric_fail(RIC_E_INPUT,
+                    "the structure can move as a rigid body against a contact of law bilinear: such families have no "
+                    "closed form to start from in this version; hold the structure by a soft spring, or make the "
+                    "contact rigid");
+}
+
+static ric_status start_loose(ric_graph *g)
+{
+    const ric_model *m = g->model;
+    int n = m->n, upper = loose_face(m), face[2] = {-1, upper};
+    bool inside = false;
+    if (upper < 0) return RIC_OK;
+    ric_chain *chain = NULL;
+    ric_status status = ric_graph_check_start(m);
+    if (status) return status;
+    status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
+    double u[n + 1], low = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 1e-3;
+    for (double omega = low; !status && omega < TWO_PI / g->limits.period[0]; omega *= SCAN) {
+        closed_form(m, &m->face[upper], omega, u);
+        ric_chain_fly(chain, u);
+        double energy = ric_chain_energy(chain);
+        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < 1e-9 &&
+                    chain->approach[1] > 0 && ric_reach(chain, u, NULL) < 1;
+        if (good && !inside) status = start_stretch(g, chain, u);
+        inside = good;
+    }
+    ric_chain_free(chain);
+    return status;
+}
+
+/* Orbits given from outside, such as those that a hunt has found. One that is no orbit to this version is left out. */
+static ric_status start_given(ric_graph *g)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; i < g->starts.n && !status; i++) {
+        ric_cycle *cycle = NULL;
+        ric_node *node = NULL;
+        status = ric_start_solve(g->model, g->starts.cycle[i], &cycle);
+        if (!status) status = ric_node_start(g->model, cycle, &node);
+        ric_cycle_free(cycle);
+        if (status == RIC_E_NUMERIC) status = RIC_OK;
+        else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1]))
+            ric_node_free(node);
+        else if (!status && ric_graph_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    }
+    return status;
+}
+
+ric_status ric_graph_start(ric_graph *g)
+{
+    ric_status status = g->only_given ? RIC_OK : start_modes(g);
+    if (status || g->model->n_part > 1) return status;
+    if (!g->only_given && (status = start_loose(g))) return status;
+    return start_given(g);
+}

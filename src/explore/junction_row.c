@@ -1,0 +1,247 @@
+#include "rows_parts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TWO_PI 6.283185307179586477
+
+static const char *letter(ric_kind kind)
+{
+    switch (kind) {
+    case RIC_KIND_GRAZING: return "G";
+    case RIC_KIND_CORNER: return "K";
+    case RIC_KIND_PERIOD_EXTREMUM: return "P";
+    case RIC_KIND_START: return "O";
+    case RIC_KIND_USER: return "U";
+    default: return "C";
+    }
+}
+
+static void count_departures(const ric_node *node, ric_junction_record *r)
+{
+    ric_departures *d = &r->row.departures;
+    for (int i = 0; i < node->n_departure; i++) switch (node->departures[i].state) {
+        case RIC_DEPARTURE_TAKEN: d->taken++; break;
+        case RIC_DEPARTURE_KNOWN: d->known++; break;
+        case RIC_DEPARTURE_INADMISSIBLE: d->inadmissible++; break;
+        case RIC_DEPARTURE_REFUSED: d->refused++; break;
+        default:
+            d->over_budget++;
+            d->over[node->departures[i].budget % RIC_N_BUDGET]++;
+        }
+}
+
+static char *refusals(const ric_node *node)
+{
+    const char *why = ric_refusal_text(node->refusal);
+    for (int i = 0; i < node->n_departure; i++)
+        if (node->departures[i].why && !*why) why = node->departures[i].why;
+    return strdup(why);
+}
+
+static bool solve_chain(ric_chain *chain, double *u)
+{
+    double du[chain->n_unknown];
+    int iterations;
+    ric_chain_evaluate(chain, u);
+    return !ric_trace_solved(chain) && ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
+}
+
+/* Without its touches an orbit is one of fewer events; what their speeds were beside zero is missing from it, and it is
+ * solved once more. NULL: it need not be, or does not converge. */
+static ric_cycle *solved_again(const ric_model *m, const ric_cycle *cycle)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL;
+    ric_cycle *solved = NULL, *out = NULL;
+    if (!ric_cycle_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) solved = ric_cycle_from_chain(chain, u);
+    if (solved) out = ric_cycle_canonical(m, solved);
+    ric_cycle_free(solved);
+    ric_chain_free(chain);
+    free(u);
+    return out;
+}
+
+/* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact
+ * is left. */
+static ric_cycle *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
+{
+    ric_cycle *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL;
+    *bare = !regular;
+    if (regular && node->kind == RIC_KIND_GRAZING && node->multiple > 1) {
+        once = ric_cycle_shorten(regular, node->multiple);
+        canonical = once ? ric_cycle_canonical(m, once) : NULL;
+    } else if (regular) canonical = ric_cycle_canonical(m, regular);
+    ric_cycle_free(regular);
+    ric_cycle_free(once);
+    return canonical;
+}
+
+ric_status ric_mark_make(const ric_model *m, const ric_node *node, int index, ric_mark *out)
+{
+    ric_status status = RIC_OK;
+    ric_junction_record *r = &out->record;
+    int n = m->n_dof;
+    bool bare;
+    ric_cycle *cycle = original_orbit(m, node, &bare), *again = NULL;
+    double energy = node->energy, period = node->period;
+    if (cycle && node->kind == RIC_KIND_GRAZING) again = solved_again(m, cycle);
+    if (again) {
+        ric_cycle_free(cycle);
+        cycle = again;
+        energy = ric_cycle_energy(m, cycle);
+        period = ric_cycle_period(cycle);
+    }
+    int N = cycle ? ric_cycle_letters(cycle) : 0;
+    *out = (ric_mark){.node = node, .index = index};
+    r->word = calloc((size_t)N + 1, sizeof *r->word);
+    r->state = calloc(2 * (size_t)n, sizeof *r->state);
+    r->flights = calloc((size_t)N + 1, sizeof *r->flights);
+    r->refusal = refusals(node);
+    if (!r->word || !r->state || !r->flights || !r->refusal || (!bare && !cycle)) {
+        status = ric_no_rows();
+        goto out;
+    }
+    ric_model_to_state(m, cycle ? cycle->w : node->cycle->w, r->state, r->state + n);
+    if (cycle) ric_cycle_word(m, cycle, r->word);
+    for (int i = 0; i < N; i++) {
+        r->flights[i] = cycle->tau[i] / m->omega_ref;
+    }
+    if (!N) r->flights[0] = node->period / m->omega_ref;
+    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0,
+                            .letters = N, .word = r->word,
+                            .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0, .multiple = node->multiple,
+                            .rotation = {node->rotation[0], node->rotation[1]}, .energy = energy * m->energy_unit,
+                            .state = r->state, .flights = r->flights, .refusal = r->refusal};
+    r->row.frequency = TWO_PI / period * m->omega_ref / r->row.multiple;
+    count_departures(node, r);
+out:
+    ric_cycle_free(cycle);
+    return status;
+}
+
+/* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of
+ * the graph. */
+static ric_status mark_linear(const ric_model *m, int mode, double energy, int index, ric_mark *out)
+{
+    ric_junction_record *r = &out->record;
+    int n = m->n_dof;
+    double omega = m->frequency[mode];
+    *out = (ric_mark){.index = index};
+    r->word = calloc(1, sizeof *r->word);
+    r->state = calloc(2 * (size_t)n, sizeof *r->state);
+    r->flights = calloc(1, sizeof *r->flights);
+    r->refusal = strdup("");
+    if (!r->word || !r->state || !r->flights || !r->refusal) return ric_no_rows();
+    for (int i = 0; i < n; i++) r->state[i] = m->Phi[i * n + mode] * ric_linear_amplitude(omega, energy);
+    r->flights[0] = TWO_PI / omega;
+    r->row = (ric_junction){.kind = RIC_KIND_USER, .word = r->word, .multiple = 1, .energy = energy, .frequency = omega,
+                            .state = r->state, .flights = r->flights, .refusal = r->refusal};
+    return RIC_OK;
+}
+
+ric_status ric_mark_energies(const ric_graph *g, int mode, ric_sheet *s, ric_mark *marks, int *n)
+{
+    ric_status status = RIC_OK;
+    ric_branch_record *r = &s->record;
+    s->user = g->n_node + *n;
+    for (int i = 0; i < g->limits.n_asked && !status; i++) {
+        const ric_asked *asked = &g->limits.asked[i];
+        if (asked->frequency || asked->value >= r->row.energy_max) continue;
+        r->junction_at[r->row.n_junction++] = ric_linear_amplitude(g->model->frequency[mode], asked->value);
+        status = mark_linear(g->model, mode, asked->value, g->n_node + *n, &marks[*n]);
+        (*n)++;
+    }
+    return status;
+}
+
+int ric_mark_order(const void *p, const void *q)
+{
+    const ric_junction *a = &((const ric_mark *)p)->record.row, *b = &((const ric_mark *)q)->record.row;
+    int order;
+    if (a->impacts * a->multiple != b->impacts * b->multiple)
+        return a->impacts * a->multiple - b->impacts * b->multiple;
+    if ((order = ric_compare_numbers(a->energy, b->energy))) return order;
+    if ((order = ric_compare_numbers(a->frequency, b->frequency))) return order;
+    if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
+    const ric_mark *k = p, *l = q;
+    if (k->node && l->node && (order = ric_node_order(k->node, l->node))) return order;
+    return k->index - l->index;
+}
+
+/* Junctions of one family share all of their label but its number. */
+static int family_order(const void *p, const void *q)
+{
+    const ric_mark *k = *(ric_mark *const *)p, *l = *(ric_mark *const *)q;
+    const ric_junction *a = &k->record.row, *b = &l->record.row;
+    int order = strcmp(letter(a->kind), letter(b->kind));
+    if (order) return order;
+    bool grazing = a->kind == RIC_KIND_GRAZING;
+    const int mine[2] = {grazing ? a->impacts * a->multiple : a->a, grazing ? a->grazings * a->multiple : a->b};
+    const int yours[2] = {grazing ? b->impacts * b->multiple : b->a, grazing ? b->grazings * b->multiple : b->b};
+    return mine[0] != yours[0]   ? (mine[0] < yours[0] ? -1 : 1)
+           : mine[1] != yours[1] ? (mine[1] < yours[1] ? -1 : 1)
+                                 : 0;
+}
+
+static int label_order(const void *p, const void *q)
+{
+    int order = family_order(p, q), a = (*(ric_mark *const *)p)->record.row.id,
+        b = (*(ric_mark *const *)q)->record.row.id;
+    return order ? order : a - b;
+}
+
+static char *junction_label(const ric_junction *row, int number)
+{
+    char text[64];
+    const char *l = letter(row->kind);
+    if (row->kind == RIC_KIND_GRAZING)
+        snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
+    else if (*l == 'C' && row->b == 0) snprintf(text, sizeof text, "C%d_??", number); /* not measured yet */
+    else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
+    else snprintf(text, sizeof text, "%s%d", l, number);
+    return strdup(text);
+}
+
+ric_status ric_marks_label(int n, ric_mark *marks)
+{
+    ric_mark **list = malloc((size_t)(n + 1) * sizeof *list);
+    ric_status status = list ? RIC_OK : ric_no_rows();
+    for (int i = 0; i < n && list; i++) list[i] = &marks[i];
+    if (list) qsort(list, (size_t)n, sizeof *list, label_order);
+    for (int i = 0, number = 0; i < n && !status; i++) {
+        ric_junction_record *r = &list[i]->record;
+        number = i > 0 && family_order(&list[i - 1], &list[i]) == 0 ? number + 1 : 1;
+        r->row.label = r->label = junction_label(&r->row, number);
+        if (!r->label) status = ric_no_rows();
+    }
+    free(list);
+    return status;
+}
+
+ric_status ric_marks_name(const ric_study *study, int n, ric_mark *marks)
+{
+    for (int k = 0; k < ric_study_n_name(study); k++) {
+        ric_name name;
+        int best = -1;
+        double least = 2e-3;
+        ric_status status = ric_study_name(study, k, &name);
+        if (status) return status;
+        for (int i = 0; i < n; i++) {
+            const ric_junction *j = &marks[i].record.row;
+            double off = fabs(j->energy / name.energy - 1) + fabs(j->frequency / name.frequency - 1);
+            if (strcmp(ric_kind_text(j->kind), name.kind) || !(off < least)) continue;
+            least = off;
+            best = i;
+        }
+        if (best < 0) continue;
+        free(marks[best].record.name);
+        if (!(marks[best].record.name = strdup(name.name))) return ric_no_rows();
+    }
+    for (int i = 0; i < n; i++) {
+        if (!marks[i].record.name && !(marks[i].record.name = strdup(""))) return ric_no_rows();
+        marks[i].record.row.name = marks[i].record.name;
+    }
+    return RIC_OK;
+}

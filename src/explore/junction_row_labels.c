@@ -1,0 +1,146 @@
+/* C_ab of the junctions of an atlas: taken from what an earlier run has measured, or measured and kept. */
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/room.h"
+#include "rows_parts.h"
+#include "junction/room.h"
+#include "workers.h"
+
+#define SAVE_EVERY 1 /* seconds between commits of labels, at least */
+
+typedef struct {
+    ric_graph *graph;
+    ric_mark *marks;
+    pthread_mutex_t lock; /* of the store, of whom to ask, and of the numbers */
+    int left, unmeasured;
+    time_t saved;
+} workshop;
+
+static bool has_label(const ric_mark *mark)
+{
+    return mark->node && (mark->node->kind == RIC_KIND_EXTREMUM || mark->node->kind == RIC_KIND_BRANCH_POINT ||
+                          mark->node->kind == RIC_KIND_MULTIPLICATION);
+}
+
+/* ------------------------------------------------------------------- keeping */
+
+static uint64_t mixed(uint64_t hash, size_t size, const void *bytes)
+{
+    const unsigned char *at = bytes;
+    for (size_t i = 0; i < size; i++) hash = (hash ^ at[i]) * 1099511628211u; /* FNV-1a */
+    return hash;
+}
+
+/* All that a label depends on, as the key of a trace is all that shapes a trace (follow.c). */
+static void label_key(const ric_node *node, char *key, size_t size)
+{
+    const ric_cycle *c = node->cycle;
+    uint64_t hash = 14695981039346656037u;
+    hash = mixed(hash, sizeof c->closed, &c->closed);
+    hash = mixed(hash, (size_t)c->N * sizeof *c->face, c->face);
+    hash = mixed(hash, (size_t)c->N * sizeof *c->tau, c->tau);
+    hash = mixed(hash, 2 * (size_t)c->n * sizeof *c->w, c->w);
+    locale_t before = ric_c_locale_enter();
+    snprintf(key, size, "label %d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half, c->pure,
+             node->multiple, node->energy, node->period, hash);
+    ric_c_locale_leave(before);
+}
+
+/* Whether the label has been measured before. */
+static bool recall(workshop *s, const char *key, ric_junction *row)
+{
+    void *blob = NULL;
+    size_t size = 0;
+    int32_t label[3] = {0};
+    if (!s->graph->store) return false;
+    pthread_mutex_lock(&s->lock);
+    ric_status status = ric_store_trace_get(s->graph->store, key, &blob, &size);
+    pthread_mutex_unlock(&s->lock);
+    bool found = !status && blob && size == sizeof label;
+    if (found) memcpy(label, blob, sizeof label);
+    free(blob);
+    found = found && label[0] >= 1 && label[1] >= 1;
+    if (!found) return false;
+    row->a = label[0];
+    row->b = label[1];
+    row->decided = label[2];
+    return true;
+}
+
+static ric_status keep(workshop *s, const char *key, const ric_junction *row)
+{
+    const int32_t label[3] = {row->a, row->b, row->decided};
+    ric_status status = RIC_OK;
+    pthread_mutex_lock(&s->lock);
+    s->graph->fresh++;
+    if (s->graph->store) status = ric_store_trace_put(s->graph->store, key, label, sizeof label);
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (!status && s->graph->store && now.tv_sec - s->saved > SAVE_EVERY) {
+        status = ric_store_commit(s->graph->store);
+        s->saved = now.tv_sec;
+    }
+    pthread_mutex_unlock(&s->lock);
+    return status;
+}
+
+/* ----------------------------------------------------------------- measuring */
+
+/* One thread at a time shows how far all are; the others go by what it was told. */
+static bool stopped(void *user)
+{
+    workshop *s = user;
+    if (s->graph->stopping || pthread_mutex_trylock(&s->lock)) return s->graph->stopping;
+    s->graph->progress.labels = s->left;
+    s->graph->progress.open = 0;
+    const bool stop = ric_graph_stopped(s->graph);
+    pthread_mutex_unlock(&s->lock);
+    return stop;
+}
+
+static void count(workshop *s, bool measured)
+{
+    pthread_mutex_lock(&s->lock);
+    s->left--;
+    s->unmeasured += !measured;
+    pthread_mutex_unlock(&s->lock);
+}
+
+static ric_status measure_in_shop(void *user, int i)
+{
+    workshop *s = user;
+    const ric_node *node = s->marks[i].node;
+    ric_junction *row = &s->marks[i].record.row;
+    char key[300];
+    ric_status status = RIC_OK;
+    if (!has_label(&s->marks[i])) return RIC_OK;
+    label_key(node, key, sizeof key);
+    bool measured = recall(s, key, row);
+    if (!measured && !stopped(s)) {
+        ric_halt_ask(stopped, s);
+        status = ric_trust(ric_multiplicity(s->graph->model, node, &row->a, &row->b, &row->decided));
+        ric_halt_ask(NULL, NULL);
+        measured = !status;
+        if (measured) status = keep(s, key, row);
+        else if (status == RIC_E_INTERRUPTED) status = RIC_OK;
+    }
+    if (!measured) row->a = row->b = 0;
+    count(s, measured);
+    return status;
+}
+
+ric_status ric_marks_measure(ric_graph *g, int n, ric_mark *marks, bool *all)
+{
+    workshop shop = {.graph = g, .marks = marks};
+    for (int i = 0; i < n; i++) shop.left += has_label(&marks[i]);
+    pthread_mutex_init(&shop.lock, NULL);
+    ric_status status = ric_parallel(g->n_worker, n, measure_in_shop, &shop);
+    pthread_mutex_destroy(&shop.lock);
+    *all = *all && !shop.unmeasured;
+    return status;
+}

@@ -1,0 +1,204 @@
+#include "rows.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "rows_parts.h"
+
+/* Whether a run starts at a mode. */
+static bool started(const ric_explore_options *o, int mode)
+{
+    bool wanted = o->n_start == 0;
+    for (int j = 0; j < o->n_start; j++) wanted |= o->start[j] == mode + 1;
+    return wanted;
+}
+
+/* Whether the linear mode that grazes at a node was reached from there. */
+static bool departed(const ric_node *node)
+{
+    for (int i = 0; i < node->n_departure; i++)
+        if (ric_node_impacts(node, node->departures[i].choice) == 0)
+            return node->departures[i].state == RIC_DEPARTURE_KNOWN || node->departures[i].state == RIC_DEPARTURE_TAKEN;
+    return false;
+}
+
+static ric_status linear_sheets(const ric_graph *g, ric_sheet *sheets, int *n, ric_mark *marks, int *n_mark)
+{
+    const ric_model *m = g->model;
+    double *energy = calloc((size_t)m->n_dof, sizeof *energy);
+    int *contact = calloc((size_t)m->n_dof, sizeof *contact);
+    ric_status status = energy && contact ? ric_model_grazing_energies(m, energy, contact) : ric_no_rows();
+    for (int i = 0; i < m->n_dof && !status; i++) {
+        int seen = -1, node = -1;
+        for (int k = 0; k < m->n; k++)
+            if (m->mode[k] == i) seen = k;
+        if (m->smooth && seen >= 0) continue; /* its branch is traced */
+        for (int k = 0; k < g->n_node; k++)
+            if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
+        if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;
+        status = ric_sheet_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
+        if (!started(g->options, i)) sheets[*n].record.row.depth = g->nodes[node]->depth + 1;
+        if (!status) status = ric_mark_energies(g, i, &sheets[*n], marks, n_mark);
+        (*n)++;
+    }
+    free(energy);
+    free(contact);
+    return status;
+}
+
+/* The nodes that some branch meets, or that belong to a mode. */
+static void mark_used(const ric_graph *g, bool *used)
+{
+    for (int i = 0; i < g->n_node; i++) used[i] = g->nodes[i]->mode >= 0;
+    for (int i = 0; i < g->n_edge; i++) {
+        const ric_edge *e = &g->edges[i];
+        if (e->from >= 0) used[e->from] = true;
+        if (e->to >= 0) used[e->to] = true;
+        for (int k = 0; k < e->n_inner; k++) used[e->inner[k].node] = true;
+    }
+}
+
+/* Branch `id` meets junction k; branches come in order. */
+static ric_status list_branch(ric_mark *k, int id)
+{
+    ric_junction_record *r = &k->record;
+    if (r->row.n_branch > 0 && r->branches[r->row.n_branch - 1] == id) return RIC_OK;
+    int *grown = realloc(r->branches, (size_t)(r->row.n_branch + 1) * sizeof *grown);
+    if (!grown) return ric_no_rows();
+    r->row.branches = r->branches = grown;
+    r->branches[r->row.n_branch++] = id;
+    return RIC_OK;
+}
+
+/* For each junction the branches that meet there. `marks` lie in the order of ids. */
+static ric_status list_branches(ric_mark *marks, int n, const ric_sheet *sheets, const int *id)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; i < n && !status; i++) {
+        const ric_sheet *s = &sheets[i];
+        if (s->from >= 0) status = list_branch(&marks[id[s->from] - 1], i + 1);
+        if (s->to >= 0 && !status) status = list_branch(&marks[id[s->to] - 1], i + 1);
+        for (int j = 0; j < s->record.row.n_junction && !status; j++)
+            if (ric_sheet_passed(s, j) >= 0) status = list_branch(&marks[id[ric_sheet_passed(s, j)] - 1], i + 1);
+    }
+    return status;
+}
+
+static void note_ends(ric_sheet *s, const int *id)
+{
+    const ric_edge *e = s->edge;
+    if (!e) return;
+    const int ends[4] = {e->from >= 0 ? id[e->from] : 0, (int)e->leave, e->to >= 0 ? id[e->to] : 0, (int)e->arrive};
+    memcpy(s->ends, ends, sizeof ends);
+}
+
+static void link_sheets(int n, ric_sheet *sheets, const int *id)
+{
+    for (int i = 0; i < n; i++) {
+        ric_branch_record *r = &sheets[i].record;
+        r->row.id = i + 1;
+        r->row.from = sheets[i].from >= 0 ? id[sheets[i].from] : 0;
+        r->row.to = sheets[i].to >= 0 ? id[sheets[i].to] : 0;
+        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[ric_sheet_passed(&sheets[i], k)];
+    }
+}
+
+/* Rows are made one by one from what is finished: by all workers. */
+typedef struct {
+    const ric_graph *graph;
+    ric_sheet *sheets;
+    ric_mark *marks;
+} workshop;
+
+static ric_status sheet_in_shop(void *user, int i)
+{
+    const workshop *s = user;
+    return ric_sheet_make(s->graph, &s->graph->edges[i], &s->sheets[i]);
+}
+
+static ric_status mark_in_shop(void *user, int i)
+{
+    const workshop *s = user;
+    int node = s->marks[i].index;
+    return ric_mark_make(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
+}
+
+/* Junctions are numbered, and branches in the order of what they meet. */
+static ric_status put_in_order(int n_mark, ric_mark *marks, int n_sheet, ric_sheet *sheets, int *id)
+{
+    qsort(marks, (size_t)n_mark, sizeof *marks, ric_mark_order);
+    for (int i = 0; i < n_mark; i++) {
+        marks[i].record.row.id = i + 1;
+        id[marks[i].index] = i + 1;
+    }
+    for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
+    qsort(sheets, (size_t)n_sheet, sizeof *sheets, ric_sheet_order);
+    link_sheets(n_sheet, sheets, id);
+    return list_branches(marks, n_sheet, sheets, id);
+}
+
+/* An atlas with room for junctions, and with the records of branches, which stay the sheets' own until all is done. */
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_sheet *sheets, int n_mark,
+                                ric_atlas *atlas)
+{
+    ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
+    if (status) return status;
+    atlas->branches = calloc((size_t)n + 1, sizeof *atlas->branches);
+    atlas->junctions = calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
+    if (!atlas->branches || !atlas->junctions) return ric_no_rows();
+    for (int i = 0; i < n; i++) atlas->branches[i] = sheets[i].record;
+    for (int i = 0; i < g->n_edge; i++) {
+        atlas->n_unplaced += g->edges[i].n_unplaced;
+        atlas->n_blind += g->edges[i].trace->blind > 0;
+    }
+    atlas->n_branch = n;
+    return RIC_OK;
+}
+
+ric_status ric_chart(ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
+{
+    ric_status status = RIC_OK;
+    const ric_model *m = g->model;
+    int n_sheet = 0, n_mark = 0;
+    ric_sheet *sheets = calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
+    size_t most = (size_t)g->n_node + (size_t)m->n_dof * g->limits.n_asked + 1;
+    ric_mark *marks = calloc(most, sizeof *marks);
+    int *id = calloc(most, sizeof *id);
+    bool *used = calloc(most, sizeof *used);
+    ric_atlas *atlas = calloc(1, sizeof *atlas);
+    *out = NULL;
+    if (!sheets || !marks || !id || !used || !atlas) {
+        status = ric_no_rows();
+        goto out;
+    }
+    if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
+    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark};
+    n_sheet += g->n_edge;
+    mark_used(g, used);
+    for (int i = 0; i < g->n_node; i++)
+        if (used[i]) marks[n_mark++].index = i;
+    if ((status = ric_parallel(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
+    if ((status = ric_parallel(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
+    if ((status = put_in_order(n_mark, marks, n_sheet, sheets, id))) goto out;
+    atlas->finished = finished;
+    if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
+    status = ric_marks_measure(g, n_mark, marks, &atlas->finished);
+    if (!status) status = ric_marks_label(n_mark, marks);
+    if (!status) status = ric_marks_name(study, n_mark, marks);
+    if (status) goto out;
+    for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
+    atlas->n_junction = n_mark;
+    *out = atlas;
+    atlas = NULL;
+    n_sheet = n_mark = 0;
+out:
+    if (atlas) atlas->n_branch = 0; /* they belong to the sheets */
+    for (int i = 0; sheets && i < n_sheet; i++) ric_branch_record_free(&sheets[i].record);
+    for (int i = 0; marks && i < n_mark; i++) ric_junction_record_free(&marks[i].record);
+    free(sheets);
+    free(marks);
+    free(id);
+    free(used);
+    ric_atlas_free(atlas);
+    return status;
+}

@@ -1,0 +1,80 @@
+/* Rows of an atlas while they are made from the graph (chart.h): a sheet for each branch, a mark for each junction. */
+#ifndef RIC_EXPLORE_ROWS_PARTS_H
+#define RIC_EXPLORE_ROWS_PARTS_H
+
+#include <math.h>
+
+#include "atlas/room.h"
+#include "graph.h"
+#include "base/room.h"
+
+typedef struct {
+    ric_branch_record record;
+    int from, to;      /* nodes */
+    const ric_edge *edge;
+    int user;          /* first of the marks on a linear mode, in the numbering of nodes */
+    int ends[4];       /* ids of the junctions and ways out of them, which tell apart what is alike in all else */
+} ric_sheet;
+
+typedef struct {
+    ric_junction_record record;
+    const ric_node *node;
+    int index;
+} ric_mark;
+
+static inline ric_status ric_no_rows(void)
+{
+    return ric_fail(RIC_E_NOMEM, "no memory for the atlas");
+}
+
+/* The node number k that a branch passes. */
+static inline int ric_sheet_passed(const ric_sheet *s, int k)
+{
+    return s->edge ? s->edge->inner[k].node : s->user + k;
+}
+
+/* E = omega^2 q^2 / 2, lengths scaled */
+static inline double ric_linear_amplitude(double omega, double energy)
+{
+    return sqrt(2 * energy) / omega;
+}
+
+/* Equal to what rounding leaves: 0. */
+static inline int ric_compare_numbers(double a, double b)
+{
+    if (fabs(a - b) <= 1e-9 * (fabs(a) + fabs(b))) return 0;
+    return a < b ? -1 : 1;
+}
+
+/* Why a branch ends, and what may be missing on it: allocated, NULL: no memory. */
+char *ric_sheet_why(const ric_edge *edge);
+/* The record of a traced branch, over its canonical word. */
+ric_status ric_sheet_make(const ric_graph *graph, const ric_edge *edge, ric_sheet *out);
+
+/* A linear mode from rest to where it touches, at `energy` (or to the end of the energy window): states at its mirror
+ * point. seen: its index among the seen modes, or -1; node: where it touches, or -1. */
+ric_status ric_sheet_linear(const ric_model *model, const ric_explore_options *options, int mode, int seen, int node,
+                            double energy, ric_sheet *out);
+
+/* qsort: linear modes, backbones without impacts, then by depth, word, energy, frequency, mirror points and ends. */
+int ric_sheet_order(const void *p, const void *q);
+
+/* The record of node `index`, without its multiplicities, label and name. */
+ric_status ric_mark_make(const ric_model *model, const ric_node *node, int index, ric_mark *out);
+
+/* What was asked for on a linear mode: energies; its frequency is one number and passes nothing. marks [*n] grows. */
+ric_status ric_mark_energies(const ric_graph *graph, int mode, ric_sheet *sheet, ric_mark *marks, int *n);
+
+/* qsort: by impacts, energy, frequency and kind. */
+int ric_mark_order(const void *p, const void *q);
+
+/* C_ab of one junction after the other; those that a stop leaves unmeasured have a = b = 0, and then *all is false. */
+ric_status ric_marks_measure(ric_graph *graph, int n, ric_mark *marks, bool *all);
+
+/* Labels: within a family junctions are numbered in the order of their ids. */
+ric_status ric_marks_label(int n, ric_mark *marks);
+
+/* Names of the study: the nearest junction of the right kind, within what the digits of a printed number leave open. */
+ric_status ric_marks_name(const ric_study *study, int n, ric_mark *marks);
+
+#endif

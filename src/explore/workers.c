@@ -1,0 +1,273 @@
+#include "workers.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/room.h"
+
+typedef enum { WAITING, IN_HAND, DONE } job_state;
+
+typedef struct {
+    job_state state;
+    ric_node *node; /* while it waits */
+    unsigned choice;
+} job;
+
+struct ric_workers {
+    pthread_mutex_t lock;
+    pthread_cond_t offered, finished;
+    ric_prepare *prepare;
+    void *user;
+    bool stop;
+    int n_thread;
+    pthread_t *threads;
+    int n_job, capacity, first, waiting; /* no job before `first` waits */
+    int urgent;                          /* number of the job that the owner needs next; 0: any */
+    job *jobs;
+};
+
+/* The next job that waits, -1: none. */
+static int next_job(ric_workers *w)
+{
+    if (w->urgent && w->jobs[w->urgent - 1].state == WAITING) return w->urgent - 1;
+    while (w->first < w->n_job && w->jobs[w->first].state != WAITING) w->first++;
+    return w->first < w->n_job ? w->first : -1;
+}
+
+/* Job i is in hand from now on; its node is the caller's. With the lock held. */
+static ric_node *claim(ric_workers *w, int i)
+{
+    ric_node *node = w->jobs[i].node;
+    w->jobs[i].state = IN_HAND;
+    w->jobs[i].node = NULL;
+    w->waiting--;
+    return node;
+}
+
+/* Does job i, with the lock held before and after but not meanwhile. */
+static void work(ric_workers *w, int i)
+{
+    ric_node *node = claim(w, i);
+    unsigned choice = w->jobs[i].choice;
+    pthread_mutex_unlock(&w->lock);
+    w->prepare(w->user, node, choice);
+    pthread_mutex_lock(&w->lock);
+    w->jobs[i].state = DONE;
+    pthread_cond_broadcast(&w->finished);
+}
+
+static void *serve(void *argument)
+{
+    ric_workers *w = argument;
+    pthread_mutex_lock(&w->lock);
+    while (!w->stop) {
+        int i = next_job(w);
+        if (i >= 0) work(w, i);
+        else pthread_cond_wait(&w->offered, &w->lock);
+    }
+    pthread_mutex_unlock(&w->lock);
+    return NULL;
+}
+
+ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_workers **out)
+{
+    ric_workers *w = calloc(1, sizeof *w);
+    *out = NULL;
+    if (w) w->threads = calloc((size_t)n + 1, sizeof *w->threads);
+    if (!w || !w->threads) {
+        free(w);
+        return ric_fail(RIC_E_NOMEM, "no memory for %d workers", n);
+    }
+    w->prepare = prepare;
+    w->user = user;
+    pthread_mutex_init(&w->lock, NULL);
+    pthread_cond_init(&w->offered, NULL);
+    pthread_cond_init(&w->finished, NULL);
+    for (; w->n_thread < n; w->n_thread++)
+        if (pthread_create(&w->threads[w->n_thread], NULL, serve, w)) {
+            ric_status status = ric_fail(RIC_E_NOMEM,
+                                         "the system gives no more than %d threads; run with fewer workers",
+                                         w->n_thread);
+            ric_workers_free(w);
+            return status;
+        }
+    *out = w;
+    return RIC_OK;
+}
+
+void ric_workers_free(ric_workers *w)
+{
+    if (!w) return;
+    pthread_mutex_lock(&w->lock);
+    w->stop = true;
+    pthread_cond_broadcast(&w->offered);
+    pthread_mutex_unlock(&w->lock);
+    for (int i = 0; i < w->n_thread; i++) pthread_join(w->threads[i], NULL);
+    for (int i = 0; i < w->n_job; i++) ric_node_free(w->jobs[i].node);
+    pthread_cond_destroy(&w->finished);
+    pthread_cond_destroy(&w->offered);
+    pthread_mutex_destroy(&w->lock);
+    free(w->jobs);
+    free(w->threads);
+    free(w);
+}
+
+int ric_workers_offer(ric_workers *w, const ric_node *node, unsigned choice)
+{
+    int number = 0;
+    ric_node *copy = ric_node_copy(node);
+    pthread_mutex_lock(&w->lock);
+    if (copy && w->n_job == w->capacity) {
+        int capacity = w->capacity ? 2 * w->capacity : 256;
+        job *grown = realloc(w->jobs, (size_t)capacity * sizeof *grown);
+        if (grown) {
+            w->jobs = grown;
+            w->capacity = capacity;
+        }
+    }
+    if (copy && w->n_job < w->capacity) {
+        w->jobs[w->n_job++] = (job){.state = WAITING, .node = copy, .choice = choice};
+        w->waiting++;
+        number = w->n_job;
+        copy = NULL;
+        pthread_cond_signal(&w->offered);
+    }
+    pthread_mutex_unlock(&w->lock);
+    ric_node_free(copy);
+    return number;
+}
+
+/* With the lock held. */
+static void withdraw(ric_workers *w, job *j)
+{
+    if (j->state != WAITING) return;
+    ric_node_free(j->node);
+    j->node = NULL;
+    j->state = DONE;
+    w->waiting--;
+}
+
+void ric_workers_withdraw(ric_workers *w, int number)
+{
+    pthread_mutex_lock(&w->lock);
+    withdraw(w, &w->jobs[number - 1]);
+    pthread_mutex_unlock(&w->lock);
+}
+
+/* Waits for the end of some job, a tenth of a second at most. */
+static void doze(ric_workers *w)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 100000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_cond_timedwait(&w->finished, &w->lock, &until);
+}
+
+/* Without threads the owner works itself: on what is asked for, or on others while that is in hand elsewhere. With the
+ * lock held. */
+static void help(ric_workers *w, int number)
+{
+    withdraw(w, &w->jobs[number - 1]);
+    if (w->jobs[number - 1].state == DONE) return;
+    int i = next_job(w);
+    if (i >= 0) work(w, i);
+    else doze(w);
+}
+
+bool ric_workers_await(ric_workers *w, int number, bool (*stop)(void *user), void *user)
+{
+    bool stopped = false;
+    pthread_mutex_lock(&w->lock);
+    w->urgent = number;
+    while (w->jobs[number - 1].state != DONE && !stopped) {
+        if (w->n_thread == 0) help(w, number);
+        else doze(w);
+        stopped = stop && stop(user);
+    }
+    w->urgent = 0;
+    pthread_mutex_unlock(&w->lock);
+    return !stopped;
+}
+
+int ric_workers_claim(ric_workers *w, ric_node **node, unsigned *choice)
+{
+    pthread_mutex_lock(&w->lock);
+    int i = next_job(w);
+    if (i >= 0) {
+        *node = claim(w, i);
+        *choice = w->jobs[i].choice;
+    }
+    pthread_mutex_unlock(&w->lock);
+    return i + 1;
+}
+
+void ric_workers_finish(ric_workers *w, int number)
+{
+    pthread_mutex_lock(&w->lock);
+    w->jobs[number - 1].state = DONE;
+    pthread_cond_broadcast(&w->finished);
+    pthread_mutex_unlock(&w->lock);
+}
+
+int ric_workers_waiting(ric_workers *w)
+{
+    pthread_mutex_lock(&w->lock);
+    int waiting = w->waiting;
+    pthread_mutex_unlock(&w->lock);
+    return waiting;
+}
+
+/* ------------------------------------------------------------- a plain loop */
+
+typedef struct {
+    pthread_mutex_t lock;
+    int next, count;
+    ric_status (*each)(void *, int);
+    void *user;
+    ric_status status; /* the first failure, with its reason */
+    char why[1024];
+} loop;
+
+static void *turn(void *argument)
+{
+    loop *l = argument;
+    pthread_mutex_lock(&l->lock);
+    while (l->next < l->count && !l->status) {
+        int i = l->next++;
+        pthread_mutex_unlock(&l->lock);
+        ric_forget_hunger();
+        ric_status status = l->each(l->user, i);
+        if (!status && ric_starved()) status = RIC_E_NOMEM;
+        pthread_mutex_lock(&l->lock);
+        if (status && !l->status) {
+            l->status = status;
+            snprintf(l->why, sizeof l->why, "%s", status == RIC_E_NOMEM ? ric_status_text(status) : ric_detail());
+        }
+    }
+    pthread_mutex_unlock(&l->lock);
+    return NULL;
+}
+
+ric_status ric_parallel(int n, int count, ric_status (*each)(void *user, int i), void *user)
+{
+    if (n < 2 || count < 2) {
+        ric_status status = RIC_OK;
+        for (int i = 0; i < count && !status; i++) status = each(user, i);
+        return !status && ric_starved() ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM)) : status;
+    }
+    loop l = {.count = count, .each = each, .user = user};
+    pthread_t *threads = calloc((size_t)n, sizeof *threads);
+    int started = 0;
+    pthread_mutex_init(&l.lock, NULL);
+    /* fewer do as well */
+    while (threads && started < n - 1 && !pthread_create(&threads[started], NULL, turn, &l)) started++;
+    turn(&l);
+    for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
+    pthread_mutex_destroy(&l.lock);
+    free(threads);
+    return l.status ? ric_fail(l.status, "%s", l.why) : RIC_OK;
+}

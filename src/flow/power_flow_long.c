@@ -1,0 +1,35 @@
+#include <float.h>
+#include <stdlib.h>
+
+#include "power_flow.h"
+
+/* As in smooth.c: of 64 bits, one by one. */
+enum { ORDER = 34, PAD = 4, LANES = 1 };
+#define EPSILON ((double)LDBL_EPSILON)
+#define ABS fabsl
+typedef long double real, lane;
+static inline long double sum_of(lane x)
+{
+    return x;
+}
+#include "taylor.h"
+
+double ric_smooth_again(const ric_model *m, double tau, const double *w0, double *w, double *M, double *S)
+{
+    int size = 2 * m->n;
+    size_t count = (size_t)size * (size_t)size;
+    double unit = EPSILON / DBL_EPSILON;
+    real *v = unit < 1 ? malloc(((size_t)size + count + series_work(m, size)) * sizeof *v) : NULL,
+         *X = v ? v + size : NULL;
+    if (!v) return 1;
+    for (int i = 0; i < size; i++) v[i] = w0[i];
+    for (size_t i = 0; i < count; i++) {
+        X[i] = i % ((size_t)size + 1) == 0;
+        S[i] = 0;
+    }
+    if (!fly_series(m, m->n, m->n_contact, size, tau, v, X, S, X + count)) unit = 1;
+    for (int i = 0; i < size && unit < 1; i++) w[i] = (double)v[i];
+    for (size_t i = 0; i < count && unit < 1; i++) M[i] = (double)X[i];
+    free(v);
+    return unit;
+}

@@ -1,0 +1,51 @@
+/* A search for periodic orbits by brute force, which knows nothing of branches (docs/theory.md section 11): every
+ * admissible orbit of one energy with few impacts, from the map between impacts on its two-dimensional section. What an
+ * atlas lacks is looked for here. */
+#ifndef RIC_HUNT_HUNT_H
+#define RIC_HUNT_HUNT_H
+
+#include "impact_map.h"
+
+/* An orbit: N impacts that repeat. */
+typedef struct {
+    int N;
+    ric_hit *hits;       /* [N], in canonical order: smallest word, then smallest numbers */
+    double period, trace; /* seconds; lambda + 1/lambda */
+    bool symmetric, reversible;
+    int pure, flip;      /* the reversals that keep it, as cycle.h has them, -1: none */
+    int from_mirrors, from_rows; /* how often each search has come to it */
+} ric_prey;
+
+struct ric_hunt {
+    ric_section *section;
+    ric_hunt_options options;
+    int n, capacity;
+    ric_prey *prey;      /* by impacts, word, period, state */
+    long flights, tries; /* flown, and attempts of Newton's method */
+    long ghosts;         /* solutions that are no motions */
+};
+
+/* The two searches. */
+ric_status ric_hunt_mirrors(ric_hunt *hunt);
+ric_status ric_hunt_rows(ric_hunt *hunt);
+
+/* Solves from `hits` [N] (of half the period with `half`), checks and keeps the orbit unless it is known. */
+ric_status ric_hunt_try(ric_hunt *hunt, int N, bool half, const ric_hit *hits, bool from_mirrors);
+/* The place of an orbit among those found, up to rotation, mirror image and time reversal; -1: it is not there. */
+int ric_hunt_find(const ric_hunt *hunt, int N, const ric_hit *hits, double tolerance);
+/* RIC_E_INTERRUPTED when the user wants to stop. */
+ric_status ric_hunt_report(ric_hunt *hunt, const char *what, double part);
+
+/* ------------------------------------------------ against an atlas (hunt_atlas.c) */
+
+struct ric_comparison {
+    int n_atlas, n_again; /* orbits of the atlas within the bounds of the hunt, and how many of them were found */
+    int n_missed;
+    ric_missed *missed;
+    int n;                 /* of the hunt */
+    ric_finding *findings; /* [n] */
+    ric_atlas *side;       /* what lies around the orbits that the atlas lacks, explored within its budgets; NULL if it
+                            * lacks none */
+};
+
+#endif

@@ -1,0 +1,317 @@
+#include "border.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "base/room.h"
+
+ric_border *ric_border_create(const ric_chain *chain)
+{
+    ric_border *q = calloc(1, sizeof *q);
+    if (!q) return NULL;
+    q->chain = chain;
+    q->n = chain->n;
+    q->N = chain->n_flight;
+    q->unknowns = 2 * q->n + q->N;
+    size_t N = (size_t)q->N, states = 2 * (size_t)q->n, unknowns = (size_t)q->unknowns;
+    q->map = calloc(N * chain->stride + 1, sizeof *q->map);
+    q->rate = calloc(N * states, sizeof *q->rate);
+    q->v = calloc(N * states, sizeof *q->v);
+    q->beta = calloc(N, sizeof *q->beta);
+    q->pivot = calloc(N, sizeof *q->pivot);
+    q->pinned = calloc(N * states, sizeof *q->pinned);
+    q->X = calloc(states * states, sizeof *q->X);
+    q->K = calloc(unknowns * states, sizeof *q->K);
+    q->S = calloc(states * states, sizeof *q->S);
+    q->left = calloc(states * states, sizeof *q->left);
+    q->right = calloc(states * states, sizeof *q->right);
+    q->sigma = calloc(states, sizeof *q->sigma);
+    q->small = calloc(4 * states * states, sizeof *q->small);
+    q->swap = calloc(2 * states, sizeof *q->swap);
+    q->U = calloc(states * states, sizeof *q->U);
+    q->V = calloc(unknowns * states, sizeof *q->V);
+    if (q->map && q->rate && q->v && q->beta && q->pivot && q->pinned && q->X && q->K && q->S && q->left && q->right &&
+        q->sigma && q->small && q->swap && q->U && q->V)
+        return q;
+    ric_border_free(q);
+    return NULL;
+}
+
+void ric_border_free(ric_border *q)
+{
+    if (!q) return;
+    free(q->map);
+    free(q->rate);
+    free(q->v);
+    free(q->beta);
+    free(q->pivot);
+    free(q->pinned);
+    free(q->X);
+    free(q->K);
+    free(q->S);
+    free(q->left);
+    free(q->right);
+    free(q->sigma);
+    free(q->small);
+    free(q->swap);
+    free(q->U);
+    free(q->V);
+    free(q);
+}
+
+/* ------------------------------------------------------------------ flights */
+
+/* Moves the n * n entries of a block of a matrix [2n * 2n] by the rounding of its largest. */
+static void move_block(int n, double rounding, unsigned *bits, double *block)
+{
+    double largest = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) largest = fmax(largest, fabs(block[i * 2 * n + j]));
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) block[i * 2 * n + j] += ric_moved(bits, rounding * largest);
+}
+
+/* Displacements and velocities differ by the frequency of a spring: each block of a matrix has its own rounding. */
+static void move_flight(ric_border *q, int k, double rounding, unsigned *bits)
+{
+    const ric_chain *c = q->chain;
+    int n = q->n;
+    double *map = q->map + c->stride * (size_t)k, *rate = q->rate + 2 * n * k;
+    if (ric_flight_dense(c->model, c->closed[k]))
+        for (int block = 0; block < 4; block++)
+            move_block(n, rounding, bits, map + (block / 2) * n * 2 * n + (block % 2) * n);
+    else
+        for (int i = 0; i < 3 * n; i++) map[i] += ric_moved(bits, rounding * fmax(1, fabs(map[i])));
+    for (int i = 0; i < 2 * n; i++) rate[i] += ric_moved(bits, rounding * fabs(rate[i]));
+}
+
+static void take_flights(ric_border *q, double rounding, unsigned bits)
+{
+    const ric_chain *c = q->chain;
+    int n = q->n;
+    double end[2 * n];
+    q->size = sqrt(ric_dot(2 * n, c->w, c->w));
+    q->T = 0;
+    for (int k = 0; k < q->N; k++) {
+        double *rate = q->rate + 2 * n * k;
+        q->T += c->tau[k];
+        memcpy(end, c->w + 2 * n * (k + 1), sizeof end);
+        memcpy(end + n, c->before + n * k, (size_t)n * sizeof *end); /* the impact comes after */
+        if (ric_flight_dense(c->model, c->closed[k])) memcpy(rate, c->rate + 2 * n * k, sizeof end);
+        else ric_flow(c->model, n, end, rate);
+        for (int i = 0; i < 2 * n; i++) rate[i] /= q->size;
+    }
+    memcpy(q->map, c->map, (size_t)q->N * c->stride * sizeof *q->map);
+    for (int k = 0; k < q->N && rounding > 0; k++) move_flight(q, k, rounding, &bits);
+}
+
+/* Columns of X [2n * ld], the first `columns`, through flight k, up to the event. */
+static void fly_columns(ric_border *q, int k, int columns, int ld, double *X)
+{
+    const ric_chain *c = q->chain;
+    int n = q->n;
+    const double *map = q->map + c->stride * (size_t)k;
+    bool dense = ric_flight_dense(c->model, c->closed[k]);
+    q->operations += (dense ? 4 * n * n : 4 * n) * (long)columns;
+    if (dense) {
+        ric_flight_carry(n, map, columns, ld, X);
+        return;
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < columns; j++) {
+            double a = X[i * ld + j], p = X[(n + i) * ld + j];
+            X[i * ld + j] = map[i] * a + map[n + i] * p;
+            X[(n + i) * ld + j] = map[i] * p - map[2 * n + i] * a;
+        }
+}
+
+/* What the event at the end of flight k does to columns. */
+static void strike_columns(ric_border *q, int k, int columns, int ld, double *X)
+{
+    const ric_chain *c = q->chain;
+    int n = q->n;
+    const ric_face *face = c->face[k + 1] >= 0 ? &c->model->face[c->face[k + 1]] : NULL;
+    if (!face || face->spring > 0) return;
+    q->operations += 2 * n * (long)columns;
+    for (int j = 0; j < columns; j++) {
+        double sum = 0;
+        for (int i = 0; i < n; i++) sum += face->c[i] * X[(n + i) * ld + j];
+        for (int i = 0; i < n; i++) X[(n + i) * ld + j] -= 2 / face->cc * sum * face->c[i];
+    }
+}
+
+/* The row of condition k on the state there, h [2n]: a gap, or the phase. */
+static void condition(const ric_border *q, int k, double *h)
+{
+    const ric_chain *c = q->chain;
+    int n = q->n;
+    if (c->face[k] >= 0) {
+        memcpy(h, c->model->face[c->face[k]].g, (size_t)n * sizeof *h);
+        memset(h + n, 0, (size_t)n * sizeof *h);
+        return;
+    }
+    ric_flight_rate(c->model, c->closed[k], c->w + 2 * n * k, h);
+    double norm = sqrt(ric_dot(2 * n, h, h));
+    for (int i = 0; i < 2 * n; i++) h[i] /= norm;
+}
+
+/* ------------------------------------------------------------ factorisation */
+
+/* One reflection makes the row of condition k (0, .., 0, pivot): the last of the 2n columns is pinned, and kept. */
+static bool pin(ric_border *q, int k)
+{
+    int m = 2 * q->n;
+    double h[m], row[m], *v = q->v + (size_t)k * m, *X = q->X, sum = 0;
+    condition(q, k, h);
+    for (int j = 0; j < m; j++) {
+        row[j] = 0;
+        for (int i = 0; i < m; i++) row[j] += h[i] * X[i * m + j];
+        sum += row[j] * row[j];
+    }
+    double norm = sqrt(sum), last = row[m - 1], pivot = last > 0 ? -norm : norm;
+    if (!(norm > 0 && norm < HUGE_VAL)) return false;
+    memcpy(v, row, sizeof row);
+    v[m - 1] -= pivot;
+    q->beta[k] = 1 / (norm * (norm + fabs(last)));
+    q->pivot[k] = pivot;
+    for (int i = 0; i < m; i++) {
+        double s = q->beta[k] * ric_dot(m, X + i * m, v);
+        for (int j = 0; j < m; j++) X[i * m + j] -= s * v[j];
+        q->pinned[(size_t)k * m + i] = X[i * m + m - 1];
+    }
+    q->operations += 3L * m * m;
+    return true;
+}
+
+/* From the combinations z [2n] that are left, and the values of the pinned ones (NULL: 0), back to the unknowns
+ * y [unknowns] = (w_0 / size, tau). */
+static void lift(ric_border *q, const double *last, const double *pinned, double *y)
+{
+    int m = 2 * q->n;
+    double z[m];
+    memcpy(z, last, sizeof z);
+    for (int k = q->N - 1; k >= 0; k--) {
+        const double *v = q->v + (size_t)k * m;
+        y[m + k] = z[m - 1];
+        z[m - 1] = pinned ? pinned[k] : 0;
+        double s = q->beta[k] * ric_dot(m, v, z);
+        for (int j = 0; j < m; j++) z[j] -= s * v[j];
+    }
+    memcpy(y, z, sizeof z);
+    q->operations += 2L * m * q->N;
+}
+
+static void lift_all(ric_border *q)
+{
+    int m = 2 * q->n;
+    double z[m], y[q->unknowns];
+    for (int j = 0; j < m; j++) {
+        memset(z, 0, sizeof z);
+        z[j] = 1;
+        lift(q, z, NULL, y);
+        for (int i = 0; i < q->unknowns; i++) q->K[(size_t)i * m + j] = y[i];
+    }
+}
+
+bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
+{
+    int m = 2 * q->n;
+    double super[m], copy[m * m];
+    take_flights(q, rounding, bits);
+    memset(q->X, 0, (size_t)m * m * sizeof *q->X);
+    for (int i = 0; i < m; i++) q->X[i * m + i] = 1;
+    for (int k = 0; k < q->N; k++) {
+        if (!pin(q, k)) return false;
+        fly_columns(q, k, m - 1, m, q->X);
+        for (int i = 0; i < m; i++) q->X[i * m + m - 1] = q->rate[(size_t)k * m + i];
+        strike_columns(q, k, m, m, q->X);
+    }
+    lift_all(q);
+    for (int i = 0; i < m * m; i++) {
+        q->S[i] = copy[i] = q->X[i] - q->K[i]; /* the first rows of K are those of w_0 */
+        if (!isfinite(copy[i])) return false;
+    }
+    return !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, copy, m, q->sigma, q->left, m, q->right, m,
+                                      super));
+}
+
+void ric_border_kernel(const ric_border *q, int i, double *du)
+{
+    int m = 2 * q->n;
+    const double *z = q->right + (m - 1 - i) * m;
+    for (int j = 0; j < q->unknowns; j++) du[j] = ric_dot(m, q->K + (size_t)j * m, z) * (j < m ? q->size : 1);
+}
+
+/* ------------------------------------------------------------------- borders */
+
+static void own_border(ric_border *q, int b)
+{
+    int m = 2 * q->n;
+    for (int i = 0; i < b; i++) {
+        const double *z = q->right + (m - 1 - i) * m;
+        for (int r = 0; r < m; r++) q->U[r * b + i] = q->left[r * m + m - 1 - i];
+        for (int j = 0; j < q->unknowns; j++) q->V[(size_t)j * b + i] = ric_dot(m, q->K + (size_t)j * m, z);
+    }
+}
+
+bool ric_border_set(ric_border *q, const ric_border *frame, int b)
+{
+    int m = 2 * q->n, size = m + b;
+    q->b = b;
+    if (frame == q) own_border(q, b);
+    else {
+        memcpy(q->U, frame->U, (size_t)(m * b) * sizeof *q->U);
+        memcpy(q->V, frame->V, (size_t)q->unknowns * b * sizeof *q->V);
+    }
+    memset(q->small, 0, (size_t)size * size * sizeof *q->small);
+    for (int r = 0; r < m; r++) {
+        memcpy(q->small + r * size, q->S + r * m, (size_t)m * sizeof *q->S);
+        for (int i = 0; i < b; i++) q->small[r * size + m + i] = q->U[r * b + i];
+    }
+    for (int j = 0; j < q->unknowns; j++)
+        for (int i = 0; i < b; i++)
+            for (int l = 0; l < m; l++)
+                q->small[(m + i) * size + l] += q->V[(size_t)j * b + i] * q->K[(size_t)j * m + l];
+    return !ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, size, size, q->small, size, q->swap));
+}
+
+/* The values of the pinned combinations, and what they make of the state at the end, out [2n]. */
+static void forward(ric_border *q, const double *conditions, double *pinned, double *out)
+{
+    int m = 2 * q->n;
+    double h[m];
+    memset(out, 0, (size_t)m * sizeof *out);
+    for (int k = 0; k < q->N; k++) {
+        condition(q, k, h);
+        pinned[k] = (conditions[k] / q->size - ric_dot(m, h, out)) / q->pivot[k];
+        for (int i = 0; i < m; i++) out[i] += q->pinned[(size_t)k * m + i] * pinned[k];
+        fly_columns(q, k, 1, 1, out);
+        strike_columns(q, k, 1, 1, out);
+        q->operations += 2 * m;
+    }
+}
+
+bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
+{
+    int m = 2 * q->n, N = q->N, b = q->b, size = m + b;
+    double pinned[N], end[m], zero[m], rhs[size], total = 0;
+    memset(zero, 0, sizeof zero);
+    forward(q, r + m, pinned, end);
+    lift(q, zero, pinned, x);
+    for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + x[i];
+    for (int i = 0; i < b; i++) {
+        rhs[m + i] = s[i];
+        for (int j = 0; j < q->unknowns; j++) rhs[m + i] -= q->V[(size_t)j * b + i] * x[j];
+    }
+    if (ric_lapack(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1))) return false;
+    memcpy(g, rhs + m, (size_t)b * sizeof *g);
+    for (int j = 0; j < q->unknowns; j++) x[j] += ric_dot(m, q->K + (size_t)j * m, rhs);
+    for (int k = 0; k < N; k++) total += x[m + k];
+    double dT = total - q->T * r[q->unknowns];
+    x[q->unknowns] = dT;
+    for (int k = 0; k < N; k++) x[m + k] = (x[m + k] - q->chain->tau[k] / q->T * dT) / q->T;
+    for (int i = 0; i < m; i++) x[i] *= q->size;
+    return true;
+}

@@ -1,0 +1,16 @@
+/* Which springs are met beyond a grazing (docs/theory.md section 10). */
+#ifndef RIC_JUNCTION_GRAZING_SPRING_H
+#define RIC_JUNCTION_GRAZING_SPRING_H
+
+#include "node.h"
+
+/* Whether some touch of a grazing is that of a spring. */
+bool ric_soft_applies(const ric_node *node);
+
+/* The departure `choice` of such a grazing: its chain, unknowns at the grazing and direction, allocated; all NULL if no
+ * motion leaves that way. *singular: the kernel has several dimensions there, and the length of t0 is the first
+ * step. */
+ric_status ric_soft_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_chain **chain,
+                           double **u0, double **t0, bool *singular);
+
+#endif

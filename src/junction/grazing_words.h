@@ -1,0 +1,27 @@
+/* Ways out of a grazing or a corner: subsets of the touches that stay as impacts, or of the pairs of impacts whose
+ * order is exchanged, up to the symmetries of the orbit; at a duplicate, of the orbit gone through several times
+ * (docs/theory.md section 8). Bit j * p + i of a choice stands for touch (or pair) i of p in the j-th time through. */
+#ifndef RIC_JUNCTION_GRAZING_WORDS_H
+#define RIC_JUNCTION_GRAZING_WORDS_H
+
+#include "node.h"
+
+/* All gaps that touch in flight become impacts of no speed; kept [allocated, may be NULL] marks those that were impacts
+ * before. */
+ric_cycle *ric_subset_touches(const ric_model *model, const ric_cycle *cycle, bool **kept);
+
+/* Lists one departure for every class of choices. Those of a duplicate that repeat themselves after fewer periods
+ * belong to fewer and are left out. With too many touches there is a single one, over budget. False: no memory. */
+bool ric_subset_list(const ric_model *model, ric_node *node);
+
+/* A grazing orbit with those of its impacts and touches that keep[i] names, one at least, and all symmetries that it
+ * has then; NULL: no memory. */
+ric_cycle *ric_subset_keep(const ric_model *model, const ric_cycle *whole, const bool *keep);
+/* The orbit as the branch that leaves by `choice` sees it, with the symmetries that are left; NULL with no impact left,
+ * or no memory. */
+ric_cycle *ric_subset_cycle(const ric_model *model, const ric_node *node, unsigned choice);
+
+/* Which choice a branch is whose end orbit is `cycle`; -1 if none fits. */
+int ric_subset_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
+
+#endif

@@ -1,0 +1,588 @@
+#include "multiplication.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "model/room.h"
+#include "orbit/room.h"
+#include "base/room.h"
+
+#define TWO_PI 6.283185307179586477
+#define SMALL 1e-8      /* singular values below this part of the largest, */
+#define GAP 1e-3        /* and this part of the next one, belong to the kernel; as for branch points with a plane
+                         * (depart.c) */
+#define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit: their error, its square, is as large
+                         * as their rounding */
+#define TURNS 1e-4      /* the shift, from such differences, is a rotation of its order within this */
+#define RADIUS 1e-3     /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding
+                         * (trace.c) */
+#define RADII 8         /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is
+                         * rounding */
+#define BEND 1.0        /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the
+                         * node behind */
+#define CLEAR 1e3       /* the angular equation must stand out of rounding by this factor: its roots then keep three
+                         * digits */
+#define SAMPLES 12      /* of a sector, which holds one period of a sine */
+#define NEWTON_STEPS 12
+#define STALLED 4       /* of the tolerance: what is left where Newton's method stalls, as on branches (trace.c) */
+#define ROOT_STEPS 60
+#define NEIGHBOUR 0.25  /* an orbit farther away than the widest circle is no neighbour of the node */
+
+typedef struct {
+    ric_chain *chain;
+    int size, order;
+    int sign;         /* of the state after one period of the map: -1 where the map is over half a period of an S
+                       * orbit */
+    double *memory;
+    double *u0;       /* [size] the orbit gone through r times */
+    double *tangent;  /* [size] T, of the branch that is repeated */
+    double *plane;    /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
+    double *dual;     /* [2 * size] z_i = dual_i . (u - u0) */
+    double *left;     /* [2 * size] left null vectors that are not the energy's */
+    double *energy;   /* [size] left null vector of the redundant equation */
+    double *J, *A, *b; /* [size^2], [(size + 2)^2], [size + 2] */
+    double M[4];      /* d^2(left . equations) / ds dz */
+    double radius;
+    double angle[2];  /* the two roots of the first sector, in the order of ric_ring_depart */
+    double *start;    /* [2 * size] orbits there */
+} ring;
+
+bool ric_ring_applies(const ric_node *node, unsigned choice)
+{
+    const ric_cycle *c = node->cycle;
+    return node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH && c->pure < 0 && c->flip < 0 &&
+           ric_problem_order(c, node->rotation[0], node->rotation[1]) > 2;
+}
+
+static void ring_free(ring *q)
+{
+    ric_chain_free(q->chain);
+    free(q->memory);
+}
+
+static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
+{
+    *q = (ring){.order = ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]),
+                .sign = node->cycle->half ? -1 : 1};
+    ric_problem problem = ric_node_problem(node, RIC_SIDE);
+    ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
+    double *u = NULL;
+    ric_status status = cycle ? ric_cycle_to_chain(m, cycle, &q->chain, &u)
+                              : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_cycle_free(cycle);
+    if (status) return status;
+    size_t n = (size_t)q->chain->n_unknown, k = n + 2;
+    if ((q->memory = calloc(11 * n + n * n + k * k + k, sizeof *q->memory))) {
+        double **const parts[] = {&q->u0,     &q->tangent, &q->plane, &q->dual, &q->left,
+                                  &q->energy, &q->start,   &q->J,     &q->A,    &q->b};
+        const size_t sizes[] = {n, n, 2 * n, 2 * n, 2 * n, n, 2 * n, n * n, k * k, k};
+        double *next = q->memory;
+        for (int i = 0; i < 10; next += sizes[i++]) *parts[i] = next;
+        memcpy(q->u0, u, n * sizeof *u);
+    } else status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    q->size = (int)n;
+    free(u);
+    return status;
+}
+
+/* -------------------------------------------------------------------- kernel */
+
+/* Kernel of the dense Jacobian at u0, right and left: [3 * size] each, rows. */
+static ric_status kernels(ring *q, double *right, double *left)
+{
+    int n = q->size;
+    double *U = malloc((size_t)n * n * sizeof *U), *V = malloc((size_t)n * n * sizeof *V), s[n], super[n];
+    bool three = false;
+    ric_chain_fly(q->chain, q->u0);
+    if (!U || !V || ric_chain_jacobian(q->chain, q->u0, q->J) != n) {
+        free(U);
+        free(V);
+        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    }
+    if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', n, n, q->J, n, s, U, n, V, n, super)))
+        three = n > 3 && s[n - 3] <= SMALL * s[0] && s[n - 3] <= GAP * s[n - 4];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < n; j++) {
+            right[i * n + j] = V[(n - 3 + i) * n + j];
+            left[i * n + j] = U[j * n + n - 3 + i];
+        }
+    free(U);
+    free(V);
+    return three ? RIC_OK
+                 : ric_fail(RIC_E_NUMERIC,
+                            "the kernel at a multiplication without mirror points has not three dimensions");
+}
+
+/* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel
+ * is perpendicular at the start, is taken away: inner nodes would show it. */
+static void shift_smooth(ring *q, const double *v, double *out)
+{
+    const ric_model *m = q->chain->model;
+    int n = 2 * m->n;
+    double map[n * n], after[n], rate[n];
+    ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after, rate);
+    for (int i = 0; i < n; i++) out[i] = q->sign * ric_dot(n, map + i * n, v);
+    double along = q->sign * ric_dot(n, rate, out) / ric_dot(n, rate, rate);
+    for (int i = 0; i < n; i++) out[i] -= q->sign * along * rate[i];
+    out[n] = v[n];
+    ric_chain_fly(q->chain, q->u0);
+    ric_nodes_along(q->chain, out);
+}
+
+/* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times
+ * moved up. */
+static void shift(ring *q, const double *v, double *out)
+{
+    ric_chain *c = q->chain;
+    int n = 2 * c->n, step = c->n_flight / q->order;
+    double u[q->size], after[n], h = DIFFERENCE * c->scale;
+    if (c->model->smooth) {
+        shift_smooth(q, v, out);
+        return;
+    }
+    for (int i = 0; i < q->size; i++) u[i] = q->u0[i] + h * v[i];
+    ric_chain_fly(c, u);
+    memcpy(after, c->w + n * step, sizeof after);
+    for (int i = 0; i < q->size; i++) u[i] = q->u0[i] - h * v[i];
+    ric_chain_fly(c, u);
+    for (int i = 0; i < n; i++) out[i] = q->sign * (after[i] - c->w[n * step + i]) / (2 * h);
+    for (int k = 0; k < c->n_flight; k++) out[n + k] = v[n + (k + step) % c->n_flight];
+}
+
+static void multiply(const double *A, const double *B, double *out)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            out[3 * i + j] = 0;
+            for (int k = 0; k < 3; k++) out[3 * i + j] += A[3 * i + k] * B[3 * k + j];
+        }
+}
+
+/* S [9] is the shift in coordinates of the kernel: false unless S^r = 1 with one fixed direction and a plane that
+ * turns. P = mean of the powers of S, which projects on the fixed direction; *cosine of the angle by which the plane
+ * turns. */
+static bool turns(int order, const double *S, double *P, double *cosine)
+{
+    double power[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, next[9], off = 0;
+    memset(P, 0, 9 * sizeof *P);
+    for (int k = 0; k < order; k++) {
+        for (int i = 0; i < 9; i++) P[i] += power[i] / order;
+        multiply(S, power, next);
+        memcpy(power, next, sizeof power);
+    }
+    for (int i = 0; i < 9; i++) off = fmax(off, fabs(power[i] - (i % 4 == 0)));
+    *cosine = (S[0] + S[4] + S[8] - 1) / 2;
+    return off < TURNS && fabs(P[0] + P[4] + P[8] - 1) < TURNS && fabs(*cosine) < 1;
+}
+
+/* out = A v, A [9]. */
+static void apply(const double *A, const double *v, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = A[3 * i] * v[0] + A[3 * i + 1] * v[1] + A[3 * i + 2] * v[2];
+}
+
+/* Of the unit vectors of the unknowns the one whose image under A (kernel coordinates) is longest: a choice that does
+ * not depend on the basis of the kernel. out [3]: that image, in kernel coordinates. */
+static void longest_image(const ring *q, const double *kernel, const double *A, double *out)
+{
+    double most = 0;
+    for (int j = 0; j < q->size; j++) {
+        double v[3] = {kernel[j], kernel[q->size + j], kernel[2 * q->size + j]}, image[3];
+        apply(A, v, image);
+        double length = ric_dot(3, image, image);
+        if (length <= most * (1 + 1e-6)) continue;
+        most = length;
+        memcpy(out, image, sizeof image);
+    }
+}
+
+static void cross(const double *a, const double *b, double *out)
+{
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* Tangent, plane and dual vectors from the kernel [3 * size]. */
+static ric_status split(ring *q, const double *kernel)
+{
+    int n = q->size;
+    double S[9], P[9], Q[9], image[n], cosine, t[3] = {0}, f[2][3] = {{0}}, rows[2][3];
+    for (int j = 0; j < 3; j++) {
+        shift(q, kernel + j * n, image);
+        for (int i = 0; i < 3; i++) S[3 * i + j] = ric_dot(n, kernel + i * n, image);
+    }
+    if (!turns(q->order, S, P, &cosine))
+        return ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication of order %d does not turn with the period",
+                        q->order);
+    for (int i = 0; i < 9; i++) Q[i] = (i % 4 == 0) - P[i];
+    longest_image(q, kernel, P, t);
+    longest_image(q, kernel, Q, f[0]);
+    apply(S, f[0], f[1]);
+    for (int i = 0; i < 3; i++) f[1][i] = (f[1][i] - cosine * f[0][i]) / sqrt(1 - cosine * cosine);
+    double size = sqrt((ric_dot(3, f[0], f[0]) + ric_dot(3, f[1], f[1])) / 2), length = sqrt(ric_dot(3, t, t)), volume;
+    for (int i = 0; i < 3; i++) {
+        f[0][i] /= size;
+        f[1][i] /= size;
+        t[i] /= length;
+    }
+    cross(f[1], t, rows[0]);
+    cross(t, f[0], rows[1]);
+    volume = ric_dot(3, f[0], rows[0]);
+    for (int j = 0; j < n; j++) {
+        double v[3] = {kernel[j], kernel[n + j], kernel[2 * n + j]};
+        q->tangent[j] = ric_dot(3, t, v);
+        for (int k = 0; k < 2; k++) {
+            q->plane[k * n + j] = ric_dot(3, f[k], v);
+            q->dual[k * n + j] = ric_dot(3, rows[k], v) / volume;
+        }
+    }
+    return RIC_OK;
+}
+
+/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation, the secant gradient
+ * of the energy (section 3), which is w_N + sigma w_0 but for springs. */
+static void split_left(ring *q, const double *kernel)
+{
+    ric_chain *c = q->chain;
+    int n = q->size, first = n - 2 * c->n;
+    double h[3], a[3], b[3], from[2 * c->n], sum = 0;
+    memset(q->energy, 0, (size_t)n * sizeof *q->energy);
+    ric_chain_fly(c, q->u0);
+    for (int i = 0; i < 2 * c->n; i++) from[i] = c->sigma * c->w[i];
+    ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * c->n * c->n_flight, q->energy + first);
+    double norm = sqrt(ric_dot(n, q->energy, q->energy));
+    for (int j = 0; j < n; j++) q->energy[j] /= norm;
+    for (int i = 0; i < 3; i++) h[i] = ric_dot(n, kernel + i * n, q->energy);
+    int least = fabs(h[0]) < fabs(h[1]) ? 0 : 1;
+    if (fabs(h[2]) < fabs(h[least])) least = 2;
+    double unit[3] = {least == 0, least == 1, least == 2};
+    cross(h, unit, a);
+    cross(h, a, b);
+    for (int i = 0; i < 3; i++) sum += a[i] * a[i];
+    for (int j = 0; j < n; j++) {
+        double v[3] = {kernel[j], kernel[n + j], kernel[2 * n + j]};
+        q->left[j] = ric_dot(3, a, v) / sqrt(sum);
+        q->left[n + j] = ric_dot(3, b, v) / sqrt(sum * ric_dot(3, h, h));
+    }
+}
+
+/* M = d^2(left . equations) / ds dz: how fast the plane turns as the repeated branch is followed. */
+static ric_status twist(ring *q)
+{
+    int n = q->size;
+    double h = DIFFERENCE * q->chain->scale, u[n], row[n];
+    memset(q->M, 0, sizeof q->M);
+    for (int side = -1; side <= 1; side += 2) {
+        for (int i = 0; i < n; i++) u[i] = q->u0[i] + side * h * q->tangent[i];
+        ric_chain_fly(q->chain, u);
+        if (ric_chain_jacobian(q->chain, u, q->J) != n) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        for (int j = 0; j < 2; j++) {
+            for (int i = 0; i < n; i++) row[i] = ric_dot(n, q->J + i * n, q->plane + j * n);
+            for (int i = 0; i < 2; i++) q->M[2 * i + j] += side * ric_dot(n, q->left + i * n, row) / (2 * h);
+        }
+    }
+    double size = ric_dot(4, q->M, q->M);
+    if (fabs(q->M[0] * q->M[3] - q->M[1] * q->M[2]) > SMALL * size) return RIC_OK;
+    return ric_fail(RIC_E_NUMERIC, "the rotation number does not pass the multiplication, it turns round there");
+}
+
+/* -------------------------------------------------------------------- circle */
+
+/* Without an event the phase is free, and the first row keeps corrections across the flow. Orbits on the circle start
+ * in the plane across the flow at the node. */
+static void hold_phase(ring *q, const double *u)
+{
+    int n = 2 * q->chain->n;
+    double rate[n];
+    ric_flight_rate(q->chain->model, 0, q->u0, rate);
+    double norm = sqrt(ric_dot(n, rate, rate));
+    q->b[0] = 0;
+    memset(q->A, 0, ((size_t)q->size + 2) * sizeof *q->A);
+    for (int i = 0; i < n; i++) {
+        q->A[i] = rate[i] / norm;
+        q->b[0] += q->A[i] * (u[i] - q->u0[i]);
+    }
+}
+
+/* The orbit problem with z = h (cos, sin)(angle), an unfolding of the redundant equation and one along M (-sin, cos),
+ * whose coefficient *g is minus the angular part of the gradient: n + 2 equations for u [size] and the two
+ * coefficients. */
+static bool on_circle(ring *q, double angle, double *u, double *g)
+{
+    ric_chain *c = q->chain;
+    int n = q->size, k = n + 2;
+    lapack_int pivot[k];
+    double z[2] = {q->radius * cos(angle), q->radius * sin(angle)}, e[n], energy = 0, last = HUGE_VAL;
+    double m[2] = {q->M[1] * z[0] - q->M[0] * z[1], q->M[3] * z[0] - q->M[2] * z[1]}, norm = hypot(m[0], m[1]);
+    for (int j = 0; j < n; j++) {
+        e[j] = (m[0] * q->left[j] + m[1] * q->left[n + j]) / norm;
+        u[j] = q->u0[j] + z[0] * q->plane[j] + z[1] * q->plane[n + j];
+    }
+    *g = 0;
+    for (int i = 0; i < NEWTON_STEPS; i++) {
+        ric_chain_fly(c, u);
+        if (ric_chain_jacobian(c, u, q->J) != n) return false;
+        ric_chain_residuals(c, u, q->b);
+        memset(q->A, 0, (size_t)k * k * sizeof *q->A);
+        double size = 0;
+        for (int j = 0; j < n; j++) {
+            memcpy(q->A + j * k, q->J + j * n, (size_t)n * sizeof *q->J);
+            q->A[j * k + n] = q->energy[j];
+            q->A[j * k + n + 1] = e[j];
+            q->b[j] += energy * q->energy[j] + *g * e[j];
+            size = fmax(size, fabs(q->b[j]));
+        }
+        if (c->model->smooth) hold_phase(q, u);
+        for (int j = 0; j < 2; j++) {
+            memcpy(q->A + (n + j) * k, q->dual + j * n, (size_t)n * sizeof *q->dual);
+            q->b[n + j] = -z[j];
+            for (int l = 0; l < n; l++) q->b[n + j] += q->dual[j * n + l] * (u[l] - q->u0[l]);
+        }
+        /* at rounding level, and no longer falling */
+        double tolerance = ric_trace_tolerance(c) * c->scale;
+        if (size <= tolerance && size > 0.1 * last) return true;
+        if (i > 2 && size > 0.5 * last) return size <= STALLED * tolerance;
+        last = size;
+        if (ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1))) return false;
+        for (int j = 0; j < n; j++) u[j] -= q->b[j];
+        energy -= q->b[n];
+        *g -= q->b[n + 1];
+    }
+    return false;
+}
+
+/* Zero of g between two angles, by the Illinois variant of the secant rule; the orbit there in u. */
+static bool root(ring *q, double a, double ga, double b, double gb, double *angle, double *u)
+{
+    double g = ga, last = 0;
+    for (int i = 0; i < ROOT_STEPS; i++) {
+        *angle = b - gb * (b - a) / (gb - ga);
+        if (!on_circle(q, *angle, u, &g)) return false;
+        if (g == 0 || fabs(b - a) < 1e-15 || *angle == last) break;
+        last = *angle;
+        if (g * gb < 0) {
+            a = b;
+            ga = gb;
+        } else ga /= 2;
+        b = *angle;
+        gb = g;
+    }
+    ric_chain_fly(q->chain, u);
+    return q->chain->residual <= STALLED * ric_trace_tolerance(q->chain);
+}
+
+typedef enum { CIRCLE_GOOD, CIRCLE_NARROW, CIRCLE_WIDE } circle; /* narrow: the angular equation is lost in rounding */
+
+/* The coefficient g at SAMPLES + 1 angles of a sector; *most, where it is largest. */
+static circle scan(ring *q, double origin, double *g, double *most)
+{
+    double u[q->size], largest = 0;
+    for (int i = 0; i <= SAMPLES; i++) {
+        double angle = origin + TWO_PI / q->order * i / SAMPLES;
+        if (!on_circle(q, angle, u, &g[i])) return CIRCLE_WIDE;
+        if (fabs(g[i]) <= largest) continue;
+        largest = fabs(g[i]);
+        *most = angle;
+    }
+    return largest > CLEAR * ric_trace_tolerance(q->chain) * q->chain->scale ? CIRCLE_GOOD : CIRCLE_NARROW;
+}
+
+/* The two roots of a sector at the present radius; slope [2] of the angular part there. */
+static circle search(ring *q, double slope[2])
+{
+    double g[SAMPLES + 1], origin = 0, unused, step = TWO_PI / q->order / SAMPLES;
+    int found = 0;
+    circle result = scan(q, 0, g, &origin);
+    if (!result) result = scan(q, origin, g, &unused); /* from an extremum to the next: no root at the border */
+    for (int i = 0; i < SAMPLES && !result; i++) {
+        if ((g[i] < 0) == (g[i + 1] < 0)) continue;
+        if (found == 2) return CIRCLE_WIDE;
+        double a = origin + i * step;
+        if (!root(q, a, g[i], a + step, g[i + 1], &q->angle[found], q->start + found * q->size)) return CIRCLE_WIDE;
+        slope[found++] = g[i] - g[i + 1]; /* the angular part is -g */
+    }
+    return result ? result : found == 2 ? CIRCLE_GOOD : CIRCLE_WIDE;
+}
+
+/* Puts the elliptic root first, of two alike the one of smaller energy. With delta = (E - E_0) / (dE/ds), the place on
+ * the repeated branch that has the energy of the orbit, the radial derivative of the gradient is -2 nu delta; its
+ * product with the angular one, g', both over nu, is the determinant of the Hessian of H at constant energy: positive
+ * where the multipliers are on the unit circle. */
+static void sort_roots(ring *q, const double slope[2])
+{
+    ric_chain *c = q->chain;
+    double rise, energy, offset[2];
+    ric_chain_fly(c, q->u0);
+    energy = ric_chain_energy(c);
+    rise = ric_chain_energy_slope(c, q->tangent);
+    for (int i = 0; i < 2; i++) {
+        ric_chain_fly(c, q->start + i * q->size);
+        offset[i] = ric_chain_energy(c) - energy;
+    }
+    bool elliptic[2] = {offset[0] * rise * slope[0] < 0, offset[1] * rise * slope[1] < 0};
+    if (elliptic[0] != elliptic[1] ? elliptic[0] : offset[0] < offset[1]) return;
+    double angle = q->angle[0];
+    q->angle[0] = q->angle[1];
+    q->angle[1] = angle;
+    for (int i = 0; i < q->size; i++) {
+        double u = q->start[i];
+        q->start[i] = q->start[q->size + i];
+        q->start[q->size + i] = u;
+    }
+}
+
+/* Largest angle between a start, seen from the node, and the curve there. */
+static double bend(ring *q)
+{
+    int n = q->size;
+    double t[n], chord[n], most = 0;
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < n; j++) chord[j] = q->start[i * n + j] - q->u0[j];
+        ric_chain_evaluate(q->chain, q->start + i * n);
+        ric_trace_tangent(q->chain, chord, t);
+        most = fmax(most, acos(fmin(1, ric_dot(n, t, chord) / sqrt(ric_dot(n, chord, chord)))));
+    }
+    return most;
+}
+
+/* The radius: wide enough for the angular equation to stand out of rounding, narrow enough for a chord to tell of the
+ * curve. */
+static ric_status choose_radius(ring *q, double slope[2])
+{
+    bool wider = false, narrower = false;
+    ric_chain_fly(q->chain, q->u0);
+    q->radius = RADIUS * q->chain->scale;
+    for (int i = 0; i < RADII; i++) {
+        circle found = search(q, slope);
+        if (found == CIRCLE_NARROW) {
+            if (narrower) break;
+            wider = true;
+            q->radius *= 2;
+        } else if (found == CIRCLE_WIDE || bend(q) > BEND) {
+            if (wider) break;
+            narrower = true;
+            q->radius /= 2;
+        } else return RIC_OK;
+    }
+    return ric_fail(RIC_E_NUMERIC,
+                    "the directions at a multiplication of order %d are lost in rounding on every circle that is "
+                    "narrow enough to speak of directions",
+                    q->order);
+}
+
+/* An orbit of all r periods, and no shorter one repeated. */
+static bool primitive(ring *q, const double *u)
+{
+    ric_chain_fly(q->chain, u);
+    ric_cycle *cycle = ric_cycle_from_chain(q->chain, u);
+    bool result = cycle && ric_cycle_find_symmetries(q->chain->model, cycle, 0.01 * q->radius / q->chain->scale) == 1;
+    ric_cycle_free(cycle);
+    return result;
+}
+
+/* Everything above. */
+static ric_status solve(const ric_model *m, const ric_node *node, ring *q)
+{
+    double slope[2], *kernel = NULL;
+    ric_status status = ring_create(m, node, q);
+    if (status) goto out;
+    if (!(kernel = malloc(6 * (size_t)q->size * sizeof *kernel))) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        goto out;
+    }
+    if ((status = kernels(q, kernel, kernel + 3 * q->size)) || (status = split(q, kernel))) goto out;
+    split_left(q, kernel + 3 * q->size);
+    if ((status = twist(q))) goto out;
+    if ((status = choose_radius(q, slope))) goto out;
+    sort_roots(q, slope);
+    for (int i = 0; i < 2; i++)
+        if (!primitive(q, q->start + i * q->size))
+            status = ric_fail(RIC_E_NUMERIC,
+                              "what was found beside a multiplication of order %d is an orbit of fewer periods",
+                              q->order);
+out:
+    free(kernel);
+    if (status) ring_free(q);
+    return status;
+}
+
+/* ----------------------------------------------------------------- interface */
+
+ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain,
+                           double **u0, double **t0)
+{
+    ring q;
+    *chain = NULL;
+    *u0 = *t0 = NULL;
+    ric_status status = solve(m, node, &q);
+    if (status) return status;
+    size_t bytes = (size_t)q.size * sizeof **u0;
+    const double *start = q.start + (choice == RIC_OTHER_SIDE || side < 0 ? q.size : 0);
+    *u0 = malloc(bytes);
+    *t0 = malloc(bytes);
+    if (*u0 && *t0) {
+        memcpy(*u0, q.u0, bytes);
+        for (int i = 0; i < q.size; i++) (*t0)[i] = start[i] - q.u0[i];
+        *chain = q.chain;
+        q.chain = NULL;
+    } else {
+        free(*u0);
+        free(*t0);
+        *u0 = *t0 = NULL;
+        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    }
+    ring_free(&q);
+    return status;
+}
+
+/* Angle in the plane of the node of an orbit that starts where the node does. */
+static double angle_of(const ric_model *m, const ring *q, const ric_cycle *home)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL, z[2] = {NAN, NAN};
+    if (!ric_cycle_to_chain(m, home, &chain, &u) && chain->n_unknown == q->size) {
+        memset(z, 0, sizeof z);
+        for (int i = 0; i < q->size; i++)
+            for (int j = 0; j < 2; j++) z[j] += q->dual[j * q->size + i] * (u[i] - q->u0[i]);
+    }
+    ric_chain_free(chain);
+    free(u);
+    return atan2(z[1], z[0]);
+}
+
+/* Smallest differences of the angles of `near`, shifted by any number of periods, from the two roots; false if it is no
+ * neighbour. The shift turns the plane by whole sectors only in the limit of small circles: one of the images is the
+ * orbit that was found, exactly. */
+static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_cycle *near, double off[2])
+{
+    ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple),
+              *home = repeated ? ric_cycle_nearest(m, repeated, near, NEIGHBOUR) : NULL;
+    bool turned = q->order > node->multiple; /* each shift is half a period, joined with x -> -x */
+    off[0] = off[1] = HUGE_VAL;
+    for (int k = 0; home && k < q->order; k++) {
+        ric_cycle *image = ric_cycle_transform(m, home, k * home->N / q->order, false, turned && k % 2);
+        if (image && m->smooth) ric_cycle_shift(m, repeated, 0, image);
+        double angle = image ? angle_of(m, q, image) : NAN;
+        for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], TWO_PI)));
+        ric_cycle_free(image);
+    }
+    ric_cycle_free(repeated);
+    ric_cycle_free(home);
+    return off[0] < HUGE_VAL;
+}
+
+ric_status ric_ring_class(const ric_model *m, const ric_node *node, const ric_cycle *near, unsigned *choice, int *side)
+{
+    ring q;
+    double off[2];
+    ric_status status = solve(m, node, &q);
+    if (status) return status;
+    if (compare(m, node, &q, near, off)) {
+        bool second = off[1] < off[0], passes = ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]);
+        *choice = second && !passes ? RIC_OTHER_SIDE : RIC_SIDE;
+        *side = second && passes ? -1 : 1;
+    } else status = ric_fail(RIC_E_NUMERIC, "the orbit does not lie beside the multiplication");
+    ring_free(&q);
+    return status;
+}

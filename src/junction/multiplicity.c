@@ -1,0 +1,317 @@
+#include "multiplicity.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "border.h"
+#include "base/room.h"
+
+#define ROUNDING (2 * DBL_EPSILON) /* of entries of J and of the unknowns, relative */
+#define MARGIN 2     /* of an error that is the largest of a few measured ones */
+#define CLEAR 30     /* a number above its error by this factor is none of a zero; in between nobody can tell */
+#define STEP 1e-8    /* of the unknowns, along the branch: the orbit is left by its square, which is rounding */
+#define PLACED 1e-6  /* a junction that is known less exactly has no label: what changes with its place is no longer
+                      * linear */
+#define EXACT 5e-9   /* a zero that the kind of a junction does not demand is one only if its error is that small: two
+                      * points farther apart are not taken for one */
+enum {
+    MOST_B = 4,      /* kernels beyond that are not counted */
+    ORDERS = 5,      /* a - b is smaller */
+    READINGS = 4,    /* with entries moved by rounding */
+    SIGMA = 0, DET = SIGMA + MOST_B + 1, BLOCK = DET + ORDERS, NUMBERS = BLOCK + MOST_B * MOST_B
+};
+
+/* What the kind of a junction lets expect (docs/theory.md section 7). */
+static void expected(const ric_node *node, int *a, int *b)
+{
+    bool half = node->cycle->half, extremum = node->kind == RIC_KIND_EXTREMUM;
+    *b = extremum ? 1 : 2;
+    /* with one flight its time fraction is fixed */
+    *a = half || (extremum && ric_cycle_letters(node->cycle) < 2) ? 3 : 2;
+    if (node->kind != RIC_KIND_MULTIPLICATION) return;
+    bool doubling = node->multiple == 2 && !half;
+    *b = doubling ? 2 : 3;
+    *a = doubling && ric_cycle_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight,
+                                                                  * too */
+}
+
+/* What is read off J: small singular values, from the least up, and the determinant of the border, order by order.
+ * With the zero columns of a kernel of dimension b taken out,
+ *
+ *     det(J - lambda I) = det B(lambda) det g(lambda),  g = lambda (g_1 + lambda g_2 + ..)
+ *
+ * where B(lambda) is J - lambda I bordered, regular at 0, and g the block of its inverse at the border (Griewank and
+ * Reddien 1984; Govaerts 2000): the order of the zero of det g is a, b of it from the factor lambda. */
+typedef struct {
+    double at[NUMBERS]; /* SIGMA, DET of g_1 + lambda g_2 + .. order by order, BLOCK: g_0, zero at the junction */
+} reading;
+
+/* det [ORDERS] of a matrix of series, entry (i, j) of order l at g[l * b * b + i * b + j]: expansion by the first of
+ * the rows that are left; b is at most MOST_B. */
+static void determinant(int b, const double *g, int row, unsigned columns, double *det)
+{
+    int sign = 1;
+    memset(det, 0, ORDERS * sizeof *det);
+    det[0] = row == b;
+    for (int j = 0; j < b && row < b; j++) {
+        double minor[ORDERS];
+        if (!(columns >> j & 1)) continue;
+        determinant(b, g, row + 1, columns & ~(1u << j), minor);
+        for (int l = 0; l < ORDERS; l++)
+            for (int k = 0; k <= l; k++) det[l] += sign * g[(k * b + row) * b + j] * minor[l - k];
+        sign = -sign;
+    }
+}
+
+/* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on. x [2 * rows]. */
+static bool read_border(ric_border *q, double *x, reading *out)
+{
+    int b = q->b, m = 2 * q->n, rows = q->unknowns + 1;
+    double g[ORDERS * MOST_B * MOST_B], zero[MOST_B] = {0}, unit[MOST_B], column[MOST_B];
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i <= MOST_B && i < m; i++) out->at[SIGMA + i] = q->sigma[m - 1 - i];
+    for (int i = 0; i < b; i++) {
+        double *from = x, *to = x + rows;
+        memset(from, 0, (size_t)rows * sizeof *from);
+        for (int k = 0; k < b; k++) unit[k] = k == i;
+        for (int l = -1; l < ORDERS; l++) {
+            if (!ric_border_solve(q, from, l < 0 ? unit : zero, to, column)) return false;
+            for (int k = 0; k < b; k++) *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
+            double *swap = from;
+            from = to;
+            to = swap;
+        }
+    }
+    determinant(b, g, 0, (1u << b) - 1, out->at + DET);
+    return true;
+}
+
+/* All that the measure of one junction needs. */
+typedef struct {
+    const ric_model *model;
+    ric_chain *chain;
+    double *u, *at, *x;       /* unknowns of the chain, moved ones; workspace */
+    ric_border *base, *moved;
+    double rounding;          /* of the flights */
+    int a, b;                 /* of the kind, least */
+    bool more;                /* there may be more: where flights are fixed, or a branch of one frequency leaves */
+} gauge;
+
+/* The orbit of the junction gone through as often as it is multiplied, in the general form. */
+static ric_status unfold(const ric_model *m, const ric_cycle *cycle, int multiple, ric_cycle **out)
+{
+    int n = m->n, N = cycle->N * multiple;
+    ric_cycle *whole = m->smooth ? ric_cycle_repeat(cycle, multiple) : ric_cycle_create(n, N);
+    *out = whole;
+    if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
+    for (int i = 0; i < N && !m->smooth; i++) {
+        whole->face[i] = cycle->face[i % cycle->N];
+        whole->tau[i] = cycle->tau[i % cycle->N];
+    }
+    memcpy(whole->w, cycle->w, 2 * (size_t)n * sizeof *whole->w);
+    whole->closed = cycle->closed;
+    whole->parts = 0;
+    return RIC_OK;
+}
+
+/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle turned (chain.c). */
+static double rounding_of(const ric_model *m, const ric_cycle *whole)
+{
+    int n = 2 * m->n;
+    double rate[n];
+    if (!m->smooth) return ROUNDING;
+    ric_flight_rate(m, 0, whole->w, rate);
+    double turned = sqrt(ric_dot(n, rate, rate) / (1 + ric_dot(n, whole->w, whole->w)));
+    return ROUNDING * (1 + ric_cycle_period(whole) * turned);
+}
+
+static void gauge_free(gauge *t)
+{
+    ric_border_free(t->base);
+    ric_border_free(t->moved);
+    ric_chain_free(t->chain);
+    free(t->u);
+    free(t->at);
+    free(t->x);
+}
+
+static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
+{
+    ric_cycle *whole;
+    ric_status status = unfold(m, node->cycle, node->multiple, &whole);
+    t->model = m;
+    if (!status) status = ric_cycle_to_chain(m, whole, &t->chain, &t->u);
+    if (!status) {
+        t->rounding = rounding_of(m, whole);
+        t->chain->plain = true; /* the article's equations, of which the multiplicities are */
+        size_t unknowns = (size_t)t->chain->n_unknown;
+        t->at = calloc(unknowns, sizeof *t->at);
+        t->x = calloc(2 * (unknowns + 1), sizeof *t->x);
+        t->base = ric_border_create(t->chain);
+        t->moved = ric_border_create(t->chain);
+        if (!t->at || !t->x || !t->base || !t->moved)
+            status = ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
+    }
+    ric_cycle_free(whole);
+    return status;
+}
+
+/* What J says where the chain was flown last, bordered as at the junction itself. */
+static bool read_moved(gauge *t, int b, double rounding, unsigned bits, reading *out)
+{
+    if (!ric_border_factor(t->moved, rounding, bits) || !ric_border_set(t->moved, t->base, b)) return false;
+    return read_border(t->moved, t->x, out);
+}
+
+/* The direction of the branch that passes, du [unknowns], within the kernel: what leaves it there keeps energy and
+ * period to first order. */
+static void along_branch(gauge *t, int b, double *du)
+{
+    int unknowns = t->chain->n_unknown;
+    double energy[MOST_B], period[MOST_B], sum[2] = {0, 0};
+    for (int i = 0; i < b; i++) {
+        ric_border_kernel(t->base, i, du);
+        energy[i] = ric_chain_energy_slope(t->chain, du) / (t->base->size * t->base->size);
+        period[i] = 0;
+        for (int k = 2 * t->base->n; k < unknowns; k++) period[i] += du[k] / t->base->T;
+        sum[0] += energy[i] * energy[i];
+        sum[1] += period[i] * period[i];
+    }
+    const double *by = sum[0] > sum[1] ? energy : period;
+    double norm = sqrt(fmax(sum[0], sum[1])), next[unknowns];
+    memset(du, 0, (size_t)unknowns * sizeof *du);
+    for (int i = 0; i < b && norm > 0; i++) {
+        ric_border_kernel(t->base, i, next);
+        for (int k = 0; k < unknowns; k++) du[k] += by[i] / norm * next[k];
+    }
+}
+
+static bool read_at(gauge *t, int b, double step, const double *du, reading *out)
+{
+    for (int i = 0; i < t->chain->n_unknown; i++) t->at[i] = t->u[i] + step * du[i];
+    ric_chain_fly(t->chain, t->at);
+    return read_moved(t, b, 0, 0, out);
+}
+
+/* The numbers at the junction, value[0], those with entries moved by rounding, value[1] to value[READINGS], and their
+ * derivative along the branch. */
+static bool read_all(gauge *t, int b, reading *value, reading *slope)
+{
+    int unknowns = t->chain->n_unknown;
+    unsigned bits = 1;
+    reading left, right;
+    double du[unknowns];
+    ric_chain_fly(t->chain, t->u);
+    double least = fmax(ROUNDING, t->chain->residual);
+    if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b) ||
+        !read_border(t->base, t->x, &value[0]))
+        return false;
+    along_branch(t, b, du);
+    for (int k = 1; k <= READINGS; k++) {
+        for (int i = 0; i < unknowns; i++) t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
+        ric_chain_fly(t->chain, t->at);
+        if (!read_moved(t, b, t->rounding, bits, &value[k])) return false;
+    }
+    if (!read_at(t, b, STEP, du, &right) || !read_at(t, b, -STEP, du, &left)) return false;
+    for (int i = 0; i < NUMBERS; i++) slope->at[i] = (right.at[i] - left.at[i]) / (2 * STEP);
+    return true;
+}
+
+/* Whether a number vanishes at every junction of the kind. */
+static bool vanishes(const gauge *t, int b, int i)
+{
+    if (b != t->b) return i >= BLOCK && i < BLOCK + b * b;
+    return (i >= DET && i < DET + t->a - t->b) || (i >= BLOCK && i < BLOCK + b * b && b > 1);
+}
+
+static double spread(const reading *value, int i)
+{
+    double widest = 0;
+    for (int k = 1; k <= READINGS; k++) widest = fmax(widest, fabs(value[k].at[i] - value[0].at[i]));
+    return MARGIN * widest;
+}
+
+/* Moves all readings along the branch to where the number vanishes that tells the place best: what is then left of
+ * their spread is the error of the numbers at the junction. Other numbers that vanish there show whether that is large
+ * enough. False: the place is not known. */
+static bool settle_place(const gauge *t, int b, reading *value, const reading *slope, reading *error)
+{
+    int by = -1;
+    double best = HUGE_VAL, factor = 1;
+    for (int i = 0; i < NUMBERS; i++) {
+        if (!vanishes(t, b, i) || slope->at[i] == 0) continue;
+        double off = (spread(value, i) + fabs(value[0].at[i])) / fabs(slope->at[i]);
+        if (!(off < best)) continue;
+        best = off;
+        by = i;
+    }
+    if (!(best <= PLACED)) return false;
+    for (int k = 0; k <= READINGS; k++) {
+        double off = value[k].at[by] / slope->at[by];
+        for (int i = 0; i < NUMBERS; i++) value[k].at[i] -= off * slope->at[i];
+    }
+    for (int i = 0; i < NUMBERS; i++) {
+        error->at[i] = fmax(spread(value, i), DBL_EPSILON * fabs(value[0].at[i]));
+        if (vanishes(t, b, i) && i != by && value[0].at[i] != 0)
+            factor = fmax(factor, fabs(value[0].at[i]) / error->at[i]);
+    }
+    for (int i = 0; i < NUMBERS; i++) error->at[i] *= factor;
+    return true;
+}
+
+enum { ZERO, CLEAR_OF_ZERO, LOST };
+
+static int judge(double value, double error)
+{
+    return fabs(value) <= error ? ZERO : fabs(value) > CLEAR * error ? CLEAR_OF_ZERO : LOST;
+}
+
+/* The order of the determinant; -1: lost. */
+static int order_of(const gauge *t, int b, const reading *value, const reading *error)
+{
+    int least = b == t->b ? t->a - t->b : 0; /* a kind has no less than that: the place is known by it */
+    double widest = 0;
+    for (int order = least; order < ORDERS; order++) {
+        double number = value->at[DET + order], of = error->at[DET + order];
+        int is = judge(number, of);
+        if (is == CLEAR_OF_ZERO) return widest <= EXACT * fabs(number) ? order : -1;
+        if (is == LOST || !t->more) return -1;
+        widest = fmax(widest, of);
+    }
+    return -1;
+}
+
+/* Both multiplicities; false where one of them is lost in rounding: two different points lie so close together that
+ * both seem to be in one place. */
+static bool measure(gauge *t, int *a, int *b)
+{
+    reading value[READINGS + 1], error, slope;
+    int states = 2 * t->model->n;
+    for (*b = t->b; *b <= MOST_B && *b <= states; (*b)++) {
+        if (!read_all(t, *b, value, &slope) || !settle_place(t, *b, value, &slope, &error)) return false;
+        double next = *b < states ? value[0].at[SIGMA + *b] : 1, of = *b < states ? error.at[SIGMA + *b] : 0;
+        int is = judge(next, of);
+        if (is == LOST || (is == ZERO && (of > EXACT || !t->more))) return false;
+        if (is == ZERO) continue;
+        int order = order_of(t, *b, &value[0], &error);
+        *a = *b + order;
+        return order >= 0;
+    }
+    return false;
+}
+
+ric_status ric_multiplicity(const ric_model *m, const ric_node *node, int *a, int *b, bool *decided)
+{
+    gauge t = {.more = node->kind != RIC_KIND_MULTIPLICATION};
+    expected(node, &t.a, &t.b);
+    ric_status status = gauge_make(m, node, &t);
+    *decided = !status && t.chain->n_unknown == 2 * m->n + t.chain->n_flight && measure(&t, a, b);
+    if (!*decided) {
+        *a = t.a;
+        *b = t.b;
+    }
+    gauge_free(&t);
+    return status;
+}

@@ -1,0 +1,425 @@
+#include "node_solve.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "node_solve_quad.h"
+#include "branch/room.h"
+#include "base/room.h"
+
+#define TWO_PI 6.283185307179586477
+#define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
+#define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign
+                         * changed at a pole */
+#define FINE 1e-12      /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in
+                         * higher precision */
+#define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit
+                         * (a bound: the error is a tenth) */
+#define NARROWEST 1e-10  /* of the size: shorter branches are none */
+#define STRAIGHT 0.2     /* part of its ends by which a function may be off a straight line that passes zero */
+#define AT_ROOT 1e-6 /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
+#define NEAR_ROOT 1e-4   /* the same with an error that is larger: farther away there is none */
+#define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
+#define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
+#define UNDECIDED (-1)
+#define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding /
+                          * distance */
+#define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
+                         * where they came from */
+#define PASSES 5 /* most of them: where a place is known to less than a grain they need not come to an end */
+#define COARSE_GRAIN 0x1p-28 /* the same where what vanishes is regular: the fewer orbits that differ by rounding are
+                              * rounded to different ones */
+
+/* What vanishes at a junction, as a function of the point on the curve. */
+typedef struct {
+    ric_chain *chain;
+    ric_floquet floquet;
+    int test;
+    int place;     /* in the chain, of the impact or flight in question */
+    bool soft;     /* at a grazing: a flight between two switches of a spring, and no impact */
+    const double *u;
+    int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
+    const ric_asked *asked;
+    bool last;     /* from a canonical orbit: what is found is kept */
+    double noise;  /* rounding in the determinant of the larger problem, beside its zero */
+    double aside;  /* imaginary part of the pair nearest to that of a multiplication */
+    double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
+} criterion;
+
+/* The problem with fewer symmetries whose determinant vanishes at the junction. */
+static ric_problem smaller_problem(criterion *q, const ric_cycle *cycle)
+{
+    ric_problem problems[2];
+    if (q->test != RIC_TEST_ROTATION) return ric_problem_breaking(cycle, q->test);
+    int count = ric_problem_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
+    /* which is which depends on where the cycle starts: decided once, on the first one seen */
+    if (q->choice == UNDECIDED) q->choice = count == 2 && ric_problem_singular(q->chain->model, cycle, problems);
+    return problems[q->choice];
+}
+
+/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where
+ * the factors of section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and
+ * keeps its digits however unstable the orbit is. */
+static double larger_determinant(criterion *q, const double *u)
+{
+    ric_chain *large = NULL;
+    double *v = NULL, value = NAN;
+    ric_cycle *here = ric_cycle_from_chain(q->chain, u), *cycle = NULL;
+    if (here) {
+        ric_problem problem = smaller_problem(q, here);
+        cycle = ric_problem_cycle(here, &problem);
+    }
+    if (cycle && !ric_cycle_to_chain(q->chain->model, cycle, &large, &v)) {
+        double t[large->n_unknown];
+        ric_chain_evaluate(large, v);
+        double sign = ric_trace_tangent(large, q->along, t);
+        value = sign * large->end_det;
+        q->noise = ric_trace_tolerance(large) * fabs(large->end_det / large->smallest);
+        if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
+    }
+    ric_chain_free(large);
+    ric_cycle_free(here);
+    ric_cycle_free(cycle);
+    free(v);
+    return value;
+}
+
+/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the
+ * period is its square, that of the period only touches -2. q->aside: its imaginary part. */
+static double off_rotation(criterion *q)
+{
+    const ric_chain *c = q->chain;
+    q->aside = HUGE_VAL;
+    if (ric_floquet_compute(c, &q->floquet)) return NAN;
+    double nearest = HUGE_VAL, target = ric_problem_rho(ric_chain_halves(c), q->rotation[0], q->rotation[1]);
+    for (int i = 0; i < q->floquet.n_pair; i++) {
+        double off = q->floquet.own[2 * i] - target, aside = fabs(q->floquet.own[2 * i + 1]);
+        if (!(hypot(off, aside) < hypot(nearest, q->aside))) continue;
+        nearest = off;
+        q->aside = aside;
+    }
+    return nearest;
+}
+
+/* Whether the determinant of the larger problem tells a multiplication: it passes zero where one direction is lost.
+ * That is so between mirror points, and at a doubling of the period's own map without them; of higher order without
+ * mirror points two directions are lost at once, and it only touches zero. */
+static bool by_larger(const criterion *q)
+{
+    return q->chain->start != RIC_MIRROR_NONE || (q->rotation[1] == 2 && !ric_chain_halves(q->chain));
+}
+
+static double off_asked(const criterion *q, const double *u)
+{
+    const ric_model *m = q->chain->model;
+    return ric_asked_off(q->asked, ric_chain_energy(q->chain) * m->energy_unit,
+                         TWO_PI / ric_chain_time(q->chain, u) * m->omega_ref);
+}
+
+static double evaluate(criterion *q, const double *u, const double *t, double orientation)
+{
+    const ric_chain *c = q->chain;
+    switch (q->test) {
+    case RIC_TEST_APPROACH: return q->soft ? q->u[c->n_start + q->place] : c->approach[q->place];
+    case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, t) / c->scale;
+    case RIC_TEST_DET: return orientation * c->end_det;
+    case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
+    case RIC_TEST_PERIOD: {
+        double sum = 0;
+        for (int k = c->n_start; k < c->n_start + c->n_flight; k++) sum += t[k];
+        return sum;
+    }
+    case RIC_TEST_ASKED: return off_asked(q, u);
+    case RIC_TEST_ROTATION: return by_larger(q) ? larger_determinant(q, u) : off_rotation(q);
+    default: return larger_determinant(q, u);
+    }
+}
+
+static bool breaks_symmetry(int test)
+{
+    return test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
+/* The same zero where rounding hides it: sought in quadruple precision from u on, an orbit beside it. */
+static bool solve_finely(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    double t[c->n_unknown];
+    ric_trace_tangent(c, NULL, t);
+    if (!ric_fine_branch_point(c, q->test, t, u)) return false;
+    ric_chain_evaluate(c, u);
+    return c->residual <= 4 * ric_trace_tolerance(c);
+}
+
+/* Whether the function is a line through zero within h of u on either side. */
+static bool passes(criterion *q, const double *u, const double *normal, double h)
+{
+    static const double place[] = {-1, -0.5, 0.5, 1};
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double v[size], du[size], t[size], f[4], slope = 0, off = 0, noise = 0;
+    for (int i = 0; i < 4; i++) {
+        for (int j = 0; j < size; j++) v[j] = u[j] + place[i] * h * normal[j];
+        if (!ric_trace_correct(c, v, u, normal, place[i] * h, du, &iterations)) return false;
+        double sign = ric_trace_tangent(c, normal, t);
+        f[i] = evaluate(q, v, t, sign);
+        if (isfinite(q->noise)) noise = fmax(noise, q->noise);
+        slope += place[i] * f[i] / 2.5;
+    }
+    for (int i = 0; i < 4; i++) off = fmax(off, fabs(f[i] - slope * place[i]));
+    return fabs(slope) > noise && off < STRAIGHT * fabs(slope);
+}
+
+/* Whether a zero at u stands out of rounding: at some distance the function passes it in a straight line. On a branch
+ * of orbits that belong to families of two parameters, or nearly so, determinants are rounding all along, and bounds of
+ * it tell little. The chain is left at u. */
+static bool stands_out(criterion *q, const double *u)
+{
+    ric_chain *c = q->chain;
+    double normal[c->n_unknown];
+    bool found = false;
+    ric_chain_evaluate(c, u);
+    ric_trace_tangent(c, NULL, normal);
+    for (double h = PLACED; h >= NARROWEST && !found; h /= 10) /* deep in a cascade branches are no longer than that */
+        found = passes(q, u, normal, h * c->scale);
+    for (double h = 10 * PLACED; h <= 1.5 * BESIDE && !found; h *= 10) found = passes(q, u, normal, h * c->scale);
+    ric_chain_evaluate(c, u);
+    return found;
+}
+
+/* Error of lambda + 1/lambda at u: of the map, and of the orbit, which is known to rounding, by the slope along the
+ * curve. */
+static double root_error(const criterion *q, double slope)
+{
+    const ric_chain *c = q->chain;
+    return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_trace_tolerance(c) * c->scale;
+}
+
+/* How far lambda + 1/lambda scatters over orbits that are not told apart from that at u, where the chain has been
+ * evaluated: along the curve, and across it. Deep in a cascade the multipliers are known far worse than the place. */
+static double scatter_of_root(criterion *q, const double *u, const double *normal, double f0)
+{
+    enum { ALONG = 4, ALL = ALONG + RIC_TRACE_WAYS };
+    static const int place[ALONG] = {-2, -1, 1, 2};
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double v[ALL * size], du[size], scatter = 0, grain = ric_trace_tolerance(c) * c->scale;
+    for (int i = 0; i < ALONG; i++)
+        for (int j = 0; j < size; j++) v[i * size + j] = u[j] + place[i] * grain * normal[j];
+    for (int i = 0; i < RIC_TRACE_WAYS; i++)
+        if (!ric_trace_move(c, u, i + 1, v + (ALONG + i) * size)) return HUGE_VAL;
+    for (int i = 0; i < ALL; i++) {
+        double *at = v + i * size;
+        if (i >= ALONG) ric_chain_fly(c, at);
+        else if (!ric_trace_correct(c, at, u, normal, place[i] * grain, du, &iterations)) continue;
+        double f = off_rotation(q);
+        if (isfinite(f)) scatter = fmax(scatter, fabs(f - f0));
+    }
+    return scatter;
+}
+
+/* The determinant of the larger problem holds a stiff spring that closes for a short time to rounding times its
+ * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far
+ * from it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved
+ * if it comes nearer. False: it is known that no multiplier has the root. */
+static bool solve_root(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
+    ric_chain_evaluate(c, u);
+    double f0 = off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
+    if (!isfinite(least) || least <= AT_ROOT + error) return true; /* lost, or there */
+    ric_trace_tangent(c, NULL, normal);
+    double scatter = 4 * scatter_of_root(q, u, normal, f0);
+    memcpy(origin, u, sizeof origin);
+    memcpy(best, u, sizeof best);
+    for (int i = 0; i < 20 && fabs(x1) <= AT_ZERO * c->scale; i++) {
+        for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
+        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) break;
+        double f1 = off_rotation(q), distance = hypot(f1, q->aside);
+        if (!isfinite(distance)) break;
+        if (distance < least) {
+            least = distance;
+            memcpy(best, u, sizeof best);
+            error = root_error(q, (f1 - f0) / (x1 - x0));
+        }
+        double next = x1 - f1 * (x1 - x0) / (f1 - f0);
+        if (least <= q->floquet.error || next == x1) break;
+        if (fabs(f1 - f0) < 4 * q->floquet.error) next = 10 * x1; /* nothing but rounding yet */
+        x0 = x1;
+        f0 = f1;
+        x1 = next;
+    }
+    memcpy(u, best, sizeof best);
+    ric_chain_evaluate(c, u);
+    return least <= fmin(NEAR_ROOT, AT_ROOT + error + scatter);
+}
+
+/* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
+static bool solve_criterion(criterion *q, double *u)
+{
+    ric_chain *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double du[size], origin[size], normal[size], t[size], best[size];
+    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = 1e-6;
+    q->u = u;
+    if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
+    memcpy(origin, u, sizeof origin);
+    ric_trace_tangent(c, NULL, normal);
+    f1 = evaluate(q, u, normal, 1);
+    for (int i = 0; i < 30; i++) {
+        if (fabs(x1 - x0) > 1e-3 * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
+        if (fabs(f1) < least) {
+            least = fabs(f1);
+            memcpy(best, u, sizeof best);
+        } else if (i > 4) break;
+        if (f1 == 0) break;
+        double x2 = i == 0 ? first * c->scale : x1 - f1 * (x1 - x0) / (f1 - f0);
+        if (!isfinite(x2) || fabs(x2) > 1e-2 * c->scale) break;
+        x0 = x1;
+        f0 = f1;
+        x1 = x2;
+        for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
+        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) {
+            if (i > 0 || first < 1e-8) return false;
+            first /= 10; /* deep in a cascade a branch is no longer than that */
+            x1 = 0;
+            i = -1;
+            continue;
+        }
+        double sign = ric_trace_tangent(c, normal, t);
+        f1 = evaluate(q, u, t, sign);
+        if (x1 == x0) break;
+    }
+    memcpy(u, best, sizeof best);
+    ric_chain_evaluate(c, u);
+    if (q->test == RIC_TEST_ASKED) return least <= MET;
+    bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
+                          (q->test == RIC_TEST_ROTATION && by_larger(q));
+    if (q->test == RIC_TEST_ROTATION && !by_determinant) return solve_root(q, u);
+    if (!by_determinant) return true;
+    bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
+    if (blurred) return !q->last || solve_finely(q, u);
+    if (!(least <= AT_ZERO * c->scale * slope)) return false;
+    if (q->last && !c->model->smooth && !stands_out(q, best)) return false;
+    return !q->last || q->test != RIC_TEST_ROTATION || solve_root(q, u);
+}
+
+/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is
+ * shortest. */
+static int slowest(const ric_chain *c, const double *u, bool *soft)
+{
+    int best = -1;
+    double least = HUGE_VAL;
+    *soft = false;
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0 && c->model->face[c->face[k]].spring == 0 && fabs(c->approach[k]) < least) {
+            least = fabs(c->approach[k]);
+            best = k;
+        }
+    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+        if (ric_chain_touches(c, k) && fabs(u[c->n_start + k]) < least) {
+            least = fabs(u[c->n_start + k]);
+            best = k;
+            *soft = true;
+        }
+    return best;
+}
+
+/* Flight of the chain between different contacts that is shortest. */
+static int shortest(const ric_chain *c, const double *u)
+{
+    const ric_model *m = c->model;
+    int best = -1;
+    for (int k = 0; k < c->n_flight; k++) {
+        int f = c->face[k], g = c->face[k + 1];
+        if (f < 0 || g < 0 || m->face[f].contact == m->face[g].contact) continue;
+        if (best < 0 || u[c->n_start + k] < u[c->n_start + best]) best = k;
+    }
+    return best;
+}
+
+/* Rounds the unknowns u [n] to the grain. *grid: those of the pass before, NULL for none; replaced. True if they are
+ * the same: another pass would find the same bits. */
+static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
+{
+    bool same = *grid && *n_grid == n;
+    for (int i = 0; i < n; i++) u[i] = rint(u[i] / grain) * grain;
+    for (int i = 0; same && i < n; i++) same = u[i] == (*grid)[i];
+    free(*grid);
+    *n_grid = n;
+    if ((*grid = malloc((size_t)n * sizeof **grid))) memcpy(*grid, u, (size_t)n * sizeof **grid);
+    return same;
+}
+
+/* Where an unknown lies between two grains, one source of a junction rounds it up and another down, and what is found
+ * differs in its last bits: it is rounded and solved again until it does not change. */
+ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion what, bool *moved)
+{
+    ric_cycle *canonical = NULL, *out = NULL, *before = NULL;
+    double *grid = NULL;
+    int n_grid = 0;
+    bool done = false;
+    double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
+    for (int pass = 0; pass < PASSES && !done; pass++) {
+        criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked,
+                       .last = pass > 0, .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
+        double *u = NULL;
+        ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
+        bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u);
+        done = good && pass && settled(q.chain->n_unknown, grain, u, &n_grid, &grid);
+        if (good && !done && !ric_floquet_create(m->n, &q.floquet)) {
+            ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
+                                             * unknowns */
+            if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
+            if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
+            good = good && solve_criterion(&q, u);
+            out = good ? ric_cycle_from_chain(q.chain, u) : NULL;
+        } else out = done ? before : NULL;
+        if (!done) ric_cycle_free(before);
+        ric_cycle_free(source);
+        ric_chain_free(q.chain);
+        ric_floquet_release(&q.floquet);
+        free(q.along);
+        free(u);
+        before = out;
+        canonical = out && !done && pass + 1 < PASSES ? ric_cycle_canonical(m, out) : NULL;
+        if (!out || (!canonical && !done && pass + 1 < PASSES)) break;
+    }
+    free(grid);
+    if (!out) return NULL;
+    /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
+    /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
+    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
+    bool near = ric_cycle_same(m, cycle, out, far);
+    canonical = near ? ric_cycle_canonical(m, out) : NULL;
+    if (moved) *moved = !near;
+    ric_cycle_free(out);
+    return canonical;
+}
+
+bool ric_locate_sharp(const ric_model *m, const ric_cycle *cycle, int test)
+{
+    criterion q = {.test = test};
+    double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
+    if (!ric_cycle_to_chain(m, cycle, &q.chain, &u)) {
+        ric_chain *c = q.chain;
+        int size = c->n_unknown, iterations;
+        double v[size], du[size], normal[size], t[size];
+        ric_chain_evaluate(c, u);
+        ric_trace_tangent(c, NULL, normal);
+        blur = ric_trace_blur(c, test);
+        h = BESIDE * c->scale;
+        for (int side = -1; side <= 1; side += 2) {
+            for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
+            if (!ric_trace_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
+            double sign = ric_trace_tangent(c, normal, t);
+            change += side * evaluate(&q, v, t, sign);
+        }
+        h /= c->scale;
+    }
+    ric_chain_free(q.chain);
+    free(u);
+    return PLACED * fabs(change) > 2 * h * blur;
+}

@@ -1,0 +1,26 @@
+/* The orbit at a junction, located on its own defining equation from one nearby. */
+#ifndef RIC_JUNCTION_NODE_SOLVE_H
+#define RIC_JUNCTION_NODE_SOLVE_H
+
+#include "branch/room.h"
+#include "orbit/room.h"
+
+enum {
+    RIC_TEST_ROTATION = 100, /* lambda + 1/lambda of some pair reaches a given value */
+    RIC_TEST_ASKED = 101,    /* energy or frequency is what was asked for */
+};
+
+typedef struct {
+    int test;               /* of trace.h, or one of these */
+    int rotation[2];        /* p / q of a multiplication */
+    const ric_asked *asked;
+} ric_criterion;
+
+/* Re-solves `cycle` (with its symmetries) on its defining equation: canonical start, unknowns rounded, solved again, so
+ * that nothing is left of where it came from. NULL where there is none near; *moved (may be NULL): because it went
+ * elsewhere. */
+ric_cycle *ric_locate(const ric_model *model, const ric_cycle *cycle, ric_criterion what, bool *moved);
+/* Whether rounding leaves an extremum its place: dE/ds or dT/ds passes zero there fast enough. */
+bool ric_locate_sharp(const ric_model *model, const ric_cycle *cycle, int test);
+
+#endif

@@ -1,0 +1,363 @@
+#include "switching.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "corner.h"
+#include "branch_point.h"
+#include "model/room.h"
+#include "grazing_words.h"
+#include "multiplication.h"
+#include "grazing_spring.h"
+#include "base/room.h"
+#include "orbit/room.h"
+
+#define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
+#define SECANT 1e-4     /* distance, relative, of the point that gives the direction of a side branch */
+#define NEAR 1e-5       /* the same of points that are not solved: directions are their differences */
+#define ITSELF 1e-2     /* of an orbit and its image, one is the orbit itself if its distance is less than this part of
+                         * the other's */
+#define LARGE 300       /* unknowns from which on a dense singular value decomposition costs more than the rest */
+#define SECOND 1e-6     /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
+
+/* Two contacts of a kept word that close at one instant. */
+static const char *together(const ric_model *m, const ric_cycle *c)
+{
+    for (int i = 0; i < c->N; i++) {
+        const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[(i + 1) % c->N]];
+        if (f->contact == g->contact || c->tau[i] > RIC_COINCIDENT) continue;
+        return ric_corner_commute(m, f, g)
+                   ? "two contacts close together for a whole branch; such branches are not followed by this version"
+                   : "two contacts close together and their normals are not orthogonal in the metric of M^-1: the "
+                     "impact law does not say what happens";
+    }
+    return NULL;
+}
+
+/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact has no speed but
+ * rounding. */
+static int admissible(ric_chain *c, const double *u0, const double *t, double h)
+{
+    int size = c->n_unknown, iterations;
+    double u[size], du[size];
+    for (int i = 0; i < size; i++) u[i] = u0[i] + h * t[i];
+    if (!ric_trace_correct(c, u, u0, t, h, du, &iterations)) return -1;
+    double lost = 4 * ric_trace_tolerance(c) * c->scale * (1 + 1 / c->smallest);
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] < 0 || c->model->face[c->face[k]].spring > 0) continue;
+        else if (fabs(c->approach[k]) <= lost) return -1;
+        else if (c->approach[k] < 0) return 0;
+    for (int k = 0; k < c->n_flight; k++)
+        if (c->model->springs && ric_chain_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
+        else if (!(u[c->n_start + k] > 0)) return 0;
+    return ric_reach(c, u, NULL) < 1;
+}
+
+/* The side of the kernel vector on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
+static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
+{
+    double t[c->n_unknown];
+    int iterations;
+    *found = 0;
+    if (!ric_trace_correct(c, u0, NULL, NULL, 0, t, &iterations))
+        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
+    if (c->smallest < 1e-9)
+        return ric_fail(RIC_E_NUMERIC,
+                        "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
+                        "together there and no single branch leaves");
+    ric_trace_tangent(c, NULL, t);
+    for (int side = 1; side >= -1; side -= 2) {
+        double h = side * TRIAL * c->scale;
+        int first = 0, second = 1;
+        for (int i = 0; i < 6 && first != second; i++, h /= 10) {
+            first = admissible(c, u0, t, h);
+            second = admissible(c, u0, t, h / 10);
+        }
+        if (first != second || first < 0)
+            return ric_fail(RIC_E_NUMERIC, "whether the departure is admissible is lost in rounding");
+        if (first != 1) continue;
+        if (*found) return ric_fail(RIC_E_NUMERIC, "the departure is admissible both ways: the touch does not end it");
+        *found = side;
+        for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
+    }
+    return RIC_OK;
+}
+
+static void drop(ric_chain **chain, double **u0, double **t0)
+{
+    ric_chain_free(*chain);
+    free(*u0);
+    free(*t0);
+    *chain = NULL;
+    *u0 = *t0 = NULL;
+}
+
+/* From a grazing or a corner. */
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain,
+                                double **u0, double **t0, bool *singular)
+{
+    ric_cycle *cycle = ric_subset_cycle(m, node, choice);
+    int found = 0;
+    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
+    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_cycle_to_chain(m, cycle, chain, u0);
+    ric_cycle_free(cycle);
+    if (status) return status;
+    if (ric_soft_applies(node)) {
+        drop(chain, u0, t0);
+        status = ric_soft_depart(m, node, choice, chain, u0, t0, singular);
+        if (status) drop(chain, u0, t0);
+        return status;
+    }
+    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    status = *t0 ? find_side(*chain, *u0, *t0, &found) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (status || !found) drop(chain, u0, t0);
+    return status;
+}
+
+/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is
+ * that of a flight time, hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
+static bool dense_plane(ric_chain *c, const double *u, double *kernel)
+{
+    int size = c->n_unknown, rows = ric_chain_rows(c), k = rows < size ? rows : size;
+    double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s),
+           *super = calloc((size_t)k, sizeof *super);
+    double *V = calloc((size_t)size * size, sizeof *V);
+    bool found = false;
+    if (J && s && super && V) {
+        int equations = ric_chain_jacobian(c, u, J);
+        if (!ric_lapack(
+                LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
+            double second = size - 2 < equations ? s[size - 2] : 0;
+            found = size > 2 && second <= 1e-8 * s[0] && second <= 1e-3 * s[size - 3];
+            memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
+        }
+    }
+    free(J);
+    free(s);
+    free(super);
+    free(V);
+    return found;
+}
+
+static bool plane(ric_chain *c, const double *u, double *kernel)
+{
+    double second;
+    if (c->n_unknown <= LARGE) return dense_plane(c, u, kernel);
+    ric_chain_evaluate(c, u);
+    return ric_chain_plane(c, kernel, &second) && second <= SECOND;
+}
+
+/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one
+ * leaves. */
+static ric_status neighbour(const ric_model *m, ric_chain *form, const double *v, const double *t, double h,
+                            const ric_turn *turn, const ric_problem *problem, double **u)
+{
+    double point[form->n_unknown];
+    ric_chain *chain = NULL;
+    ric_status status;
+    for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
+    ric_cycle *home = ric_turn_cycle(m, form, point, turn), *repeated = home ? ric_problem_cycle(home, problem) : NULL;
+    status = repeated ? ric_cycle_to_chain(m, repeated, &chain, u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_chain_free(chain);
+    ric_cycle_free(home);
+    ric_cycle_free(repeated);
+    return status;
+}
+
+/* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component positive. */
+static ric_status side_direction(ric_chain *c, const double *u0, const double *before, const double *after, double *t0)
+{
+    int size = c->n_unknown, largest = 0;
+    double kernel[2 * size], p = 0, q = 0;
+    ric_chain_fly(c, u0);
+    if (!plane(c, u0, kernel)) return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
+    for (int i = 0; i < size; i++) {
+        p += kernel[i] * (after[i] - before[i]);
+        q += kernel[size + i] * (after[i] - before[i]);
+    }
+    for (int i = 0; i < size; i++) t0[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
+    for (int i = 1; i < size; i++)
+        if (fabs(t0[i]) > fabs(t0[largest]) * (1 + 1e-6)) largest = i;
+    if (t0[largest] < 0)
+        for (int i = 0; i < size; i++) t0[i] = -t0[i];
+    return RIC_OK;
+}
+
+/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that
+ * of a point on it. The symmetric branch has no point in the plane that is solved in. */
+static bool secant_direction(ric_chain *c, const double *u0, double *t0)
+{
+    int size = c->n_unknown, iterations;
+    double u[size], du[size], h = SECANT * c->scale;
+    for (int pass = 0; pass < 2; pass++) {
+        double norm = 0;
+        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
+        if (!ric_trace_correct(c, u, u0, t0, h, du, &iterations)) return false;
+        for (int i = 0; i < size; i++) norm += (u[i] - u0[i]) * (u[i] - u0[i]);
+        for (int i = 0; i < size; i++) t0[i] = (u[i] - u0[i]) / sqrt(norm);
+    }
+    return true;
+}
+
+/* Unknowns of the chain of an image of a cycle; allocated, NULL without memory. */
+static double *image_unknowns(const ric_model *m, const ric_cycle *cycle, int shift, bool mirror)
+{
+    ric_chain *chain = NULL;
+    double *u = NULL;
+    ric_cycle *image = ric_cycle_transform(m, cycle, shift, false, mirror);
+    if (image && ric_cycle_to_chain(m, image, &chain, &u)) u = NULL;
+    ric_chain_free(chain);
+    ric_cycle_free(image);
+    return u;
+}
+
+static double largest_difference(int size, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < size; i++) most = fmax(most, fabs(a[i] - b[i]));
+    return most;
+}
+
+/* A family of even order is its own image half its period on, turned round: its direction is that part of the kernel
+ * vector which changes its sign. Nothing is solved, so that families of any smallness are left in the right direction:
+ * deep in a cascade other orbits lie about. A cycle may be read from either of its mirror points, which the shift
+ * exchanges, and on S orbits the other one shows the mirror image: of the two sets of unknowns one must be that of the
+ * chain itself. */
+static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_chain *c, const double *u0, double *t0)
+{
+    int size = c->n_unknown;
+    double point[size], norm = 0, sign = 0;
+    bool found = false, turned = node->cycle->half && node->multiple % 2;
+    for (int i = 0; i < size; i++) point[i] = u0[i] + NEAR * c->scale * t0[i];
+    ric_chain_fly(c, point);
+    ric_cycle *here = ric_cycle_from_chain(c, point);
+    if (!here) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    for (int mirror = 0; mirror <= ric_cycle_mirrors(m, here) && !found; mirror++) {
+        double *v = image_unknowns(m, here, 0, mirror), *w = image_unknowns(m, here, here->N / 2, mirror != turned);
+        double a = v && w ? largest_difference(size, v, point) : 0, b = v && w ? largest_difference(size, w, point) : 0;
+        found = fmin(a, b) < ITSELF * fmax(a, b);
+        for (int i = 0; found && i < size; i++) {
+            norm += (v[i] - w[i]) * (v[i] - w[i]);
+            sign += (v[i] - w[i]) * t0[i];
+        }
+        for (int i = 0; found && i < size; i++) t0[i] = copysign(1 / sqrt(norm), sign) * (v[i] - w[i]);
+        free(v);
+        free(w);
+    }
+    ric_cycle_free(here);
+    return found && norm > 0 ? RIC_OK : ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+}
+
+static bool turns_round(const ric_node *node)
+{
+    return node->kind == RIC_KIND_MULTIPLICATION &&
+           ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
+}
+
+static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0,
+                              double **t0)
+{
+    ric_problem problem = ric_node_problem(node, choice);
+    ric_chain *form = NULL;
+    double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
+    ric_turn turn;
+    ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
+    ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v)
+                              : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (status) goto out;
+    if ((status = ric_cycle_to_chain(m, cycle, chain, u0))) goto out;
+    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    t = calloc((size_t)form->n_unknown, sizeof *t);
+    if (!*t0 || !t) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        goto out;
+    }
+    ric_chain_evaluate(form, v);
+    ric_trace_tangent(form, NULL, t);
+    /* the cycle of a chain may start elsewhere than the canonical one */
+    if (!ric_turn_find(m, form, v, node->cycle, &turn)) {
+        status = ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
+        goto out;
+    }
+    if ((status = neighbour(m, form, v, t, -NEAR * form->scale, &turn, &problem, &before))) goto out;
+    if ((status = neighbour(m, form, v, t, NEAR * form->scale, &turn, &problem, &after))) goto out;
+    if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
+    if (turns_round(node)) status = odd_direction(m, node, *chain, *u0, *t0);
+    else if (!secant_direction(*chain, *u0, *t0))
+        status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+out:
+    if (status) drop(chain, u0, t0);
+    ric_chain_free(form);
+    ric_cycle_free(cycle);
+    free(v);
+    free(before);
+    free(after);
+    free(t);
+    return status;
+}
+
+static ric_status depart_through(const ric_model *m, const ric_node *node, ric_chain **chain, double **u0, double **t0)
+{
+    ric_status status = ric_cycle_to_chain(m, node->cycle, chain, u0);
+    if (status) return status;
+    if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0)))
+        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_chain_evaluate(*chain, *u0);
+    ric_trace_tangent(*chain, NULL, *t0);
+    return RIC_OK;
+}
+
+/* Along t0, or for side = -1 against it; the start may be singular: its first step is the length of t0. */
+static void orient(const ric_chain *c, int side, double length, double *t0)
+{
+    for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
+}
+
+/* Whether a spring is met from here on: the contact is short as the distance x from the grazing, and energy and period
+ * change as x^2. */
+static bool keeps_soft(const ric_node *node, unsigned choice)
+{
+    for (int bit = 0; bit < node->n_touch * node->multiple; bit++)
+        if (choice & 1u << bit && ric_node_soft(node, bit % node->n_touch)) return true;
+    return false;
+}
+
+ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain,
+                           double **u0, double **t0, unsigned *ignore)
+{
+    const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+    bool singular = false;
+    *chain = NULL;
+    *u0 = *t0 = NULL;
+    if (node->kind == RIC_KIND_GRAZING) {
+        *ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
+        if (keeps_soft(node, choice)) *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
+        ric_status status = depart_subset(m, node, choice, chain, u0, t0, &singular);
+        if (singular) *ignore |= 1u << RIC_TEST_DET | RIC_SINGULAR_START;
+        return status;
+    }
+    if (node->kind == RIC_KIND_CORNER) {
+        *ignore = 1u << RIC_TEST_FLIGHT;
+        return depart_subset(m, node, choice, chain, u0, t0, &singular);
+    }
+    *ignore = breaks | 1u << RIC_TEST_DET;
+    if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) {
+        *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
+        ric_status status = ric_crossing_depart(m, node, choice, chain, u0, t0);
+        if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
+        return status;
+    }
+    if (choice == RIC_THROUGH) {
+        ric_status status = depart_through(m, node, chain, u0, t0);
+        if (!status) orient(*chain, side, 1, *t0);
+        return status;
+    }
+    *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
+    if (ric_ring_applies(node, choice)) return ric_ring_depart(m, node, choice, side, chain, u0, t0);
+    ric_status status = depart_side(m, node, choice, chain, u0, t0);
+    if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
+    return status;
+}

@@ -1,0 +1,562 @@
+#include "model.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "modes.h"
+#include "modal.h"
+#include "regime.h"
+#include "base/room.h"
+
+/* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
+#define ORTHOGONAL 1e-12
+
+static void *array(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+/* ---------------------------------------------------------------- checks */
+
+static ric_status check_matrix(int n, const double *A, const char *name)
+{
+    double largest = 0;
+    for (int i = 0; i < n * n; i++) {
+        if (!isfinite(A[i]))
+            return ric_fail(RIC_E_INPUT, "%s matrix: the entry of row %d, column %d is not a finite number", name,
+                            i / n + 1, i % n + 1);
+        largest = fmax(largest, fabs(A[i]));
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            if (fabs(A[i * n + j] - A[j * n + i]) > 1e-12 * largest)
+                return ric_fail(RIC_E_INPUT,
+                                "%s matrix is not symmetric: row %d, column %d is %.17g but row %d, column %d is "
+                                "%.17g; make them equal",
+                                name, i + 1, j + 1, A[i * n + j], j + 1, i + 1, A[j * n + i]);
+    return RIC_OK;
+}
+
+static ric_status check_contact(int n, int i, const ric_contact *contact)
+{
+    if (contact->law == RIC_LAW_POWER) {
+        if (contact->exponent < 3 || contact->exponent > 99 || contact->exponent % 2 == 0)
+            return ric_fail(RIC_E_INPUT, "contact %d: exponent %d is not an odd number from 3 to 99", i + 1,
+                            contact->exponent);
+        const double *value = contact->length != 0 ? &contact->reference : &contact->stiffness;
+        if (!isfinite(*value) || *value <= 0 || !isfinite(contact->length) || contact->length < 0)
+            return ric_fail(
+                RIC_E_INPUT,
+                "contact %d: a power law needs a stiffness, or a length with a reference stiffness, positive", i + 1);
+    } else if (!isfinite(contact->clearance) || contact->clearance <= 0)
+        return ric_fail(RIC_E_INPUT,
+                        "contact %d: clearance %g is not a positive length; the linear motion that every branch starts "
+                        "from needs an open gap (for a preloaded stop use a small clearance)",
+                        i + 1, contact->clearance);
+    if (contact->law == RIC_LAW_BILINEAR && (!isfinite(contact->stiffness) || contact->stiffness <= 0))
+        return ric_fail(RIC_E_INPUT, "contact %d: contact stiffness %g is not positive", i + 1, contact->stiffness);
+    double largest = 0;
+    for (int j = 0; j < n; j++) {
+        if (!isfinite(contact->normal[j]))
+            return ric_fail(RIC_E_INPUT, "contact %d: number %d of the normal is not finite", i + 1, j + 1);
+        largest = fmax(largest, fabs(contact->normal[j]));
+    }
+    if (largest == 0)
+        return ric_fail(RIC_E_INPUT,
+                        "contact %d: the normal is all zeros; it must name the displacements that close the gap",
+                        i + 1);
+    return RIC_OK;
+}
+
+static ric_status check(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts,
+                        double restitution)
+{
+    ric_status status = RIC_OK;
+    if (n < 1 || n > 10000) return ric_fail(RIC_E_INPUT, "%d degrees of freedom; there must be 1 to 10000", n);
+    if (n_contact < 1)
+        return ric_fail(RIC_E_INPUT, "no contacts; without one the structure is linear and its modes are the answer");
+    if (!(restitution >= 0 && restitution <= 1))
+        return ric_fail(RIC_E_INPUT, "restitution %g is outside [0, 1]", restitution);
+    if ((status = check_matrix(n, M, "mass"))) return status;
+    if ((status = check_matrix(n, K, "stiffness"))) return status;
+    for (int i = 0; i < n_contact; i++) {
+        if ((status = check_contact(n, i, &contacts[i]))) return status;
+        if ((contacts[i].law == RIC_LAW_POWER) != (contacts[0].law == RIC_LAW_POWER))
+            return ric_fail(RIC_E_INPUT, "contact %d: a power law and contacts that open and close cannot be mixed",
+                            i + 1);
+    }
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------ eigenvalues */
+
+static ric_status check_mass(int n, const double *M)
+{
+    ric_status status = RIC_OK;
+    double *A = array((size_t)n * n, sizeof *A), *value = array((size_t)n, sizeof *value);
+    if (!A || !value) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the mass matrix");
+        goto out;
+    }
+    memcpy(A, M, (size_t)n * n * sizeof *A);
+    if (ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n, A, n, value))) {
+        status = ric_fail(RIC_E_NUMERIC, "the eigenvalues of the mass matrix could not be computed");
+        goto out;
+    }
+    if (value[0] <= n * DBL_EPSILON * value[n - 1]) {
+        int worst = 0;
+        for (int i = 0; i < n; i++)
+            if (M[i * n + i] < M[worst * n + worst]) worst = i;
+        status =
+            value[0] > 0
+                ? ric_fail(RIC_E_INPUT,
+                           "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check row "
+                           "%d, column %d, which is %g",
+                           value[0], value[n - 1], worst + 1, worst + 1, M[worst * n + worst])
+                : ric_fail(
+                      RIC_E_INPUT,
+                      "mass matrix is not positive definite: its smallest eigenvalue is %g; check row %d, column %d, "
+                      "which is %g",
+                      value[0], worst + 1, worst + 1, M[worst * n + worst]);
+    }
+out:
+    free(A);
+    free(value);
+    return status;
+}
+
+/* ------------------------------------------------------------ scaled frame */
+
+void ric_complement(int n, const double *h, double *E)
+{
+    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * h[i] * (j ? h[j] : v0);
+    /* the reflection's pivot sign would turn the basis over where h[0] changes sign */
+    for (int j = 0; n > 1 && h[0] < 0 && j < n; j++) E[j] = -E[j];
+}
+
+#define LINEAR_ENERGY 1e-6 /* amplitudes of a thousandth of the length at which a power law acts */
+#define FAST 20.0 /* ratio to the lowest frequency */
+#define NEAR_ONE 4 /* powers of two by which a unit may be off before it is changed: a digit */
+
+/* The length at which a contact acts: its clearance, or where the force of a power law is that of the structure,
+ * k_c s^m c.c = omega_ref^2 s. */
+static double acting_length(const ric_model *m, int f)
+{
+    const ric_contact *contact = &m->contact[f];
+    double cc = 0, order = contact->exponent - 1, omega2 = m->omega_ref * m->omega_ref;
+    if (contact->law != RIC_LAW_POWER) return contact->clearance;
+    for (int i = 0; i < m->n; i++) cc += m->normal[f * m->n_dof + m->mode[i]] * m->normal[f * m->n_dof + m->mode[i]];
+    if (!(cc > 0)) return HUGE_VAL;
+    return contact->length > 0 ? contact->length * pow(omega2 / (contact->reference * cc), 1 / order)
+                               : pow(omega2 / (contact->stiffness * cc), 1 / order);
+}
+
+/* A power of two near x, so that nothing is rounded by it; 1 as long as that will do. */
+static double unit_near(double x)
+{
+    double exponent = round(log2(x));
+    return fabs(exponent) < NEAR_ONE || !isfinite(exponent) ? 1 : exp2(exponent);
+}
+
+static double length_unit(const ric_model *m)
+{
+    double least = HUGE_VAL;
+    for (int f = 0; f < m->n_contact; f++) least = fmin(least, acting_length(m, f));
+    return unit_near(least / ric_model_length(m));
+}
+
+/* The scaled force of a contact is spring * s^exponent, or spring * (s - gap). */
+static double scaled_spring(const ric_model *m, const ric_contact *contact, double unit)
+{
+    double d = ric_model_length(m) * m->length;
+    if (contact->law == RIC_LAW_RIGID) return 0;
+    if (contact->law == RIC_LAW_BILINEAR) return contact->stiffness / unit;
+    double k = contact->length > 0 ? contact->reference * pow(d / contact->length, contact->exponent - 1)
+                                   : contact->stiffness * pow(d, contact->exponent - 1);
+    return k / unit;
+}
+
+static void scale_modes(ric_model *m)
+{
+    int n = m->n, nd = m->n_dof, k = 0;
+    for (int i = 0; i < nd; i++)
+        if (m->seen[i]) m->mode[k++] = i;
+    m->omega_ref = 1;
+    for (int i = n - 1; i >= 0; i--)
+        if (m->frequency[m->mode[i]] > 0) m->omega_ref = m->frequency[m->mode[i]];
+    double cc = 0;
+    for (int i = 0; i < n; i++) cc += m->normal[m->mode[i]] * m->normal[m->mode[i]];
+    double unit = sqrt(cc); /* |c_0|, physical */
+    double stiffness = m->omega_ref * m->omega_ref / cc;
+    m->length = length_unit(m);
+    m->energy_unit = stiffness * m->length * m->length;
+    m->linear_energy = LINEAR_ENERGY * unit_near(m->energy_unit);
+    for (int f = 0; f < m->n_contact; f++) m->spring[f] = scaled_spring(m, &m->contact[f], stiffness);
+    for (int i = 0; i < n; i++) {
+        int mode = m->mode[i];
+        long double omega = ((long double)m->frequency[mode] + m->frequency_low[mode]) / m->omega_ref;
+        m->omega[i] = (double)omega;
+        m->omega_low[i] = (double)(omega - m->omega[i]);
+        m->fast |= omega > FAST;
+        m->kappa[i] = m->omega[i] > 0 ? m->omega[i] : 1;
+        m->stiff[i] = m->omega[i] > 0 ? m->omega[i] : 0;
+        for (int f = 0; f < m->n_contact; f++) {
+            m->c[f * n + i] = m->normal[f * nd + mode] / unit;
+            m->g[f * n + i] = m->c[f * n + i] / m->kappa[i];
+        }
+        double shape[nd]; /* columns of a large matrix are far apart in memory; M is symmetric, so that its rows will
+                           * do */
+        for (int l = 0; l < nd; l++) shape[l] = m->Phi[l * nd + mode];
+        for (int j = 0; j < nd; j++) {
+            m->to_modal[i * nd + j] = ric_dot(nd, shape, m->M + j * nd) * unit / m->length;
+            m->to_space[j * n + i] = shape[j] / unit * m->length;
+        }
+    }
+}
+
+static void make_faces(ric_model *m)
+{
+    int n = m->n;
+    m->symmetric = true;
+    for (int f = 0; f < m->n_contact; f++) {
+        double *E = m->E + (size_t)f * (n - 1) * n;
+        ric_complement(n, m->c + f * n, E);
+        if (m->contact[f].law == RIC_LAW_POWER) continue;
+        bool both = m->contact[f].sides == RIC_SIDES_BOTH;
+        if (!both) m->symmetric = false;
+        for (int side = 1; side >= -1; side -= 2) {
+            if (side > 0 && m->contact[f].sides == RIC_SIDES_LOWER) continue;
+            if (side < 0 && m->contact[f].sides == RIC_SIDES_UPPER) continue;
+            int mirror = !both ? -1 : side > 0 ? m->n_face + 1 : m->n_face - 1;
+            m->face[m->n_face++] = (ric_face){
+                .contact = f, .side = side, .mirror = mirror,
+                .gap = side * m->contact[f].clearance / m->contact[0].clearance / m->length, .spring = m->spring[f],
+                .c = m->c + f * n, .g = m->g + f * n, .cc = ric_dot(n, m->c + f * n, m->c + f * n), .E = E};
+        }
+    }
+}
+
+static ric_status allocate(ric_model *m, int n, int n_contact)
+{
+    size_t nn = (size_t)n * n, fn = (size_t)n_contact * n;
+    m->n_dof = n;
+    m->n_contact = n_contact;
+    m->M = array(nn, sizeof(double));
+    m->K = array(nn, sizeof(double));
+    m->b = array(fn, sizeof(double));
+    m->contact = array((size_t)n_contact, sizeof *m->contact);
+    m->spring = array((size_t)n_contact, sizeof(double));
+    m->frequency = array((size_t)n, sizeof(double));
+    m->frequency_low = array((size_t)n, sizeof(double));
+    m->Phi = array(nn, sizeof(double));
+    m->normal = array(fn, sizeof(double));
+    m->seen = array((size_t)n, sizeof *m->seen);
+    if (!m->M || !m->K || !m->b || !m->contact || !m->spring || !m->frequency || !m->frequency_low || !m->Phi ||
+        !m->normal || !m->seen)
+        return ric_fail(RIC_E_NOMEM, "no memory for a model of %d degrees of freedom", n);
+    return RIC_OK;
+}
+
+static ric_status allocate_scaled(ric_model *m)
+{
+    size_t n = (size_t)m->n, f = (size_t)m->n_contact;
+    m->mode = array(n, sizeof *m->mode);
+    m->omega = array(n, sizeof(double));
+    m->omega_low = array(n, sizeof(double));
+    m->kappa = array(n, sizeof(double));
+    m->stiff = array(n, sizeof(double));
+    m->c = array(f * n, sizeof(double));
+    m->g = array(f * n, sizeof(double));
+    m->E = array(f * n * n, sizeof(double));
+    m->face = array(2 * f, sizeof *m->face);
+    m->to_modal = array(n * (size_t)m->n_dof, sizeof(double));
+    m->to_space = array(n * (size_t)m->n_dof, sizeof(double));
+    if (!m->mode || !m->omega || !m->omega_low || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face ||
+        !m->to_modal || !m->to_space)
+        return ric_fail(RIC_E_NOMEM, "no memory for %d seen modes", m->n);
+    return RIC_OK;
+}
+
+ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
+                            const ric_contact *contacts, double restitution, ric_model **out)
+{
+    ric_model *m = NULL;
+    ric_status status = check(n_dof, mass, stiffness, n_contact, contacts, restitution);
+    *out = NULL;
+    if (status) goto out;
+    if ((status = check_mass(n_dof, mass))) goto out;
+    if (!(m = calloc(1, sizeof *m))) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for a model");
+        goto out;
+    }
+    if ((status = allocate(m, n_dof, n_contact))) goto out;
+    for (int i = 0; i < n_dof; i++)
+        for (int j = 0; j < n_dof; j++) {
+            m->M[i * n_dof + j] = (mass[i * n_dof + j] + mass[j * n_dof + i]) / 2;
+            m->K[i * n_dof + j] = (stiffness[i * n_dof + j] + stiffness[j * n_dof + i]) / 2;
+        }
+    for (int i = 0; i < n_contact; i++) {
+        memcpy(m->b + i * n_dof, contacts[i].normal, (size_t)n_dof * sizeof(double));
+        m->contact[i] = contacts[i];
+        m->contact[i].normal = m->b + i * n_dof;
+        if (contacts[i].name && !(m->contact[i].name = strdup(contacts[i].name))) {
+            status = ric_fail(RIC_E_NOMEM, "no memory for a contact's name");
+            goto out;
+        }
+    }
+    m->smooth = contacts[0].law == RIC_LAW_POWER;
+    for (int i = 0; i < n_contact; i++) m->springs |= contacts[i].law != RIC_LAW_RIGID;
+    m->restitution = restitution;
+    if ((status = ric_modes_find(m))) goto out;
+    if ((status = allocate_scaled(m))) goto out;
+    scale_modes(m);
+    make_faces(m);
+    if ((status = ric_phases_create(m))) goto out;
+    *out = m;
+    m = NULL;
+out:
+    ric_model_free(m);
+    return status;
+}
+
+void ric_model_free(ric_model *m)
+{
+    if (!m) return;
+    for (int i = 0; m->contact && i < m->n_contact; i++) free((void *)(uintptr_t)m->contact[i].name);
+    void *owned[] = {m->M,     m->K,      m->b,    m->contact, m->spring, m->frequency, m->frequency_low,
+                     m->Phi,   m->normal, m->seen, m->mode,    m->omega,  m->omega_low, m->kappa,
+                     m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
+    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
+    ric_phases_free(m);
+    free(m);
+}
+
+/* ---------------------------------------------------------------- queries */
+
+int ric_model_n_dof(const ric_model *m) { return m->n_dof; }
+int ric_model_n_mode(const ric_model *m) { return m->n; }
+int ric_model_n_contact(const ric_model *m) { return m->n_contact; }
+int ric_model_n_face(const ric_model *m) { return m->n_face; }
+int ric_model_n_part(const ric_model *m) { return m->n_part; }
+bool ric_model_symmetric(const ric_model *m) { return m->symmetric; }
+double ric_model_length(const ric_model *m)
+{
+    const ric_contact *first = &m->contact[0];
+    return first->law != RIC_LAW_POWER ? first->clearance : first->length > 0 ? first->length : 1;
+}
+double ric_model_restitution(const ric_model *m) { return m->restitution; }
+const double *ric_model_mass(const ric_model *m) { return m->M; }
+const double *ric_model_stiffness(const ric_model *m) { return m->K; }
+
+ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
+{
+    if (contact < 0 || contact >= m->n_contact)
+        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+    *out = m->contact[contact];
+    return RIC_OK;
+}
+
+ric_status ric_model_face(const ric_model *m, int face, int *contact, int *side, int *mirror)
+{
+    if (face < 0 || face >= m->n_face)
+        return ric_fail(RIC_E_RANGE, "face %d does not exist; there are %d, from 0", face, m->n_face);
+    if (contact) *contact = m->face[face].contact;
+    if (side) *side = m->face[face].side;
+    if (mirror) *mirror = m->face[face].mirror;
+    return RIC_OK;
+}
+
+ric_status ric_model_frequencies(const ric_model *m, double *out)
+{
+    memcpy(out, m->frequency, (size_t)m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+ric_status ric_model_modes(const ric_model *m, double *out)
+{
+    memcpy(out, m->Phi, (size_t)m->n_dof * m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+ric_status ric_model_seen(const ric_model *m, bool *out)
+{
+    memcpy(out, m->seen, (size_t)m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+ric_status ric_model_modal_normals(const ric_model *m, double *out)
+{
+    memcpy(out, m->normal, (size_t)m->n_contact * m->n_dof * sizeof *out);
+    return RIC_OK;
+}
+
+/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). Law power is met at
+ * once. */
+ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *contact)
+{
+    for (int i = 0; i < m->n_dof; i++) {
+        energy[i] = INFINITY;
+        contact[i] = -1;
+        for (int f = 0; f < m->n_contact; f++) {
+            double c = m->normal[f * m->n_dof + i], d = m->contact[f].clearance / ric_model_length(m),
+                   omega = m->frequency[i];
+            if (c == 0 || omega == 0) continue;
+            double E = omega * omega * d * d / (2 * c * c);
+            if (E < energy[i]) {
+                energy[i] = E;
+                contact[i] = f;
+            }
+        }
+    }
+    return RIC_OK;
+}
+
+/* Linear mode i with the force of contact f under a power law as large as that of the structure along it: with r the
+ * displacement c_fi A over the contact's length, reference r^m c_fi = omega_i^2 A, so that r^(m-1) = omega_i^2 /
+ * (reference c_fi^2). */
+static double power_onset(const ric_model *m, int f, int i)
+{
+    const ric_contact *contact = &m->contact[f];
+    const bool own = contact->length > 0;
+    const double c = m->normal[f * m->n_dof + i], omega2 = m->frequency[i] * m->frequency[i],
+                 k = own ? contact->reference : contact->stiffness, length = own ? contact->length : 1,
+                 ratio = pow(omega2 / (k * c * c), 1.0 / (contact->exponent - 1)),
+                 amplitude = length / c * ratio / ric_model_length(m);
+    return omega2 * amplitude * amplitude / 2;
+}
+
+ric_status ric_model_onsets(const ric_model *m, double *energy)
+{
+    int contact[m->n_dof];
+    if (!m->smooth) {
+        ric_status status = ric_model_grazing_energies(m, energy, contact);
+        for (int i = 0; i < m->n_dof; i++)
+            if (!m->seen[i]) energy[i] = INFINITY;
+        return status;
+    }
+    for (int i = 0; i < m->n_dof; i++) {
+        energy[i] = INFINITY;
+        for (int f = 0; f < m->n_contact; f++)
+            if (m->seen[i] && m->frequency[i] > 0 && m->normal[f * m->n_dof + i] != 0)
+                energy[i] = fmin(energy[i], power_onset(m, f, i));
+    }
+    return RIC_OK;
+}
+
+double ric_model_onset(const ric_model *m, int *mode)
+{
+    double energy[m->n_dof];
+    if (mode) *mode = 0;
+    if (ric_model_onsets(m, energy)) return NAN;
+    for (int i = 0; i < m->n_dof; i++)
+        if (isfinite(energy[i])) {
+            if (mode) *mode = i + 1;
+            return energy[i];
+        }
+    return NAN;
+}
+
+/* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in mass-normalised modal
+ * coordinates. */
+ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double *out)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof;
+    double *E = array((size_t)n * n, sizeof *E), *A = array((size_t)n * n, sizeof *A);
+    if (contact < 0 || contact >= m->n_contact) {
+        status = ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+        goto out;
+    }
+    if (!E || !A) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for the locked frequencies");
+        goto out;
+    }
+    ric_complement(n, m->normal + contact * n, E);
+    for (int i = 0; i < n - 1; i++)
+        for (int j = 0; j < n - 1; j++)
+            for (int k = 0; k < n; k++)
+                A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];
+    if (n > 1 && ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n - 1, A, n - 1, out))) {
+        status = ric_fail(RIC_E_NUMERIC, "the locked frequencies could not be computed");
+        goto out;
+    }
+    double largest = n > 1 ? fabs(out[n - 2]) : 0;
+    for (int i = 0; i < n - 1; i++) out[i] = out[i] <= 16.0 * n * DBL_EPSILON * largest ? 0 : sqrt(out[i]);
+out:
+    free(E);
+    free(A);
+    return status;
+}
+
+ric_status ric_model_compliance(const ric_model *m, int contact, double *cumulative)
+{
+    double sum = 0;
+    if (contact < 0 || contact >= m->n_contact)
+        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+    for (int i = 0; i < m->n_dof; i++) {
+        double c = m->normal[contact * m->n_dof + i];
+        cumulative[i] = sum += c * c;
+    }
+    return RIC_OK;
+}
+
+static double quadratic(int n, const double *A, const double *x)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * ric_dot(n, A + i * n, x);
+    return sum;
+}
+
+double ric_model_energy(const ric_model *m, const double *x, const double *v)
+{
+    double energy = (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
+    for (int f = 0; f < m->n_contact; f++) {
+        const ric_contact *contact = &m->contact[f];
+        double s = ric_dot(m->n_dof, contact->normal, x), unit = m->energy_unit / (m->length * m->length),
+               d = contact->clearance / ric_model_length(m);
+        if (contact->law == RIC_LAW_POWER)
+            energy += m->energy_unit * m->spring[f] * pow(s / m->length, contact->exponent + 1) /
+                      (contact->exponent + 1);
+        if (contact->law != RIC_LAW_BILINEAR) continue;
+        double over = s > d && contact->sides != RIC_SIDES_LOWER    ? s - d
+                      : s < -d && contact->sides != RIC_SIDES_UPPER ? -s - d
+                                                                    : 0;
+        energy += unit * m->spring[f] * over * over / 2;
+    }
+    return energy;
+}
+
+bool ric_model_orthogonal(const ric_model *m, int f, int g)
+{
+    const double *c = m->c + f * m->n, *d = m->c + g * m->n;
+    return fabs(ric_dot(m->n, c, d)) <= ORTHOGONAL * sqrt(ric_dot(m->n, c, c) * ric_dot(m->n, d, d));
+}
+
+void ric_model_to_state(const ric_model *m, const double *w, double *x, double *v)
+{
+    int n = m->n;
+    for (int j = 0; j < m->n_dof; j++) {
+        double sx = 0, sv = 0;
+        for (int i = 0; i < n; i++) {
+            sx += m->to_space[j * n + i] * (w[i] / m->kappa[i]);
+            sv += m->to_space[j * n + i] * w[n + i];
+        }
+        x[j] = sx;
+        v[j] = sv * m->omega_ref;
+    }
+}
+
+void ric_model_from_state(const ric_model *m, const double *x, const double *v, double *w)
+{
+    int n = m->n;
+    for (int i = 0; i < n; i++) {
+        w[i] = m->kappa[i] * ric_dot(m->n_dof, m->to_modal + i * m->n_dof, x);
+        w[n + i] = ric_dot(m->n_dof, m->to_modal + i * m->n_dof, v) / m->omega_ref;
+    }
+}

@@ -1,0 +1,272 @@
+#include "modes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "modal.h"
+#include "base/room.h"
+
+/* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
+#define UNSEEN 1e-12
+/* Frequencies closer than this (relative, in omega^2) count as equal: their eigenvectors are not determined by M and
+ * K. */
+#define EQUAL 1e-11
+#define REFINED 400 /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
+
+/* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda in long double:
+ * LAPACK's small eigenvalues are accurate relative to the largest one only, and a period needs them relative to
+ * themselves. */
+static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX, long double *R,
+                        long double *S, long double *lambda)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double a = 0, b = 0;
+            for (int k = 0; k < n; k++) {
+                a += m->M[i * n + k] * X[k * n + j];
+                b += m->K[i * n + k] * X[k * n + j];
+            }
+            MX[i * n + j] = a;
+            KX[i * n + j] = b;
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double a = i == j, b = 0;
+            for (int k = 0; k < n; k++) {
+                a -= X[k * n + i] * MX[k * n + j];
+                b += X[k * n + i] * KX[k * n + j];
+            }
+            R[i * n + j] = a;
+            S[i * n + j] = b;
+        }
+    for (int i = 0; i < n; i++) lambda[i] = S[i * n + i] / (1 - R[i * n + i]);
+    for (int i = 0; i < n; i++) /* S becomes the correction E */
+        for (int j = 0; j < n; j++) {
+            long double gap = lambda[j] - lambda[i], large = fabsl(lambda[i]) + fabsl(lambda[j]);
+            if (fabsl(gap) > 1e-9L * large) S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
+            else S[i * n + j] = R[i * n + j] / 2;
+        }
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) {
+            long double sum = X[i * n + j];
+            for (int k = 0; k < n; k++) sum += X[i * n + k] * S[k * n + j];
+            MX[i * n + j] = sum;
+        }
+    }
+    memcpy(X, MX, (size_t)n * n * sizeof *X);
+}
+
+/* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever the gaps between the
+ * frequencies (Newton and Schulz: Higham, Functions of Matrices, SIAM 2008, section 8.3). A division by a gap leaves
+ * the vectors of a cluster off by rounding over that gap. */
+static void orthonormalise(const ric_model *m, int n, long double *X, long double *MX, long double *R)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double sum = 0;
+            for (int k = 0; k < n; k++) sum += m->M[i * n + k] * X[k * n + j];
+            MX[i * n + j] = sum;
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double sum = i == j;
+            for (int k = 0; k < n; k++) sum -= X[k * n + i] * MX[k * n + j];
+            R[i * n + j] = sum;
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            long double sum = X[i * n + j];
+            for (int k = 0; k < n; k++) sum += X[i * n + k] * R[k * n + j] / 2;
+            MX[i * n + j] = sum;
+        }
+    memcpy(X, MX, (size_t)n * n * sizeof *X);
+}
+
+static ric_status refine_modes(ric_model *m)
+{
+    int n = m->n_dof;
+    size_t square = (size_t)n * n;
+    if (n > REFINED) return RIC_OK;
+    long double *work = calloc(5 * square + (size_t)n, sizeof *work);
+    if (!work) return ric_fail(RIC_E_NOMEM, "no memory to refine %d modes", n);
+    long double *lambda = work + 5 * square;
+    for (size_t i = 0; i < square; i++) work[i] = m->Phi[i];
+    for (int step = 0; step < 3; step++)
+        refine_once(m, n, work, work + square, work + 2 * square, work + 3 * square, work + 4 * square, lambda);
+    for (int step = 0; step < 2; step++) orthonormalise(m, n, work, work + square, work + 2 * square);
+    for (size_t i = 0; i < square; i++) m->Phi[i] = (double)work[i];
+    for (int i = 0; i < n; i++) {
+        m->frequency[i] = (double)lambda[i];
+        m->frequency_low[i] = (double)(lambda[i] - m->frequency[i]);
+    }
+    free(work);
+    return RIC_OK;
+}
+
+/* K phi = lambda M phi; rigid-body modes get exactly omega = 0. */
+static ric_status eigenmodes(ric_model *m)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof;
+    double *B = calloc((size_t)n * n, sizeof *B);
+    if (!B) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
+        goto out;
+    }
+    memcpy(m->Phi, m->K, (size_t)n * n * sizeof *B);
+    memcpy(B, m->M, (size_t)n * n * sizeof *B);
+    if (ric_lapack(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
+        status =
+            ric_fail(RIC_E_NUMERIC,
+                     "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
+        goto out;
+    }
+    if ((status = refine_modes(m))) goto out;
+    double norm = 0;
+    for (int i = 0; i < n * n; i++) norm = fmax(norm, fabs(m->K[i]));
+    for (int i = 0; i < n; i++) {
+        double lambda = m->frequency[i], phi2 = 0, rounding;
+        for (int j = 0; j < n; j++) phi2 += m->Phi[j * n + i] * m->Phi[j * n + i];
+        rounding = 16.0 * n * DBL_EPSILON * norm * phi2; /* of phi' K phi */
+        if (lambda < -rounding) {
+            status = ric_fail(RIC_E_INPUT,
+                              "stiffness matrix is not positive semidefinite: mode %d has omega^2 = %g; an unstable "
+                              "structure has no free vibration about this equilibrium",
+                              i + 1, lambda);
+            goto out;
+        }
+        long double omega = lambda <= rounding ? 0 : sqrtl((long double)lambda + m->frequency_low[i]);
+        m->frequency[i] = (double)omega;
+        m->frequency_low[i] = (double)(omega - m->frequency[i]); /* of omega, from here on */
+    }
+out:
+    free(B);
+    return status;
+}
+
+/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the
+ * first rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
+static ric_status rotate_equal(ric_model *m, int first, int last)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof, k = last - first + 1, f = m->n_contact;
+    double *C = calloc((size_t)f * k, sizeof *C), *V = calloc((size_t)k * k, sizeof *V);
+    double *s = calloc((size_t)(f > k ? f : k), sizeof *s), *row = calloc((size_t)k, sizeof *row);
+    double *super = calloc((size_t)(f > k ? f : k), sizeof *super);
+    if (!C || !V || !s || !row || !super) {
+        status = ric_fail(RIC_E_NOMEM, "no memory for equal frequencies");
+        goto out;
+    }
+    for (int i = 0; i < f; i++)
+        for (int j = 0; j < k; j++)
+            for (int l = 0; l < n; l++) C[i * k + j] += m->b[i * n + l] * m->Phi[l * n + first + j];
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super))) {
+        status = ric_fail(RIC_E_NUMERIC, "equal frequencies could not be separated");
+        goto out;
+    }
+    for (int l = 0; l < n; l++) {
+        for (int j = 0; j < k; j++) row[j] = ric_dot(k, &V[j * k], &m->Phi[l * n + first]);
+        memcpy(&m->Phi[l * n + first], row, (size_t)k * sizeof *row);
+    }
+out:
+    free(C);
+    free(V);
+    free(s);
+    free(row);
+    free(super);
+    return status;
+}
+
+static ric_status separate_equal(ric_model *m)
+{
+    ric_status status = RIC_OK;
+    int n = m->n_dof;
+    for (int i = 0, j; i < n && !status; i = j) {
+        double lambda = m->frequency[i] * m->frequency[i];
+        for (j = i + 1; j < n; j++) {
+            double next = m->frequency[j] * m->frequency[j];
+            if (next - lambda > EQUAL * next) break;
+        }
+        if (j - i > 1) status = rotate_equal(m, i, j - 1);
+    }
+    return status;
+}
+
+/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that results do not depend
+ * on LAPACK. */
+static void fix_signs(ric_model *m)
+{
+    int n = m->n_dof;
+    for (int i = 0; i < n; i++) {
+        int largest = 0;
+        for (int j = 1; j < n; j++)
+            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + 1e-9)) largest = j;
+        if (m->Phi[largest * n + i] < 0)
+            for (int j = 0; j < n; j++) m->Phi[j * n + i] = -m->Phi[j * n + i];
+    }
+}
+
+static void find_seen(ric_model *m)
+{
+    int n = m->n_dof;
+    for (int f = 0; f < m->n_contact; f++) {
+        double cc = 0;
+        for (int i = 0; i < n; i++) {
+            double c = 0;
+            for (int j = 0; j < n; j++) c += m->b[f * n + j] * m->Phi[j * n + i];
+            m->normal[f * n + i] = c;
+            cc += c * c;
+        }
+        for (int i = 0; i < n; i++) {
+            if (fabs(m->normal[f * n + i]) <= UNSEEN * sqrt(cc)) m->normal[f * n + i] = 0;
+            else m->seen[i] = true;
+        }
+    }
+    for (int i = 0; i < n; i++) m->n += m->seen[i];
+}
+
+/* Groups of modes that no contact joins vibrate independently: several conserved energies, no isolated branches. */
+static int count_parts(const ric_model *m)
+{
+    int n = m->n_dof, parts = 0; /* stays 0 without memory */
+    bool *done = calloc((size_t)n, sizeof *done), *queued = calloc((size_t)n, sizeof *queued);
+    int *queue = calloc((size_t)n, sizeof *queue);
+    if (!done || !queued || !queue) n = 0;
+    for (int start = 0; start < n; start++) {
+        if (!m->seen[start] || queued[start]) continue;
+        int head = 0, tail = 0;
+        queue[tail++] = start;
+        queued[start] = true;
+        parts++;
+        while (head < tail) {
+            int i = queue[head++];
+            for (int f = 0; f < m->n_contact; f++) {
+                if (m->normal[f * n + i] == 0) continue;
+                for (int j = 0; j < n; j++)
+                    if (m->normal[f * n + j] != 0 && !queued[j]) {
+                        queued[j] = true;
+                        queue[tail++] = j;
+                    }
+            }
+        }
+    }
+    free(done);
+    free(queued);
+    free(queue);
+    return parts;
+}
+
+ric_status ric_modes_find(ric_model *m)
+{
+    ric_status status = eigenmodes(m);
+    if (!status) status = separate_equal(m);
+    if (status) return status;
+    fix_signs(m);
+    find_seen(m);
+    m->n_part = count_parts(m);
+    return m->n_part ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a model");
+}

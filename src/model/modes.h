@@ -1,0 +1,12 @@
+/* The linear modes of a structure, and which of them its contacts see (docs/theory.md section 1). */
+#ifndef RIC_MODEL_MODES_H
+#define RIC_MODEL_MODES_H
+
+#include "model.h"
+
+/* K phi = lambda M phi: frequencies (rigid-body modes have exactly 0) with what rounding took from them, shapes, modal
+ * normals, seen modes and their number n, and n_part of a model with its raw data. Among modes of one frequency the
+ * basis is that in which most are unseen; every shape has its largest component positive. O(n_dof^3). */
+ric_status ric_modes_find(ric_model *model);
+
+#endif

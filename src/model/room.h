@@ -1,0 +1,10 @@
+/* What the room model gives to the rooms above it (docs/map.md). */
+#ifndef RIC_MODEL_ROOM_H
+#define RIC_MODEL_ROOM_H
+
+#include "modal.h"
+#include "model.h"
+#include "regime.h"
+#include "word.h"
+
+#endif

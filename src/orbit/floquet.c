@@ -1,0 +1,786 @@
+#include "floquet.h"
+
+#include <complex.h>
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "base/room.h"
+#include "floquet_fine.h"
+
+/* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
+#define ROUNDING 16.0
+#define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a
+                         * period */
+#define NO_SPEED 1e-60
+#define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
+#define LOST 1e-3     /* error of rho, over 1 + |rho|, from which on it is not given */
+#define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
+#define MOST_PAIRS 64 /* up to which the halves are taken apart, or extended precision is used: they need 32 k^2
+                       * numbers */
+#define ROUGH 1e-12   /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
+#define TWO_PI 6.283185307179586477
+#define LOG_2 0.693147180559945309
+
+ric_status ric_floquet_create(int n, ric_floquet *out)
+{
+    size_t k = (size_t)(n > 1 ? n - 1 : 1), nn = (size_t)n;
+    memset(out, 0, sizeof *out);
+    out->n_pair = n - 1;
+    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 12 * k * k : 0);
+    out->rho = calloc(2 * k, sizeof(double));
+    out->own = calloc(2 * k, sizeof(double));
+    out->each = calloc(k, sizeof(double));
+    out->work = calloc(out->n_work, sizeof(double));
+    out->fine = calloc(k <= MOST_PAIRS ? ric_floquet_fine_size(n) : 1, sizeof *out->fine);
+    if (!out->rho || !out->own || !out->each || !out->work || !out->fine) {
+        ric_floquet_release(out);
+        return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
+    }
+    return RIC_OK;
+}
+
+void ric_floquet_release(ric_floquet *f)
+{
+    free(f->rho);
+    free(f->own);
+    free(f->each);
+    free(f->work);
+    free(f->fine);
+    f->rho = f->own = f->each = f->work = NULL;
+    f->fine = NULL;
+}
+
+/* ---------------------------------------------------------------- sections */
+
+/* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre,
+ * the normal at an impact. Written in canonical coordinates (q, p). */
+static void section(const ric_chain *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
+{
+    int n = c->n;
+    double h[n];
+    if (n < 2) return;
+    if (mirror == RIC_MIRROR_REST) {
+        double rate[2 * n];
+        ric_flight_rate(c->model, closed, w, rate);
+        for (int i = 0; i < n; i++) h[i] = -rate[n + i];
+    } else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, w + n, sizeof h);
+    else {
+        memcpy(E, c->model->face[face].E, (size_t)(n - 1) * n * sizeof *E);
+        return;
+    }
+    ric_complement(n, h, E);
+}
+
+/* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept,
+ * the products are scaled. */
+static double not_zero(double speed)
+{
+    return fabs(speed) < NO_SPEED ? copysign(NO_SPEED, speed) : speed;
+}
+
+/* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the
+ * normal velocity follows from dE = 0. */
+static void section_columns(const ric_chain *c, ric_mirror mirror, const double *w, int face, const double *E,
+                            double *V)
+{
+    int n = c->n, k = n - 1, ld = 2 * k;
+    const ric_model *m = c->model;
+    memset(V, 0, (size_t)2 * n * ld * sizeof *V);
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < n; i++) {
+            V[i * ld + j] = m->kappa[i] * E[j * n + i];
+            V[(n + i) * ld + k + j] = E[j * n + i];
+        }
+    if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
+    const ric_face *f = &m->face[face];
+    double normal = not_zero(ric_dot(n, f->c, w + n)), h[2 * n];
+    ric_flight_secant(m, c->closed[0], w, w, h);
+    for (int j = 0; j < ld; j++) {
+        double dE = 0;
+        for (int i = 0; i < 2 * n; i++) dE += h[i] / 2 * V[i * ld + j];
+        for (int i = 0; i < n; i++) V[(n + i) * ld + j] -= dE / normal * f->c[i];
+    }
+}
+
+/* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side
+ * that V is on. */
+static void project(const ric_chain *c, bool on_face, const double *w, int face, const double *E, double *V, double *P)
+{
+    int n = c->n, k = n - 1, ld = 2 * k;
+    const ric_model *m = c->model;
+    if (on_face) {
+        const ric_face *f = &m->face[face];
+        double flow[2 * n], speed = 0;
+        ric_flight_rate(m, c->closed[c->n_flight], w, flow);
+        for (int i = 0; i < n; i++) speed += f->g[i] * flow[i];
+        speed = not_zero(speed);
+        for (int j = 0; j < ld; j++) {
+            double gap = 0;
+            for (int i = 0; i < n; i++) gap += f->g[i] * V[i * ld + j];
+            for (int i = 0; i < 2 * n; i++) V[i * ld + j] -= flow[i] * (gap / speed);
+        }
+    }
+    memset(P, 0, (size_t)(ld * ld) * sizeof *P);
+    for (int r = 0; r < k; r++)
+        for (int i = 0; i < n; i++) /* row by row, which is how V lies in memory */
+            for (int j = 0; j < ld; j++) {
+                P[r * ld + j] += E[r * n + i] * V[i * ld + j] / m->kappa[i];
+                P[(k + r) * ld + j] += E[r * n + i] * V[(n + i) * ld + j];
+            }
+}
+
+/* ------------------------------------------------------------- propagation */
+
+/* One impact at w, the state right after it, on columns: both q and p are reflected, and p gets a kick proportional to
+ * 1 / speed (saltation, eq. 41-46 of the article in modal coordinates). The kick goes with the whole force that pulls
+ * the structure towards the stop, that of the closed springs included (docs/theory.md section 5). */
+static void saltation(const ric_model *m, int n, int ld, const ric_face *f, uint64_t closed, const double *w,
+                      const double *before, double *V)
+{
+    double rate[2 * n];
+    ric_flight_rate(m, closed, w, rate);
+    double speed = not_zero(ric_dot(n, f->c, before)), pull = ric_dot(n, f->c, rate + n);
+    double kick = 2 * pull / (f->cc * speed);
+    for (int j = 0; j < ld; j++) {
+        double gap = 0, push = 0;
+        for (int i = 0; i < n; i++) {
+            gap += f->g[i] * V[i * ld + j];
+            push += f->c[i] * V[(n + i) * ld + j];
+        }
+        double dq = 2 * gap / f->cc, dp = 2 * push / f->cc - kick * gap;
+        for (int i = 0; i < n; i++) {
+            V[i * ld + j] -= dq * m->kappa[i] * f->c[i];
+            V[(n + i) * ld + j] -= dp * f->c[i];
+        }
+    }
+}
+
+/* Keeps the columns finite: returns the power of two taken out. */
+static int rescale(int count, double *V, double *largest)
+{
+    double top = 0;
+    int exponent;
+    for (int i = 0; i < count; i++) top = fmax(top, fabs(V[i]));
+    *largest = top;
+    if (top < 0x1p200) return 0;
+    frexp(top, &exponent);
+    for (int i = 0; i < count; i++) V[i] = ldexp(V[i], -exponent);
+    *largest = ldexp(top, -exponent);
+    return exponent;
+}
+
+/* Takes V through the flights from .. to - 1; *exponent collects the scaling, *growth the largest entry met (scaled
+ * likewise). */
+static void propagate(const ric_chain *c, int from, int to, double *V, int *exponent, double *growth)
+{
+    int n = c->n, ld = 2 * (n - 1);
+    const ric_model *m = c->model;
+    *exponent = 0;
+    *growth = 1;
+    for (int k = from; k < to; k++) {
+        const double *map = c->map + c->stride * (size_t)k;
+        bool dense = ric_flight_dense(m, c->closed[k]), ends = k + 1 == c->n_flight;
+        if (dense) ric_flight_carry(n, map, ld, ld, V);
+        else
+            for (int i = 0; i < n; i++) {
+                double *a = V + i * ld, *p = V + (n + i) * ld, co = map[i], s1 = map[n + i], s2 = map[2 * n + i];
+                for (int j = 0; j < ld; j++) {
+                    double t = a[j];
+                    a[j] = co * t + s1 * p[j];
+                    p[j] = co * p[j] - s2 * t;
+                }
+            }
+        bool struck = c->face[k + 1] >= 0 && m->face[c->face[k + 1]].spring == 0 &&
+                      !(ends && c->end == RIC_MIRROR_IMPACT);
+        if (!struck && !dense) continue;
+        double top;
+        if (struck)
+            saltation(m, n, ld, &m->face[c->face[k + 1]], c->closed[k], c->w + 2 * n * (k + 1), c->before + n * k, V);
+        int shift = rescale(2 * n * ld, V, &top);
+        *exponent += shift;
+        *growth = fmax(shift ? ldexp(*growth, -shift) : *growth, top);
+    }
+}
+
+/* --------------------------------------------------------- small matrices */
+
+/* *error: of the determinant, when every entry of A may be off by `rounding`: the smallest pivot decides whether it has
+ * a sign. */
+static double determinant(int k, int ld, const double *A, double *work, double rounding, double *error)
+{
+    double det = 1, others = 1, least = HUGE_VAL;
+    *error = 0;
+    if (k == 0) return 1;
+    lapack_int pivot[k];
+    for (int i = 0; i < k; i++) memcpy(work + i * k, A + i * ld, (size_t)k * sizeof *work);
+    if (k > 1) ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot));
+    else pivot[0] = 1;
+    for (int i = 0; i < k; i++) {
+        double p = work[i * k + i];
+        det *= pivot[i] == i + 1 ? p : -p;
+        if (fabs(p) < least) {
+            if (least < HUGE_VAL) others *= least;
+            least = fabs(p);
+        } else others *= fabs(p);
+    }
+    *error = k * rounding * others;
+    return det;
+}
+
+/* ------------------------------------------------------------ reversible */
+
+/* rho of the square of a map whose rho is r: r^2 - 2, complex. */
+static void square(double *r)
+{
+    double re = r[0] * r[0] - r[1] * r[1] - 2, im = 2 * r[0] * r[1];
+    r[0] = re;
+    r[1] = im;
+}
+
+/* Blocks from P; a centre exchanges the roles of q and p, (Q, P) = (dp, -dq), so that P stays symplectic. */
+static void blocks(const ric_chain *c, const double *P, double *a, double *b, double *cc, double *d)
+{
+    int k = c->n - 1, ld = 2 * k;
+    bool start = c->start == RIC_MIRROR_CENTRE, end = c->end == RIC_MIRROR_CENTRE;
+    for (int r = 0; r < k; r++)
+        for (int j = 0; j < k; j++) {
+            int s = start ? k + j : j, t = start ? j : k + j; /* columns: symmetric, antisymmetric */
+            int S = end ? k + r : r, T = end ? r : k + r;
+            double from = start ? -1 : 1, to = end ? -1 : 1;
+            a[r * k + j] = P[S * ld + s];
+            b[r * k + j] = from * P[S * ld + t];
+            cc[r * k + j] = to * P[T * ld + s];
+            d[r * k + j] = from * to * P[T * ld + t];
+        }
+}
+
+/* Hadamard's bound of the determinants of two blocks side by side: no pivot, which may change its place, but the
+ * lengths of their common rows. */
+static double bound(int k, const double *left, const double *right)
+{
+    double product = 1;
+    for (int r = 0; r < k; r++) {
+        double sum = 0;
+        for (int j = 0; j < k; j++) sum += left[r * k + j] * left[r * k + j] + right[r * k + j] * right[r * k + j];
+        product *= sqrt(sum);
+    }
+    return product;
+}
+
+/* n = 2: everything from the products b c and a d (scaled by 2^(-2 exponent), `error` likewise), without cancellation
+ * near rho = +-2. */
+static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent, double error)
+{
+    /* rho - 2, rho + 2 of the chain's map */
+    double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent);
+    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
+    double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
+    f->error = ldexp(error, 2 * exponent);
+    f->each[0] = quarter ? f->error * (2 * fabs(rho) + f->error) : f->error;
+    f->own[0] = rho;
+    f->rho[0] = full;
+    f->own[1] = f->rho[1] = 0;
+    if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
+    else f->trace_asinh = asinh(full / 2);
+    bool inside = 4 * bc < -error && 4 * ad > error, outside = 4 * bc > error || 4 * ad < -error;
+    f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+    f->rotation = NAN;
+    if (minus <= 0 && plus >= 0) {
+        double angle = atan2(sqrt(fabs(minus * plus)), rho) / TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
+        if (twist > 0) angle = 1 - angle;
+        f->rotation = fmod(quarter ? 2 * angle : angle, 1);
+    }
+}
+
+/* error [n_pair]: of each rho of the chain's map. What is lost in it is NaN; the map's own rho only if it may be on the
+ * unit circle. */
+static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
+{
+    bool undecided = false, unstable = false;
+    f->error = 0;
+    for (int i = 0; i < f->n_pair; i++) {
+        double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
+        /* a double eigenvalue splits like the square root of the error */
+        double split = sqrt(error[i] / size) * size;
+        if (fabs(r[1]) > split || fabs(r[0]) - 2 > error[i]) unstable = true;
+        else if (fabs(r[1]) > 0 || fabs(r[0]) > 2 - error[i]) undecided = true;
+        bool lost = !(error[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - error[i] > 2;
+        memcpy(f->own + 2 * i, r, 2 * sizeof *r);
+        if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
+        if (quarter) square(r);
+        f->each[i] = quarter ? 2 * size * error[i] : error[i];
+        if (lost) r[0] = r[1] = NAN;
+        else f->error = fmax(f->error, f->each[i]);
+    }
+    f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
+}
+
+/* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
+static double roundings(const ric_chain *c)
+{
+    return c->model->smooth ? SMOOTH_STEPS : c->n_flight + 2;
+}
+
+/* Beyond the range of a double: some multiplier is astronomically large. */
+static void all_lost(ric_floquet *f)
+{
+    f->stable = RIC_STABLE_NO;
+    f->error = f->rough = 0;
+    for (int i = 0; i < 2 * f->n_pair; i++) f->rho[i] = f->own[i] = NAN;
+}
+
+/* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
+static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
+{
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            double s = 0;
+            for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
+            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
+        }
+    return ric_eigen(k, A, rho);
+}
+
+/* The same where the rounding of the largest matters, with the error of each. B [k * k] is workspace, like H. */
+static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double rounding, double *B,
+                          double *H, double *rho, double *error)
+{
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) B[i * k + j] = b[j * k + i];
+    if (!ric_eigen_product(k, B, cc, rounding, H, rho, error)) return false;
+    for (int i = 0; i < k; i++) {
+        rho[2 * i] = 2 + ldexp(4 * rho[2 * i], 2 * exponent);
+        rho[2 * i + 1] = ldexp(4 * rho[2 * i + 1], 2 * exponent);
+        error[i] = ldexp(4 * error[i], 2 * exponent) + 16 * DBL_EPSILON;
+    }
+    return true;
+}
+
+/* ------------------------------------------------------ extended precision */
+
+/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
+static bool made_fine(const ric_chain *c, ric_floquet *f, const double *start, const double *end, double *size)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
+    f->rough = f->error;
+    if (!(f->rough > ROUGH * (1 + least)) && isfinite(least)) return false;
+    return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) && ric_floquet_fine_map(c, start, end, f->fine, size);
+}
+
+/* P as the sum of two matrices in double. */
+static void split(int count, const ric_fine_real *P, double *high, double *low)
+{
+    for (int i = 0; i < count; i++) {
+        high[i] = (double)P[i];
+        low[i] = (double)(P[i] - high[i]);
+    }
+}
+
+/* Rounding of a map of this size in extended precision. */
+static double fine_rounding(const ric_chain *c, double size)
+{
+    return ROUNDING * (double)LDBL_EPSILON * roundings(c) * size;
+}
+
+/* The reversible form: work [8 k^2] and f->work beside it are free, E0 and E1 are not. */
+static void reversible_fine(const ric_chain *c, ric_floquet *f, const double *E0, const double *E1, double *work)
+{
+    int k = c->n - 1, kk = k * k;
+    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0, errors[k];
+    bool quarter = c->multiple == 4, found;
+    if (!made_fine(c, f, E0, E1, &size)) return;
+    split(4 * kk, f->fine, high, low);
+    blocks(c, high, x, x + kk, x + 2 * kk, x + 3 * kk);
+    blocks(c, low, y, y + kk, y + 2 * kk, y + 3 * kk);
+    double error = fine_rounding(c, size) * size;
+    if (k == 1) {
+        ric_fine_real part[4];
+        for (int i = 0; i < 4; i++) part[i] = (ric_fine_real)x[i] + y[i];
+        double bc = (double)(part[1] * part[2]), ad = (double)(part[0] * part[3]);
+        error += 8 * DBL_EPSILON * fmin(1 + fabs(bc), 1 + fabs(ad));
+        judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
+        return;
+    }
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            ric_fine_real s = 0;
+            for (int l = 0; l < k; l++)
+                s += ((ric_fine_real)x[kk + l * k + i] + y[kk + l * k + i]) *
+                     ((ric_fine_real)x[2 * kk + l * k + j] + y[2 * kk + l * k + j]);
+            high[i * k + j] = (i == j ? 2 : 0) + (double)(4 * s);
+            most = fmax(most, fabs(high[i * k + j]));
+        }
+    error += 8 * k * DBL_EPSILON * (1 + most);
+    for (int i = 0; i < k; i++) errors[i] = error;
+    if (error <= ACCURATE) found = ric_eigen(k, high, f->rho);
+    else
+        found = rho_of_blocks(k, x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size, high, low,
+                              f->rho, errors);
+    if (found) judge_pairs(f, quarter, errors);
+}
+
+static ric_status reversible(const ric_chain *c, ric_floquet *f)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, exponent;
+    double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k;
+    double *cc = b + k * k, *d = cc + k * k, *A = d + k * k, *tmp = A + k * k, growth;
+    const double *end = c->w + 2 * n * c->n_flight;
+    bool quarter = c->multiple == 4;
+    section(c, c->start, c->closed[0], c->w, c->face[0], E0);
+    section(c, c->end, c->closed[c->n_flight], end, c->face[c->n_flight], E1);
+    section_columns(c, c->start, c->w, c->face[0], E0, V);
+    propagate(c, 0, c->n_flight, V, &exponent, &growth);
+    project(c, c->end == RIC_MIRROR_IMPACT, end, c->face[c->n_flight], E1, V, P);
+    blocks(c, P, a, b, cc, d);
+    double size = 0;
+    for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
+    size = fmax(size, growth);
+    double rounding = ROUNDING * DBL_EPSILON * roundings(c) * size;
+    f->det_a = determinant(k, k, a, tmp, rounding, &f->error_a);
+    f->det_b = determinant(k, k, b, tmp, rounding, &f->error_b);
+    f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
+    f->size_a = f->size_b = bound(k, a, b);
+    f->size_d = bound(k, cc, d);
+    double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
+    if (k == 1) {
+        judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
+        reversible_fine(c, f, E0, E1, A);
+        return RIC_OK;
+    }
+    f->trace_asinh = f->rotation = NAN;
+    double errors[k];
+    error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
+    for (int i = 0; i < k; i++) errors[i] = error;
+    bool found = exponent < 500;
+    if (found && error <= ACCURATE) found = rho_of_product(k, b, cc, exponent, A, f->rho);
+    else if (found) found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
+    if (found) judge_pairs(f, quarter, errors);
+    else all_lost(f);
+    if (found) reversible_fine(c, f, E0, E1, A);
+    return RIC_OK;
+}
+
+/* --------------------------------------------------------------- general */
+
+/* n = 2 from the trace of the map over a period, or over half of one joined with x -> -x; trace and error scaled by
+ * 2^(-exponent). */
+static void judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent, double error)
+{
+    double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
+    error += ldexp(8 * DBL_EPSILON, -exponent);
+    f->error = ldexp(error, exponent);
+    f->each[0] = half ? f->error * (2 * fabs(rho) + f->error) : f->error;
+    f->own[0] = rho;
+    f->rho[0] = full;
+    f->own[1] = f->rho[1] = 0;
+    if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
+    else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
+    f->stable = fabs(trace) < two - error   ? RIC_STABLE_YES
+                : fabs(trace) > two + error ? RIC_STABLE_NO
+                                            : RIC_STABLE_UNDECIDED;
+    f->rotation = NAN;
+    if (fabs(rho) <= 2) {
+        double angle = acos(rho / 2) / TWO_PI;
+        if (twist > 0) angle = 1 - angle;
+        f->rotation = fmod(half ? 2 * angle : angle, 1);
+    }
+}
+
+/* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into
+ * the flow; a unitary basis of the complement of the gradient is a symplectic basis of what is perpendicular to both,
+ * real parts first. V [2n * ld] as states, and with `dual` scaled such that inner products with it are coordinates. */
+static void smooth_section(const ric_chain *c, bool dual, double *V)
+{
+    int n = c->n, k = n - 1, ld = 2 * k;
+    const ric_model *m = c->model;
+    double h[2 * n], norm = 0, lead;
+    double complex eta[n];
+    ric_flight_secant(m, 0, c->w, c->w, h);
+    for (int i = 0; i < n; i++) {
+        eta[i] = m->kappa[i] * h[i] + I * h[n + i];
+        norm += creal(eta[i]) * creal(eta[i]) + cimag(eta[i]) * cimag(eta[i]);
+    }
+    /* rows 1.. of the Householder reflection that takes eta to a multiple of e_0 */
+    norm = sqrt(norm);
+    lead = cabs(eta[0]);
+    eta[0] += lead > 0 ? eta[0] / lead * norm : norm;
+    double beta = 1 / (norm * (norm + lead));
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < n; i++) {
+            double complex e = (i == j + 1) - beta * eta[i] * conj(eta[j + 1]);
+            double kappa = dual ? 1 / m->kappa[i] : m->kappa[i];
+            V[i * ld + j] = kappa * creal(e);
+            V[(n + i) * ld + j] = cimag(e);
+            V[i * ld + k + j] = -kappa * cimag(e);
+            V[(n + i) * ld + k + j] = creal(e);
+        }
+}
+
+/* P [ld * ld] of the return map on the section. */
+static void return_map(const ric_chain *c, double *V, double *P, int *exponent, double *growth)
+{
+    int n = c->n, ld = 2 * (n - 1);
+    if (!c->model->smooth) {
+        const double *E = c->model->face[c->face[0]].E;
+        section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], E, V);
+        propagate(c, 0, c->n_flight, V, exponent, growth);
+        project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], E, V, P);
+        return;
+    }
+    double dual[2 * n * ld];
+    smooth_section(c, false, V);
+    smooth_section(c, true, dual);
+    propagate(c, 0, c->n_flight, V, exponent, growth);
+    for (int r = 0; r < ld; r++)
+        for (int j = 0; j < ld; j++) {
+            P[r * ld + j] = 0;
+            for (int i = 0; i < 2 * n; i++) P[r * ld + j] += dual[i * ld + r] * V[i * ld + j];
+        }
+}
+
+/* 2k eigenvalues, each there twice, as k; apart [k]: half the distance of the two. */
+static void pair_up(int k, const double *all, double *rho, double *apart)
+{
+    int ld = 2 * k;
+    bool used[ld];
+    memset(used, 0, sizeof used);
+    for (int i = 0, out = 0; i < ld && out < k; i++) {
+        if (used[i]) continue;
+        int best = -1;
+        double near = HUGE_VAL;
+        for (int j = i + 1; j < ld; j++) {
+            double distance = hypot(all[2 * i] - all[2 * j], all[2 * i + 1] - all[2 * j + 1]);
+            if (!used[j] && distance < near) {
+                near = distance;
+                best = j;
+            }
+        }
+        used[i] = true;
+        if (best >= 0) used[best] = true;
+        rho[2 * out] = best < 0 ? all[2 * i] : (all[2 * i] + all[2 * best]) / 2;
+        rho[2 * out + 1] = best < 0 ? all[2 * i + 1] : (all[2 * i + 1] + all[2 * best + 1]) / 2;
+        apart[out++] = best < 0 ? HUGE_VAL : near / 2;
+    }
+}
+
+/* The impact between two halves of about the same growth, which is that of 1 / speed; not one of the slow ones. 0:
+ * there is none. */
+static int middle_impact(const ric_chain *c)
+{
+    int best = 0;
+    double fastest = 0, all = 0, half = 0, off = HUGE_VAL;
+    for (int k = 1; k <= c->n_flight; k++) {
+        fastest = fmax(fastest, c->approach[k]);
+        all += log(fmax(c->approach[k], NO_SPEED));
+    }
+    for (int k = 1; k < c->n_flight; k++) {
+        half += log(fmax(c->approach[k], NO_SPEED));
+        double next = fabs(half - all / 2);
+        if (c->approach[k] < SLOW_SECTION * fastest || next >= off) continue;
+        off = next;
+        best = k;
+    }
+    return best;
+}
+
+/* A + sigma B^-1 for a symplectic B [ld * ld]: B^-1 = -J B' J. */
+static void add_inverse(int k, const double *A, int sigma, const double *B, double *out)
+{
+    int ld = 2 * k;
+    for (int i = 0; i < ld; i++)
+        for (int j = 0; j < ld; j++) {
+            int r = j < k ? j + k : j - k, s = i < k ? i + k : i - k; /* J turns q into p */
+            double sign = (i < k) == (j < k) ? 1 : -1;
+            out[i * ld + j] = A[i * ld + j] + sigma * sign * B[r * ld + s];
+        }
+}
+
+/* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1 + sigma P2^-1): the
+ * factors have the square root of the size of M. work [28 k^2]. False: it cannot be done. */
+static bool rho_of_halves(const ric_chain *c, ric_floquet *f, double *work, double *errors)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
+    if (c->model->springs || c->model->smooth || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
+    const ric_face *first = &c->model->face[c->face[0]], *second = &c->model->face[c->face[middle]];
+    double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld,
+           *H = Y + ld * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
+    const double *w = c->w + 2 * n * middle;
+    section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], first->E, V);
+    propagate(c, 0, middle, V, &exponent[0], &growth[0]);
+    project(c, true, w, c->face[middle], second->E, V, P1);
+    section_columns(c, RIC_MIRROR_IMPACT, w, c->face[middle], second->E, V);
+    propagate(c, middle, c->n_flight, V, &exponent[1], &growth[1]);
+    project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], first->E, V, P2);
+    if (exponent[0] || exponent[1]) return false;
+    add_inverse(k, P2, c->sigma, P1, X);
+    add_inverse(k, P1, c->sigma, P2, Y);
+    double size = fmax(growth[0], growth[1]);
+    for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
+    if (!isfinite(size) ||
+        !ric_eigen_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
+        return false;
+    pair_up(k, mu, rho, apart);
+    for (int i = 0; i < k; i++) {
+        f->rho[2 * i] = c->sigma * rho[2 * i] - 2;
+        f->rho[2 * i + 1] = c->sigma * rho[2 * i + 1];
+        double best = HUGE_VAL; /* the error is that of the nearest of the two */
+        errors[i] = apart[i];
+        for (int j = 0; j < ld; j++) {
+            double distance = hypot(mu[2 * j] - rho[2 * i], mu[2 * j + 1] - rho[2 * i + 1]);
+            if (distance > best) continue;
+            best = distance;
+            errors[i] = fmax(apart[i], error[j]);
+        }
+    }
+    return true;
+}
+
+/* rho from M + M^-1 of the return map M [ld * ld], with M^-1 = -J M' J. A [ld * ld] is workspace. */
+static bool rho_of_period(int k, const double *M, double *A, double *rho)
+{
+    int ld = 2 * k;
+    double all[2 * ld], apart[k];
+    add_inverse(k, M, 1, M, A);
+    if (!ric_eigen(ld, A, all)) return false;
+    pair_up(k, all, rho, apart);
+    return true;
+}
+
+/* The general form; f->work is free. */
+static void whole_fine(const ric_chain *c, ric_floquet *f)
+{
+    int k = c->n - 1, ld = 2 * k, count = ld * ld;
+    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0, errors[k];
+    if (!made_fine(c, f, NULL, NULL, &size)) return;
+    ric_fine_real trace = 0;
+    for (int i = 0; i < count; i++) f->fine[i] *= c->sigma;
+    for (int i = 0; i < ld; i++) trace += f->fine[i * ld + i];
+    double error = fine_rounding(c, size);
+    if (k == 1) {
+        error += 4 * DBL_EPSILON * fabs((double)trace);
+        judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
+        return;
+    }
+    split(count, f->fine, high, low);
+    add_inverse(k, high, 1, high, A);
+    add_inverse(k, low, 1, low, B);
+    for (int i = 0; i < count; i++) {
+        A[i] += B[i];
+        most = fmax(most, fabs(A[i]));
+    }
+    error += 8 * ld * DBL_EPSILON * (1 + most);
+    if (error > ACCURATE && f->error < error) return; /* the halves know better */
+    double all[2 * ld];
+    for (int i = 0; i < k; i++) errors[i] = error;
+    if (!ric_eigen(ld, A, all)) return;
+    double apart[k];
+    pair_up(k, all, f->rho, apart);
+    judge_pairs(f, c->sigma < 0, errors);
+}
+
+static ric_status whole(const ric_chain *c, ric_floquet *f)
+{
+    int n = c->n, k = n - 1, ld = 2 * k, exponent;
+    double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld, *tmp = A + ld * ld, growth;
+    return_map(c, V, P, &exponent, &growth);
+    double size = growth, trace = 0;
+    for (int i = 0; i < ld * ld; i++) {
+        P[i] *= c->sigma;
+        size = fmax(size, fabs(P[i]));
+    }
+    for (int i = 0; i < ld; i++) trace += P[i * ld + i];
+    double error = ROUNDING * DBL_EPSILON * roundings(c) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
+    f->det_b = f->det_d = 1;
+    f->error_a = f->error_b = f->error_d = 0;
+    f->size_a = f->size_b = f->size_d = 1;
+    /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
+    memcpy(A, P, (size_t)ld * ld * sizeof *A);
+    for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
+    f->det_a = 1;
+    if (c->sigma < 0 && k > 1) {
+        f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * roundings(c) * size, &f->error_a);
+        for (int i = 0; i < ld; i++) {
+            double sum = 1;
+            for (int j = 0; j < ld; j++) sum += P[i * ld + j] * P[i * ld + j];
+            f->size_a *= sqrt(sum);
+        }
+    }
+    if (k == 1) {
+        /* det(1 + P) = 2 + trace P, without the cancellation */
+        if (c->sigma < 0) {
+            f->det_a = ldexp(2, -exponent) + trace;
+            f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
+            f->size_a = ldexp(2, -exponent) + size;
+        }
+        judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
+        whole_fine(c, f);
+        return RIC_OK;
+    }
+    f->trace_asinh = f->rotation = NAN;
+    if (!isfinite(error) || exponent) {
+        all_lost(f);
+        return RIC_OK;
+    }
+    double errors[k];
+    bool found = !(error <= ACCURATE) && rho_of_halves(c, f, A, errors);
+    if (!found) {
+        found = rho_of_period(k, P, A, f->rho);
+        for (int i = 0; i < k; i++) errors[i] = error;
+    }
+    if (found) judge_pairs(f, c->sigma < 0, errors);
+    else all_lost(f);
+    if (found) whole_fine(c, f);
+    return RIC_OK;
+}
+
+ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
+{
+    if (c->n == 1) {
+        /* one seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally) stable */
+        f->trace_asinh = f->rotation = NAN;
+        f->stable = RIC_STABLE_YES;
+        f->det_a = f->det_b = f->det_d = 1;
+        f->error = f->rough = f->error_a = f->error_b = f->error_d = 0;
+        return RIC_OK;
+    }
+    return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
+}
+
+void ric_floquet_widen(ric_floquet *f, const double *more)
+{
+    double worst = 0;
+    bool any = false;
+    for (int i = 0; i < f->n_pair; i++) {
+        double *r = f->rho + 2 * i;
+        f->each[i] += more[i];
+        if (f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
+            worst = fmax(worst, f->each[i]);
+            continue;
+        }
+        any = true;
+        r[0] = r[1] = NAN;
+    }
+    f->error = worst;
+    if (any && f->stable == RIC_STABLE_YES) f->stable = RIC_STABLE_UNDECIDED;
+}
+
+/* The large one first: the other is its inverse, without cancellation. */
+static void pair_from_rho(const double *rho, double *out)
+{
+    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
+    if (cabs(lambda) < 1) lambda = (r - root) / 2;
+    double complex inverse = 1 / lambda;
+    out[0] = creal(lambda);
+    out[1] = cimag(lambda);
+    out[2] = creal(inverse);
+    out[3] = cimag(inverse);
+}
+
+void ric_floquet_multipliers(const ric_floquet *f, double *out)
+{
+    for (int i = 0; i < f->n_pair; i++) pair_from_rho(f->rho + 2 * i, out + 4 * i);
+}

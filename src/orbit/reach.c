@@ -1,0 +1,363 @@
+#include "reach.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+#include "model/room.h"
+
+/* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both
+ * ends. On an interval of length h the cubic through values and slopes differs from s by at most D4 h^4 / 384 and its
+ * slope by at most D4 h^3 sqrt(3) / 216, D4 = sum |g_i| omega_i^4 |w_i| (interpolation error of Hermite's cubic:
+ * Birkhoff and Priver, J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can
+ * hide. While springs are closed the sinusoids are those of the phase, about its equilibrium (docs/theory.md section
+ * 10). A closed face is looked at from the other side: it must stay beyond the clearance d, and what counts is 2 - s /
+ * d, which is 1 where it touches. */
+
+#define SLOPE_BOUND 0.008018753738744785 /* sqrt(3) / 216 */
+#define LEVELS 48
+/* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
+#define CLOSE 1e-7
+#define NO_TIME 1e-12 /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding
+                       * throughout */
+#define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
+
+typedef struct {
+    double t, s, ds;
+} sample;
+
+typedef struct {
+    const ric_chain *chain;
+    int flight, contact, n;
+    const ric_phase *phase; /* NULL while all springs are open */
+    double *start, *end; /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
+    const double *omega, *kappa, *g; /* [n] of the phase; g of the contact */
+    double rest; /* of the gap coordinate */
+    bool closed; /* a face of the contact is: only that one counts, the other way round */
+    int upper, lower; /* faces, -1 if none */
+    double gap;       /* > 0 */
+    bool mirrored;    /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
+                       * other */
+    double D3, D4, tau;
+    bool own_start, own_end; /* the flight starts or ends on this contact */
+    double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
+    /* outcome */
+    double best, threshold;
+    ric_touch *touches; /* NULL: only the best is wanted */
+    int capacity, count;
+} search;
+
+static sample sample_at(const search *q, double t)
+{
+    int n = q->n;
+    const double *w = q->start, *g = q->g, *omega = q->omega;
+    sample out = {t, q->rest, 0};
+    for (int i = 0; i < n; i++) {
+        double a = w[i], p = w[n + i];
+        if (omega[i] > 0) {
+            double si, co;
+            sincos(omega[i] * t, &si, &co);
+            out.s += g[i] * (a * co + p * si);
+            out.ds += g[i] * omega[i] * (p * co - a * si);
+        } else {
+            out.s += g[i] * (a + p * t);
+            out.ds += g[i] * p;
+        }
+    }
+    return out;
+}
+
+static double curvature(const search *q, double t)
+{
+    int n = q->n;
+    const double *w = q->start, *g = q->g, *omega = q->omega;
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        double si, co;
+        sincos(omega[i] * t, &si, &co);
+        sum -= g[i] * omega[i] * omega[i] * (w[i] * co + w[n + i] * si);
+    }
+    return sum;
+}
+
+static void offer(search *q, double t, double s, int side, bool kink)
+{
+    int face = q->closed  ? q->chain->model->face[q->upper].side == -side ? q->upper : -1
+               : side > 0 ? q->upper
+                          : q->lower;
+    double value = q->closed ? 2 + side * s / q->gap : side * s / q->gap;
+    if (face < 0) return;
+    if (!q->touches) {
+        q->best = fmax(q->best, value);
+        return;
+    }
+    if (value < q->threshold) return;
+    if (q->count < q->capacity) q->touches[q->count] = (ric_touch){value, q->flight, face, t, kink};
+    q->count++;
+}
+
+/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring:
+ * then only a maximum that happens to fall on the impact must not be lost between the flights before and after. */
+static void offer_impact(search *q, const ric_face *other, sample at)
+{
+    bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
+    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau)
+        offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, kink);
+}
+
+static double largest(double a, double b, double c, double d)
+{
+    return fmax(fmax(a, b), fmax(c, d));
+}
+
+/* A single sign change of the slope between l and r: safeguarded Newton, then the value. */
+static void polish(search *q, sample l, sample r)
+{
+    bool maximum = l.ds > 0;
+    sample mid = l;
+    for (int i = 0; i < 60 && r.t - l.t > 0; i++) {
+        double curved = i ? curvature(q, mid.t) : 0,
+               t = i ? mid.t - mid.ds / curved : l.t + (r.t - l.t) * l.ds / (l.ds - r.ds);
+        if (!(t > l.t && t < r.t)) t = (l.t + r.t) / 2;
+        if (i && fabs(t - mid.t) <= 1e-16 * q->tau) break;
+        double before = mid.t;
+        mid = sample_at(q, t);
+        if ((mid.ds > 0) == maximum) l = mid;
+        else r = mid;
+        if (mid.ds == 0 || t == before) break;
+    }
+    /* a stationary point at the very end of the flight is the impact there, at no speed */
+    if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau)) return;
+    offer(q, mid.t, mid.s, maximum ? 1 : -1, false);
+}
+
+static double level(const search *q)
+{
+    return (q->touches ? q->threshold : q->best) * q->gap;
+}
+
+/* The largest of four values of s on the scale of the level: towards the faces that count. */
+static double towards(const search *q, double a, double b, double c, double d)
+{
+    double reach = -HUGE_VAL;
+    if (q->closed) {
+        int side = q->chain->model->face[q->upper].side;
+        return 2 * q->gap + largest(-side * a, -side * b, -side * c, -side * d);
+    }
+    if (q->upper >= 0) reach = largest(a, b, c, d);
+    if (q->lower >= 0) reach = fmax(reach, largest(-a, -b, -c, -d));
+    return reach;
+}
+
+/* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one sign change of the
+ * slope. */
+static bool undecided(const search *q, sample l, sample r, bool *single)
+{
+    double h = r.t - l.t, slope = 3 * (r.s - l.s) / h - l.ds - r.ds, error = q->D4 * h * h * h;
+    double low = fmin(fmin(l.ds, r.ds), slope), high = fmax(fmax(l.ds, r.ds), slope);
+    *single = false;
+    if (low > error * SLOPE_BOUND || high < -error * SLOPE_BOUND) return false;
+    /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s' itself is off by D3 h^2
+     * / 8 only */
+    double chord = q->D3 * h * h / 8;
+    if (fmin(l.ds, r.ds) > chord || fmax(l.ds, r.ds) < -chord) return false;
+    /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
+    if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
+    double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
+    if (towards(q, l.s, b1, b2, r.s) + value <= level(q) * (1 + 1e-13)) return false;
+    /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s''
+     * (D4 h^2 / 12) */
+    double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
+    *single = l.ds * r.ds < 0 && ((d1 > bend && d2 > bend) || (d1 < -bend && d2 < -bend));
+    return true;
+}
+
+static void search_flight(search *q, sample first, sample last)
+{
+    sample left[LEVELS + 2], right[LEVELS + 2];
+    int top = 0;
+    left[0] = first;
+    right[0] = last;
+    while (top >= 0 && !ric_halt(16 * q->n)) {
+        sample l = left[top], r = right[top];
+        bool single;
+        top--;
+        if (!(r.t > l.t) || !undecided(q, l, r, &single)) continue;
+        bool close = r.t - l.t < CLOSE * q->tau;
+        if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) continue;
+        if (single || top + 2 > LEVELS || r.t - l.t < 1e-12 * q->tau) {
+            if (l.ds * r.ds < 0) polish(q, l, r);
+            continue;
+        }
+        sample mid = sample_at(q, (l.t + r.t) / 2);
+        if (mid.ds == 0) offer(q, mid.t, mid.s, curvature(q, mid.t) < 0 ? 1 : -1, false);
+        left[top + 1] = mid; /* the right half waits, the left half is next: order of time */
+        right[top + 1] = r;
+        left[top + 2] = l;
+        right[top + 2] = mid;
+        top += 2;
+    }
+}
+
+/* Whether the bounds bound anything: numbers that overflow decide no interval, and all of them would be halved. */
+static bool is_bounded(const search *q, sample l, sample r)
+{
+    double sum = fabs(l.s) + fabs(r.s) + q->tau * (fabs(l.ds) + fabs(r.ds)) + q->D4 * pow(q->tau, 4);
+    return isfinite(sum);
+}
+
+static void search_contact(search *q)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    int n = q->n, k = q->flight, last = c->n_flight - 1;
+    const double *w = q->start, *e = q->end,
+                 *g = q->g = q->phase ? q->phase->G + q->contact * n : m->g + q->contact * n;
+    q->rest = q->phase ? q->phase->rest[q->contact] : 0;
+    sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
+    q->D3 = q->D4 = q->bend_start = q->bend_end = 0;
+    for (int i = 0; i < n; i++) {
+        double omega = q->omega[i];
+        l.s += g[i] * w[i];
+        r.s += g[i] * e[i];
+        l.ds += g[i] * q->kappa[i] * w[n + i];
+        r.ds += g[i] * q->kappa[i] * e[n + i];
+        double third = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega * omega : 0;
+        q->D3 += third;
+        q->D4 += third * omega;
+    }
+    if (!is_bounded(q, l, r)) {
+        q->best = HUGE_VAL;
+        return;
+    }
+    int f0 = c->face[k], f1 = c->face[k + 1];
+    q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
+    q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
+    /* at rest every gap is stationary */
+    if (k == 0 && c->start == RIC_MIRROR_REST) {
+        double bend = curvature(q, 0);
+        offer(q, 0, l.s, bend < 0 ? 1 : -1, false);
+        q->bend_start = fabs(bend);
+        l.ds = 0;
+    }
+    if (k == last && c->end == RIC_MIRROR_REST) {
+        q->bend_end = fabs(curvature(q, q->tau));
+        r.ds = 0;
+    }
+    search_flight(q, l, r);
+    if (k == last && c->end == RIC_MIRROR_REST) offer(q, q->tau, r.s, curvature(q, q->tau) < 0 ? 1 : -1, false);
+    /* the start of the chain counts for the end in the general form */
+    if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, &m->face[f0], l);
+    if (f1 >= 0 && !q->own_end) offer_impact(q, &m->face[f1], r);
+}
+
+/* The ends of the present flight in coordinates of its phase; false where it has none. */
+static bool enter_flight(search *q)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    int n = q->n, k = q->flight;
+    memcpy(q->start, c->w + 2 * n * k, 2 * (size_t)n * sizeof *q->start);
+    memcpy(q->end, c->w + 2 * n * (k + 1), (size_t)n * sizeof *q->end);
+    memcpy(q->end + n, c->before + n * k, (size_t)n * sizeof *q->end);
+    q->phase = NULL;
+    q->omega = m->omega;
+    q->kappa = m->kappa;
+    if (!c->closed[k]) return true;
+    if (ric_phase_get(m, c->closed[k], &q->phase)) return false;
+    q->omega = q->phase->omega;
+    q->kappa = q->phase->kappa;
+    ric_phase_enter(q->phase, q->start, q->start);
+    ric_phase_enter(q->phase, q->end, q->end);
+    return true;
+}
+
+/* The faces of a contact that count, the first of them `first`. */
+static void choose_faces(search *q, int first)
+{
+    const ric_face *face = &q->chain->model->face[first];
+    uint64_t closed = q->chain->closed[q->flight];
+    q->contact = face->contact;
+    q->gap = fabs(face->gap);
+    int other = q->mirrored && face->mirror < 0 ? first : face->mirror;
+    q->upper = face->side > 0 ? first : other;
+    q->lower = face->side < 0 ? first : other;
+    q->closed = false;
+    for (int f = first; closed && f >= 0 && !q->closed; f = f == first ? face->mirror : -1)
+        if (closed >> f & 1) {
+            q->closed = true;
+            q->upper = q->lower = f;
+        }
+}
+
+/* At rest in the middle of a contact, or of a gap between two, that lasts no time the gaps of all others are
+ * stationary, and neither flight beside it has that point inside. */
+static void search_rest(search *q)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    int k = q->flight, last = c->n_flight - 1;
+    bool first = k == 0 && c->start == RIC_MIRROR_REST;
+    if (!ric_chain_touches(c, k) || fabs(q->tau) >= NO_TIME) return;
+    if (!first && (k != last || c->end != RIC_MIRROR_REST)) return;
+    int own = m->face[c->face[first ? 1 : k]].contact;
+    for (int f = 0; f < m->n_face; f += m->face[f].mirror >= 0 ? 2 : 1) {
+        choose_faces(q, f);
+        double s = ric_dot(q->n, m->g + q->contact * q->n, c->w + 2 * q->n * (first ? 0 : k + 1));
+        if (q->contact != own) offer(q, first ? 0 : q->tau, s, (s > 0) != q->closed ? 1 : -1, false);
+    }
+}
+
+static void search_all(search *q, const double *u)
+{
+    const ric_chain *c = q->chain;
+    const ric_model *m = c->model;
+    double ends[4 * q->n];
+    q->start = ends;
+    q->end = ends + 2 * q->n;
+    for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
+        q->tau = u[c->n_start + q->flight];
+        if (isnan(q->tau)) q->best = HUGE_VAL;
+        if (m->springs) search_rest(q);
+        if (!(q->tau > 0) || (m->springs && q->tau < NO_TIME)) continue;
+        if (!enter_flight(q)) {
+            q->best = HUGE_VAL;
+            continue;
+        }
+        for (int f = 0; f < m->n_face;) {
+            const ric_face *face = &m->face[f];
+            choose_faces(q, f);
+            search_contact(q);
+            f += face->mirror >= 0 ? 2 : 1;
+        }
+    }
+}
+
+static bool shows_image(const ric_chain *c)
+{
+    return ric_chain_halves(c) || c->start == RIC_MIRROR_CENTRE;
+}
+
+double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
+{
+    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain)};
+    if (chain->model->smooth) { /* nothing to touch */
+        if (where) where->face = -1;
+        return 0;
+    }
+    search_all(&q, u);
+    if (where) {
+        where->face = -1;
+        if (q.best > 0) ric_reach_all(chain, u, q.best * (1 - 1e-14), 1, where);
+    }
+    return q.best;
+}
+
+int ric_reach_all(const ric_chain *chain, const double *u, double threshold, int capacity, ric_touch *touches)
+{
+    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain), .threshold = threshold,
+                .capacity = capacity, .touches = touches};
+    if (chain->model->smooth) return 0;
+    search_all(&q, u);
+    return q.count;
+}

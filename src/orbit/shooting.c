@@ -1,0 +1,613 @@
+#include "shooting_nodes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <lapacke.h>
+
+#include "base/room.h"
+
+#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within
+                           * it */
+
+static int count_start(const ric_model *m, ric_mirror start)
+{
+    return start == RIC_MIRROR_NONE ? 2 * m->n : start == RIC_MIRROR_IMPACT ? m->n + 1 : m->n;
+}
+
+static int count_end(int n, ric_mirror end)
+{
+    return end == RIC_MIRROR_NONE ? 2 * n - 1 : end == RIC_MIRROR_IMPACT ? n - 1 : n;
+}
+
+static int count_periods(ric_mirror start, ric_mirror end, int sigma)
+{
+    if (start == RIC_MIRROR_NONE) return sigma > 0 ? 1 : 2;
+    return (start == RIC_MIRROR_CENTRE) != (end == RIC_MIRROR_CENTRE) ? 4 : 2;
+}
+
+ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
+                            const int *face, ric_chain **out)
+{
+    int n = model->n;
+    ric_chain *c = calloc(1, sizeof *c);
+    *out = NULL;
+    if (!c) return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem");
+    c->model = model;
+    c->n = n;
+    c->start = start;
+    c->end = end;
+    c->sigma = sigma;
+    c->multiple = count_periods(start, end, sigma);
+    c->n_flight = n_flight;
+    c->n_start = count_start(model, start);
+    c->parts = 1;
+    c->n_unknown = c->n_start + n_flight;
+    c->n_end = count_end(n, end);
+    c->ld = start == RIC_MIRROR_NONE ? 2 * n + 1 : n + 2;
+    size_t flights = (size_t)n_flight, vectors = flights + 1 + (size_t)c->n_end, ld = (size_t)c->ld, nn = (size_t)n;
+    c->face = malloc((flights + 1) * sizeof *c->face);
+    c->w = calloc((flights + 1) * 2 * nn, sizeof(double));
+    c->before = calloc(flights * nn + 1, sizeof(double));
+    c->rate = calloc(flights * 2 * nn + 1, sizeof(double));
+    c->stride = ric_flight_stride(model);
+    c->closed = calloc(flights + 1, sizeof *c->closed);
+    c->map = calloc(flights * c->stride + 1, sizeof(double));
+    c->approach = calloc(flights + 1, sizeof(double));
+    c->tau = calloc(flights + 1, sizeof(double));
+    c->hv = calloc(vectors * ld, sizeof(double));
+    c->beta = calloc(vectors, sizeof(double));
+    c->zeta = calloc(vectors, sizeof(double));
+    c->X = calloc(6 * nn * ld, sizeof(double));
+    c->flown = calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
+    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv ||
+        !c->beta || !c->zeta || !c->X || !c->flown) {
+        ric_chain_free(c);
+        return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
+    }
+    memcpy(c->face, face, (flights + 1) * sizeof *face);
+    ric_chain_close(c, 0);
+    *out = c;
+    return RIC_OK;
+}
+
+void ric_chain_close(ric_chain *c, uint64_t closed)
+{
+    double fastest = 0;
+    c->closed[0] = closed;
+    for (int k = 0; k < c->n_flight; k++) c->closed[k + 1] = ric_flight_toggle(c->model, c->closed[k], c->face[k + 1]);
+    for (int k = 0; k < c->n_flight; k++) fastest = fmax(fastest, ric_flight_fastest(c->model, c->closed[k]));
+    c->fastest = fastest;
+}
+
+ric_chain *ric_chain_copy(const ric_chain *c)
+{
+    ric_chain *copy = NULL;
+    ric_chain_create(c->model, c->start, c->end, c->sigma, c->n_flight, c->face, &copy);
+    if (!copy) return NULL;
+    ric_chain_close(copy, c->closed[0]);
+    if (c->parts == 1 || !ric_nodes_divide(copy, c->parts)) return copy;
+    ric_chain_free(copy);
+    return NULL;
+}
+
+void ric_chain_free(ric_chain *c)
+{
+    if (!c) return;
+    free(c->face);
+    free(c->w);
+    free(c->before);
+    free(c->rate);
+    free(c->closed);
+    free(c->map);
+    free(c->approach);
+    free(c->tau);
+    free(c->hv);
+    free(c->beta);
+    free(c->zeta);
+    free(c->X);
+    free(c->flown);
+    free(c->part);
+    free(c);
+}
+
+/* ---------------------------------------------------------------- states */
+
+/* Start state from the start block; returns the gap residual at an impact start (0 elsewhere). */
+static double start_state(ric_chain *c, const double *u)
+{
+    int n = c->n;
+    double *w = c->w;
+    const ric_face *face = c->face[0] >= 0 ? &c->model->face[c->face[0]] : NULL;
+    switch (c->start) {
+    case RIC_MIRROR_NONE:
+        memcpy(w, u, 2 * (size_t)n * sizeof *w);
+        return face ? ric_gap(n, face, w) - face->gap : 0;
+    case RIC_MIRROR_REST:
+        memcpy(w, u, (size_t)n * sizeof *w);
+        memset(w + n, 0, (size_t)n * sizeof *w);
+        return 0;
+    case RIC_MIRROR_CENTRE:
+        memset(w, 0, (size_t)n * sizeof *w);
+        memcpy(w + n, u, (size_t)n * sizeof *w);
+        return 0;
+    case RIC_MIRROR_IMPACT:
+        memcpy(w, u, (size_t)n * sizeof *w);
+        for (int i = 0; i < n; i++) w[n + i] = -face->side * u[n] / sqrt(face->cc) * face->c[i];
+        c->approach[0] = u[n] * sqrt(face->cc);
+        return ric_gap(n, face, w) - face->gap;
+    }
+    return 0;
+}
+
+/* `u` from the time of flight k on. Returns what the flight leaves of the condition at its end. */
+static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n, int k, const double *u)
+{
+    const ric_model *m = c->model;
+    double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1), tau = *u;
+    const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
+    c->tau[k] = tau;
+    if (m->smooth) {
+        if (!ric_nodes_fly(c, k, u)) return 0;
+    } else if (ric_flight_dense(m, c->closed[k]))
+        ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
+    else {
+        ric_flight_trig(m, n, tau, map);
+        ric_flight(n, map, c->w + 2 * n * k, w);
+    }
+    for (int i = 0; i < n; i++) c->before[n * k + i] = w[n + i];
+    if (!face) return 0;
+    double speed = 0;
+    for (int i = 0; i < n; i++) speed += face->c[i] * w[n + i];
+    c->approach[k + 1] = face->side * speed;
+    if (face->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) {
+        double factor = 2 * speed / face->cc;
+        for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
+    }
+    if (face->spring > 0 && c->face[k] == c->face[k + 1] && !c->plain)
+        return ric_flight_chord(m, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, NULL, NULL);
+    return ric_gap(n, face, w) - face->gap;
+}
+
+/* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E
+ * p. */
+static double end_residual(const ric_chain *c, int i)
+{
+    int n = c->n;
+    const double *w = c->w + 2 * n * c->n_flight;
+    switch (c->end) {
+    case RIC_MIRROR_REST: return w[n + i];
+    case RIC_MIRROR_CENTRE: return w[i];
+    case RIC_MIRROR_IMPACT: return ric_dot(n, c->model->face[c->face[c->n_flight]].E + i * n, w + n);
+    default: return w[i] - c->sigma * c->w[i];
+    }
+}
+
+static void set_residual(ric_chain *c, const double *u, double largest)
+{
+    int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
+    double sum = 0;
+    for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
+    for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
+    c->scale = 1 + sqrt(sum);
+    largest = fmax(largest, ric_nodes_gap(c, u));
+    double longest = 0, fastest = 0;
+    const double *end = c->w + 2 * n * c->n_flight;
+    for (int k = 0; k < c->n_flight; k++) longest = fmax(longest, u[c->n_start + k]);
+    for (int i = 0; i < n; i++) fastest = fmax(fastest, c->model->kappa[i] * fmax(fabs(end[i]), fabs(end[n + i])));
+    double reach = 0;
+    for (int i = 0; i < n; i++) reach += end[i] * end[i];
+    c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
+    c->grain = longest * fastest / c->scale;
+    if (c->model->smooth) c->grain += SMOOTH_ROUNDING * c->lost / c->scale;
+    c->residual = largest / c->scale;
+    if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
+}
+
+/* Nothing is known of the orbit any more. */
+static bool halted(ric_chain *c)
+{
+    if (!ric_halt((double)c->n_flight * c->n * (8 + c->n))) return false;
+    c->residual = HUGE_VAL;
+    c->singular = true;
+    return true;
+}
+
+void ric_chain_fly(ric_chain *c, const double *u)
+{
+    if (halted(c)) return;
+    double largest = fabs(start_state(c, u));
+    for (int k = 0; k < c->n_flight; k++) {
+        double gap = fabs(fly_one(c, c->n, k, u + c->n_start + k));
+        /* in the general form the last gap follows from the closure */
+        if (!(ric_general(c) && k + 1 == c->n_flight)) largest = fmax(largest, gap);
+    }
+    set_residual(c, u, largest);
+}
+
+/* ---------------------------------------------------------- factorisation */
+
+/* Columns of d(start state)/d(start block). */
+static inline __attribute__((always_inline)) void start_columns(ric_chain *c, int n, int rows, int ld)
+{
+    double *X = c->X;
+    memset(X, 0, (size_t)rows * ld * sizeof *X);
+    switch (c->start) {
+    case RIC_MIRROR_NONE:
+        for (int i = 0; i < 2 * n; i++) X[i * ld + i] = X[(2 * n + i) * ld + i] = 1;
+        break;
+    case RIC_MIRROR_REST:
+        for (int i = 0; i < n; i++) X[i * ld + i] = 1;
+        break;
+    case RIC_MIRROR_CENTRE:
+        for (int i = 0; i < n; i++) X[(n + i) * ld + i] = 1;
+        break;
+    case RIC_MIRROR_IMPACT: {
+        const ric_face *face = &c->model->face[c->face[0]];
+        for (int i = 0; i < n; i++) X[i * ld + i] = 1;
+        for (int i = 0; i < n; i++) X[(n + i) * ld + n] = -face->side / sqrt(face->cc) * face->c[i];
+    }
+    }
+}
+
+/* State at the end of flight k, before the impact there. */
+static inline void arriving(const ric_chain *c, int n, int k, double *w)
+{
+    memcpy(w, c->w + 2 * n * (k + 1), (size_t)n * sizeof *w);
+    memcpy(w + n, c->before + n * k, (size_t)n * sizeof *w);
+}
+
+static inline __attribute__((always_inline)) void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
+{
+    const double *rate = c->rate + 2 * n * k;
+    for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = 0; /* was the column of the last time, pinned by now */
+    ric_flight_carry(n, c->map + c->stride * (size_t)k, ld, ld, c->X);
+    for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = rate[i];
+}
+
+/* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are
+ * still at its start; the derivative by its time is returned. */
+static inline __attribute__((always_inline)) double chord_row(const ric_chain *c, int n, int nz, int k, int ld,
+                                                              double *g, double *offset)
+{
+    double by_w[2 * n], by_tau, tau = c->tau[k];
+    ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, by_w, &by_tau);
+    *offset = 0;
+    for (int j = 0; j < nz; j++) g[j] = 0;
+    for (int i = 0; i < 2 * n; i++) {
+        for (int j = 0; j < nz; j++) g[j] += by_w[i] * c->X[i * ld + j];
+        *offset += by_w[i] * c->X[i * ld + ld - 1];
+    }
+    return by_tau;
+}
+
+/* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
+static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned,
+                                                          int rows, int ld)
+{
+    const ric_model *m = c->model;
+    const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
+    double *X = c->X, rho = 1, g[ld], offset = 0, by_tau = 0;
+    bool chord = ric_chain_between(c, k) && pinned;
+    if (c->closed[k]) ric_flight_onto(m, c->closed[k], ric_chain_event(c, k), ld, X);
+    if (chord) by_tau = chord_row(c, n, nz, k, ld, g, &offset);
+    if (ric_flight_dense(m, c->closed[k])) carry_dense(c, n, nz, k, ld);
+    else
+        for (int i = 0; i < n; i++) {
+            double *restrict a = X + i * ld, *restrict p = X + (n + i) * ld;
+            double co = map[i], s1 = map[n + i], s2 = map[2 * n + i];
+            for (int j = 0; j < nz; j++) {
+                double t = a[j];
+                a[j] = co * t + s1 * p[j];
+                p[j] = co * p[j] - s2 * t;
+            }
+            double t = a[ld - 1];
+            a[ld - 1] = co * t + s1 * p[ld - 1];
+            p[ld - 1] = co * p[ld - 1] - s2 * t;
+            a[nz] = m->kappa[i] * before[i];
+            p[nz] = -m->stiff[i] * after[i]; /* a does not change at an impact */
+        }
+    for (int r = 2 * n; r < rows; r++) X[r * ld + nz] = 0;
+    if (c->face[k + 1] < 0) return rho;
+    const ric_face *face = &m->face[c->face[k + 1]];
+    int columns = nz + 1;
+    if (pinned) {
+        if (chord) g[nz] = by_tau;
+        for (int j = 0; j <= nz && !chord; j++) g[j] = 0;
+        for (int i = 0; i < n && !chord; i++) {
+            for (int j = 0; j <= nz; j++) g[j] += face->g[i] * X[i * ld + j];
+            offset += face->g[i] * X[i * ld + ld - 1];
+        }
+        rho = ric_pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
+        columns = nz;
+    }
+    if (face->spring > 0 || (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) return rho;
+    double sum[ld], factor = 2 / face->cc;
+    for (int j = 0; j < ld; j++) sum[j] = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < ld; j++) sum[j] += face->c[i] * X[(n + i) * ld + j];
+    for (int i = 0; i < n; i++) {
+        double f = factor * face->c[i];
+        for (int j = 0; j < columns; j++) X[(n + i) * ld + j] -= f * sum[j];
+        X[(n + i) * ld + ld - 1] -= f * sum[ld - 1];
+    }
+    return rho;
+}
+
+/* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the
+ * inhomogeneous column. */
+static double end_rows_general(ric_chain *c, int columns)
+{
+    int n = c->n, ld = c->ld;
+    const double *wN = c->w + 2 * n * c->n_flight;
+    double *X = c->X, h[2 * n], from[2 * n], sum = 0;
+    memcpy(from, c->w, sizeof from);
+    for (int r = 0; r < 2 * n; r++) from[r] *= c->sigma;
+    ric_flight_secant(c->model, c->closed[c->n_flight], from, wN, h);
+    for (int r = 0; r < 2 * n; r++) {
+        double *x = X + r * ld, *x0 = X + (2 * n + r) * ld;
+        for (int j = 0; j < columns; j++) x[j] -= c->sigma * x0[j];
+        x[ld - 1] += -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
+        sum += h[r] * h[r];
+    }
+    /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and that one row is
+     * dropped */
+    int last = 2 * n - 1;
+    double norm = sqrt(sum), sign = h[last] < 0 ? -1 : 1, beta = 1 / (norm * (norm + fabs(h[last])));
+    h[last] += sign * norm;
+    for (int j = 0; j < ld; j++) {
+        if (j >= columns && j < ld - 1) continue;
+        double s = 0;
+        for (int r = 0; r < 2 * n; r++) s += h[r] * X[r * ld + j];
+        s *= beta;
+        for (int r = 0; r < 2 * n; r++) X[r * ld + j] -= s * h[r];
+    }
+    return sign;
+}
+
+static void end_rows_reversible(ric_chain *c)
+{
+    int n = c->n, ld = c->ld;
+    double *X = c->X;
+    if (c->end == RIC_MIRROR_REST)
+        memmove(X, X + n * ld, (size_t)n * ld * sizeof *X);
+    else if (c->end == RIC_MIRROR_IMPACT) {
+        const ric_face *face = &c->model->face[c->face[c->n_flight]];
+        for (int r = 0; r < n - 1; r++)
+            for (int j = 0; j < ld; j++) {
+                double s = 0;
+                for (int i = 0; i < n; i++) s += face->E[r * n + i] * X[(n + i) * ld + j];
+                X[r * ld + j] = s;
+            }
+    }
+    for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, r);
+}
+
+/* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the kernel. */
+static void eliminate_end(ric_chain *c, int columns, double sign)
+{
+    int ld = c->ld, first = 1 + c->n_flight;
+    c->smallest = HUGE_VAL;
+    for (int r = 0; r < c->n_end; r++) {
+        double g[ld];
+        memcpy(g, c->X + r * ld, (size_t)ld * sizeof *g);
+        double rho = ric_pin(c, first + r, columns - r, g, -g[ld - 1], c->n_end, ld);
+        sign *= rho;
+        c->smallest = fmin(c->smallest, fabs(rho));
+    }
+    c->end_det = sign;
+}
+
+static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const double *u, int n, bool whole, bool nodes)
+{
+    int rows = whole ? 4 * n : 2 * n, ld = nodes ? c->ld : whole ? 2 * n + 1 : n + 2, nz = c->n_start;
+    double gap = start_state(c, u), largest = fabs(gap), sign = 1;
+    c->singular = false;
+    start_columns(c, n, rows, ld);
+    if (c->start == RIC_MIRROR_NONE || c->start == RIC_MIRROR_IMPACT) {
+        double g[ld];
+        /* without an event to start from, not along the flow */
+        if (c->face[0] < 0) ric_flight_rate(c->model, c->closed[0], c->w, g);
+        else
+            for (int j = 0; j < nz; j++) g[j] = j < n ? c->model->face[c->face[0]].g[j] : 0;
+        if (ric_pin(c, 0, nz, g, -gap, rows, ld) < 0) sign = -sign;
+        nz--;
+    }
+    int free_columns = whole ? 2 * n - 1 : n;
+    for (int k = 0; k < c->n_flight; k++) {
+        bool pinned = c->face[k + 1] >= 0 && !(whole && k + 1 == c->n_flight);
+        gap = fly_one(c, n, k, u + c->n_start + k);
+        if (nodes) sign *= ric_nodes_eliminate(c, u, free_columns, rows);
+        else if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
+        if (pinned) largest = fmax(largest, fabs(gap));
+    }
+    nz = c->end == RIC_MIRROR_IMPACT ? n : free_columns + 1;
+    if (whole) sign *= end_rows_general(c, nz);
+    else end_rows_reversible(c);
+    eliminate_end(c, nz, sign);
+    set_residual(c, u, largest);
+}
+
+void ric_chain_evaluate(ric_chain *c, const double *u)
+{
+    bool whole = ric_general(c);
+    if (halted(c)) return;
+    if (c->parts > 1) {
+        evaluate(c, u, c->n, whole, true);
+        return;
+    }
+    /* the same code with n known to the compiler for the small structures that most atlases are made of */
+    switch (c->n) {
+    case 1: whole ? evaluate(c, u, 1, true, false) : evaluate(c, u, 1, false, false); break;
+    case 2: whole ? evaluate(c, u, 2, true, false) : evaluate(c, u, 2, false, false); break;
+    case 3: whole ? evaluate(c, u, 3, true, false) : evaluate(c, u, 3, false, false); break;
+    default: evaluate(c, u, c->n, whole, false);
+    }
+}
+
+/* ------------------------------------------------------- back-substitution */
+
+/* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows
+ * pinned, the first row's first. */
+static void unwind(const ric_chain *c, bool newton, double first, const double *end, double *du)
+{
+    int m = 1, free_columns = ric_general(c) ? 2 * c->n - 1 : c->n;
+    double z[c->ld];
+    z[0] = first;
+    for (int r = c->n_end - 1; r >= 0; r--) ric_unpin(c, 1 + c->n_flight + r, ++m, end[r], z);
+    ric_nodes_unwind(c, newton, m, z, du);
+    for (int k = c->n_flight - 1; k >= 0; k--) {
+        bool pinned = c->face[k + 1] >= 0 && !(ric_general(c) && k + 1 == c->n_flight);
+        if (pinned) ric_unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
+        du[c->n_start + k] = z[--m];
+    }
+    if (c->n_start > free_columns) ric_unpin(c, 0, ++m, newton ? c->zeta[0] : 0, z);
+    memcpy(du, z, (size_t)c->n_start * sizeof *du);
+}
+
+void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
+{
+    double end[c->n_end + 1];
+    for (int r = 0; r < c->n_end; r++) end[r] = newton ? c->zeta[1 + c->n_flight + r] : 0;
+    unwind(c, newton, alpha, end, du);
+}
+
+/* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal
+ * maps: its kernel is the kernel of the whole, and its singular vectors are carried back like a step. */
+bool ric_chain_plane(const ric_chain *c, double *kernel, double *second)
+{
+    int rows = c->n_end, columns = rows + 1;
+    double L[rows * columns], V[columns * columns], values[rows], super[rows + 1];
+    for (int r = 0; r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
+    if (ric_lapack(
+            LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super)))
+        return false;
+    *second = values[rows - 1];
+    for (int i = 0; i < 2; i++) {
+        /* row r pinned column n_end - r */
+        const double *y = V + (rows - 1 + i) * columns;
+        double end[rows];
+        for (int r = 0; r < rows; r++) end[r] = y[rows - r];
+        unwind(c, false, y[0], end, kernel + (size_t)i * c->n_unknown);
+    }
+    return true;
+}
+
+/* ----------------------------------------------------------------- scalars */
+
+double ric_chain_time(const ric_chain *c, const double *u)
+{
+    double sum = 0;
+    for (int k = 0; k < c->n_flight; k++) sum += u[c->n_start + k];
+    return c->multiple * sum;
+}
+
+double ric_chain_energy(const ric_chain *c)
+{
+    return ric_flight_energy(c->model, c->closed[0], c->w);
+}
+
+double ric_chain_energy_slope(const ric_chain *c, const double *du)
+{
+    int n = c->n;
+    double h[2 * n];
+    if (c->start == RIC_MIRROR_CENTRE) return ric_dot(n, c->w + n, du);
+    ric_flight_secant(c->model, c->closed[0], c->w, c->w, h);
+    double sum = ric_dot(n, h, du) / 2;
+    if (c->start == RIC_MIRROR_NONE) sum += ric_dot(n, c->w + n, du + n);
+    if (c->start == RIC_MIRROR_IMPACT) sum += c->approach[0] / sqrt(c->model->face[c->face[0]].cc) * du[n];
+    return sum;
+}
+
+/* ------------------------------------------------------------ dense (tests) */
+
+int ric_chain_residuals(ric_chain *c, const double *u, double *r)
+{
+    int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
+    double gap = start_state(c, u);
+    if (c->face[0] >= 0 || ric_general(c)) r[k++] = gap; /* without an event: the phase, which is free */
+    for (int i = 0; i < c->n_flight; i++) {
+        gap = fly_one(c, n, i, u + c->n_start + i);
+        if (c->face[i + 1] >= 0 && !(ric_general(c) && i + 1 == c->n_flight)) r[k++] = gap;
+    }
+    k += ric_nodes_residuals(c, u, r + k);
+    for (int i = 0; i < rows; i++) r[k++] = end_residual(c, i);
+    return k;
+}
+
+/* Pushes du through the chain after a ric_chain_fly; writes column j of J (n_unknown columns). */
+static void push(const ric_chain *c, const double *du, double *column)
+{
+    int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
+    const ric_model *m = c->model;
+    double dw[2 * n], dw0[2 * n], f[2 * n], end[2 * n];
+    memset(dw, 0, sizeof dw);
+    if (c->start == RIC_MIRROR_CENTRE) memcpy(dw + n, du, (size_t)n * sizeof *dw);
+    else memcpy(dw, du, (size_t)(ric_general(c) ? 2 * n : n) * sizeof *dw);
+    if (c->start == RIC_MIRROR_IMPACT) {
+        const ric_face *face = &m->face[c->face[0]];
+        for (int i = 0; i < n; i++) dw[n + i] = -face->side * du[n] / sqrt(face->cc) * face->c[i];
+    }
+    memcpy(dw0, dw, sizeof dw);
+    if (c->face[0] >= 0) column[k++] = ric_gap(n, &m->face[c->face[0]], dw);
+    else if (ric_general(c)) {
+        ric_flight_rate(m, c->closed[0], c->w, f);
+        column[k++] = ric_dot(2 * n, f, dw) / sqrt(ric_dot(2 * n, f, f));
+    }
+    for (int i = 0; i < c->n_flight; i++) {
+        const double *map = c->map + c->stride * (size_t)i;
+        double by_w[2 * n], by_tau = 0, chord = 0;
+        if (c->parts > 1) {
+            k += ric_nodes_push(c, du, dw, column + k);
+            continue;
+        }
+        if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_chain_event(c, i), 1, dw);
+        if (ric_chain_between(c, i)) {
+            ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i], c->w + 2 * n * i, by_w, &by_tau);
+            chord = ric_dot(2 * n, by_w, dw) + by_tau * du[c->n_start + i];
+        }
+        const double *rate = c->rate + 2 * n * i;
+        if (ric_flight_dense(m, c->closed[i])) ric_flight_carry(n, map, 1, 1, dw);
+        else {
+            ric_flight(n, map, dw, dw);
+            arriving(c, n, i, end);
+            ric_flow(m, n, end, f);
+            rate = f;
+        }
+        for (int j = 0; j < 2 * n; j++) dw[j] += rate[j] * du[c->n_start + i];
+        if (c->face[i + 1] < 0) continue;
+        const ric_face *face = &m->face[c->face[i + 1]];
+        if (!(ric_general(c) && i + 1 == c->n_flight))
+            column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
+        if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
+    }
+    for (int i = 0; i < rows; i++) {
+        double value;
+        if (c->end == RIC_MIRROR_REST) value = dw[n + i];
+        else if (c->end == RIC_MIRROR_CENTRE) value = dw[i];
+        else if (c->end == RIC_MIRROR_IMPACT) value = ric_dot(n, m->face[c->face[c->n_flight]].E + i * n, dw + n);
+        else value = dw[i] - c->sigma * dw0[i];
+        column[k++] = value;
+    }
+}
+
+int ric_chain_jacobian(ric_chain *c, const double *u, double *J)
+{
+    int unknowns = c->n_unknown, equations = ric_chain_rows(c);
+    double *du = calloc((size_t)unknowns, sizeof *du), *column = calloc((size_t)equations, sizeof *column);
+    if (!du || !column) {
+        equations = 0;
+        goto out;
+    }
+    equations = ric_chain_residuals(c, u, column);
+    for (int j = 0; j < unknowns; j++) {
+        du[j] = 1;
+        push(c, du, column);
+        for (int i = 0; i < equations; i++) J[i * unknowns + j] = column[i];
+        du[j] = 0;
+    }
+out:
+    free(du);
+    free(column);
+    return equations;
+}

@@ -1,0 +1,232 @@
+#include "shooting_nodes.h"
+
+#include <stdlib.h>
+
+#include "base/room.h"
+
+/* ---------------------------------------------------------------- the parts */
+
+static double *map_of(const ric_chain *c, int part)
+{
+    size_t n = (size_t)c->n;
+    return c->part + (size_t)part * (4 * n * n + 4 * n);
+}
+
+static double *end_of(const ric_chain *c, int part)
+{
+    return map_of(c, part) + 4 * c->n * c->n;
+}
+
+static double *rate_of(const ric_chain *c, int part)
+{
+    return end_of(c, part) + 2 * c->n;
+}
+
+/* Place of node j in unknowns, from 1, and what they are to be multiplied by. */
+static int node_at(const ric_chain *c, int j)
+{
+    return c->n_start + c->n_flight + 2 * c->n * (j - 1);
+}
+
+static double unit(const ric_chain *c)
+{
+    return sqrt(c->parts);
+}
+
+void ric_nodes_put(const ric_chain *c, int j, const double *w, double *u)
+{
+    for (int i = 0; i < 2 * c->n; i++) u[node_at(c, j) + i] = w[i] / unit(c);
+}
+
+ric_status ric_nodes_divide(ric_chain *c, int parts)
+{
+    size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1), live = ric_general(c) ? 2 * n : n + 1;
+    size_t ld = live + 2 * n + 1, vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
+    double **const arrays[] = {&c->hv, &c->beta, &c->zeta, &c->X, &c->flown, &c->part};
+    const size_t sizes[] = {vectors * ld,     vectors,           vectors,
+                            (6 * n + 1) * ld, 2 * n + 1 + inner, (size_t)parts * (4 * n * n + 4 * n)};
+    for (int i = 0; i < 6; i++) {
+        free(*arrays[i]);
+        if (!(*arrays[i] = calloc(sizes[i], sizeof(double))))
+            return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
+    }
+    c->parts = parts;
+    c->ld = (int)ld;
+    c->n_unknown = c->n_start + c->n_flight + (int)inner;
+    return RIC_OK;
+}
+
+/* Whether the flight is the last one over again; it costs more than all that is done with it. */
+static bool again(ric_chain *c, const double *from, const double *u)
+{
+    size_t n2 = 2 * (size_t)c->n, state = n2 * sizeof *u, rest = (1 + n2 * (size_t)(c->parts - 1)) * sizeof *u;
+    if (!memcmp(c->flown + n2, u, rest) && !memcmp(c->flown, from, state)) return true;
+    memcpy(c->flown, from, state);
+    memcpy(c->flown + n2, u, rest);
+    return false;
+}
+
+/* A flight that was broken off is none that is known. */
+static void forget(ric_chain *c)
+{
+    if (ric_halted()) memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
+}
+
+bool ric_nodes_fly(ric_chain *c, int k, const double *u)
+{
+    const ric_model *m = c->model;
+    int n2 = 2 * c->n;
+    double *start = c->w + n2 * k, *end = start + n2;
+    if (again(c, start, u)) return false;
+    if (c->parts == 1) {
+        ric_flight_smooth(m, *u, start, c->map + c->stride * (size_t)k, &c->lost, end);
+        ric_flight_rate(m, 0, end, c->rate + n2 * k);
+        forget(c);
+        return true;
+    }
+    c->lost = 0;
+    for (int j = 0; j < c->parts; j++) {
+        double lost, from[n2];
+        for (int i = 0; i < n2; i++) from[i] = j ? unit(c) * u[1 + n2 * (j - 1) + i] : start[i];
+        ric_flight_smooth(m, *u / c->parts, from, map_of(c, j), &lost, end_of(c, j));
+        ric_flight_rate(m, 0, end_of(c, j), rate_of(c, j));
+        c->lost = fmax(c->lost, lost);
+        if (j == 0) memcpy(c->map, map_of(c, 0), (size_t)(n2 * n2) * sizeof *c->map);
+        else ric_flight_carry(c->n, map_of(c, j), n2, n2, c->map);
+    }
+    memcpy(end, end_of(c, c->parts - 1), (size_t)n2 * sizeof *end);
+    memcpy(c->rate, rate_of(c, c->parts - 1), (size_t)n2 * sizeof *end);
+    forget(c);
+    return true;
+}
+
+/* What the part before node j leaves of its component i. */
+static double gap_at(const ric_chain *c, const double *u, int j, int i)
+{
+    return end_of(c, j - 1)[i] - unit(c) * u[node_at(c, j) + i];
+}
+
+double ric_nodes_gap(const ric_chain *c, const double *u)
+{
+    double most = 0;
+    for (int j = 1; j < c->parts; j++)
+        for (int i = 0; i < 2 * c->n; i++) most = fmax(most, fabs(gap_at(c, u, j, i)));
+    return most;
+}
+
+/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a rest, at a centre,
+ * or anywhere. */
+static void start_of(const ric_chain *c, const double *u, double *w)
+{
+    memset(w, 0, 2 * (size_t)c->n * sizeof *w);
+    memcpy(c->start == RIC_MIRROR_CENTRE ? w + c->n : w, u, (size_t)c->n_start * sizeof *w);
+}
+
+void ric_nodes_spread(const ric_chain *c, double *u)
+{
+    double w[2 * c->n];
+    start_of(c, u, w);
+    for (int j = 1; j < c->parts; j++) {
+        ric_flight_go(c->model, 0, -1, u[c->n_start] / c->parts, w, w);
+        ric_nodes_put(c, j, w, u);
+    }
+}
+
+/* dw [2n], a neighbour at the start of a part, at its end, where the time of the flight is longer by dtau. */
+static void carry_along(const ric_chain *c, int part, double dtau, double *dw)
+{
+    ric_flight_carry(c->n, map_of(c, part), 1, 1, dw);
+    for (int i = 0; i < 2 * c->n; i++) dw[i] += rate_of(c, part)[i] * dtau / c->parts;
+}
+
+void ric_nodes_along(const ric_chain *c, double *du)
+{
+    double dw[2 * c->n];
+    start_of(c, du, dw);
+    for (int j = 1; j < c->parts; j++) {
+        carry_along(c, j - 1, du[c->n_start], dw);
+        ric_nodes_put(c, j, dw, du);
+    }
+}
+
+/* ----------------------------------------------------------- factorisation */
+
+/* The first Householder vector of node j. */
+static int vector_at(const ric_chain *c, int j)
+{
+    return 1 + c->n_flight + c->n_end + 2 * c->n * (j - 1);
+}
+
+/* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is pinned like an impact.
+ * X: rows of the state, what `rows` counts beyond them, one of the time of the flight, and 2n of z_j, which become
+ * those of the state. */
+static double eliminate_node(ric_chain *c, const double *u, int j, int live, int rows)
+{
+    int n2 = 2 * c->n, ld = c->ld, first = vector_at(c, j);
+    double *X = c->X, *Z = X + (rows + 1) * ld, sign = 1, g[ld];
+    for (int r = 0; r <= rows; r++) memset(X + r * ld + live, 0, (size_t)n2 * sizeof *X);
+    memset(Z, 0, (size_t)(n2 * ld) * sizeof *Z);
+    for (int i = 0; i < n2; i++) {
+        X[i * ld + live + i] = -unit(c);
+        Z[i * ld + live + i] = unit(c);
+    }
+    for (int i = 0; i < n2; i++) {
+        memcpy(g, X + i * ld, sizeof g);
+        if (ric_pin(c, first + i, live + n2 - i, g, -gap_at(c, u, j, i) - g[ld - 1], rows + 1 + n2, ld) < 0)
+            sign = -sign;
+    }
+    memcpy(X, Z, (size_t)(n2 * ld) * sizeof *X);
+    return sign;
+}
+
+double ric_nodes_eliminate(ric_chain *c, const double *u, int free_columns, int rows)
+{
+    int n2 = 2 * c->n, ld = c->ld, live = free_columns + 1;
+    double *X = c->X, *time = X + rows * ld, sign = 1;
+    for (int r = 0; r < rows; r++) X[r * ld + free_columns] = 0;
+    memset(time, 0, (size_t)ld * sizeof *time);
+    time[free_columns] = 1;
+    for (int j = 0; j < c->parts; j++) {
+        if (j > 0) sign *= eliminate_node(c, u, j, live, rows);
+        ric_flight_carry(c->n, map_of(c, j), ld, ld, X);
+        for (int i = 0; i < n2; i++)
+            for (int k = 0; k < ld; k++) X[i * ld + k] += rate_of(c, j)[i] / c->parts * time[k];
+    }
+    return sign;
+}
+
+void ric_nodes_unwind(const ric_chain *c, bool newton, int m, double *z, double *du)
+{
+    int n2 = 2 * c->n;
+    for (int j = c->parts - 1; j > 0; j--) {
+        int first = vector_at(c, j);
+        for (int i = n2 - 1; i >= 0; i--) ric_unpin(c, first + i, m + n2 - i, newton ? c->zeta[first + i] : 0, z);
+        memcpy(du + node_at(c, j), z + m, (size_t)n2 * sizeof *du);
+    }
+}
+
+/* -------------------------------------------------------------------- dense */
+
+int ric_nodes_residuals(const ric_chain *c, const double *u, double *r)
+{
+    int n2 = 2 * c->n;
+    for (int j = 1; j < c->parts; j++)
+        for (int i = 0; i < n2; i++) r[n2 * (j - 1) + i] = gap_at(c, u, j, i);
+    return n2 * (c->parts - 1);
+}
+
+int ric_nodes_push(const ric_chain *c, const double *du, double *dw, double *column)
+{
+    int n2 = 2 * c->n;
+    double dtau = du[c->n_start];
+    for (int j = 1; j < c->parts; j++) {
+        carry_along(c, j - 1, dtau, dw);
+        for (int i = 0; i < n2; i++) {
+            double dz = unit(c) * du[node_at(c, j) + i];
+            column[n2 * (j - 1) + i] = dw[i] - dz;
+            dw[i] = dz;
+        }
+    }
+    carry_along(c, c->parts - 1, dtau, dw);
+    return n2 * (c->parts - 1);
+}

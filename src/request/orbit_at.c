@@ -1,0 +1,347 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "atlas/room.h"
+#include "orbit/room.h"
+#include "model/room.h"
+#include "base/room.h"
+#include "stored.h"
+#include "branch/room.h"
+
+/* Orbits of a stored branch, solved again at the very point that is asked for. */
+
+#define TWO_PI 6.283185307179586477
+
+struct ric_orbit {
+    const ric_model *model; /* borrowed from the atlas */
+    ric_cycle *cycle;       /* NULL for a linear mode */
+    ric_point point;
+    double *state, *flights;
+    double *multipliers;    /* 2 (n - 1) complex */
+    double error;           /* of the sum of a pair */
+    ric_stability stable;   /* as they have it */
+};
+
+static void orbit_free(ric_orbit *o)
+{
+    if (!o) return;
+    ric_cycle_free(o->cycle);
+    free(o->state);
+    free(o->flights);
+    free(o->multipliers);
+    free(o);
+}
+
+void ric_orbits_free(int n, ric_orbit **orbits)
+{
+    for (int i = 0; orbits && i < n; i++) orbit_free(orbits[i]);
+    free(orbits);
+}
+
+static ric_status no_memory(void)
+{
+    return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
+}
+
+/* -------------------------------------------------------------- one orbit */
+
+/* Everything that leaves, from a converged chain. */
+static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, const ric_point *stored,
+                         ric_orbit **out)
+{
+    ric_status status = RIC_OK;
+    ric_floquet floquet = {0};
+    ric_orbit *o = calloc(1, sizeof *o);
+    int n = m->n;
+    *out = NULL;
+    if (!o) return no_memory();
+    if ((status = ric_floquet_create(n, &floquet))) goto out;
+    ric_chain_evaluate(c, u);
+    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_trace_judge(c, u, &floquet)) ||
+        (status = ric_trace_bound(c, u, &floquet)))
+        goto out;
+    o->cycle = ric_turn_cycle(m, c, u, t);
+    int N = o->cycle ? o->cycle->N : 0;
+    o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
+    o->flights = calloc((size_t)N + 1, sizeof *o->flights);
+    o->multipliers = calloc(4 * (size_t)n, sizeof *o->multipliers);
+    if (!o->cycle || !o->state || !o->flights || !o->multipliers) {
+        status = no_memory();
+        goto out;
+    }
+    o->model = m;
+    ric_model_to_state(m, o->cycle->w, o->state, o->state + m->n_dof);
+    for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
+    if (m->smooth) o->flights[0] = ric_cycle_period(o->cycle) / m->omega_ref;
+    ric_floquet_multipliers(&floquet, o->multipliers);
+    o->error = floquet.error;
+    o->stable = floquet.stable;
+    double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0)
+            approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
+    o->point = (ric_point){.arclength = stored->arclength, .energy = ric_chain_energy(c) * m->energy_unit,
+                           .frequency = TWO_PI / ric_chain_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
+                           .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN,
+                           .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
+                           .residual = (float)c->residual, .stable = floquet.stable};
+    /* what memory was missing for looks undecided or lost, not missing */
+    if ((status = ric_trust(RIC_OK))) goto out;
+    *out = o;
+    o = NULL;
+out:
+    ric_floquet_release(&floquet);
+    orbit_free(o);
+    return status;
+}
+
+static ric_status unfit(const ric_branch *b)
+{
+    return ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
+}
+
+static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_orbit **out)
+{
+    const ric_model *m = ric_atlas_model(a);
+    ric_cycle *cycle;
+    ric_chain *chain = NULL;
+    ric_point point;
+    double *u = NULL;
+    *out = NULL;
+    ric_status status = ric_stored_cycle(a, b, i, &point, &cycle);
+    if (!status) {
+        ric_stored_symmetries(m, b, cycle);
+        status = ric_cycle_to_chain(m, cycle, &chain, &u);
+    }
+    ric_turn t;
+    if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
+    if (!status) status = finish(m, chain, u, &t, &point, out);
+    /* as it is stored: the same numbers, not merely equal ones */
+    if (!status) status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
+    ric_chain_free(chain);
+    ric_cycle_free(cycle);
+    free(u);
+    return status;
+}
+
+/* ------------------------------------------------------------- in between */
+
+static double quantity(const ric_model *m, const ric_chain *c, const double *u, ric_at at)
+{
+    return at == RIC_AT_ENERGY ? ric_chain_energy(c) * m->energy_unit : TWO_PI / ric_chain_time(c, u) * m->omega_ref;
+}
+
+/* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. */
+static bool solve_between(const ric_model *m, ric_chain *c, const double *ua, const double *ub, double fa, double fb,
+                          ric_at at, double value, double *u)
+{
+    int size = c->n_unknown, iterations;
+    double normal[size], du[size], length = 0, xa = 0, xb;
+    for (int i = 0; i < size; i++) {
+        normal[i] = ub[i] - ua[i];
+        length += normal[i] * normal[i];
+    }
+    xb = sqrt(length);
+    for (int i = 0; i < size; i++) normal[i] /= xb;
+    double full = xb;
+    for (int k = 0; k < 80; k++) {
+        double x = k && k % 3 == 0 ? (xa + xb) / 2 : xa + (xb - xa) * fa / (fa - fb);
+        for (int i = 0; i < size; i++) u[i] = ua[i] + x / full * (ub[i] - ua[i]);
+        if (!ric_trace_correct(c, u, ua, normal, x, du, &iterations)) return false;
+        double f = quantity(m, c, u, at) - value;
+        if (fabs(f) <= 4e-16 * fabs(value) || fabs(xb - xa) < 1e-15 * full) return true;
+        if (fa * f < 0) {
+            xb = x;
+            fb = f;
+        } else {
+            xa = x;
+            fa = f;
+        }
+    }
+    return true;
+}
+
+static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at, double value, double fa,
+                                 double fb, ric_orbit **out)
+{
+    const ric_model *m = ric_atlas_model(a);
+    ric_cycle *from = NULL, *to = NULL;
+    ric_chain *chain = NULL, *other = NULL;
+    double *ua = NULL, *ub = NULL, *u = NULL;
+    ric_point point, far;
+    *out = NULL;
+    ric_status status = ric_stored_cycle(a, b, i, &point, &from);
+    if (!status) status = ric_stored_cycle(a, b, i + 1, &far, &to);
+    if (status) goto out;
+    ric_stored_symmetries(m, b, from);
+    to->half = from->half;
+    to->pure = from->pure;
+    to->flip = from->flip;
+    if ((status = ric_cycle_to_chain(m, from, &chain, &ua)) || (status = ric_cycle_to_chain(m, to, &other, &ub)))
+        goto out;
+    if (!(u = calloc((size_t)chain->n_unknown, sizeof *u))) {
+        status = no_memory();
+        goto out;
+    }
+    ric_turn t;
+    if (!ric_turn_find(m, chain, ua, from, &t)) status = unfit(b);
+    else if (!solve_between(m, chain, ua, ub, fa, fb, at, value, u))
+        status = ric_fail(RIC_E_NUMERIC, "no orbit converged between points %d and %d of branch %d", i, i + 1, b->id);
+    else {
+        double x = fa / (fa - fb);
+        point.arclength += x * (far.arclength - point.arclength);
+        status = finish(m, chain, u, &t, &point, out);
+    }
+out:
+    ric_chain_free(chain);
+    ric_chain_free(other);
+    ric_cycle_free(from);
+    ric_cycle_free(to);
+    free(ua);
+    free(ub);
+    free(u);
+    return status;
+}
+
+/* ----------------------------------------------------------- linear modes */
+
+static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitude2, int i, ric_orbit **out)
+{
+    const ric_model *m = ric_atlas_model(a);
+    ric_orbit *o = calloc(1, sizeof *o);
+    if (!o) return no_memory();
+    o->model = m;
+    o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
+    o->flights = calloc(1, sizeof *o->flights);
+    o->multipliers = calloc(4 * (size_t)m->n, sizeof *o->multipliers);
+    ric_status status = o->state && o->flights && o->multipliers
+                            ? ric_atlas_point(a, b->id, i, &o->point, o->state, o->flights)
+                            : no_memory();
+    if (status) {
+        orbit_free(o);
+        return status;
+    }
+    double factor = sqrt(amplitude2); /* of the stored state */
+    o->stable = RIC_STABLE_YES;
+    for (int j = 0; j < 2 * m->n_dof; j++) o->state[j] *= factor;
+    o->point.energy *= amplitude2;
+    o->point.reach *= factor;
+    o->point.arclength *= factor;
+    for (int k = 0, out_k = 0; k < m->n; k++) {
+        if (m->mode[k] == b->mode - 1 || out_k == m->n - 1) continue;
+        double angle = m->frequency[m->mode[k]] * TWO_PI / b->frequency_min;
+        double *p = o->multipliers + 4 * out_k++;
+        p[0] = p[2] = cos(angle);
+        p[1] = sin(angle);
+        p[3] = -p[1];
+    }
+    *out = o;
+    return RIC_OK;
+}
+
+static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at, double value, int *n,
+                              ric_orbit **list)
+{
+    *n = 0;
+    if (at == RIC_AT_FREQUENCY) {
+        if (fabs(value / b->frequency_min - 1) > 1e-12) return RIC_OK;
+        return linear(a, b, 1, b->n_point - 1, &list[(*n)++]); /* all amplitudes fit: the largest stands for them */
+    }
+    if (at == RIC_AT_ENERGY) {
+        if (!(value >= 0 && value <= b->energy_max)) return RIC_OK;
+        return linear(a, b, b->energy_max > 0 ? value / b->energy_max : 0, b->n_point - 1, &list[(*n)++]);
+    }
+    return linear(a, b, 1, (int)value, &list[(*n)++]);
+}
+
+/* ---------------------------------------------------------------- interface */
+
+ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double value, int *n, ric_orbit ***out)
+{
+    ric_branch b;
+    ric_status status = ric_atlas_branch(a, branch, &b);
+    *n = 0;
+    *out = NULL;
+    if (status) return status;
+    if (at == RIC_AT_POINT && !(value >= 0 && value < b.n_point))
+        return ric_fail(RIC_E_RANGE, "branch %d has no point %g; they run from 0 to %d", branch, value, b.n_point - 1);
+    ric_orbit **list = calloc((size_t)b.n_point + 1, sizeof *list);
+    if (!list) return no_memory();
+    if (ric_branch_linear(ric_atlas_model(a), &b)) status = find_linear(a, &b, at, value, n, list);
+    else if (at == RIC_AT_POINT) status = at_point(a, &b, (int)value, &list[(*n)++]);
+    else {
+        ric_point p;
+        double last = 0;
+        for (int i = 0; i < b.n_point && !status; i++) {
+            if ((status = ric_atlas_point(a, branch, i, &p, NULL, NULL))) break;
+            double f = (at == RIC_AT_ENERGY ? p.energy : p.frequency) - value;
+            if (f == 0) status = at_point(a, &b, i, &list[(*n)++]);
+            else if (i && last * f < 0) status = between_points(a, &b, i - 1, at, value, last, f, &list[(*n)++]);
+            last = f;
+        }
+    }
+    if (status) {
+        ric_orbits_free(*n, list);
+        *n = 0;
+        return status;
+    }
+    *out = list;
+    return RIC_OK;
+}
+
+const ric_model *ric_orbit_model(const ric_orbit *o)
+{
+    return o->model;
+}
+
+int ric_orbit_impacts(const ric_orbit *o)
+{
+    return o->cycle ? ric_cycle_impacts(ric_cycle_springs(o->model), o->cycle) : 0;
+}
+
+int ric_orbit_letters(const ric_orbit *o)
+{
+    return o->cycle ? ric_cycle_letters(o->cycle) : 0;
+}
+
+void ric_orbit_data(const ric_orbit *o, ric_point *point, double *state, double *flights, int *word)
+{
+    int N = ric_orbit_letters(o);
+    if (point) *point = o->point;
+    if (state) memcpy(state, o->state, 2 * (size_t)o->model->n_dof * sizeof *state);
+    if (flights) memcpy(flights, o->flights, (size_t)(N ? N : 1) * sizeof *flights);
+    if (word && N) ric_cycle_word(o->model, o->cycle, word);
+}
+
+ric_status ric_orbit_multipliers(const ric_orbit *o, double *out)
+{
+    memcpy(out, o->multipliers, 4 * (size_t)(o->model->n - 1) * sizeof *out);
+    return RIC_OK;
+}
+
+double ric_orbit_multiplier_error(const ric_orbit *o)
+{
+    return o->error;
+}
+
+ric_stability ric_orbit_stability(const ric_orbit *o)
+{
+    return o->stable;
+}
+
+void ric_orbit_at_time(const ric_orbit *o, double t, double *x, double *v)
+{
+    const ric_model *m = o->model;
+    if (!o->cycle) {
+        /* a linear mode: all of its displacement is in one coordinate, seen or not */
+        double phase = TWO_PI * fmod(t, o->flights[0]) / o->flights[0];
+        for (int j = 0; j < m->n_dof; j++) {
+            x[j] = o->state[j] * cos(phase);
+            v[j] = -o->state[j] * sin(phase) * TWO_PI / o->flights[0];
+        }
+        return;
+    }
+    double w[2 * m->n];
+    ric_cycle_at_time(m, o->cycle, t * m->omega_ref, w);
+    ric_model_to_state(m, w, x, v);
+}

@@ -1,0 +1,216 @@
+/* What is measured on one orbit: amplitudes, and what happens at its impacts. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "ricochet.h"
+#include "base/room.h"
+
+static const double two_pi = 6.283185307179586;
+
+enum {
+    SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of that mode's
+                             * amplitude */
+    SAMPLES_AT_LEAST = 16,
+};
+
+/* An orbit with its numbers and room to work. */
+typedef struct {
+    const ric_orbit *orbit;
+    const ric_model *model;
+    int n_dof, n_letter;
+    double period, highest; /* the largest natural frequency, rad/s */
+    double *state;          /* [2 n_dof] */
+    double *flights;        /* [max(n_letter, 1)] */
+    int *word;              /* [n_letter] */
+    double *x, *v, *work;   /* [n_dof] each */
+} subject;
+
+static ric_status no_memory(void)
+{
+    return ric_fail(RIC_E_NOMEM, "no memory to measure an orbit");
+}
+
+static void subject_release(subject *s)
+{
+    free(s->state);
+    free(s->flights);
+    free(s->word);
+}
+
+static ric_status subject_init(subject *s, const ric_orbit *orbit)
+{
+    const ric_model *model = ric_orbit_model(orbit);
+    size_t n = (size_t)ric_model_n_dof(model), n_letter = (size_t)ric_orbit_letters(orbit);
+    ric_point point;
+    *s = (subject){.orbit = orbit, .model = model, .n_dof = (int)n, .n_letter = (int)n_letter};
+    s->state = calloc(5 * n, sizeof *s->state);
+    s->flights = calloc(n_letter + 1, sizeof *s->flights);
+    s->word = calloc(n_letter + 1, sizeof *s->word);
+    if (!s->state || !s->flights || !s->word) return no_memory();
+    s->x = s->state + 2 * n;
+    s->v = s->x + n;
+    s->work = s->v + n;
+    ric_orbit_data(orbit, &point, s->state, s->flights, s->word);
+    s->period = two_pi / point.frequency;
+    ric_status status = ric_model_frequencies(model, s->work);
+    s->highest = s->work[n - 1];
+    return status;
+}
+
+/* -------------------------------------------------------------- amplitudes */
+
+static double size_at(subject *s, int i, double t)
+{
+    ric_orbit_at_time(s->orbit, t, s->x, s->v);
+    return fabs(s->x[i]);
+}
+
+/* Golden section on a bracket that holds one maximum of |x_i| (Kiefer 1953). */
+static double polish(subject *s, int i, double a, double b)
+{
+    const double ratio = 0.6180339887498949;
+    double left = b - ratio * (b - a), right = a + ratio * (b - a), y_left = size_at(s, i, left),
+           y_right = size_at(s, i, right);
+    for (int k = 0; k < 60 && b - a > 1e-9 * s->period; k++) {
+        if (y_left > y_right) {
+            b = right;
+            right = left;
+            y_right = y_left;
+            left = b - ratio * (b - a);
+            y_left = size_at(s, i, left);
+        } else {
+            a = left;
+            left = right;
+            y_left = y_right;
+            right = a + ratio * (b - a);
+            y_right = size_at(s, i, right);
+        }
+    }
+    return fmax(y_left, y_right);
+}
+
+static int samples_of(const subject *s, double flight)
+{
+    return (int)(SAMPLES_AT_LEAST + SAMPLES_PER_CYCLE * flight * s->highest / two_pi);
+}
+
+/* Largest |x_i| of one flight, every i. Maxima of the samples that may still become the largest are polished. */
+static void widen_over_flight(subject *s, double begin, double flight, double *amplitudes, double *samples)
+{
+    int n = samples_of(s, flight);
+    size_t n_dof = (size_t)s->n_dof;
+    for (int k = 0; k <= n; k++) {
+        ric_orbit_at_time(s->orbit, begin + flight * k / n, s->x, s->v);
+        for (size_t i = 0; i < n_dof; i++) samples[(size_t)k * n_dof + i] = fabs(s->x[i]);
+    }
+    for (size_t i = 0; i < n_dof; i++) {
+        double largest = amplitudes[i];
+        for (int k = 0; k <= n; k++) largest = fmax(largest, samples[(size_t)k * n_dof + i]);
+        amplitudes[i] = largest;
+        for (int k = 0; k <= n; k++) { /* at the ends of the flight too: the maximum may lie just inside */
+            int before = k > 0 ? k - 1 : 0, after = k < n ? k + 1 : n;
+            double y = samples[(size_t)k * n_dof + i];
+            if (y >= samples[(size_t)before * n_dof + i] && y >= samples[(size_t)after * n_dof + i] &&
+                y > 0.98 * largest)
+                amplitudes[i] = fmax(amplitudes[i],
+                                     polish(s, (int)i, begin + flight * before / n, begin + flight * after / n));
+        }
+    }
+}
+
+/* Between impacts, where x is smooth, and at them. */
+ric_status ric_orbit_amplitudes(const ric_orbit *orbit, double *out)
+{
+    subject s;
+    double *samples = NULL, longest = 0, begin = 0;
+    ric_status status = subject_init(&s, orbit);
+    if (status) goto out;
+    int n_flight = s.n_letter > 0 ? s.n_letter : 1;
+    for (int k = 0; k < n_flight; k++) longest = fmax(longest, s.flights[k]);
+    samples = calloc((size_t)samples_of(&s, longest) + 2, (size_t)s.n_dof * sizeof *samples);
+    if (!samples) {
+        status = no_memory();
+        goto out;
+    }
+    for (int i = 0; i < s.n_dof; i++) out[i] = 0;
+    for (int k = 0; k < n_flight; k++) {
+        widen_over_flight(&s, begin, s.flights[k], out, samples);
+        begin += s.flights[k];
+    }
+out:
+    free(samples);
+    subject_release(&s);
+    return status;
+}
+
+/* ----------------------------------------------------------------- impacts */
+
+/* Speed of the gap at impact k. No energy is lost: it is the same before and after, so that either side of the impact
+ * will do. */
+static double speed_at_impact(subject *s, int k, const double *normal)
+{
+    double t = 0, speed = 0;
+    for (int j = 0; j < k; j++) t += s->flights[j];
+    if (k > 0) ric_orbit_at_time(s->orbit, t, s->x, s->v);
+    for (int i = 0; i < s->n_dof; i++) speed += normal[i] * (k > 0 ? s->v[i] : s->state[s->n_dof + i]);
+    return fabs(speed);
+}
+
+/* What each spring exchanges from its closing, letter k, to its opening, as the simulator tells over a period; NAN
+ * where it does not. */
+static ric_status collect_spring_impulses(const subject *s, double *exchanged)
+{
+    ric_simulator *sim = NULL;
+    bool hit = true, springs = false;
+    int faces = ric_model_n_face(s->model);
+    for (int k = 0; k < s->n_letter; k++) {
+        exchanged[k] = NAN;
+        springs |= s->word[k] >= faces;
+    }
+    ric_status status = springs ? ric_simulator_create(s->model, &sim) : RIC_OK;
+    if (!status && springs) status = ric_simulator_start(sim, s->state, s->state + s->n_dof);
+    while (!status && springs && hit) { /* on into the next period: some are closed at its end */
+        ric_impact impact;
+        status = ric_simulator_advance(sim, 2 * s->period, &hit, &impact);
+        for (int k = 0; !status && hit && impact.opens && k < s->n_letter; k++)
+            if (s->word[k] == impact.face && isnan(exchanged[k])) {
+                exchanged[k] = impact.impulse;
+                break;
+            }
+    }
+    ric_simulator_free(sim);
+    return status;
+}
+
+/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over
+ * all modes. */
+static ric_status exchange_at(subject *s, int k, double exchanged, double *speed, double *impulse)
+{
+    ric_contact contact;
+    int index = 0;
+    ric_status status = ric_model_face(s->model, s->word[k], &index, NULL, NULL);
+    if (!status) status = ric_model_contact(s->model, index, &contact);
+    if (!status) status = ric_model_compliance(s->model, index, s->work);
+    if (status) return status;
+    *speed = speed_at_impact(s, k, contact.normal);
+    *impulse = contact.law == RIC_LAW_BILINEAR ? exchanged : 2 * *speed / s->work[s->n_dof - 1];
+    return RIC_OK;
+}
+
+ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, double *impulses)
+{
+    subject s;
+    double *exchanged = NULL;
+    *n = 0;
+    ric_status status = subject_init(&s, orbit);
+    if (!status && !(exchanged = calloc((size_t)s.n_letter + 1, sizeof *exchanged))) status = no_memory();
+    if (!status) status = collect_spring_impulses(&s, exchanged);
+    for (int k = 0; !status && k < s.n_letter; k++) {
+        if (s.word[k] >= ric_model_n_face(s.model)) continue; /* a spring opens: told where it closes */
+        status = exchange_at(&s, k, exchanged[k], &speeds[*n], &impulses[*n]);
+        if (!status) ++*n;
+    }
+    free(exchanged);
+    subject_release(&s);
+    return status;
+}

@@ -1,0 +1,6 @@
+/* What the room request gives to the rooms above it (docs/map.md). */
+#ifndef RIC_REQUEST_ROOM_H
+#define RIC_REQUEST_ROOM_H
+
+
+#endif

@@ -1,0 +1,447 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "options.h"
+#include "base/room.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+
+#define FIELD(name) offsetof(ric_explore_options, name)
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+#define TEXT_OF(value) #value
+#define TEXT(macro) TEXT_OF(macro)
+
+static const ric_option RIC_OPTIONS[] = {
+    /* section, key, type, field, default, min, max, above, unit, help */
+    {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
+     "linear modes to start from: modes for all, or a list such as [1, 2]"},
+    {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 0}, 0, 1e18, false, "scaled energy",
+     "energy window, auto, or multiples of an onset, {first_touch_of: 1, times: [0, 100]}; a branch that begins below "
+     "its lower end is followed up into it, one that comes down to it ends "
+     "there"},
+    {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0, 0}, 0, 1e12, true, "rad/s",
+     "window of the frequency that belongs to the shortest period, or auto"},
+    {"explore", "impacts", RIC_OPTION_INTEGER, FIELD(impacts), {12, 0}, 1, 4096, false, "impacts",
+     "largest number of impacts per period"},
+    {"explore", "multiply", RIC_OPTION_INTEGER, FIELD(multiply), {2, 0}, 1, 1000, false, "periods",
+     "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
+    {"explore", "base", RIC_OPTION_INTEGER, FIELD(base), {0, 0}, 0, 1000, false, "periods",
+     "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k that divide K; 0 = "
+     "all"},
+    {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
+     "departures from the start along the shortest path; 0 = unlimited"},
+    {"explore", "cascade", RIC_OPTION_CASCADE, FIELD(cascade), {0, 0}, 2, 64, false, "periods",
+     "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 first, by 2 on what "
+     "leaves there, by 4 on that"},
+    {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.03, 0}, 0, 10, true, "relative to 1 + norm of the state",
+     "largest arclength step"},
+    {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
+     "depart only to branches with z(t + T/2) = -z(t)"},
+    {"explore", "at_energy", RIC_OPTION_NUMBERS, FIELD(at_energy), {0, 0}, 0, 1e18, true, "scaled energy",
+     "energies, or multiples of an onset, that become junctions of kind user on every branch that passes them, such as "
+     "[1.5, 10]"},
+    {"explore", "at_frequency", RIC_OPTION_NUMBERS, FIELD(at_frequency), {0, 0}, 0, 1e12, true, "rad/s",
+     "the same for frequencies of the orbit, such as [1.2, 1.6]"},
+    {"", "tolerance", RIC_OPTION_REAL, FIELD(tolerance), {1e-12, 0}, 1e-14, 1e-4, false, "relative",
+     "accuracy asked for"},
+};
+
+const ric_option *ric_options_list(int *n)
+{
+    *n = COUNT(RIC_OPTIONS);
+    return RIC_OPTIONS;
+}
+
+const ric_option *ric_option_find(const char *section, const char *key)
+{
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
+        if (!strcmp(RIC_OPTIONS[i].section, section) && !strcmp(RIC_OPTIONS[i].key, key))
+            return &RIC_OPTIONS[i];
+    return NULL;
+}
+
+static void *field(const ric_option *option, ric_explore_options *options)
+{
+    return (char *)options + option->offset;
+}
+
+static const void *const_field(const ric_option *option, const ric_explore_options *options)
+{
+    return (const char *)options + option->offset;
+}
+
+static void store(const ric_option *option, const double value[2], ric_explore_options *out)
+{
+    void *where = field(option, out);
+    switch (option->type) {
+    case RIC_OPTION_REAL: *(double *)where = value[0]; break;
+    case RIC_OPTION_INTEGER: *(int *)where = (int)value[0]; break;
+    case RIC_OPTION_SWITCH: *(bool *)where = value[0] != 0; break;
+    case RIC_OPTION_WINDOW: memcpy(where, value, 2 * sizeof *value); break;
+    case RIC_OPTION_MODES: out->n_start = 0; break;
+    case RIC_OPTION_NUMBERS: ((ric_numbers *)where)->n = 0; break;
+    case RIC_OPTION_CASCADE: out->n_cascade = 0; break;
+    }
+}
+
+void ric_explore_options_init(ric_explore_options *options)
+{
+    memset(options, 0, sizeof *options);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
+        store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
+}
+
+/* ----------------------------------------------------------------- numbers */
+
+static const char *digits(const char *text)
+{
+    while (isdigit((unsigned char)*text))
+        text++;
+    return text;
+}
+
+/* [-+] digits [. digits] [e [-+] digits], also with the d of Fortran, with a digit before or after the point: no
+ * hexadecimal, no blanks. */
+static bool is_decimal(const char *text)
+{
+    text += *text == '-' || *text == '+';
+    const char *whole = digits(text);
+    bool any = whole > text;
+    text = whole;
+    if (*text == '.') {
+        const char *end = digits(text + 1);
+        any = any || end > text + 1;
+        text = end;
+    }
+    if (any && *text && strchr("eEdD", *text)) {
+        text += text[1] == '-' || text[1] == '+' ? 2 : 1;
+        const char *end = digits(text);
+        any = end > text;
+        text = end;
+    }
+    return any && *text == '\0';
+}
+
+static bool names_no_finite(const char *text)
+{
+    static const char *const names[] = {"nan", "inf", "infinity"};
+    char lower[12] = "";
+    text += *text == '-' || *text == '+';
+    text += *text == '.';
+    for (size_t i = 0; i + 1 < sizeof lower && text[i]; i++)
+        lower[i] = (char)tolower((unsigned char)text[i]);
+    for (int i = 0; i < COUNT(names); i++)
+        if (!strcmp(lower, names[i]))
+            return true;
+    return false;
+}
+
+enum { FORTRAN_MAX = 64 }; /* characters of a number whose exponent is a d; 25 name every double */
+
+ric_text_kind ric_text_real(const char *text, double *out)
+{
+    char copy[FORTRAN_MAX];
+    if (!is_decimal(text))
+        return names_no_finite(text) ? RIC_TEXT_NOT_FINITE : RIC_TEXT_NO_NUMBER;
+    const size_t mark = strcspn(text, "dD");
+    if (text[mark]) {
+        if (strlen(text) >= sizeof copy)
+            return RIC_TEXT_NO_NUMBER;
+        strcpy(copy, text);
+        copy[mark] = 'e';
+        text = copy;
+    }
+    *out = ric_c_strtod(text, NULL);
+    return isfinite(*out) ? RIC_TEXT_NUMBER : RIC_TEXT_NOT_FINITE;
+}
+
+bool ric_text_integer(const char *text, long *out)
+{
+    const char *first = text + (*text == '-' || *text == '+');
+    if (!isdigit((unsigned char)*first) || *digits(first))
+        return false;
+    errno = 0;
+    *out = strtol(text, NULL, 10);
+    return errno == 0;
+}
+
+void ric_text_write(double value, FILE *out)
+{
+    char text[40];
+    locale_t before = ric_c_locale_enter();
+    for (int precision = 15; precision <= 17; precision++) {
+        snprintf(text, sizeof text, "%.*g", precision, value);
+        if (strtod(text, NULL) == value)
+            break;
+    }
+    ric_c_locale_leave(before);
+    fputs(text, out);
+}
+
+/* ----------------------------------------------------------------- reading */
+
+static void describe_range(const ric_option *option, size_t size, char *out)
+{
+    snprintf(out, size, "%s%g, %g]", option->above ? "(" : "[", option->min, option->max);
+}
+
+static ric_status read_number(const ric_option *option, const char *text, double *out)
+{
+    char range[64];
+    long whole = 0;
+    ric_text_kind kind = ric_text_real(text, out);
+    describe_range(option, sizeof range, range);
+    if (kind == RIC_TEXT_NOT_FINITE)
+        return ric_fail(RIC_E_INPUT, "'%.40s' is not finite; give a number in %s", text, range);
+    bool integer = option->type == RIC_OPTION_INTEGER || option->type == RIC_OPTION_MODES;
+    if (kind != RIC_TEXT_NUMBER || (integer && !ric_text_integer(text, &whole)))
+        return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text, integer ? " whole" : "", range);
+    if (*out < option->min || *out > option->max || (option->above && *out == option->min))
+        return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text, integer ? " whole" : "",
+                        range);
+    return RIC_OK;
+}
+
+static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts, double out[2],
+                              int *item)
+{
+    out[0] = out[1] = 0;
+    if (!list && !strcmp(texts[0], "auto"))
+        return RIC_OK;
+    if (!list || n != 2)
+        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [0.2, 10], or auto");
+    for (int i = 0; i < 2; i++) {
+        ric_status status = read_number(option, texts[i], &out[i]);
+        if (status) {
+            *item = i;
+            return status;
+        }
+    }
+    if (out[0] < out[1])
+        return RIC_OK;
+    return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first", out[0], out[1],
+                    out[0] == out[1] ? "empty" : "reversed");
+}
+
+bool ric_option_is_auto(const double window[2])
+{
+    return window[0] == 0 && window[1] == 0;
+}
+
+static int compare_integers(const void *left, const void *right)
+{
+    int a = *(const int *)left, b = *(const int *)right;
+    return (a > b) - (a < b);
+}
+
+/* A word, *n = 0, or a list of whole numbers. */
+static ric_status read_list(const ric_option *option, const char *word, bool list, int n, const char *const *texts,
+                            int room, int *out, int *n_out, int *item)
+{
+    double number;
+    *n_out = 0;
+    if (!list && !strcmp(texts[0], word))
+        return RIC_OK;
+    if (!list || n < 1 || n > room)
+        return ric_fail(RIC_E_INPUT, "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]", word,
+                        room, word, option->min);
+    for (int i = 0; i < n; i++) {
+        *item = i;
+        ric_status status = read_number(option, texts[i], &number);
+        if (status)
+            return status;
+        out[i] = (int)number;
+    }
+    *item = -1;
+    *n_out = n;
+    return RIC_OK;
+}
+
+static ric_status read_modes(const ric_option *option, bool list, int n, const char *const *texts,
+                             ric_explore_options *out, int *item)
+{
+    int start[COUNT(out->start)];
+    ric_status status = read_list(option, "modes", list, n, texts, COUNT(start), start, &n, item);
+    if (status)
+        return status;
+    qsort(start, (size_t)n, sizeof *start, compare_integers);
+    for (int i = 1; i < n; i++)
+        if (start[i] == start[i - 1])
+            return ric_fail(RIC_E_INPUT, "mode %d is listed twice; name each mode once", start[i]);
+    memcpy(out->start, start, (size_t)n * sizeof *start);
+    out->n_start = n;
+    return RIC_OK;
+}
+
+static int compare_reals(const void *left, const void *right)
+{
+    double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts, ric_numbers *out,
+                               int *item)
+{
+    ric_numbers numbers = {.n = n};
+    if (!list)
+        return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
+    if (n > RIC_NUMBERS_MAX)
+        return ric_fail(RIC_E_INPUT, "more than %d numbers; leave some for another study", RIC_NUMBERS_MAX);
+    for (int i = 0; i < n; i++) {
+        *item = i;
+        ric_status status = read_number(option, texts[i], &numbers.value[i]);
+        if (status)
+            return status;
+        for (int j = 0; j < i; j++)
+            if (numbers.value[j] == numbers.value[i])
+                return ric_fail(RIC_E_INPUT, "%.40s is listed twice; give each number once", texts[i]);
+    }
+    *item = -1;
+    qsort(numbers.value, (size_t)n, sizeof *numbers.value, compare_reals);
+    *out = numbers;
+    return RIC_OK;
+}
+
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
+                           ric_explore_options *out, int *item)
+{
+    double value[2] = {0, 0};
+    ric_status status = RIC_OK;
+    *item = -1;
+    if (option->type == RIC_OPTION_MODES)
+        return read_modes(option, list, n, texts, out, item);
+    if (option->type == RIC_OPTION_NUMBERS)
+        return read_numbers(option, list, n, texts, field(option, out), item);
+    if (option->type == RIC_OPTION_CASCADE)
+        return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade, &out->n_cascade, item);
+    if (option->type == RIC_OPTION_WINDOW)
+        status = read_window(option, list, n, texts, value, item);
+    else if (list)
+        return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
+    else if (option->type == RIC_OPTION_SWITCH) {
+        value[0] = !strcmp(texts[0], "true");
+        if (!value[0] && strcmp(texts[0], "false"))
+            return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them", texts[0]);
+    } else
+        status = read_number(option, texts[0], &value[0]);
+    if (!status)
+        store(option, value, out);
+    return status;
+}
+
+/* ----------------------------------------------------------------- writing */
+
+static void write_numbers(int n, const double *values, FILE *out)
+{
+    fputc('[', out);
+    for (int i = 0; i < n; i++) {
+        if (i)
+            fputs(", ", out);
+        ric_text_write(values[i], out);
+    }
+    fputc(']', out);
+}
+
+static void write_list(const char *word, int n, const int *list, FILE *out)
+{
+    if (n == 0)
+        fputs(word, out);
+    for (int i = 0; i < n; i++)
+        fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
+}
+
+void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out)
+{
+    const void *where = const_field(option, options);
+    const double *real = where;
+    switch (option->type) {
+    case RIC_OPTION_REAL: ric_text_write(*real, out); break;
+    case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
+    case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
+    case RIC_OPTION_WINDOW:
+        if (ric_option_is_auto(real)) fputs("auto", out);
+        else write_numbers(2, real, out);
+        break;
+    case RIC_OPTION_NUMBERS:
+        write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out);
+        break;
+    case RIC_OPTION_MODES: write_list("modes", options->n_start, options->start, out); break;
+    case RIC_OPTION_CASCADE: write_list("all", options->n_cascade, options->cascade, out); break;
+    }
+}
+
+static void write_default(const ric_option *option, size_t size, char *text)
+{
+    ric_explore_options defaults;
+    FILE *out = fmemopen(text, size, "w");
+    ric_explore_options_init(&defaults);
+    text[0] = '\0';
+    if (out) {
+        ric_option_write(option, &defaults, out);
+        fclose(out);
+    }
+}
+
+void ric_options_template(const char *section, FILE *out)
+{
+    char value[64], line[96];
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
+        const ric_option *option = &RIC_OPTIONS[i];
+        if (strcmp(option->section, section))
+            continue;
+        write_default(option, sizeof value, value);
+        snprintf(line, sizeof line, "%s%s: %s", section[0] ? "  " : "", option->key, value);
+        fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit,
+                option->unit[0] ? ")" : "");
+    }
+}
+
+static const char *type_text(ric_option_type type)
+{
+    switch (type) {
+    case RIC_OPTION_REAL: return "number";
+    case RIC_OPTION_INTEGER: return "whole number";
+    case RIC_OPTION_SWITCH: return "true or false";
+    case RIC_OPTION_WINDOW: return "[lower, upper] or `auto`";
+    case RIC_OPTION_MODES: return "`modes` or a list";
+    case RIC_OPTION_NUMBERS: return "list of up to " TEXT(RIC_NUMBERS_MAX) " numbers";
+    case RIC_OPTION_CASCADE: return "`all` or a list";
+    }
+    return "";
+}
+
+void ric_options_document(FILE *out)
+{
+    char value[64], range[64];
+    fputs("## explore\n\n"
+          "Keys of the section `explore` of a study, and one at its top. All are optional.\n\n"
+          "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n", out);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
+        const ric_option *option = &RIC_OPTIONS[i];
+        write_default(option, sizeof value, value);
+        describe_range(option, sizeof range, range);
+        fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "",
+                option->key, type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range,
+                option->unit, option->help);
+    }
+    fputs("\n## regions\n\n"
+          "Larger budgets for a part of the plane, in a list at the top of a study; `ricochet view` writes such "
+          "regions into its atlas.\n\n"
+          "```yaml\n"
+          "regions:\n"
+          "  - {energy: [1.5, 3], frequency: [1.7, 1.9], depth: 6, impacts: 36, multiply: 2}\n"
+          "```\n\n"
+          "`energy` and `frequency` say where; `depth`, `impacts` and `multiply` hold for departures from junctions "
+          "that are there, drawn there\n"
+          "or with their orbit there, if they are larger than those of `explore`, and are those of `explore` where "
+          "they are not given. Departures\n"
+          "elsewhere stay over their budgets and are counted so. A region may lie outside the windows: branches are "
+          "then followed as far as the\n"
+          "smallest windows that hold it too, linear modes start there, and departures from junctions in neither are "
+          "`outside the windows`. At\n"
+          "most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n", out);
+}

@@ -1,0 +1,90 @@
+/* What the files of the study share: its YAML with lines and keys, and its model as it is written there. No other file
+ * needs it. */
+#ifndef RIC_STUDY_STUDY_PARTS_H
+#define RIC_STUDY_STUDY_PARTS_H
+
+#include <stdio.h>
+#include <yaml.h>
+
+#include "study.h"
+
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+
+/* -------------------------------------------------------------- study_yaml.c */
+
+enum { RIC_KEY_MAX = 96 }; /* "model.contacts[12].clearance" */
+
+/* A document with its text, the name it has in messages, and the folder that its paths are relative to. */
+typedef struct {
+    const char *label, *base, *text; /* text: while it is loaded */
+    yaml_document_t document;
+} ric_yaml;
+
+typedef yaml_node_t ric_yaml_node;
+
+/* A key of a mapping with its value; both NULL when the study does not give it. */
+typedef struct {
+    const ric_yaml_node *key, *value;
+} ric_yaml_slot;
+
+/* Fills r->document; on success it is to be unloaded. */
+ric_status ric_yaml_load(ric_yaml *r, const char *text, size_t size);
+void ric_yaml_unload(ric_yaml *r);
+
+/* Fails with "FILE:LINE: key: what is wrong; what would be right", in one printable line. */
+ric_status ric_yaml_wrong(const ric_yaml *r, const ric_yaml_node *where, const char *key, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+ric_status ric_yaml_no_memory(const ric_yaml *r);
+
+const ric_yaml_node *ric_yaml_root(const ric_yaml *r);
+bool ric_yaml_is_list(const ric_yaml_node *value);
+bool ric_yaml_is_scalar(const ric_yaml_node *value);
+/* Quoted text is no number, even if it looks like one. */
+bool ric_yaml_is_plain(const ric_yaml_node *value);
+int ric_yaml_length(const ric_yaml_node *list);
+const ric_yaml_node *ric_yaml_item(const ric_yaml *r, const ric_yaml_node *list, int i);
+/* Of a scalar. */
+const char *ric_yaml_text(const ric_yaml_node *value);
+/* "a list", for messages */
+const char *ric_yaml_kind(const ric_yaml_node *value);
+/* "path.key", for messages */
+void ric_yaml_join(char out[RIC_KEY_MAX], const char *path, const char *key);
+
+/* Fills slots[n] from a mapping: every key is known and occurs once. */
+ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n, const char *const *keys,
+                        ric_yaml_slot *slots);
+ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const char *key, double *out);
+/* *out is allocated; the text has no NUL inside (a quoted "\0" may try). */
+ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const char *key, char **out);
+/* The index of one of n words; *out stays when the key is not given. */
+ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const char *key, int n,
+                           const char *const *names, int *out);
+
+/* Double-quoted YAML: what is not plainly printable is escaped, so that any text comes back as it was. */
+void ric_yaml_write(const char *text, FILE *out);
+
+/* ------------------------------------------------------------- study_words.c */
+
+/* The one of n keys that people mean by another word, the sentence for what no key is for, and what to write for a
+ * value that is none; NULL: nothing is known. */
+const char *ric_word_of_key(const char *found, int n, const char *const *keys);
+const char *ric_word_of_nothing(const char *found);
+const char *ric_word_of_value(const char *found);
+
+/* ------------------------------------------------------------- study_model.c */
+
+typedef struct {
+    int n, n_contact;
+    double *mass, *stiffness;
+    ric_contact *contacts; /* names and normals owned */
+    double restitution;
+    size_t restitution_line; /* 0 if not given */
+    char remark[400];        /* what was made of the matrices that the study does not say literally; "" */
+} ric_raw_model;
+
+/* Fills `raw`, to be freed also on failure, and makes the model of it. */
+ric_status ric_raw_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out);
+void ric_raw_model_free(ric_raw_model *raw);
+void ric_raw_model_write(const ric_raw_model *raw, FILE *out);
+
+#endif

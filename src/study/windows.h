@@ -1,0 +1,12 @@
+/* Windows that a study leaves open: chosen from the frequencies that are seen, the energies at which contacts begin to
+ * matter, and the impacts allowed (docs/study.md). */
+#ifndef RIC_STUDY_WINDOWS_H
+#define RIC_STUDY_WINDOWS_H
+
+#include "ricochet.h"
+
+/* Puts numbers where energy or frequency is 0, 0; numbers that are there stay. RIC_E_INPUT if those of the model are
+ * beyond what an option may be: the detail says which. */
+ric_status ric_windows_choose(const ric_model *model, ric_explore_options *options);
+
+#endif

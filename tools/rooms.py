@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Keeps docs/map.md true: rooms.py prints TAP lines and ends with exit status 1 if
+
+- a source lies in no room of the map, or the map names a file that is not there;
+- a file includes a header of another room that is not its room.h, or a room above its own;
+- rooms include each other in a circle, or files of one room do, by their headers;
+- a function that leaves its file does not carry the first word of the file's name.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SOURCES = ROOT / "src"
+# Templates that are included to make code, not to declare it.
+TEMPLATES = {"flow/taylor.h", "flow/taylor_quad.h"}
+# What every file uses keeps its short name.
+SHORT = {"ric_fail", "ric_no_memory", "ric_trust", "ric_malloc", "ric_calloc", "ric_realloc", "ric_strdup", "ric_lapack", "ric_file_read"}
+
+
+def rooms_of_map():
+    """Room -> files, in the order of the page."""
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", (ROOT / "docs/map.md").read_text(), re.M)
+    return {room: re.findall(r"`(\w+)`", files) for room, files in rows}
+
+
+def includes(path):
+    return re.findall(r'^#include "([\w/]+\.h)"', path.read_text(), re.M)
+
+
+def circles(edges):
+    """One circle of a graph, as a list of its nodes, or []."""
+    done, way = set(), []
+
+    def visit(node):
+        if node in way:
+            return way[way.index(node):] + [node]
+        if node in done:
+            return []
+        way.append(node)
+        found = next(filter(None, map(visit, sorted(edges.get(node, ())))), [])
+        way.pop()
+        done.add(node)
+        return found
+
+    return next(filter(None, map(visit, sorted(edges))), [])
+
+
+def check_files(rooms):
+    there = {f"{path.parent.name}/{path.stem}" for path in SOURCES.glob("*/*.[ch]") if path.name != "room.h"}
+    mapped = {f"{room}/{file}" for room, files in rooms.items() for file in files}
+    flat = [path.name for path in SOURCES.glob("*.[ch]")]
+    return [f"{name} is in no room" for name in flat] + [f"{name} is not in docs/map.md" for name in sorted(there - mapped)] + [
+        f"{name} of docs/map.md does not exist" for name in sorted(mapped - there)]
+
+
+def check_directions(rooms):
+    order, wrong = list(rooms), []
+    for path in sorted(SOURCES.glob("*/*.[ch]")):
+        here = path.parent.name
+        for name in includes(path):
+            if "/" not in name or name in TEMPLATES:
+                continue
+            room, header = name.split("/")
+            if header != "room.h" or room == here:
+                wrong.append(f"{here}/{path.name} includes {name}: other rooms are included by their room.h, the own one by file")
+            elif order.index(room) >= order.index(here):
+                wrong.append(f"{here}/{path.name} includes {name}, which is above it")
+    return wrong
+
+
+def check_circles():
+    edges = {}
+    for path in SOURCES.glob("*/*.h"):
+        edges[f"{path.parent.name}/{path.name}"] = {
+            name if "/" in name else f"{path.parent.name}/{name}" for name in includes(path)}
+    found = circles(edges)
+    return [" includes ".join(found)] if found else []
+
+
+def functions(path):
+    """Names of the functions that leave a file."""
+    return re.findall(r"^(?!static)[a-z][\w \t]*?[ *](ric_\w+)\(", path.read_text(), re.M)
+
+
+def check_prefixes():
+    public = set(re.findall(r"\b(ric_\w+)\(", (ROOT / "include/ricochet.h").read_text()))
+    wrong = []
+    for path in sorted(SOURCES.glob("*/*.c")):
+        word = path.stem.split("_")[0].removesuffix("s")
+        for name in functions(path):
+            if name not in public | SHORT and not name.startswith(f"ric_{word}"):
+                wrong.append(f"{path.parent.name}/{path.name} holds {name}")
+    return wrong
+
+
+def main():
+    rooms, failed = rooms_of_map(), 0
+    checks = [("every source lies in a room of docs/map.md", check_files(rooms)),
+              ("rooms are entered from above, by their header", check_directions(rooms)),
+              ("no headers include each other in a circle", check_circles()),
+              ("functions carry the name of their file", check_prefixes())]
+    print(f"1..{len(checks)}")
+    for number, (text, wrong) in enumerate(checks, 1):
+        print(f"{'not ok' if wrong else 'ok'} {number} - {text}")
+        for line in wrong:
+            print(f"# {line}")
+        failed += bool(wrong)
+    return 1 if failed else 0
+
+
+sys.exit(main())
