@@ -5,7 +5,7 @@ TSAN ?= build-tsan
 FUZZ ?= build-fuzz
 FUZZ_CC ?= clang-14
 DEMO = $(BUILD)/demo
-FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. bench/. fuzz/. web/. web/src/.
+FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
 .PHONY: help setup setup-tests build python demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
@@ -98,7 +98,7 @@ time: setup-tests build
 	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
 	@ninja -C $(BUILD) --quiet tests/test_chain
 	@RICOCHET_TEST_TIME=1 $(BUILD)/tests/test_chain
-	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli_view_page.sh
+	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
 
 picture: setup-tests build
 	@mkdir -p $(DEMO)
@@ -113,7 +113,7 @@ sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
 
-# The programs of tests/test_*.c have one thread; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
+# The programs of tests/unit/test_*.c have one thread; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
 # by race.supp.
 THREADED ?= cli_workers cli_regions cli_hunt cli_view cli_view_page cli_mpi
 race: setup-tests $(TSAN)/build.ninja
@@ -125,7 +125,7 @@ memcheck: setup-tests build
 	@tools/memcheck.sh $(BUILD)
 
 faults: setup-tests build
-	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli_faults.sh
+	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_faults.sh
 
 ATTACK ?= -n 2000 --least 300 --points 40 --seed 1 -j 2 --quiet --compare step,order,workers --folder $(BUILD)/attack --log $(BUILD)/attack.json
 attack: setup-tests build

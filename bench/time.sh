@@ -4,7 +4,7 @@
 # word, where the machine has no second core to itself.
 # It measures the machine as much as the program, so that it is no test of the suite: `make time`.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 sed 's/^  energy:.*/  energy: [0, 1000]/; s/^  impacts:.*/  impacts: 24/; s/^  multiply:.*/  multiply: 1/; s/^  depth:.*/  depth: 0/' \
     examples/elementary/study.yaml >"$folder/study.yaml"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What an atlas of the article's two masses lacks, by brute force at five energies: the long form of tests/test_hunt.c.
+# What an atlas of the article's two masses lacks, by brute force at five energies: the long form of tests/unit/test_hunt.c.
 #
 #     tools/hunt.sh [PROGRAM [FACTOR]]
 #

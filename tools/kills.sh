@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A hundred kills at random moments of one run, by turns of a run with two threads and of one with three ranks, then completion: the atlas equals that of
-# an undisturbed run bit for bit. The long form of tests/cli_resume.sh, cli_workers.sh and cli_mpi.sh.
+# an undisturbed run bit for bit. The long form of tests/cli/cli_resume.sh, cli_workers.sh and cli_mpi.sh.
 #
 #     tools/kills.sh [BUILD [KILLS]]
 set -u

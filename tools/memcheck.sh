@@ -6,7 +6,7 @@
 #
 # NAME: programs of BUILD/tests without `test_`, or `commands` for BUILD/ricochet with a call of every command; all unless given. Each is stopped after
 # SECONDS (3600) and then counts as not finished, if nothing was found until then. Valgrind is some 40 times slower than the processor: of many random
-# cases every RICOCHET_TEST_EVERY-th (7) is taken (tests/sample.h). Exit status 1 if valgrind finds something.
+# cases every RICOCHET_TEST_EVERY-th (7) is taken (tests/support/sample.h). Exit status 1 if valgrind finds something.
 #
 # Two settings make it two to three times faster: the mathematical library without fused multiplication and addition, each of which is a call of valgrind's
 # own, and no exact account of the undefined bits of sums and comparisons of integers. Both can only make it find more: a finding is to be looked at

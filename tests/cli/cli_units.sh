@@ -2,7 +2,7 @@
 # The same structure in other units has the same atlas: masses times 1e-3, stiffnesses times 1e6, lengths times 1e-4, also where a power law
 # is given by its stiffness alone, which leaves the scale of lengths at 1, and where a second stop lies a thousand times nearer than the first.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 # study NAME MASS STIFFNESS CONTACTS ENERGY FREQUENCY: each a number by which the unit multiplies
 cat >"$folder/make.py" <<'PY'

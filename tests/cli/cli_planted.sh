@@ -1,7 +1,7 @@
 #!/bin/bash
 # Faults that are planted in atlases of four kinds are found by `ricochet verify` (tools/attack/plant.py), which stops when it is asked to.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 if ! command -v python3 >/dev/null; then
     echo '1..0 # SKIP python3 is not there to plant faults'

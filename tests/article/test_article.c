@@ -173,7 +173,7 @@ static char *make_page(int *wrong)
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
     fputs("# The article's statements\n\n"
-          "Written by `tests/test_article.c`, which checks every line against computed atlases; `UPDATE=1 "
+          "Written by `tests/article/test_article.c`, which checks every line against computed atlases; `UPDATE=1 "
           "build/tests/test_article` writes it\n"
           "anew. Points carry the article's names, words are in canonical form (A3[010] is A3[001]).\n\n"
           "| no. | place | the article says | the program finds | verdict |\n|---|---|---|---|---|\n", out);

@@ -2,7 +2,7 @@
 # The documentation says what is so: its commands run as printed, every command and option is in it, the files it names exist.
 set -u
 root=$PWD
-. tests/tap.sh
+. tests/support/tap.sh
 
 # blocks FILE LANGUAGE MARK: the code of all blocks that open with ```LANGUAGE MARK
 blocks() { awk -v open="^\`\`\`$2 $3\$" '/^```/ { inside = !inside && $0 ~ open; next } inside' "$root/$1"; }
@@ -66,7 +66,7 @@ for study in examples/*/study.yaml; do
     ok "README.md: $study" grep -q "($study)" README.md
 done
 
-wide=$(grep -nE '^.{121}' src/*/*.[ch] cli/*/*.[ch] include/*.h tests/*.[ch] bench/*.c fuzz/*.[ch])
+wide=$(grep -nE '^.{121}' src/*/*.[ch] cli/*/*.[ch] include/*.h tests/*/*.[ch] bench/*.c fuzz/*.[ch])
 ok 'CONTRIBUTING.md: no line of C has more than 120 columns' test -z "$wide"
 
 finish

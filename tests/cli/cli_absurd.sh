@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Absurd studies end in a clear message or in an honest result, within bounded time and memory.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 seconds=300 # until which nothing hangs, however busy the machine
 sanitized || ulimit -v 4000000 # address space, kB; a sanitizer reserves terabytes
 

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Cascades from outside: what is printed, in the atlas and beyond it, pictures, and wrong calls.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 exits() { # CODE PATTERN COMMAND...: the exit code, and what is said
     local code=$1 pattern=$2
     shift 2

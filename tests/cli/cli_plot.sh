@@ -1,6 +1,6 @@
 #!/bin/sh
 # Every picture in every format, and that a failure leaves no file behind.
-# usage: RICOCHET=path/to/ricochet tests/cli_plot.sh [ATLAS]      (or: tests/cli_plot.sh RICOCHET ATLAS)
+# usage: RICOCHET=path/to/ricochet tests/cli/cli_plot.sh [ATLAS]      (or: tests/cli/cli_plot.sh RICOCHET ATLAS)
 # Without an atlas it makes a small one. Exit: 0 passed, 1 failed, 77 skipped.
 set -u
 if [ $# -ge 2 ]; then

@@ -3,11 +3,11 @@
 # message or not at all, never with a crash; what stood in the atlas still stands there; and the same command then makes the atlas of an undisturbed
 # run. FAULTS_ALL=1 tries every allocation, some 80,000 in an hour; otherwise a sample.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 cc=${CC:-cc}
 command -v "$cc" >/dev/null || { echo "1..0 # SKIP no compiler $cc"; exit 77; }
-"$cc" -shared -fPIC -O1 -o "$folder/faults.so" tests/faults.c -ldl || exit 77
+"$cc" -shared -fPIC -O1 -o "$folder/faults.so" tests/support/faults.c -ldl || exit 77
 ! sanitized || { echo "1..0 # SKIP a program built with sanitizers brings its own allocator"; exit 77; }
 
 study() # IMPACTS DEPTH

@@ -1,7 +1,7 @@
 #!/bin/bash
 # The manners of the server of `ricochet view`: who may ask for what, and how it ends.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 if "$ricochet" view /dev/null 2>&1 | grep -q 'built without'; then
     echo "1..0 # SKIP $("$ricochet" view /dev/null 2>&1)"

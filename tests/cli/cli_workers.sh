@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The atlas is the same, row for row, for any number of workers; and a run with workers that is killed goes on.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 study() # IMPACTS MULTIPLY DEPTH
 {

@@ -3,7 +3,7 @@
 # figure from 3 to 30 is on the page.
 set -u
 root=$PWD
-. tests/tap.sh
+. tests/support/tap.sh
 
 if ! command -v gnuplot >/dev/null || ! command -v python3 >/dev/null; then
     echo '1..0 # SKIP gnuplot or python3 is not there'
@@ -23,7 +23,7 @@ done
 # Labels as a browser sets them, which has letters of its own.
 browser=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || command -v google-chrome)}
 if [ -n "$browser" ] && command -v node >/dev/null && [ -e web/node_modules/playwright-core/package.json ]; then
-    ok 'no label is cut or lies on another' node tests/gallery_texts.mjs "$browser" "$folder"/*.svg
+    ok 'no label is cut or lies on another' node tests/cli/gallery_texts.mjs "$browser" "$folder"/*.svg
 fi
 
 # Numbers of the article, its points by their names: STUDY NAME ENERGY FREQUENCY

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The Python package: explorations, reduction, pictures, its documentation, and pip without a network.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 # An instrumented library cannot be loaded by a program that is not.
 if sanitized; then

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A run that is stopped, killed or repeated ends with the atlas of an undisturbed run; a larger budget extends it to that of a fresh run.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 study() # ENERGY DEPTH
 {

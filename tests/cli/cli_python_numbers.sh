@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Every number that the Python package returns is that of the program, to the bit, over all examples.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 if sanitized; then
     echo '1..0 # SKIP the library is instrumented, and Python is not'
     exit 77

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # docs/study.md says what the reader takes: its studies run, its tables have the keys of the reader and no others, and which law takes which key.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 python3 - "$folder" <<'P' || exit 1
 import re, sys

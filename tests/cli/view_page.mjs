@@ -4,7 +4,7 @@
 import { execFileSync, spawn } from "node:child_process";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createInterface } from "node:readline";
-import { chromium } from "../web/node_modules/playwright-core/index.mjs";
+import { chromium } from "../../web/node_modules/playwright-core/index.mjs";
 
 const [ricochet, browserPath, folder, shots] = process.argv.slice(2);
 const C1_32 = { energy: 1.901327637945699, frequency: 1.3820239896966182 };

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Every example runs, has no failed branch, verifies, and shows what its comments say.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 # Fields of a table by name: rows EXAMPLE branches|junctions FIELD... as lines of `field|field|...`
 rows() {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Random structures and a judge that shares no code with the program (tools/attack). Seeds are printed.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 if ! tools/attack/attack --help >/dev/null 2>&1; then
     echo "1..0 # SKIP no Python with NumPy and mpmath"

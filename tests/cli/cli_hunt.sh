@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The hunt from outside: wrong calls, an atlas that lacks an isolated family, which is added, followed, resumed and found.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 cat >"$folder/study.yaml" <<YAML
 title: Two masses

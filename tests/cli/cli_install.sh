@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The installed library: the programs of examples/c are compiled against it through pkg-config, as C and as C++, and run.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 build=$(dirname "$ricochet")
 root=$folder/root

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Regions of a study: larger budgets hold for departures from junctions there, and nowhere else.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 study() { sed 's/depth: 4/depth: 3/' examples/elementary/study.yaml; [ $# = 0 ] || printf 'regions:\n'; for region in "$@"; do printf '  - {%s}\n' "$region"; done; }
 explore() { study "${@:2}" >"$folder/$1.yaml" && "$ricochet" run "$folder/$1.yaml" -o "$folder/$1.ricochet" 2>"$folder/$1.err"; }

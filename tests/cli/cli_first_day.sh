@@ -2,7 +2,7 @@
 # Structures in units of their own, without a window in the study: the first run gives a picture with impacts, soon; and what check and run say where
 # windows hold nothing.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 cat >"$folder/chain.yaml" <<'Y'
 title: Three masses in a row, mm t s

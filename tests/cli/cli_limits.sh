@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs with a limit: they stop in time whatever they are doing, say what is left, and the next one goes on from there.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 # A chain of eight masses under a law of power 99: a single branch of it takes minutes.
 python3 - >"$folder/slow.yaml" <<'P'

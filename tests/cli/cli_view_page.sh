@@ -1,7 +1,7 @@
 #!/bin/bash
 # The page of `ricochet view` in headless Chromium. SHOTS=FOLDER keeps pictures of it.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 skip() { echo "1..0 # SKIP $1"; exit 77; }
 if "$ricochet" view /dev/null 2>&1 | grep -q 'built without'; then skip 'this program was built without the page'; fi
@@ -13,4 +13,4 @@ if grep -q __tsan_init "$ricochet"; then
     echo '# with thread checks the atlas of a million points, an hour then, is left out'
     export PART=demo
 fi
-node tests/view_page.mjs "$ricochet" "$browser" "$folder" ${SHOTS:+"$SHOTS"}
+node tests/cli/view_page.mjs "$ricochet" "$browser" "$folder" ${SHOTS:+"$SHOTS"}

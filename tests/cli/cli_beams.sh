@@ -1,7 +1,7 @@
 #!/bin/bash
 # Beams whose lumped mass hangs on other springs than the example's: multipliers of 1e11, pitchforks of radius 1e-4, poles beside zeros.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 
 study() # SPRING
 {

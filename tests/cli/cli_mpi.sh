@@ -3,7 +3,7 @@
 set -u
 mpi=$(dirname "${RICOCHET:?the program to test}")/ricochet-mpi
 command -v mpirun >/dev/null && [ -x "$mpi" ] || exit 77
-. tests/tap.sh
+. tests/support/tap.sh
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # those of Open MPI are not ours
 
 ranks() # N COMMAND...

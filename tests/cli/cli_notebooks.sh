@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The notebooks run from the first cell to the last.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 if sanitized; then
     echo '1..0 # SKIP the library is instrumented, and Python is not'
     exit 77

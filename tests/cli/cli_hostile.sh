@@ -1,7 +1,7 @@
 #!/bin/bash
 # Atlases that somebody has made to deceive.
 set -u
-. tests/tap.sh
+. tests/support/tap.sh
 if ! command -v python3 >/dev/null; then
     echo '1..0 # SKIP python3 is not there to edit atlases'
     exit 0
