@@ -2,7 +2,7 @@
  *
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
- * Branches are followed by ric_trace_advance, as `ricochet run` does, with every test watched; only the step is held:
+ * Branches are followed by ric_continuation_advance, as `ricochet run` does, with every test watched; only the step is held:
  * before each call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 + |w|).
  * A step that the trace itself makes shorter (an event, a refusal) stays short and is counted. A row follows its piece
  * of branch again and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time, so
@@ -39,7 +39,7 @@ typedef struct {
     int k;
     form form;
     double from, to;
-    const ric_trace *edge;
+    const ric_continuation *edge;
 } course;
 
 typedef struct {
@@ -97,12 +97,12 @@ static ric_model *article(void)
 /* ------------------------------------------------------------------- orbits */
 
 /* S2-[01] in closed form (docs/theory.md section 11), k times over: at every impact all speed lies along the normal. */
-static ric_cycle *s2_cycle(const ric_model *m, double omega, int k)
+static ric_periodic *s2_cycle(const ric_model *m, double omega, int k)
 {
     int n = m->n;
     const ric_face *face = &m->face[0];
     double tau = 0.5 * TWO_PI / omega * m->omega_ref, sum = 0;
-    ric_cycle *c = ric_cycle_create(n, 2 * k);
+    ric_periodic *c = ric_periodic_create(n, 2 * k);
     need(c, "no memory");
     for (int i = 0; i < n; i++) sum += face->c[i] * face->c[i] * tan(m->omega[i] * tau / 2) / m->omega[i];
     for (int i = 0; i < n; i++) {
@@ -119,44 +119,44 @@ static ric_cycle *s2_cycle(const ric_model *m, double omega, int k)
 }
 
 /* The chain of a course at x (frequency, or index of a stored point) in the form asked for, and its unknowns. */
-static double *chain_at(const course *q, double x, ric_chain **chain)
+static double *chain_at(const course *q, double x, ric_shooting **chain)
 {
-    const ric_trace *e = q->edge;
+    const ric_continuation *e = q->edge;
     double *u;
-    ric_cycle *c;
+    ric_periodic *c;
     if (e) {
         const double *at = e->points + (size_t)x * e->stride + sizeof(ric_point) / sizeof(double);
-        ric_chain_fly(e->chain, at);
-        c = ric_cycle_from_chain(e->chain, at);
+        ric_shooting_fly(e->chain, at);
+        c = ric_periodic_from_chain(e->chain, at);
         need(c, "no memory");
     } else c = s2_cycle(q->model, x, q->k);
     if (q->form != OWN) c->half = false;
     if (q->form == GENERAL) c->pure = c->flip = -1;
-    need(!ric_cycle_to_chain(q->model, c, chain, &u), "no memory");
-    ric_cycle_free(c);
+    need(!ric_periodic_to_chain(q->model, c, chain, &u), "no memory");
+    ric_periodic_free(c);
     return u;
 }
 
-static ric_trace *start(const course *q, double x, ric_limits *limits)
+static ric_continuation *start(const course *q, double x, ric_limits *limits)
 {
-    ric_chain *chain, *other;
-    ric_trace *tr;
+    ric_shooting *chain, *other;
+    ric_continuation *tr;
     double dx = q->edge ? 1 : 1e-7 * x, *u = chain_at(q, x, &chain), *t = chain_at(q, x + dx, &other);
     double period = TWO_PI * q->model->omega_ref * q->k;
     for (int i = 0; i < chain->n_unknown; i++) t[i] -= u[i];
     *limits = (ric_limits){.energy = {0, ENERGY / q->model->energy_unit}, .period = {period / HIGHEST, period / LOWEST},
                            .max_step = ARC, .max_points = 1 << 28};
-    need(!ric_trace_create(chain, u, t, 0, limits, &tr), "the start of a branch does not converge");
-    ric_chain_free(other);
+    need(!ric_continuation_create(chain, u, t, 0, limits, &tr), "the start of a branch does not converge");
+    ric_shooting_free(other);
     free(u);
     free(t);
     return tr;
 }
 
 /* A trace that left for another branch: the impacts of a repeated S2 are equally spaced. */
-static bool hopped(const course *q, const ric_trace *tr)
+static bool hopped(const course *q, const ric_continuation *tr)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     const double *tau = tr->now.u + c->n_start;
     for (int i = 1; !q->edge && i < c->n_flight; i++)
         if (fabs(tau[i] - tau[0]) > 1e-9 * tau[0]) return true;
@@ -169,14 +169,14 @@ static bool hopped(const course *q, const ric_trace *tr)
 static double follow(const course *q, double seconds, double *x, figures *out)
 {
     ric_limits limits;
-    ric_trace *tr = start(q, *x, &limits);
+    ric_continuation *tr = start(q, *x, &limits);
     bool done = false;
     double used = 0, begin = now();
     while (!done && (q->edge || *x <= q->to) && used < seconds) {
         double s = tr->now.s;
         limits.max_step = ARC / tr->chain->scale;
         tr->step = ARC;
-        need(!ric_trace_advance(tr, &done), ric_detail());
+        need(!ric_continuation_advance(tr, &done), ric_detail());
         out->points++;
         out->residual = fmax(out->residual, tr->now.row.residual);
         out->short_steps += tr->now.s - s < 0.99 * ARC;
@@ -189,11 +189,11 @@ static double follow(const course *q, double seconds, double *x, figures *out)
     out->n_flight = tr->chain->n_flight;
     out->evaluations += tr->evaluations;
     out->bytes = tr->stride * sizeof(double);
-    ric_cycle *c = ric_cycle_from_chain(tr->chain, tr->now.u);
+    ric_periodic *c = ric_periodic_from_chain(tr->chain, tr->now.u);
     need(c, "no memory");
     out->N = c->N;
-    ric_cycle_free(c);
-    ric_trace_free(tr);
+    ric_periodic_free(c);
+    ric_continuation_free(tr);
     return used;
 }
 
@@ -276,7 +276,7 @@ enum { ROTATION, EVALUATION, ITERATION };
 
 /* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the corrector does
  * them. */
-static double run(int what, int times, ric_chain *c, const double *u, double *du)
+static double run(int what, int times, ric_shooting *c, const double *u, double *du)
 {
     const ric_model *m = c->model;
     int n = m->n, flights = c->n_flight;
@@ -286,16 +286,16 @@ static double run(int what, int times, ric_chain *c, const double *u, double *du
         if (what == ROTATION) {
             ric_flight_trig(m, n, u[c->n_start + i % flights], trig);
             ric_flight(n, trig, w, w);
-        } else ric_chain_evaluate(c, u);
+        } else ric_shooting_evaluate(c, u);
         if (what != ITERATION) continue;
-        ric_chain_step(c, true, 0, du);
-        ric_chain_step(c, false, 1, du);
+        ric_shooting_step(c, true, 0, du);
+        ric_shooting_step(c, false, 1, du);
     }
     sink = w[0];
     return now() - begin;
 }
 
-static double fastest(int what, int times, ric_chain *c, const double *u, double *du)
+static double fastest(int what, int times, ric_shooting *c, const double *u, double *du)
 {
     double least = HUGE_VAL;
     for (int b = 0; b < 10; b++) least = fmin(least, run(what, times, c, u, du));
@@ -310,16 +310,16 @@ static void nanoseconds(const ric_model *m)
         "of a rotation");
     for (form g = GENERAL; g >= REVERSIBLE; g--) {
         course q = {"", m, k, g, 2.2, 2.7, NULL};
-        ric_chain *c;
+        ric_shooting *c;
         double *u = chain_at(&q, 2.4, &c), *du = calloc((size_t)c->n_unknown, sizeof *du);
         need(du, "no memory");
-        ric_chain_evaluate(c, u);
+        ric_shooting_evaluate(c, u);
         if (rotation == 0) rotation = fastest(ROTATION, 100000, c, u, du);
         double evaluation = fastest(EVALUATION, 1000, c, u, du) / c->n_flight,
                iteration = fastest(ITERATION, 1000, c, u, du) / c->n_flight;
         say("%-12s %12.1f %20.1f %12.2f, %6.2f\n", form_text[g], 1e9 * evaluation, 1e9 * iteration,
             evaluation / rotation, iteration / rotation);
-        ric_chain_free(c);
+        ric_shooting_free(c);
         free(u);
         free(du);
     }
@@ -328,27 +328,27 @@ static void nanoseconds(const ric_model *m)
 
 /* ------------------------------------------------------------- the demo study */
 
-static const ric_trace *find_s6(const ric_graph *g)
+static const ric_continuation *find_s6(const ric_graph *g)
 {
     for (int i = 0; i < g->n_edge; i++) {
-        const ric_trace *tr = g->edges[i].trace;
+        const ric_continuation *tr = g->edges[i].trace;
         if (tr->n_point < 10 || tr->chain->multiple != 4) continue;
-        ric_chain_fly(tr->chain, tr->now.u);
-        ric_cycle *c = ric_cycle_from_chain(tr->chain, tr->now.u);
+        ric_shooting_fly(tr->chain, tr->now.u);
+        ric_periodic *c = ric_periodic_from_chain(tr->chain, tr->now.u);
         bool found = c && c->N == 6;
         for (int k = 0; found && k < 6; k++) found = c->face[k] == c->face[k % 2] && c->face[0] != c->face[1];
-        ric_cycle_free(c);
+        ric_periodic_free(c);
         if (found) return tr;
     }
     return NULL;
 }
 
 /* The S2 orbits with the most points: from the centre to an impact, or through the closing of a spring to rest. */
-static const ric_trace *find_backbone(const ric_graph *g, int n_flight)
+static const ric_continuation *find_backbone(const ric_graph *g, int n_flight)
 {
-    const ric_trace *best = NULL;
+    const ric_continuation *best = NULL;
     for (int i = 0; i < g->n_edge; i++) {
-        const ric_trace *tr = g->edges[i].trace;
+        const ric_continuation *tr = g->edges[i].trace;
         if (tr->chain->multiple == 4 && tr->chain->n_flight == n_flight && (!best || tr->n_point > best->n_point))
             best = tr;
     }
@@ -397,7 +397,7 @@ static void smooth_paths(double seconds)
                  rows[i].exponent, ENERGY);
         need(!ric_study_parse(text, "bench", ".", &study), ric_detail());
         explore(study, &graph, &spent);
-        const ric_trace *path = graph->edges[0].trace;
+        const ric_continuation *path = graph->edges[0].trace;
         int from = 1;
         while (from + 2 < path->n_point &&
                ((const ric_point *)(path->points + (size_t)from * path->stride))->energy < 0.1)
@@ -454,7 +454,7 @@ int main(int argc, char **argv)
     show_machine();
     ric_model *m = article();
     explore(study, &graph, &demo);
-    const ric_trace *s6 = find_s6(graph);
+    const ric_continuation *s6 = find_s6(graph);
     course rows[] = {{"S2-[01]", m, 1, OWN, 2.2, 2.7, NULL},
                      {"S2-[01]", m, 1, GENERAL, 2.2, 2.7, NULL},
                      {"S2-[01]", m, 1, OWN, 4, 6, NULL},
@@ -472,7 +472,7 @@ int main(int argc, char **argv)
     double unused;
     need(!ric_study_read("examples/bilinear/study.yaml", &spring_study), ric_detail());
     explore(spring_study, &springs, &unused);
-    const ric_trace *soft = find_backbone(springs, 2), *rigid = find_backbone(graph, 1);
+    const ric_continuation *soft = find_backbone(springs, 2), *rigid = find_backbone(graph, 1);
     course pair[] = {{"S2[01], stop", graph->model, 1, OWN, 1, 0, rigid},
                      {"S2[01], spring", springs->model, 1, OWN, 1, 0, soft},
                      {"S2[01], stop", graph->model, 1, GENERAL, 1, 0, rigid},

@@ -90,7 +90,7 @@ typedef struct {
     atomic_bool stop;
     pthread_t thread;
     ric_workers *workers;
-    ric_memo *memo;
+    ric_cache *memo;
 } crew;
 
 static letter *free_letter(crew *c, int rank)
@@ -140,7 +140,7 @@ static void take_result(crew *c, MPI_Status *envelope)
         memcpy(sizes, m.data + at, sizeof sizes);
         at += sizeof sizes;
         need(m.size - at >= sizes[0] && m.size - at - sizes[0] >= sizes[1], "a damaged answer");
-        ric_memo_put(c->memo, m.data + at, sizes[0], m.data + at + sizes[0], sizes[1]);
+        ric_cache_put(c->memo, m.data + at, sizes[0], m.data + at + sizes[0], sizes[1]);
         at += sizes[0] + sizes[1];
     }
     ric_workers_finish(c->workers, number);
@@ -185,7 +185,7 @@ static void send_study(const char *text)
     if (length) MPI_Bcast((void *)(uintptr_t)text, (int)length, MPI_BYTE, 0, MPI_COMM_WORLD);
 }
 
-static ric_status join(void *user, const ric_study *study, ric_workers *workers, ric_memo *memo)
+static ric_status join(void *user, const ric_study *study, ric_workers *workers, ric_cache *memo)
 {
     crew *c = user;
     c->workers = workers;
@@ -207,10 +207,10 @@ static void leave(void *user)
 static int own(int argc, char **argv, int n_rank)
 {
     crew c = {.n_rank = n_rank, .busy = calloc((size_t)n_rank, sizeof *c.busy), .letters = calloc((size_t)n_rank * AHEAD, sizeof *c.letters)};
-    ric_crew hands = {join, leave, &c};
+    ric_remote hands = {join, leave, &c};
     need(c.busy && c.letters, "no memory");
     for (int i = 0; i < AHEAD * n_rank; i++) c.letters[i].request = MPI_REQUEST_NULL;
-    if (n_rank > 1) cli_run_crew = &hands;
+    if (n_rank > 1) cli_run_remote = &hands;
     int code = cli_main(argc, argv);
     if (!c.joined) send_study("");
     for (int i = 0; i < AHEAD * n_rank; i++) {
@@ -224,16 +224,16 @@ static int own(int argc, char **argv, int n_rank)
 
 /* ----------------------------------------------------------- the other ranks */
 
-static void prepare(ric_hand *hand, const message *job)
+static void prepare(ric_explore_worker *hand, const message *job)
 {
     job_head head;
     ric_node *node;
     message answer = {0};
     need(job->size >= sizeof head, "an empty job");
     memcpy(&head, job->data, sizeof head);
-    need(!ric_node_unpack(ric_hand_model(hand), job->data + sizeof head, job->size - sizeof head, &node), "a damaged job");
+    need(!ric_node_unpack(ric_explore_worker_model(hand), job->data + sizeof head, job->size - sizeof head, &node), "a damaged job");
     append(&answer, &head.number, sizeof head.number);
-    ric_memo_drain(ric_hand_prepare(hand, node, head.choice), append_entry, &answer);
+    ric_cache_drain(ric_explore_worker_prepare(hand, node, head.choice), append_entry, &answer);
     post(&answer, 0, TAG_RESULT);
     free(answer.data);
 }
@@ -242,7 +242,7 @@ static int serve(void)
 {
     long length = 0;
     ric_study *study = NULL;
-    ric_hand *hand = NULL;
+    ric_explore_worker *hand = NULL;
     message m = {0};
     signal(SIGINT, SIG_IGN); /* rank 0 stops, and stops everybody */
     MPI_Bcast(&length, 1, MPI_LONG, 0, MPI_COMM_WORLD);
@@ -250,7 +250,7 @@ static int serve(void)
     char *text = calloc((size_t)length + 1, 1);
     need(text != NULL, "no memory for the study");
     MPI_Bcast(text, (int)length, MPI_BYTE, 0, MPI_COMM_WORLD);
-    need(!ric_study_parse(text, "study", ".", &study) && !ric_hand_create(study, &hand), ric_detail());
+    need(!ric_study_parse(text, "study", ".", &study) && !ric_explore_worker_create(study, &hand), ric_detail());
     for (;;) {
         MPI_Status envelope;
         MPI_Probe(0, MPI_ANY_TAG, MPI_COMM_WORLD, &envelope);
@@ -260,7 +260,7 @@ static int serve(void)
     }
     free(m.data);
     free(text);
-    ric_hand_free(hand);
+    ric_explore_worker_free(hand);
     ric_study_free(study);
     return CLI_DONE;
 }

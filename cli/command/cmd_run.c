@@ -19,7 +19,7 @@
 #define SHARE 1.25    /* a run lasts at least so many times as long as it takes to come to something new: one that was
                        * stopped again and again on the way there would never end */
 
-const ric_crew *cli_run_crew = NULL;
+const ric_remote *cli_run_remote = NULL;
 
 /* ---------------------------------------------------------------- progress */
 
@@ -221,7 +221,7 @@ static int explore(const ric_study *study, const char *name, const char *path, l
     display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     const ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
-    const ric_explore_more more = {.crew = cli_run_crew, .worth = worth, .user = &d};
+    const ric_explore_more more = {.crew = cli_run_remote, .worth = worth, .user = &d};
     ric_atlas *before = NULL, *atlas = NULL;
     if (!access(path, F_OK) && ric_atlas_read(path, &before))
         before = NULL; /* the run itself says what is wrong with it */

@@ -29,8 +29,8 @@ extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, c
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);
 /* Who lends a hand to `run` besides its threads; NULL: nobody. */
-struct ric_crew;
-extern const struct ric_crew *cli_run_crew;
+struct ric_remote;
+extern const struct ric_remote *cli_run_remote;
 
 typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 

@@ -472,7 +472,7 @@ static enum MHD_Result compute(view_server *server, struct MHD_Connection *conne
     patience p = {.server = server};
     clock_gettime(CLOCK_MONOTONIC, &p.since);
     ric_halt_ask(exhausted, &p);
-    ric_forget_hunger(); /* of the request before */
+    ric_memory_clear(); /* of the request before */
     answer a = what(connection, data);
     const bool halted = ric_halted();
     ric_halt_ask(NULL, NULL);

@@ -13,7 +13,7 @@ static_assert(sizeof(ric_point) % sizeof(double) == 0, "points lie one after the
 
 /* ----------------------------------------------------------------- records */
 
-void ric_branch_record_free(ric_branch_record *branch)
+void ric_atlas_branch_record_free(ric_branch_record *branch)
 {
     if (!branch)
         return;
@@ -27,7 +27,7 @@ void ric_branch_record_free(ric_branch_record *branch)
     *branch = (ric_branch_record){0};
 }
 
-void ric_junction_record_free(ric_junction_record *junction)
+void ric_atlas_junction_record_free(ric_junction_record *junction)
 {
     if (!junction)
         return;
@@ -41,7 +41,7 @@ void ric_junction_record_free(ric_junction_record *junction)
     *junction = (ric_junction_record){0};
 }
 
-size_t ric_point_stride(int n_dof, int letters)
+size_t ric_atlas_point_stride(int n_dof, int letters)
 {
     return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof + (size_t)(letters > 0 ? letters : 1);
 }
@@ -63,9 +63,9 @@ void ric_atlas_free(ric_atlas *atlas)
     if (!atlas)
         return;
     for (int i = 0; atlas->branches && i < atlas->n_branch; i++)
-        ric_branch_record_free(&atlas->branches[i]);
+        ric_atlas_branch_record_free(&atlas->branches[i]);
     for (int i = 0; atlas->junctions && i < atlas->n_junction; i++)
-        ric_junction_record_free(&atlas->junctions[i]);
+        ric_atlas_junction_record_free(&atlas->junctions[i]);
     free(atlas->branches);
     free(atlas->junctions);
     ric_study_free(atlas->study);

@@ -34,8 +34,8 @@ struct ric_atlas {
 bool ric_atlas_contains(const ric_atlas *large, const ric_atlas *small);
 
 /* Releases what the records own, not the array itself. */
-void ric_branch_record_free(ric_branch_record *branch);
-void ric_junction_record_free(ric_junction_record *junction);
-size_t ric_point_stride(int n_dof, int letters);
+void ric_atlas_branch_record_free(ric_branch_record *branch);
+void ric_atlas_junction_record_free(ric_junction_record *junction);
+size_t ric_atlas_point_stride(int n_dof, int letters);
 
 #endif

@@ -56,7 +56,7 @@ static int by_site(const void *p, const void *q)
 /* All junctions at one orbit are one site: a grazing and its duplicates. */
 static int site_of(const ric_atlas *atlas, const ric_junction *junction)
 {
-    const int once = ric_junction_twin(atlas, junction, 1);
+    const int once = ric_query_twin(atlas, junction, 1);
     return once ? once : junction->id;
 }
 

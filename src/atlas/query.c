@@ -46,7 +46,7 @@ static bool same_grazing(int n_state, const ric_junction *a, const ric_junction 
     return true;
 }
 
-int ric_junction_twin(const ric_atlas *atlas, const ric_junction *junction, int multiple)
+int ric_query_twin(const ric_atlas *atlas, const ric_junction *junction, int multiple)
 {
     const int n_state = 2 * ric_model_n_dof(ric_atlas_model(atlas));
     ric_junction other;
@@ -80,7 +80,7 @@ static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch, const
     if (k % level)
         return false;
     const int times = level > 1 ? k : k * junction->multiple,
-              twin = k > 1 ? ric_junction_twin(atlas, junction, times) : 0;
+              twin = k > 1 ? ric_query_twin(atlas, junction, times) : 0;
     *out = (ric_duplicate_point){
         .branch = branch->id, .k = k, .junction = twin ? twin : junction->id, .energy = junction->energy,
         .origin = level == 1 ? RIC_DUPLICATE_COPY : level == k ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED,

@@ -5,6 +5,6 @@
 #include "ricochet.h"
 
 /* The same grazing gone through `multiple` times, if it is a junction of its own; else 0. */
-int ric_junction_twin(const ric_atlas *atlas, const ric_junction *junction, int multiple);
+int ric_query_twin(const ric_atlas *atlas, const ric_junction *junction, int multiple);
 
 #endif

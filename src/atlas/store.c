@@ -46,7 +46,7 @@ struct ric_store {
 
 static ric_status begin(ric_database file)
 {
-    return sqlite3_get_autocommit(file.db) ? ric_database_run(file, "BEGIN IMMEDIATE") : RIC_OK;
+    return sqlite3_get_autocommit(file.db) ? ric_store_sqlite_run(file, "BEGIN IMMEDIATE") : RIC_OK;
 }
 
 static void roll_back(ric_database file)
@@ -59,7 +59,7 @@ static void roll_back(ric_database file)
  * Leaving the mode PERSIST removes a journal that a killed run has left without any effect. */
 static ric_status set_up_writer(ric_database file)
 {
-    return ric_database_run(file, "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
+    return ric_store_sqlite_run(file, "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
                                   "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
 }
 
@@ -78,23 +78,23 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     char numbers[96];
     ric_status status = exists ? RIC_OK : lay_file(store->path);
     if (status) return status;
-    status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+    status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
     if (!status)
         status = set_up_writer(store->file);
     if (!status)
         status = begin(store->file);
     if (!status)
-        status = ric_database_run(store->file, schema);
+        status = ric_store_sqlite_run(store->file, schema);
     snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
              RIC_FORMAT_VERSION);
     if (!status)
-        status = ric_database_run(store->file, numbers);
+        status = ric_store_sqlite_run(store->file, numbers);
     if (!status)
         status = ric_store_put_study(store->file, study, false, 0, 0);
     if (!status)
         status = ric_store_put_digest(store->file);
     if (!status)
-        status = ric_database_run(store->file, "COMMIT");
+        status = ric_store_sqlite_run(store->file, "COMMIT");
     if (status) {
         sqlite3_close(store->file.db);
         store->file.db = NULL;
@@ -108,13 +108,13 @@ static ric_status open_file(ric_store *store, const ric_study *study)
 {
     ric_status status = ric_store_check_identity(store->path);
     if (!status)
-        status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+        status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
     if (!status)
         status = ric_store_check_contents(store->file);
     if (!status)
         status = ric_store_check_model(store->file, study);
     if (!status && sqlite3_db_readonly(store->file.db, "main"))
-        status = ric_database_fail(store->file, SQLITE_READONLY);
+        status = ric_store_sqlite_fail(store->file, SQLITE_READONLY);
     if (!status)
         status = set_up_writer(store->file);
     return status;
@@ -129,8 +129,8 @@ static ric_status recover(ric_store *store, bool *exists, bool *empty)
     sprintf(journal, "%s-journal", store->path);
     /* what is wrong is said later */
     if (*empty || access(journal, F_OK) || ric_store_check_identity(store->path)) return RIC_OK;
-    ric_status status = ric_database_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &file);
-    if (!status) status = ric_database_run(file, "SELECT count(*) FROM sqlite_master");
+    ric_status status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &file);
+    if (!status) status = ric_store_sqlite_run(file, "SELECT count(*) FROM sqlite_master");
     sqlite3_close(file.db);
     return status ? status : ric_store_look(store->path, exists, empty);
 }
@@ -153,7 +153,7 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     sprintf(store->lock_path, "%s-lock", store->path);
     status = ric_store_look(store->path, &exists, &empty);
     if (!status)
-        status = ric_lock_take(store->path, store->lock_path, &store->lock);
+        status = ric_store_lock_take(store->path, store->lock_path, &store->lock);
     if (!status)
         status = ric_store_check_beside(store->path);
     if (!status)
@@ -163,12 +163,12 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     if (!status)
         status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
     if (!status)
-        status = ric_database_prepare(store->file, "SELECT blob, digest FROM trace WHERE key = ?", &store->get);
+        status = ric_store_sqlite_prepare(store->file, "SELECT blob, digest FROM trace WHERE key = ?", &store->get);
     if (!status)
-        status = ric_database_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
+        status = ric_store_sqlite_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
                                       &store->put);
     if (!status)
-        status = ric_database_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
+        status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
 out:
     if (status)
         ric_store_close(store);
@@ -189,7 +189,7 @@ void ric_store_close(ric_store *store)
         sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
         roll_back(store->file);
     sqlite3_close(store->file.db);
-    ric_lock_release(store->lock_path, &store->lock);
+    ric_store_lock_release(store->lock_path, &store->lock);
     free(store->path);
     free(store->lock_path);
     free(store);
@@ -201,7 +201,7 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
     *blob = NULL;
     *size = 0;
     sqlite3_bind_text(store->get, 1, key, -1, SQLITE_STATIC);
-    ric_status status = ric_database_step(store->file, store->get, &row);
+    ric_status status = ric_store_sqlite_step(store->file, store->get, &row);
     if (!status && row) {
         size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
         const void *bytes = sqlite3_column_blob(store->get, 0);
@@ -228,7 +228,7 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
     int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
                     : sqlite3_bind_zeroblob(store->put, 2, 0);
     sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(blob, size));
-    status = code ? ric_database_fail(store->file, code) : ric_database_step(store->file, store->put, &row);
+    status = code ? ric_store_sqlite_fail(store->file, code) : ric_store_sqlite_step(store->file, store->put, &row);
     sqlite3_clear_bindings(store->put);
     return status;
 }
@@ -238,11 +238,11 @@ ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status
 {
     sqlite3_stmt *query = NULL;
     bool row = false;
-    ric_status status = ric_database_prepare(store->file, "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
+    ric_status status = ric_store_sqlite_prepare(store->file, "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
     if (status)
         return status;
     sqlite3_bind_text(query, 1, ending, -1, SQLITE_STATIC);
-    while (!(status = ric_database_step(store->file, query, &row)) && row)
+    while (!(status = ric_store_sqlite_step(store->file, query, &row)) && row)
         if ((status = each(user, (const char *)sqlite3_column_text(query, 0))))
             break;
     sqlite3_finalize(query);
@@ -256,14 +256,14 @@ ric_status ric_store_trace_drop(ric_store *store, const char *key)
     if (status)
         return status;
     sqlite3_bind_text(store->drop, 1, key, -1, SQLITE_STATIC);
-    status = ric_database_step(store->file, store->drop, &row);
+    status = ric_store_sqlite_step(store->file, store->drop, &row);
     sqlite3_clear_bindings(store->drop);
     return status;
 }
 
 ric_status ric_store_commit(ric_store *store)
 {
-    return sqlite3_get_autocommit(store->file.db) ? RIC_OK : ric_database_run(store->file, "COMMIT");
+    return sqlite3_get_autocommit(store->file.db) ? RIC_OK : ric_store_sqlite_run(store->file, "COMMIT");
 }
 
 ric_status ric_store_starts_get(ric_store *store, char **text)
@@ -277,7 +277,7 @@ static ric_status conclude(ric_database file, ric_status status)
     if (!status)
         status = ric_store_put_digest(file);
     if (!status)
-        status = ric_database_run(file, "COMMIT");
+        status = ric_store_sqlite_run(file, "COMMIT");
     if (status)
         roll_back(file);
     return status;
@@ -291,7 +291,7 @@ ric_status ric_store_set_solver(ric_store *store, const char *version)
     free(kept);
     if (status || same) return status;
     status = begin(store->file);
-    if (!status) status = ric_database_run(store->file, "DELETE FROM trace");
+    if (!status) status = ric_store_sqlite_run(store->file, "DELETE FROM trace");
     if (!status) status = ric_store_put_meta(store->file, "solver", version);
     if (!status) status = ric_store_put_meta(store->file, "finished", "0");
     return conclude(store->file, status);
@@ -325,7 +325,7 @@ ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
         status = begin(file);
     store->tables_begun = !status;
     if (!status)
-        status = ric_database_run(file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
+        status = ric_store_sqlite_run(file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
                               "DELETE FROM branch; DELETE FROM junction");
     return status ? status : ric_store_put_branches(file, atlas);
 }

@@ -23,7 +23,7 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
         return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
     }
     if (!S_ISREG(found.st_mode))
-        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path, ric_file_kind(found.st_mode));
+        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path, ric_store_file_kind(found.st_mode));
     *exists = true;
     *empty = found.st_size == 0;
     return RIC_OK;
@@ -35,17 +35,17 @@ ric_status ric_store_check_identity(const char *path)
 {
     ric_database file;
     sqlite3_int64 application = 0, version = 0;
-    ric_status status = ric_database_open_still(path, &file);
+    ric_status status = ric_store_sqlite_open_still(path, &file);
     if (status == RIC_E_NOMEM) goto out;
     if (status) {
         status = ric_fail(status, "%s: cannot be read; check its permissions", path);
         goto out;
     }
-    int code = ric_database_ask(file.db, "PRAGMA application_id", &application);
+    int code = ric_store_sqlite_ask(file.db, "PRAGMA application_id", &application);
     if (!code)
-        code = ric_database_ask(file.db, "PRAGMA user_version", &version);
+        code = ric_store_sqlite_ask(file.db, "PRAGMA user_version", &version);
     if (code)
-        status = (code & 0xff) == SQLITE_CORRUPT ? RIC_OK : ric_database_fail(file, code);
+        status = (code & 0xff) == SQLITE_CORRUPT ? RIC_OK : ric_store_sqlite_fail(file, code);
     else if (application != RIC_APPLICATION_ID)
         status = ric_store_fail_foreign(path);
     else if (version > RIC_FORMAT_VERSION)
@@ -122,10 +122,10 @@ static ric_status digest_contents(ric_database file, uint64_t *digest)
     for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
         sqlite3_stmt *query = NULL;
         bool row = true;
-        ric_status status = ric_database_prepare(file, queries[i], &query);
+        ric_status status = ric_store_sqlite_prepare(file, queries[i], &query);
         int n = sqlite3_column_count(query);
         while (!status && row) {
-            status = ric_database_step(file, query, &row);
+            status = ric_store_sqlite_step(file, query, &row);
             for (int k = 0; !status && row && k < n; k++)
                 *digest = digest_column(*digest, query, k);
         }
@@ -143,10 +143,10 @@ ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
     sqlite3_stmt *query = NULL;
     bool row = false;
     *value = NULL;
-    ric_status status = ric_database_prepare(file, "SELECT value FROM meta WHERE key = ?", &query);
+    ric_status status = ric_store_sqlite_prepare(file, "SELECT value FROM meta WHERE key = ?", &query);
     if (!status) {
         sqlite3_bind_text(query, 1, key, -1, SQLITE_STATIC);
-        status = ric_database_step(file, query, &row);
+        status = ric_store_sqlite_step(file, query, &row);
     }
     if (!status && row) {
         bool is_text = sqlite3_column_type(query, 0) == SQLITE_TEXT;
@@ -165,11 +165,11 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
 {
     sqlite3_stmt *insert = NULL;
     bool row;
-    ric_status status = ric_database_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)", &insert);
+    ric_status status = ric_store_sqlite_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)", &insert);
     if (!status) {
         int code = sqlite3_bind_text(insert, 1, key, -1, SQLITE_STATIC) |
                    sqlite3_bind_text(insert, 2, value, -1, SQLITE_STATIC);
-        status = code ? ric_store_fail_memory() : ric_database_step(file, insert, &row);
+        status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, insert, &row);
     }
     sqlite3_finalize(insert);
     return status;
@@ -209,9 +209,9 @@ ric_status ric_store_check_contents(ric_database file)
     sqlite3_stmt *query = NULL;
     sqlite3_int64 tables = 0;
     bool row = false;
-    ric_status status = ric_database_prepare(file, "PRAGMA quick_check(1)", &query);
+    ric_status status = ric_store_sqlite_prepare(file, "PRAGMA quick_check(1)", &query);
     if (!status)
-        status = ric_database_step(file, query, &row);
+        status = ric_store_sqlite_step(file, query, &row);
     if (!status && row) {
         const char *answer = (const char *)sqlite3_column_text(query, 0);
         if (!answer || strcmp(answer, "ok"))
@@ -221,12 +221,12 @@ ric_status ric_store_check_contents(ric_database file)
     if (status)
         return status;
     int code =
-        ric_database_ask(file.db,
+        ric_store_sqlite_ask(file.db,
                          "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
                          "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')",
                          &tables);
     if (code)
-        return ric_database_fail(file, code);
+        return ric_store_sqlite_fail(file, code);
     return tables == 7 ? check_digest(file) : ric_store_fail_damaged(file.path, "a table is missing");
 }
 

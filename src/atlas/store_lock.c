@@ -42,7 +42,7 @@ static char *beside(const char *atlas, const char *ending)
 
 /* ------------------------------------------------------------ what is there */
 
-const char *ric_file_kind(mode_t mode)
+const char *ric_store_file_kind(mode_t mode)
 {
     return S_ISREG(mode)    ? "a plain file"
            : S_ISDIR(mode)  ? "a folder"
@@ -63,7 +63,7 @@ static ric_status not_ours(const char *path, const char *what, const char *purpo
 /* A plain file under this name alone. `owner`: another user to whom it may belong. */
 static ric_status check_plain(const char *path, const struct stat *found, uid_t owner, const char *purpose)
 {
-    if (!S_ISREG(found->st_mode)) return not_ours(path, ric_file_kind(found->st_mode), purpose);
+    if (!S_ISREG(found->st_mode)) return not_ours(path, ric_store_file_kind(found->st_mode), purpose);
     if (found->st_nlink > 1) return not_ours(path, "a file with a second name (a hard link)", purpose);
     if (found->st_uid != geteuid() && found->st_uid != owner)
         return not_ours(path, "a file of another user", purpose);
@@ -155,7 +155,7 @@ static ric_status refuse_lock(int lock, int reason, const char *atlas)
                           strerror(reason));
 }
 
-ric_status ric_lock_take(const char *atlas, const char *path, int *out)
+ric_status ric_store_lock_take(const char *atlas, const char *path, int *out)
 {
     for (*out = -1;;) {
         struct stat held;
@@ -179,7 +179,7 @@ ric_status ric_lock_take(const char *atlas, const char *path, int *out)
     }
 }
 
-void ric_lock_release(const char *path, int *lock)
+void ric_store_lock_release(const char *path, int *lock)
 {
     struct stat held;
     if (*lock < 0) return;

@@ -43,18 +43,18 @@ ric_status ric_store_fail_damaged(const char *path, const char *what);
 ric_status ric_store_fail_foreign(const char *path);
 
 /* A result code of SQLite as one of our kinds. */
-ric_status ric_database_fail(ric_database file, int code);
+ric_status ric_store_sqlite_fail(ric_database file, int code);
 /* `wait`: ms until a locked file is given up. */
-ric_status ric_database_open(const char *path, int flags, int wait, ric_database *out);
+ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_database *out);
 /* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody writes
  * meanwhile. */
-ric_status ric_database_open_still(const char *path, ric_database *out);
-ric_status ric_database_run(ric_database file, const char *sql);
-ric_status ric_database_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
+ric_status ric_store_sqlite_open_still(const char *path, ric_database *out);
+ric_status ric_store_sqlite_run(ric_database file, const char *sql);
+ric_status ric_store_sqlite_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
 /* One row further; *row = false at the end, and then the query may run again. */
-ric_status ric_database_step(ric_database file, sqlite3_stmt *query, bool *row);
+ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row);
 /* The number in a one-row answer, as a result code of SQLite. */
-int ric_database_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out);
+int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out);
 
 /* Little-endian float64 on any machine. */
 void ric_store_put_float64(unsigned char *out, size_t n, const double *values);
@@ -65,10 +65,10 @@ void ric_store_take_float64(const unsigned char *in, size_t n, double *values);
 /* The file itself behind links, which may not exist yet, to be freed; NULL without memory. */
 char *ric_store_resolve(const char *path);
 /* What a file is, in words: "a folder". */
-const char *ric_file_kind(mode_t mode);
+const char *ric_store_file_kind(mode_t mode);
 /* The lock `path` beside the atlas `atlas`, and its descriptor; released, *lock = -1. */
-ric_status ric_lock_take(const char *atlas, const char *path, int *lock);
-void ric_lock_release(const char *path, int *lock);
+ric_status ric_store_lock_take(const char *atlas, const char *path, int *lock);
+void ric_store_lock_release(const char *path, int *lock);
 /* Whether another program has left the file in write-ahead mode without anything waiting beside it: SQLite would make
  * files beside it for whoever only reads, and a run takes it out of that mode. */
 bool ric_store_left_ahead(const char *atlas);

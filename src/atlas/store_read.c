@@ -171,9 +171,9 @@ static const listing branches_of_junctions = {"junction_branch",
 static ric_status count_rows(ric_database file, const listing *list, int *n)
 {
     sqlite3_int64 count = 0;
-    int code = ric_database_ask(file.db, list->count, &count);
+    int code = ric_store_sqlite_ask(file.db, list->count, &count);
     *n = (int)(count <= INT_MAX ? count : 0);
-    if (code) return ric_database_fail(file, code);
+    if (code) return ric_store_sqlite_fail(file, code);
     return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows") : RIC_OK;
 }
 
@@ -182,9 +182,9 @@ static ric_status count_owned(ric_database file, const listing *list, int n_owne
 {
     row_reader row = {0};
     bool more = true;
-    ric_status status = ric_database_prepare(file, list->count, &row.query);
+    ric_status status = ric_store_sqlite_prepare(file, list->count, &row.query);
     memset(counts, 0, (size_t)n_owner * sizeof *counts);
-    while (!status && !(status = ric_database_step(file, row.query, &more)) && more) {
+    while (!status && !(status = ric_store_sqlite_step(file, row.query, &more)) && more) {
         row.column = 0;
         int owner = take_integer(&row, 1, n_owner), count = take_integer(&row, 1, INT_MAX);
         if (row.wrong) status = ric_store_fail_damaged(file.path, "rows belong to no branch or junction");
@@ -201,9 +201,9 @@ static ric_status take_rows(ric_database file, const listing *list, int n, const
 {
     row_reader row = {0};
     bool more = true;
-    ric_status status = ric_database_prepare(file, list->rows, &row.query);
+    ric_status status = ric_store_sqlite_prepare(file, list->rows, &row.query);
     for (int i = 0, last = 0; !status; i++) {
-        if ((status = ric_database_step(file, row.query, &more)) || !more) break;
+        if ((status = ric_store_sqlite_step(file, row.query, &more)) || !more) break;
         row.column = 0;
         int owner = counts ? take_integer(&row, 1, n) : 0;
         if (owner != last) i = 0;
@@ -250,7 +250,7 @@ static void take_branch(row_reader *row, int i, ric_atlas *atlas)
     branch->why = record->why = take_text(row);
     branch->depth = take_integer(row, 0, INT_MAX);
     branch->mode = take_integer(row, 0, ric_model_n_dof(model));
-    record->stride = ric_point_stride(ric_model_n_dof(model), branch->letters);
+    record->stride = ric_atlas_point_stride(ric_model_n_dof(model), branch->letters);
 }
 
 static void take_point(row_reader *row, int i, ric_atlas *atlas)
@@ -472,19 +472,19 @@ out:
 static ric_status open_reader(const char *path, ric_database *file)
 {
     static const char begin[] = "BEGIN; SELECT count(*) FROM sqlite_master";
-    ric_status status = ric_store_left_ahead(path) ? ric_database_open_still(path, file)
-                                                   : ric_database_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
+    ric_status status = ric_store_left_ahead(path) ? ric_store_sqlite_open_still(path, file)
+                                                   : ric_store_sqlite_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
     if (status)
         return status;
     int code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
     if (code == SQLITE_READONLY_ROLLBACK) {
         sqlite3_close(file->db);
-        status = ric_database_open(path, SQLITE_OPEN_READWRITE, READER_WAIT, file);
+        status = ric_store_sqlite_open(path, SQLITE_OPEN_READWRITE, READER_WAIT, file);
         if (status)
             return status;
         code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
     }
-    return code ? ric_database_fail(*file, code) : RIC_OK;
+    return code ? ric_store_sqlite_fail(*file, code) : RIC_OK;
 }
 
 ric_status ric_store_read(const char *path, ric_atlas **out)

@@ -26,7 +26,7 @@ ric_status ric_store_fail_foreign(const char *path)
                     "%s: not an atlas; name a file made by `ricochet run`, or another file for a new atlas", path);
 }
 
-ric_status ric_database_fail(ric_database file, int code)
+ric_status ric_store_sqlite_fail(ric_database file, int code)
 {
     switch (code == SQLITE_IOERR_NOMEM ? SQLITE_NOMEM : code & 0xff) {
     case SQLITE_NOMEM:
@@ -64,29 +64,29 @@ ric_status ric_database_fail(ric_database file, int code)
 
 /* ------------------------------------------------------------ small pieces */
 
-ric_status ric_database_run(ric_database file, const char *sql)
+ric_status ric_store_sqlite_run(ric_database file, const char *sql)
 {
     int code = sqlite3_exec(file.db, sql, NULL, NULL, NULL);
-    return code ? ric_database_fail(file, code) : RIC_OK;
+    return code ? ric_store_sqlite_fail(file, code) : RIC_OK;
 }
 
-ric_status ric_database_prepare(ric_database file, const char *sql, sqlite3_stmt **out)
+ric_status ric_store_sqlite_prepare(ric_database file, const char *sql, sqlite3_stmt **out)
 {
     int code = sqlite3_prepare_v2(file.db, sql, -1, out, NULL);
-    return code ? ric_database_fail(file, code) : RIC_OK;
+    return code ? ric_store_sqlite_fail(file, code) : RIC_OK;
 }
 
-ric_status ric_database_step(ric_database file, sqlite3_stmt *query, bool *row)
+ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row)
 {
     int code = sqlite3_step(query);
-    ric_status status = code == SQLITE_ROW || code == SQLITE_DONE ? RIC_OK : ric_database_fail(file, code);
+    ric_status status = code == SQLITE_ROW || code == SQLITE_DONE ? RIC_OK : ric_store_sqlite_fail(file, code);
     *row = code == SQLITE_ROW;
     if (!*row)
         sqlite3_reset(query);
     return status;
 }
 
-int ric_database_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out)
+int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out)
 {
     sqlite3_stmt *query = NULL;
     int code = sqlite3_prepare_v2(db, sql, -1, &query, NULL);
@@ -99,14 +99,14 @@ int ric_database_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out)
     return code;
 }
 
-ric_status ric_database_open(const char *path, int flags, int wait, ric_database *out)
+ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_database *out)
 {
     *out = (ric_database){NULL, path};
     int code = sqlite3_open_v2(path, &out->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL);
     if (code) {
         sqlite3_close(out->db);
         out->db = NULL;
-        return ric_database_fail(*out, code);
+        return ric_store_sqlite_fail(*out, code);
     }
     sqlite3_busy_timeout(out->db, wait);
     /* The file may come from anyone: nothing in its schema is run. */
@@ -114,7 +114,7 @@ ric_status ric_database_open(const char *path, int flags, int wait, ric_database
     sqlite3_db_config(out->db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, NULL);
     sqlite3_db_config(out->db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, NULL);
     sqlite3_db_config(out->db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, NULL);
-    return ric_database_run(*out, "PRAGMA cell_size_check = 1");
+    return ric_store_sqlite_run(*out, "PRAGMA cell_size_check = 1");
 }
 
 /* An address that makes SQLite read the file as it lies there, without locks, journals or changes. */
@@ -130,12 +130,12 @@ static char *immutable_uri(const char *path)
     return uri;
 }
 
-ric_status ric_database_open_still(const char *path, ric_database *out)
+ric_status ric_store_sqlite_open_still(const char *path, ric_database *out)
 {
     char *uri = immutable_uri(path);
     *out = (ric_database){NULL, path};
     if (!uri) return ric_store_fail_memory();
-    ric_status status = ric_database_open(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, 0, out);
+    ric_status status = ric_store_sqlite_open(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, 0, out);
     out->path = path;
     free(uri);
     return status;

@@ -23,7 +23,7 @@ static ric_status writer_start(row_writer *row, ric_database file, const char *t
             n += (size_t)sprintf(sql + n, ",?");
     strcpy(sql + n, ")");
     *row = (row_writer){.file = file};
-    return ric_database_prepare(file, sql, &row->insert);
+    return ric_store_sqlite_prepare(file, sql, &row->insert);
 }
 
 static void put_integer(row_writer *row, sqlite3_int64 value)
@@ -80,7 +80,7 @@ static void put_word(row_writer *row, const ric_model *model, int n, const int *
 static ric_status writer_row(row_writer *row)
 {
     bool ignored;
-    ric_status status = row->code ? ric_store_fail_memory() : ric_database_step(row->file, row->insert, &ignored);
+    ric_status status = row->code ? ric_store_fail_memory() : ric_store_sqlite_step(row->file, row->insert, &ignored);
     row->column = 0;
     return status;
 }

@@ -12,15 +12,15 @@ typedef struct entry {
     char key[];
 } entry;
 
-struct ric_memo {
+struct ric_cache {
     pthread_mutex_t lock;
     size_t n_entry, n_slot; /* a power of two */
     entry **slots;
 };
 
-ric_status ric_memo_create(ric_memo **out)
+ric_status ric_cache_create(ric_cache **out)
 {
-    ric_memo *memo = calloc(1, sizeof *memo);
+    ric_cache *memo = calloc(1, sizeof *memo);
     *out = NULL;
     if (memo) memo->slots = calloc(memo->n_slot = 256, sizeof *memo->slots);
     if (!memo || !memo->slots) {
@@ -38,7 +38,7 @@ static void release(entry *e)
     free(e);
 }
 
-void ric_memo_drain(ric_memo *memo, void (*each)(const void *, size_t, const void *, size_t, void *), void *user)
+void ric_cache_drain(ric_cache *memo, void (*each)(const void *, size_t, const void *, size_t, void *), void *user)
 {
     pthread_mutex_lock(&memo->lock);
     for (size_t i = 0; i < memo->n_slot; i++)
@@ -52,10 +52,10 @@ void ric_memo_drain(ric_memo *memo, void (*each)(const void *, size_t, const voi
     pthread_mutex_unlock(&memo->lock);
 }
 
-void ric_memo_free(ric_memo *memo)
+void ric_cache_free(ric_cache *memo)
 {
     if (!memo) return;
-    ric_memo_drain(memo, NULL, NULL);
+    ric_cache_drain(memo, NULL, NULL);
     pthread_mutex_destroy(&memo->lock);
     free(memo->slots);
     free(memo);
@@ -70,7 +70,7 @@ static uint64_t hash_of(const void *key, size_t size)
 }
 
 /* The link that leads to the entry of a key, or to the end of its chain. */
-static entry **find(ric_memo *memo, uint64_t hash, const void *key, size_t key_size)
+static entry **find(ric_cache *memo, uint64_t hash, const void *key, size_t key_size)
 {
     entry **link = &memo->slots[hash & (memo->n_slot - 1)];
     while (*link && !((*link)->hash == hash && (*link)->key_size == key_size && !memcmp((*link)->key, key, key_size)))
@@ -78,7 +78,7 @@ static entry **find(ric_memo *memo, uint64_t hash, const void *key, size_t key_s
     return link;
 }
 
-static void grow(ric_memo *memo)
+static void grow(ric_cache *memo)
 {
     size_t n_slot = 2 * memo->n_slot;
     entry **slots = calloc(n_slot, sizeof *slots);
@@ -95,7 +95,7 @@ static void grow(ric_memo *memo)
     memo->n_slot = n_slot;
 }
 
-void ric_memo_put(ric_memo *memo, const void *key, size_t key_size, const void *value, size_t size)
+void ric_cache_put(ric_cache *memo, const void *key, size_t key_size, const void *value, size_t size)
 {
     uint64_t hash = hash_of(key, key_size);
     entry *e = malloc(sizeof *e + key_size);
@@ -119,7 +119,7 @@ void ric_memo_put(ric_memo *memo, const void *key, size_t key_size, const void *
     pthread_mutex_unlock(&memo->lock);
 }
 
-void *ric_memo_take(ric_memo *memo, const void *key, size_t key_size, size_t *size)
+void *ric_cache_take(ric_cache *memo, const void *key, size_t key_size, size_t *size)
 {
     void *value = NULL;
     pthread_mutex_lock(&memo->lock);

@@ -6,17 +6,17 @@
 
 #include "status.h"
 
-typedef struct ric_memo ric_memo;
+typedef struct ric_cache ric_cache;
 
-ric_status ric_memo_create(ric_memo **out);
-void ric_memo_free(ric_memo *memo);
+ric_status ric_cache_create(ric_cache **out);
+void ric_cache_free(ric_cache *memo);
 
 /* Keeps a copy of the value; without memory it is dropped. Any thread. */
-void ric_memo_put(ric_memo *memo, const void *key, size_t key_size, const void *value, size_t size);
+void ric_cache_put(ric_cache *memo, const void *key, size_t key_size, const void *value, size_t size);
 /* The value, which leaves the memo; the caller frees it. NULL: none. Any thread. */
-void *ric_memo_take(ric_memo *memo, const void *key, size_t key_size, size_t *size);
+void *ric_cache_take(ric_cache *memo, const void *key, size_t key_size, size_t *size);
 /* Calls `each` for every entry, and empties the memo. */
-void ric_memo_drain(ric_memo *memo,
+void ric_cache_drain(ric_cache *memo,
                     void (*each)(const void *key, size_t key_size, const void *value, size_t size, void *user),
                     void *user);
 

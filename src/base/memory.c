@@ -40,12 +40,12 @@ int ric_lapack(int info)
     return info;
 }
 
-bool ric_starved(void)
+bool ric_memory_failed(void)
 {
     return starved;
 }
 
-void ric_forget_hunger(void)
+void ric_memory_clear(void)
 {
     starved = false;
 }

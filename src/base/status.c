@@ -10,7 +10,7 @@ static _Thread_local char detail[1024];
 /* What did not converge while memory ran out, or after a stop was asked for, might have converged without. */
 ric_status ric_fail(ric_status status, const char *format, ...)
 {
-    bool starved = status == RIC_E_NUMERIC && ric_starved(), halted = status == RIC_E_NUMERIC && ric_halted();
+    bool starved = status == RIC_E_NUMERIC && ric_memory_failed(), halted = status == RIC_E_NUMERIC && ric_halted();
     int n = snprintf(detail, sizeof detail, "%s", starved ? "out of memory: " : halted ? "stopped on request: " : "");
     va_list arguments;
     va_start(arguments, format);
@@ -21,7 +21,7 @@ ric_status ric_fail(ric_status status, const char *format, ...)
 
 ric_status ric_trust(ric_status status)
 {
-    if (!status && ric_starved()) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    if (!status && ric_memory_failed()) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     if (!status && ric_halted()) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     return status;
 }

@@ -7,7 +7,7 @@
 
 #include "base/room.h"
 
-#define GAP 1e-3        /* of the next singular value, below which two belong to the kernel (crossing.c) */
+#define GAP 1e-3        /* of the next singular value, below which two belong to the kernel (branch_point.c) */
 #define GAP_STEPS 3     /* Newton steps towards a crossing: they converge quadratically from 1e-3 */
 #define LEFT 1e-3       /* distance, relative, from a crossing at which another one is looked at */
 #define LARGE 300       /* unknowns from which on dense singular value decompositions cost more than the rest */
@@ -15,9 +15,9 @@
 /* Newton's method in the range of the Jacobian without its smallest singular values, of which two are those of the
  * kernel: the right hand side that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the
  * square of the distance from it. */
-double ric_crossing_gap(ric_chain *c, const double *u)
+double ric_branch_point_gap(ric_shooting *c, const double *u)
 {
-    size_t n = (size_t)c->n_unknown, rows = (size_t)ric_chain_rows(c);
+    size_t n = (size_t)c->n_unknown, rows = (size_t)ric_shooting_rows(c);
     int rank = c->n_unknown - 2, unknowns = c->n_unknown, equations = 0;
     if (unknowns > LARGE) return 0;
     double *memory = calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN, moved = 0;
@@ -26,8 +26,8 @@ double ric_crossing_gap(ric_chain *c, const double *u)
            *v = super + rows;
     memcpy(v, u, n * sizeof *v);
     for (int i = 0; i <= GAP_STEPS; i++) {
-        equations = ric_chain_jacobian(c, v, J);
-        ric_chain_residuals(c, v, r);
+        equations = ric_shooting_jacobian(c, v, J);
+        ric_shooting_residuals(c, v, r);
         if (!equations) goto out;
         if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, unknowns, J, unknowns, s, U, equations, V,
                                       unknowns, super)))

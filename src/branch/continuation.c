@@ -42,7 +42,7 @@
 #define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the
                               * orbit is known to rounding / time */
 
-ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step,
+ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step,
                             int max_points)
 {
     double lowest = m->smooth ? fmax(energy[0], m->linear_energy) : energy[0];
@@ -55,18 +55,18 @@ ric_limits ric_trace_limits(const ric_model *m, const double energy[2], const do
 /* ---------------------------------------------------------------- corrector */
 
 /* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
-static double of_flights(const ric_chain *c)
+static double of_flights(const ric_shooting *c)
 {
     return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
 }
 
 /* A closed spring makes a velocity of the rounding of the displacement at which it was met. */
-static double rounding(const ric_chain *c)
+static double rounding(const ric_shooting *c)
 {
     return of_flights(c) * (1 + c->stiff);
 }
 
-double ric_trace_tolerance(const ric_chain *c)
+double ric_continuation_tolerance(const ric_shooting *c)
 {
     return rounding(c) + DBL_EPSILON * c->grain;
 }
@@ -74,18 +74,18 @@ double ric_trace_tolerance(const ric_chain *c)
 /* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves /
  * pivot, towards the other branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once
  * more. */
-double ric_trace_blur(const ric_chain *c, int test)
+double ric_continuation_blur(const ric_shooting *c, int test)
 {
     double kernel = rounding(c) / c->smallest * (1 + FLOOR / c->smallest);
     return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
 }
 
-bool ric_trace_solved(const ric_chain *c)
+bool ric_continuation_solved(const ric_shooting *c)
 {
-    return c->residual <= ACCEPTED * fmin(ric_trace_tolerance(c), LOST);
+    return c->residual <= ACCEPTED * fmin(ric_continuation_tolerance(c), LOST);
 }
 
-bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const double *normal, double target, double *du,
+bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, const double *normal, double target, double *du,
                        int *iterations)
 {
     int size = c->n_unknown;
@@ -93,16 +93,16 @@ bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const doub
     double floor = FLOOR * of_flights(c), last = HUGE_VAL, kernel[size];
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
-        ric_chain_evaluate(c, u);
+        ric_shooting_evaluate(c, u);
         if (c->singular || !(c->residual < 1e3)) return false;
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
-        double tolerance = fmin(ric_trace_tolerance(c), LOST);
+        double tolerance = fmin(ric_continuation_tolerance(c), LOST);
         if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
-        if (i > 2 && c->residual > 0.5 * last) return ric_trace_solved(c);
+        if (i > 2 && c->residual > 0.5 * last) return ric_continuation_solved(c);
         last = c->residual;
-        ric_chain_step(c, true, 0, du);
+        ric_shooting_step(c, true, 0, du);
         if (normal) {
-            ric_chain_step(c, false, 1, kernel);
+            ric_shooting_step(c, false, 1, kernel);
             double across = ric_dot(size, normal, kernel), now = ric_dot(size, normal, du) - target;
             for (int j = 0; j < size; j++) now += normal[j] * (u[j] - origin[j]);
             if (fabs(across) < 1e-8) return false;
@@ -113,9 +113,9 @@ bool ric_trace_correct(ric_chain *c, double *u, const double *origin, const doub
     return false;
 }
 
-double ric_trace_tangent(const ric_chain *c, const double *along, double *t)
+double ric_continuation_tangent(const ric_shooting *c, const double *along, double *t)
 {
-    ric_chain_step(c, false, 1, t);
+    ric_shooting_step(c, false, 1, t);
     if (!along || ric_dot(c->n_unknown, t, along) >= 0) return 1;
     for (int i = 0; i < c->n_unknown; i++) t[i] = -t[i];
     return -1;
@@ -124,7 +124,7 @@ double ric_trace_tangent(const ric_chain *c, const double *along, double *t)
 /* ------------------------------------------------------------------ stations */
 
 /* Of the impacts; `springs`: of the closings too. */
-static double smallest_approach(const ric_chain *c, bool springs)
+static double smallest_approach(const ric_shooting *c, bool springs)
 {
     const ric_model *m = c->model;
     double least = HUGE_VAL;
@@ -138,31 +138,31 @@ static double smallest_approach(const ric_chain *c, bool springs)
 }
 
 /* Smallest time between two switches of one spring: it vanishes where an impact would lose its speed, at a grazing. */
-static double smallest_touch(const ric_chain *c, const double *u)
+static double smallest_touch(const ric_shooting *c, const double *u)
 {
     double least = HUGE_VAL;
     for (int k = 0; c->model->springs && k < c->n_flight; k++)
-        if (ric_chain_touches(c, k)) least = fmin(least, u[c->n_start + k]);
+        if (ric_shooting_touches(c, k)) least = fmin(least, u[c->n_start + k]);
     return least;
 }
 
 /* Flights between different contacts; between mirror points in flight there is no such thing. Two impacts on one
  * contact cannot come together without losing their speed, which ends a branch; a ghost goes on without, so that there
  * all flights count. */
-static double smallest_flight(const ric_chain *c, const double *u, bool ghost)
+static double smallest_flight(const ric_shooting *c, const double *u, bool ghost)
 {
     const ric_model *m = c->model;
     double least = HUGE_VAL;
     for (int k = 0; k < c->n_flight; k++) {
         int f = c->face[k], g = c->face[k + 1];
         double tau = u[c->n_start + k];
-        if (ric_chain_touches(c, k)) continue;
+        if (ric_shooting_touches(c, k)) continue;
         if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
     }
     return least;
 }
 
-static bool positive_flights(const ric_chain *c, const double *u)
+static bool positive_flights(const ric_shooting *c, const double *u)
 {
     for (int k = 0; k < c->n_flight; k++)
         if (!(u[c->n_start + k] > -1e-3)) return false;
@@ -180,25 +180,25 @@ static void sort_pairs(int n_pair, const double *rho, double *out)
     }
 }
 
-ric_cycle *ric_trace_cycle(const ric_trace *tr, const double *u)
+ric_periodic *ric_continuation_cycle(const ric_continuation *tr, const double *u)
 {
-    ric_chain_fly(tr->chain, u);
-    return ric_cycle_from_chain(tr->chain, u);
+    ric_shooting_fly(tr->chain, u);
+    return ric_periodic_from_chain(tr->chain, u);
 }
 
-const ric_resonance *ric_trace_resonance(const ric_trace *tr, int test)
+const ric_resonance *ric_continuation_resonance(const ric_continuation *tr, int test)
 {
     int k = test - RIC_N_TEST;
     return k >= 0 && k < tr->n_resonance ? &tr->resonances[k] : NULL;
 }
 
-bool ric_trace_resonances(ric_trace *tr)
+bool ric_continuation_resonances(ric_continuation *tr)
 {
-    tr->resonances = ric_resonance_list(ric_chain_halves(tr->chain), tr->limits->multiply, &tr->n_resonance);
+    tr->resonances = ric_resonance_list(ric_shooting_halves(tr->chain), tr->limits->multiply, &tr->n_resonance);
     return tr->n_resonance >= 0;
 }
 
-const ric_asked *ric_trace_asked(const ric_trace *tr, int test)
+const ric_user_point *ric_continuation_user_point(const ric_continuation *tr, int test)
 {
     int place = test - RIC_N_TEST - tr->n_resonance;
     return place >= 0 && place < tr->limits->n_asked ? &tr->limits->asked[place] : NULL;
@@ -214,9 +214,9 @@ static double definite(double value, double error)
  * / speed, by that much. Where this bound leaves the sign open although it is not the one expected, the error is
  * measured: unknowns moved by more than they are uncertain, twice this way and that. The tests are the determinants
  * over their size, which grows without bound near a grazing and with instability. */
-static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
+static ric_status keep_definite(ric_continuation *tr, ric_station *p, double approach)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest,
            move = rounding(c) * c->scale * (1 + 1 / c->smallest);
@@ -237,13 +237,13 @@ static ric_status keep_definite(ric_trace *tr, ric_station *p, double approach)
     for (unsigned way = 1; way <= 2; way++) {
         unsigned bits = way * 2654435769u;
         for (int i = 0; i < size; i++) tr->guess[i] = p->u[i] + ric_moved(&bits, move);
-        ric_chain_fly(c, tr->guess);
+        ric_shooting_fly(c, tr->guess);
         ric_status status = ric_floquet_compute(c, &tr->floquet);
         if (status) return status;
         double moved[3] = {f->det_a, f->det_b, f->det_d};
         for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], MEASURED * fabs(moved[i] - value[i]));
     }
-    ric_chain_fly(c, p->u);
+    ric_shooting_fly(c, p->u);
     for (int i = 0; i < 3; i++) {
         if (p->test[RIC_TEST_A + i] == 0) p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
         p->hidden[i] = fmin(p->hidden[i], seen[i] / size_of[i]);
@@ -266,7 +266,7 @@ static double stable_margin(const ric_floquet *f)
 /* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
  * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow. What is so near to the
  * border that this may count is measured, as signs are in keep_definite. */
-ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
+ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
 {
     int size = c->n_unknown;
     double approach = fmax(fabs(smallest_approach(c, false)), DBL_MIN), at = stable_margin(f), seen = 0,
@@ -280,22 +280,22 @@ ric_status ric_trace_judge(ric_chain *c, const double *u, ric_floquet *f)
     for (unsigned way = 1; way <= 2 && !status && isfinite(move); way++) {
         unsigned bits = way * 2654435769u;
         for (int i = 0; i < size; i++) moved[i] = u[i] + ric_moved(&bits, move);
-        ric_chain_fly(c, moved);
+        ric_shooting_fly(c, moved);
         if (!(status = ric_floquet_compute(c, f))) seen = fmax(seen, MEASURED * fabs(stable_margin(f) - at));
     }
-    ric_chain_fly(c, u);
+    ric_shooting_fly(c, u);
     if (!status) status = ric_floquet_compute(c, f);
     f->stable = isfinite(move) && fabs(at) > error + seen ? stable : RIC_STABLE_UNDECIDED;
     return status;
 }
 
-bool ric_trace_move(const ric_chain *c, const double *u, int way, double *out)
+bool ric_continuation_move(const ric_shooting *c, const double *u, int way, double *out)
 {
     int size = c->n_unknown;
     double plane[2 * size], second;
     unsigned bits = (unsigned)way * 2654435769u;
-    if (!ric_chain_plane(c, plane, &second)) return false;
-    double across = ric_trace_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
+    if (!ric_shooting_plane(c, plane, &second)) return false;
+    double across = ric_continuation_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
     for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, UNKNOWN * c->scale) + across * plane[i];
     return isfinite(across);
 }
@@ -308,7 +308,7 @@ static double off_pair(int count, const double *rho, const double *one)
     return off;
 }
 
-ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
+ric_status ric_continuation_bound(ric_shooting *c, const double *u, ric_floquet *f)
 {
     enum { WAYS = RIC_TRACE_WAYS };
     int k = f->n_pair, size = c->n_unknown;
@@ -319,13 +319,13 @@ ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
     memcpy(at, f->rho, 2 * (size_t)k * sizeof *at);
     memset(seen, 0, sizeof seen);
     bool known = true;
-    for (int way = 0; way < WAYS; way++) known = known && ric_trace_move(c, u, way + 1, moved + way * size);
+    for (int way = 0; way < WAYS; way++) known = known && ric_continuation_move(c, u, way + 1, moved + way * size);
     for (int way = 0; way < WAYS && known && !status; way++) {
-        ric_chain_fly(c, moved + way * size);
+        ric_shooting_fly(c, moved + way * size);
         status = ric_floquet_compute(c, f);
         for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], off_pair(k, f->rho, at + 2 * i));
     }
-    ric_chain_fly(c, u);
+    ric_shooting_fly(c, u);
     if (!status) status = ric_floquet_compute(c, f);
     f->stable = stable;
     for (int i = 0; i < k; i++) seen[i] = known ? MEASURED * seen[i] : HUGE_VAL;
@@ -336,18 +336,18 @@ ric_status ric_trace_bound(ric_chain *c, const double *u, ric_floquet *f)
 typedef struct { double reach, approach, closing, time, energy; } margin;
 
 /* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
-static ric_status measure(ric_trace *tr, double s, const double *u, ric_station *p, margin *out)
+static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p, margin *out)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const ric_model *m = c->model;
     ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
     if (!status) status = ric_floquet_compute(c, &tr->floquet);
-    if (!status) status = ric_trace_judge(c, u, &tr->floquet);
+    if (!status) status = ric_continuation_judge(c, u, &tr->floquet);
     if (status) return status;
     *out = (margin){.reach = ric_reach(c, u, NULL), .approach = smallest_approach(c, false),
-                     .closing = smallest_approach(c, true), .time = ric_chain_time(c, u),
-                     .energy = ric_chain_energy(c)};
-    p->solved = ric_trace_solved(c);
+                     .closing = smallest_approach(c, true), .time = ric_shooting_time(c, u),
+                     .energy = ric_shooting_energy(c)};
+    p->solved = ric_continuation_solved(c);
     p->row = (ric_point){.arclength = s, .energy = out->energy * m->energy_unit,
                          .frequency = TWO_PI / out->time * m->omega_ref, .trace = tr->floquet.trace_asinh,
                          .rotation = tr->floquet.rotation, .reach = out->reach > 0 ? out->reach : NAN,
@@ -356,20 +356,20 @@ static ric_status measure(ric_trace *tr, double s, const double *u, ric_station 
     return RIC_OK;
 }
 
-ric_status ric_trace_fill(ric_trace *tr, double s, ric_station *p)
+ric_status ric_continuation_fill(ric_continuation *tr, double s, ric_station *p)
 {
     margin unused;
     p->s = s;
-    ric_chain_evaluate(tr->chain, p->u);
+    ric_shooting_evaluate(tr->chain, p->u);
     return measure(tr, s, p->u, p, &unused);
 }
 
-ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
+ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double orientation)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
     margin now;
-    tr->steep |= c->model->smooth && ric_trace_tolerance(c) > STEEP;
+    tr->steep |= c->model->smooth && ric_continuation_tolerance(c) > STEEP;
     ric_status status = measure(tr, p->s, p->u, p, &now);
     if (status) return status;
     double slope = 0;
@@ -380,8 +380,8 @@ ric_status ric_trace_examine(ric_trace *tr, ric_station *p, double orientation)
     F[RIC_TEST_APPROACH] = fmin(now.approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
-    F[RIC_TEST_SLOPE] = definite(ric_chain_energy_slope(c, p->t) / c->scale, ric_trace_blur(c, RIC_TEST_SLOPE));
-    F[RIC_TEST_PERIOD] = definite(slope, ric_trace_blur(c, RIC_TEST_PERIOD));
+    F[RIC_TEST_SLOPE] = definite(ric_shooting_energy_slope(c, p->t) / c->scale, ric_continuation_blur(c, RIC_TEST_SLOPE));
+    F[RIC_TEST_PERIOD] = definite(slope, ric_continuation_blur(c, RIC_TEST_PERIOD));
     F[RIC_TEST_E_MAX] = lim->energy[1] - now.energy;
     F[RIC_TEST_E_MIN] = now.energy - tr->lowest;
     F[RIC_TEST_F_MAX] = now.time - lim->period[0];
@@ -404,7 +404,7 @@ static void station_free(ric_station *p)
     free(p->own);
 }
 
-static bool samples_create(ric_trace *tr)
+static bool samples_create(ric_continuation *tr)
 {
     tr->samples.values = calloc(RIC_MOST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance), sizeof(double));
     return tr->samples.values;
@@ -412,7 +412,7 @@ static bool samples_create(ric_trace *tr)
 
 /* ------------------------------------------------------------------- points */
 
-static void write_point(ric_trace *tr, int i, const ric_point *row, const double *u)
+static void write_point(ric_continuation *tr, int i, const ric_point *row, const double *u)
 {
     double *out = tr->points + (size_t)i * tr->stride;
     memcpy(out, row, sizeof *row);
@@ -422,9 +422,9 @@ static void write_point(ric_trace *tr, int i, const ric_point *row, const double
 /* Where events fall together, as at a grazing of a spring or at a corner, a flight of no length is solved for to its
  * rounding, on either side of zero. What is kept lasts no negative time: the point is that with zero in its place, and
  * filled anew, so that all that is said is said of what is stored. */
-static ric_status without_negative_flights(ric_trace *tr, ric_station *p)
+static ric_status without_negative_flights(ric_continuation *tr, ric_station *p)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     bool any = false, undecided = p->row.stable == RIC_STABLE_UNDECIDED;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
         if (!(p->u[k] < 0)) continue;
@@ -433,12 +433,12 @@ static ric_status without_negative_flights(ric_trace *tr, ric_station *p)
         p->u[k] = 0;
     }
     if (!any || !p->solved) return RIC_OK;
-    ric_status status = ric_trace_fill(tr, p->s, p);
+    ric_status status = ric_continuation_fill(tr, p->s, p);
     if (undecided) p->row.stable = RIC_STABLE_UNDECIDED;
     return status;
 }
 
-ric_status ric_trace_keep(ric_trace *tr, const ric_station *station)
+ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *station)
 {
     double u[tr->chain->n_unknown];
     ric_station kept = *station, *p = &kept;
@@ -458,25 +458,25 @@ ric_status ric_trace_keep(ric_trace *tr, const ric_station *station)
     return RIC_OK;
 }
 
-ric_status ric_trace_end_at(ric_trace *tr, const double *u)
+ric_status ric_continuation_end_at(ric_continuation *tr, const double *u)
 {
     double own[tr->chain->n_unknown];
     memcpy(own, u, sizeof own);
     ric_station p = {.u = own};
-    ric_status status = ric_trace_fill(tr, tr->end.s, &p);
+    ric_status status = ric_continuation_fill(tr, tr->end.s, &p);
     if (!status && p.solved) status = without_negative_flights(tr, &p);
     const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
     if (status || !p.solved) return status;
     p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     memcpy(tr->end.u, own, sizeof own);
-    if (last->arclength < tr->end.s) return ric_trace_keep(tr, &p);
+    if (last->arclength < tr->end.s) return ric_continuation_keep(tr, &p);
     write_point(tr, tr->n_point - 1, &p.row, own);
     return RIC_OK;
 }
 
 /* -------------------------------------------------------------------- start */
 
-ric_status ric_trace_equip(ric_trace *tr)
+ric_status ric_continuation_equip(ric_continuation *tr)
 {
     int n = tr->chain->n_unknown, n_pair = tr->chain->n - 1;
     size_t size = (size_t)n;
@@ -488,20 +488,20 @@ ric_status ric_trace_equip(ric_trace *tr)
         !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
         !station_create(&tr->past, n, n_pair) || !samples_create(tr))
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
-    tr->may_gain = ric_arrival_may_gain(tr->chain);
+    tr->may_gain = ric_symmetric_end_may_gain(tr->chain);
     return ric_floquet_create(tr->chain->n, &tr->floquet);
 }
 
-ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
-                            const ric_limits *limits, ric_trace **out)
+ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0, unsigned ignore,
+                            const ric_limits *limits, ric_continuation **out)
 {
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
-    ric_trace *tr = calloc(1, sizeof *tr);
+    ric_continuation *tr = calloc(1, sizeof *tr);
     int iterations;
     *out = NULL;
     if (!tr) {
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     }
     tr->chain = chain;
@@ -510,26 +510,26 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
     tr->ignore = ignore;
     tr->end.test = -1;
     tr->stride = sizeof(ric_point) / sizeof(double) + size;
-    if (!ric_trace_resonances(tr)) {
+    if (!ric_continuation_resonances(tr)) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
         goto out;
     }
-    if ((status = ric_trace_equip(tr))) goto out;
+    if ((status = ric_continuation_equip(tr))) goto out;
     memcpy(tr->now.u, u0, size * sizeof *u0);
-    ric_chain_evaluate(chain, u0);
+    ric_shooting_evaluate(chain, u0);
     /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the
      * caller's. The smallest pivot does not always show it */
     bool regular = chain->smallest > BRANCH_POINT && !(ignore & RIC_SINGULAR_START);
-    if (regular && !ric_trace_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
+    if (regular && !ric_continuation_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
         status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
         goto out;
     }
     double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
-    if (regular) sign = ric_trace_tangent(chain, t0, tr->now.t);
+    if (regular) sign = ric_continuation_tangent(chain, t0, tr->now.t);
     for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
     /* families that reach into the window begin below it */
-    if (ric_chain_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
-    if ((status = ric_trace_examine(tr, &tr->now, sign))) goto out;
+    if (ric_shooting_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
+    if ((status = ric_continuation_examine(tr, &tr->now, sign))) goto out;
     if (!tr->now.solved) {
         status = ric_fail(RIC_E_NUMERIC, "the start of a branch is no orbit: residual %g", chain->residual);
         goto out;
@@ -547,18 +547,18 @@ ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0
      * (theory section 10) */
     if (chain->fastest > 0 && ignore & 1u << RIC_TEST_REACH)
         tr->step = fmin(tr->step, SOFT_STEP / (1 + chain->fastest * chain->fastest) * chain->scale);
-    if ((status = ric_trace_keep(tr, &tr->now))) goto out;
+    if ((status = ric_continuation_keep(tr, &tr->now))) goto out;
     *out = tr;
     tr = NULL;
 out:
-    ric_trace_free(tr);
+    ric_continuation_free(tr);
     return status;
 }
 
-void ric_trace_free(ric_trace *tr)
+void ric_continuation_free(ric_continuation *tr)
 {
     if (!tr) return;
-    ric_chain_free(tr->chain);
+    ric_shooting_free(tr->chain);
     ric_floquet_release(&tr->floquet);
     station_free(&tr->now);
     station_free(&tr->next);
@@ -586,9 +586,9 @@ void ric_trace_free(ric_trace *tr)
 /* Without an event to start from the phase of an orbit is free, and the corrector leaves it as it is. Whatever a chord
  * had along the flow the cubic below would multiply by five at every step, until no step is short enough: a prediction
  * goes across the flow. */
-static void across_flow(const ric_trace *tr, double *u)
+static void across_flow(const ric_continuation *tr, double *u)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     int size = 2 * c->n;
     if (c->start != RIC_MIRROR_NONE || c->face[0] >= 0) return;
     double rate[size], along = 0;
@@ -599,7 +599,7 @@ static void across_flow(const ric_trace *tr, double *u)
 }
 
 /* Cubic through the last two points and tangents, read off at distance h beyond; a straight line at the start. */
-static void predict(const ric_trace *tr, double h, double *u)
+static void predict(const ric_continuation *tr, double h, double *u)
 {
     int size = tr->chain->n_unknown;
     const double *u0 = tr->now.u, *t0 = tr->now.t, *u1 = tr->past.u, *t1 = tr->past.t;
@@ -616,13 +616,13 @@ static void predict(const ric_trace *tr, double h, double *u)
 
 /* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no
  * convergence. */
-static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, int *iterations, double *orientation)
+static bool solve_next(ric_continuation *tr, double h, double *angle, double *drift, int *iterations, double *orientation)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     predict(tr, h, tr->next.u);
     memcpy(tr->guess, tr->next.u, (size_t)size * sizeof *tr->guess);
-    if (!ric_trace_correct(c, tr->next.u, tr->now.u, tr->now.t, h, tr->du, iterations)) return false;
+    if (!ric_continuation_correct(c, tr->next.u, tr->now.u, tr->now.t, h, tr->du, iterations)) return false;
     if (!positive_flights(c, tr->next.u)) return false;
     double moved = 0, chord = 0;
     for (int i = 0; i < size; i++) {
@@ -630,7 +630,7 @@ static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, in
         moved += d * d;
         chord += e * e;
     }
-    *orientation = ric_trace_tangent(c, tr->now.t, tr->next.t);
+    *orientation = ric_continuation_tangent(c, tr->now.t, tr->next.t);
     *angle = acos(fmin(1, ric_dot(size, tr->next.t, tr->now.t)));
     *drift = sqrt(moved) / h;
     /* arc over chord of a circle through both points */
@@ -640,11 +640,11 @@ static bool solve_next(ric_trace *tr, double h, double *angle, double *drift, in
 
 /* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their
  * sign twice do not show it. The period between the two points is that of the cubic through both. */
-static bool crowded(const ric_trace *tr, double h)
+static bool crowded(const ric_continuation *tr, double h)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     const ric_station *a = &tr->now, *b = &tr->next;
-    double T[2] = {ric_chain_time(c, a->u), ric_chain_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0,
+    double T[2] = {ric_shooting_time(c, a->u), ric_shooting_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0,
            H = b->s - a->s;
     if (tr->limits->ghost || h < ALIKE * c->scale) return false;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
@@ -660,7 +660,7 @@ static bool crowded(const ric_trace *tr, double h)
     return ric_resonance_faint(c->model, tr->limits->multiply, low, high) > 1;
 }
 
-static void adapt(ric_trace *tr, double h, double angle, int iterations)
+static void adapt(ric_continuation *tr, double h, double angle, int iterations)
 {
     double factor = angle > 1e-12 ? STEP_ANGLE / angle : 2;
     if (iterations > 3) factor = fmin(factor, 0.7);
@@ -682,7 +682,7 @@ static bool margins_hold(const ric_station *p, unsigned ignored)
     return true;
 }
 
-static void swap_stations(ric_trace *tr)
+static void swap_stations(ric_continuation *tr)
 {
     ric_station old = tr->past;
     tr->past = tr->now;
@@ -693,7 +693,7 @@ static void swap_stations(ric_trace *tr)
 
 /* The two halves of the period of an orbit between two mirror points of one kind are images of each other: then its
  * branch is another one. */
-static bool symmetric_after_all(const ric_chain *c)
+static bool symmetric_after_all(const ric_shooting *c)
 {
     int n = c->n;
     double off = 0;
@@ -705,7 +705,7 @@ static bool symmetric_after_all(const ric_chain *c)
 /* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips
  * over to it. The bordered determinant tells: its zero ahead, by the secant, is approached by steps that leave some of
  * the way. */
-static double before_crossing(const ric_trace *tr, double h)
+static double before_crossing(const ric_continuation *tr, double h)
 {
     double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET], least = LAST_STEP * tr->chain->scale;
     if (!tr->chain->model->smooth || !tr->has_past || tr->ignore || !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) ||
@@ -715,7 +715,7 @@ static double before_crossing(const ric_trace *tr, double h)
     return fmin(h, fmax(x / 3, least));
 }
 
-const char *ric_why_text(ric_why why)
+const char *ric_continuation_why_text(ric_why why)
 {
     static const char *const text[RIC_N_WHY] = {
         [RIC_WHY_NONE] = "",
@@ -733,7 +733,7 @@ const char *ric_why_text(ric_why why)
     return text[why];
 }
 
-ric_status ric_trace_advance(ric_trace *tr, bool *done)
+ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
 {
     ric_status status = RIC_OK;
     double h = tr->step, size = tr->chain->scale;
@@ -746,7 +746,7 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     }
     int order;
     tr->longest = HUGE_VAL;
-    if ((status = ric_repeat_ahead(tr, &h, &order, &tr->mid))) return status;
+    if ((status = ric_multiple_cover_ahead(tr, &h, &order, &tr->mid))) return status;
     h = before_crossing(tr, h);
     if (order > 3) {
         *done = true;
@@ -762,9 +762,9 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
         bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
         tr->evaluations += iterations + 1;
         bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
-        good = good && !symmetric_after_all(tr->chain) && !(tr->may_gain && ric_arrival_gains(tr->chain, tr->next.u));
+        good = good && !symmetric_after_all(tr->chain) && !(tr->may_gain && ric_symmetric_end_gains(tr->chain, tr->next.u));
         if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT && !crowded(tr, h)) {
-            if ((status = ric_trace_examine(tr, &tr->next, orientation))) return status;
+            if ((status = ric_continuation_examine(tr, &tr->next, orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;
                 if ((status = ric_event_find(tr, h, done, &retry))) return status;
@@ -798,19 +798,19 @@ ric_status ric_trace_advance(ric_trace *tr, bool *done)
     tr->ignore = 0;
     tr->approaches = 0;
     if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
-    ric_samples_shift(tr);
+    ric_event_samples_shift(tr);
     swap_stations(tr);
-    return ric_trace_keep(tr, &tr->now);
+    return ric_continuation_keep(tr, &tr->now);
 }
 
-ric_status ric_trace_run(ric_trace *tr)
+ric_status ric_continuation_run(ric_continuation *tr)
 {
     bool done = false;
     ric_status status = RIC_OK;
     while (!done && !status) {
-        const ric_trace_place here = ric_trace_mark(tr);
-        status = ric_trust(ric_trace_advance(tr, &done));
-        if (status == RIC_E_INTERRUPTED) ric_trace_return(tr, &here);
+        const ric_continuation_place here = ric_continuation_mark(tr);
+        status = ric_trust(ric_continuation_advance(tr, &done));
+        if (status == RIC_E_INTERRUPTED) ric_continuation_return(tr, &here);
         else if (tr->limits->stepped) tr->limits->stepped(tr->limits->user);
     }
     if (!status && tr->n_point == 0) return ric_fail(RIC_E_NUMERIC, "no orbit of the branch can be solved for");

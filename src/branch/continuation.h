@@ -28,7 +28,7 @@ typedef enum {
     RIC_N_WHY
 } ric_why;
 /* The reason as a sentence, "" for RIC_WHY_NONE. */
-const char *ric_why_text(ric_why why);
+const char *ric_continuation_why_text(ric_why why);
 
 /* Test functions; an event is a zero of one of them. */
 enum {
@@ -73,7 +73,7 @@ typedef struct {
     double x[RIC_MOST_SAMPLES]; /* distance from the present point */
     double s[RIC_PAST_SAMPLES]; /* arclength of those before */
     double *values;             /* [RIC_MOST_SAMPLES * (RIC_N_TEST + n_resonance)] */
-} ric_samples;
+} ric_event_samples;
 
 typedef struct {
     int test;            /* which function vanished */
@@ -88,27 +88,27 @@ typedef struct {
     int max_points;
     int multiply;        /* largest q of a q-tupling that is looked for; below 2 none */
     int n_asked;         /* energies and frequencies whose passages are events */
-    ric_asked asked[RIC_ASKED_MAX];
+    ric_user_point asked[RIC_USER_POINTS_MAX];
     bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
     void (*stepped)(void *user); /* NULL, or told of every step */
     void *user;
 } ric_limits;
 
 /* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
-ric_limits ric_trace_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step,
+ric_limits ric_continuation_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step,
                             int max_points);
 
 typedef struct {
-    ric_chain *chain;    /* owned */
+    ric_shooting *chain;    /* owned */
     const ric_limits *limits;
     double lowest;       /* energy below which a branch is not followed that starts above it */
     ric_floquet floquet;
     int n_resonance;
     ric_resonance *resonances;
     ric_station now, next, mid, past;
-    ric_samples samples;
+    ric_event_samples samples;
     bool has_past;
-    bool may_gain;       /* orbits of this word may have more symmetry than the form (arrival.h) */
+    bool may_gain;       /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
@@ -134,85 +134,85 @@ typedef struct {
     bool arrival;        /* the end is a point where the branch meets its own mirror image */
     ric_why why;
     long evaluations;
-} ric_trace;
+} ric_continuation;
 
 /* Room for the stations of a trace that has its chain and its resonances. */
-ric_status ric_trace_equip(ric_trace *trace);
+ric_status ric_continuation_equip(ric_continuation *trace);
 /* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the
  * kernel there, but for a singular start). */
-ric_status ric_trace_create(ric_chain *chain, const double *u0, const double *t0, unsigned ignore,
-                            const ric_limits *limits, ric_trace **out);
-void ric_trace_free(ric_trace *trace);
+ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0, unsigned ignore,
+                            const ric_limits *limits, ric_continuation **out);
+void ric_continuation_free(ric_continuation *trace);
 
 /* All that a step changes and the next one reads, but for the stations: those of the last two steps are left alone
- * until a step has succeeded (ric_trace_advance). */
+ * until a step has succeeded (ric_continuation_advance). */
 typedef struct {
     double definite[RIC_N_TEST];
     double step, step_max, wanted, after, longest, blind, lowest, scale, blind_at[2], crowded_at[2];
     int32_t n_point, n_event, n_past, unresolved, approaches, avoided, steep, has_past;
     uint32_t ignore;
-} ric_trace_place;
+} ric_continuation_place;
 
-ric_trace_place ric_trace_mark(const ric_trace *trace);
+ric_continuation_place ric_continuation_mark(const ric_continuation *trace);
 /* Takes the energies of the step at work into a range; first: the range is that of the step. */
-void ric_trace_widen(const ric_trace *trace, bool first, double range[2]);
+void ric_continuation_widen(const ric_continuation *trace, bool first, double range[2]);
 /* Undoes what a step has done that was broken off. */
-void ric_trace_return(ric_trace *trace, const ric_trace_place *place);
+void ric_continuation_return(ric_continuation *trace, const ric_continuation_place *place);
 
 /* One step; *done when the branch has ended. Nothing is allocated unless an event is found or the point array grows. */
-ric_status ric_trace_advance(ric_trace *trace, bool *done);
+ric_status ric_continuation_advance(ric_continuation *trace, bool *done);
 /* Steps to the end; or to RIC_E_INTERRUPTED (halt.h), and then the trace stands where its last step ended and can be
  * run again, with the same outcome. */
-ric_status ric_trace_run(ric_trace *trace);
+ric_status ric_continuation_run(ric_continuation *trace);
 
 /* The orbit at the unknowns u of the trace's chain, flown there; symmetries are those of the form. NULL: no memory. */
-ric_cycle *ric_trace_cycle(const ric_trace *trace, const double *u);
+ric_periodic *ric_continuation_cycle(const ric_continuation *trace, const double *u);
 /* What a test beyond RIC_N_TEST stands for; NULL if it is no resonance. */
-const ric_resonance *ric_trace_resonance(const ric_trace *trace, int test);
+const ric_resonance *ric_continuation_resonance(const ric_continuation *trace, int test);
 /* The resonances that are watched on chains like this one; false: no memory. */
-bool ric_trace_resonances(ric_trace *trace);
+bool ric_continuation_resonances(ric_continuation *trace);
 
 /* What a test beyond the resonances looks for; NULL for other tests. */
-const ric_asked *ric_trace_asked(const ric_trace *trace, int test);
+const ric_user_point *ric_continuation_user_point(const ric_continuation *trace, int test);
 
 /* Everything that a stored point says of the orbit at station->u, and whether it is solved; the chain is left
  * evaluated there. Its test functions, and stability next to another branch, are the caller's. */
-ric_status ric_trace_fill(ric_trace *trace, double s, ric_station *station);
+ric_status ric_continuation_fill(ric_continuation *trace, double s, ric_station *station);
 /* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than
  * rounding, as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch
  * come by here, but for the last one, which the orbit of its junction may replace. */
-ric_status ric_trace_keep(ric_trace *trace, const ric_station *station);
+ric_status ric_continuation_keep(ric_continuation *trace, const ric_station *station);
 /* The orbit at u becomes the end of the branch, stored if it is solved. */
-ric_status ric_trace_end_at(ric_trace *trace, const double *u);
+ric_status ric_continuation_end_at(ric_continuation *trace, const double *u);
 
 /* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True
  * when converged. */
-bool ric_trace_correct(ric_chain *chain, double *u, const double *origin, const double *normal, double target,
+bool ric_continuation_correct(ric_shooting *chain, double *u, const double *origin, const double *normal, double target,
                        double *du, int *iterations);
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
-ric_status ric_trace_judge(ric_chain *chain, const double *u, ric_floquet *floquet);
+ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);
 /* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each within its own, and all
  * of them by what the residual leaves open across the curve, where the Jacobian is least. Along the curve lie other
  * orbits. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
 enum { RIC_TRACE_WAYS = 4 };
-bool ric_trace_move(const ric_chain *chain, const double *u, int way, double *out);
+bool ric_continuation_move(const ric_shooting *chain, const double *u, int way, double *out);
 /* The error of multipliers just computed at u, where the chain has been evaluated, from then on with that of the orbit:
  * unknowns within their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of
  * which less than three digits are left are lost. */
-ric_status ric_trace_bound(ric_chain *chain, const double *u, ric_floquet *floquet);
+ric_status ric_continuation_bound(ric_shooting *chain, const double *u, ric_floquet *floquet);
 /* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
-bool ric_trace_solved(const ric_chain *chain);
+bool ric_continuation_solved(const ric_shooting *chain);
 /* Residual that counts as rounding for a chain. */
-double ric_trace_tolerance(const ric_chain *chain);
+double ric_continuation_tolerance(const ric_shooting *chain);
 /* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over
  * the smallest pivot. */
-double ric_trace_blur(const ric_chain *chain, int test);
+double ric_continuation_blur(const ric_shooting *chain, int test);
 /* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation
  * sign. */
-double ric_trace_tangent(const ric_chain *chain, const double *along, double *t);
+double ric_continuation_tangent(const ric_shooting *chain, const double *along, double *t);
 /* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent
  * station->t. */
-ric_status ric_trace_examine(ric_trace *trace, ric_station *station, double orientation);
+ric_status ric_continuation_examine(ric_continuation *trace, ric_station *station, double orientation);
 
 #endif

@@ -7,7 +7,7 @@
 #include "base/room.h"
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
- * stored is dropped when a run begins (ric_trace_version). */
+ * stored is dropped when a run begins (ric_continuation_version). */
 #define PACK_FORMAT 7
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
@@ -17,12 +17,12 @@ typedef struct {
     int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, why, arrival, end_test;
 } header;
 
-const char *ric_trace_version(void)
+const char *ric_continuation_version(void)
 {
     return TEXT(RIC_NUMERICS) "." TEXT(PACK_FORMAT);
 }
 
-static size_t packed_size(const ric_trace *tr)
+static size_t packed_size(const ric_continuation *tr)
 {
     size_t unknowns = (size_t)tr->chain->n_unknown, events = (size_t)tr->n_event + 1;
     return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) +
@@ -47,9 +47,9 @@ static void write_event(char **to, const ric_event *e, int size)
     write(to, e->t, (size_t)size * sizeof *e->t);
 }
 
-ric_status ric_trace_pack(const ric_trace *tr, void **blob, size_t *size)
+ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t *size)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     char *start = malloc(packed_size(tr)), *to = start;
     if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
     header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,        c->n_flight, c->parts,
@@ -96,13 +96,13 @@ static bool read_event(const char **from, size_t *left, int size, int n_test, ri
            take(from, left, e->t, bytes);
 }
 
-ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
-                            ric_trace **out)
+ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
+                            ric_continuation **out)
 {
     const char *from = blob;
     header h;
     ric_status status = RIC_OK;
-    ric_trace *tr = calloc(1, sizeof *tr);
+    ric_continuation *tr = calloc(1, sizeof *tr);
     int *face = NULL;
     *out = NULL;
     if (!tr) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
@@ -120,18 +120,18 @@ ric_status ric_trace_unpack(const ric_model *m, const ric_limits *limits, const 
         if (!take(&from, &size, &f, sizeof f) || f < -1 || f >= m->n_face) goto damaged;
         face[i] = f;
     }
-    if ((status = ric_chain_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face,
+    if ((status = ric_shooting_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face,
                                    &tr->chain)))
         goto out;
     uint64_t closed = 0;
     if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
-    ric_chain_close(tr->chain, closed);
+    ric_shooting_close(tr->chain, closed);
     if (!take(&from, &size, &tr->blind, sizeof tr->blind)) goto damaged;
     if (!take(&from, &size, &tr->unresolved, sizeof tr->unresolved)) goto damaged;
     if (!take(&from, &size, tr->blind_at, sizeof tr->blind_at)) goto damaged;
     if (!take(&from, &size, tr->crowded_at, sizeof tr->crowded_at)) goto damaged;
-    if (h.parts > 1 && (status = ric_nodes_divide(tr->chain, h.parts))) goto out;
-    if (!ric_trace_resonances(tr)) goto damaged;
+    if (h.parts > 1 && (status = ric_shooting_nodes_divide(tr->chain, h.parts))) goto out;
+    if (!ric_continuation_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
     size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);
     if (bytes > size || !(tr->points = malloc(bytes ? bytes : 1))) goto damaged;
@@ -156,6 +156,6 @@ damaged:
                                    "damaged; move it away and run again");
 out:
     free(face);
-    ric_trace_free(tr);
+    ric_continuation_free(tr);
     return status;
 }

@@ -46,7 +46,7 @@ static void pass_station(cursor *c, ric_station *p, int n_unknown, int n_pair)
     pass(c, &p->row, sizeof p->row);
 }
 
-static void pass_stations(cursor *c, ric_trace *tr, ric_trace_place *place)
+static void pass_stations(cursor *c, ric_continuation *tr, ric_continuation_place *place)
 {
     int size = tr->chain->n_unknown, n_pair = tr->floquet.n_pair;
     pass(c, place, sizeof *place);
@@ -60,12 +60,12 @@ static void pass_stations(cursor *c, ric_trace *tr, ric_trace_place *place)
 
 static size_t fixed_size(int n_unknown, int n_pair, int n_resonance)
 {
-    return sizeof(ric_trace_place) + (2 * station_size(n_unknown, n_pair) + 2 * (size_t)n_unknown +
+    return sizeof(ric_continuation_place) + (2 * station_size(n_unknown, n_pair) + 2 * (size_t)n_unknown +
                                       RIC_PAST_SAMPLES * (1 + RIC_N_TEST + (size_t)n_resonance)) *
                                          sizeof(double);
 }
 
-ric_status ric_trace_pause(const ric_trace *trace, int parts, void **blob, size_t *size)
+ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob, size_t *size)
 {
     head h = {PAUSE_FORMAT, parts, trace != NULL, 0, 0, 0};
     void *found = NULL;
@@ -77,15 +77,15 @@ ric_status ric_trace_pause(const ric_trace *trace, int parts, void **blob, size_
         h.n_pair = trace->floquet.n_pair;
         h.n_resonance = trace->n_resonance;
         fixed = fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
-        if ((status = ric_trace_pack(trace, &found, &n_found))) return status;
+        if ((status = ric_continuation_pack(trace, &found, &n_found))) return status;
     }
     *size = sizeof h + fixed + n_found;
     cursor c = {.at = *blob = malloc(*size)};
     if (!*blob) status = ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
     else pass(&c, &h, sizeof h);
     if (!status && trace) {
-        ric_trace_place here = ric_trace_mark(trace);
-        ric_trace copy = *trace; /* what it points to is only read */
+        ric_continuation_place here = ric_continuation_mark(trace);
+        ric_continuation copy = *trace; /* what it points to is only read */
         pass_stations(&c, &copy, &here);
         memcpy(c.at, found, n_found);
     }
@@ -94,7 +94,7 @@ ric_status ric_trace_pause(const ric_trace *trace, int parts, void **blob, size_
 }
 
 /* A file may hold anything: a step that is no number would never end. */
-static bool sane(const ric_trace *tr, const ric_trace_place *p)
+static bool sane(const ric_continuation *tr, const ric_continuation_place *p)
 {
     double sum = p->step + p->step_max + p->wanted + p->after + p->blind + p->lowest + p->scale + tr->now.s +
                  (p->has_past ? tr->past.s : 0);
@@ -107,12 +107,12 @@ static bool sane(const ric_trace *tr, const ric_trace_place *p)
            p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!p->has_past || tr->now.s > tr->past.s);
 }
 
-ric_status ric_trace_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size, int *parts,
-                            ric_trace **out)
+ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size, int *parts,
+                            ric_continuation **out)
 {
     const ric_status foreign = RIC_E_FORMAT;
     head h;
-    ric_trace *tr = NULL;
+    ric_continuation *tr = NULL;
     *parts = 0;
     *out = NULL;
     if (size < sizeof h) return foreign;
@@ -123,20 +123,20 @@ ric_status ric_trace_resume(const ric_model *model, const ric_limits *limits, co
     if (h.begun) {
         size_t fixed = sizeof h + fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
         if (size < fixed) return foreign;
-        ric_status status = ric_trace_unpack(model, limits, (const char *)blob + fixed, size - fixed, &tr);
+        ric_status status = ric_continuation_unpack(model, limits, (const char *)blob + fixed, size - fixed, &tr);
         if (!status && (tr->chain->n_unknown != h.n_unknown || tr->chain->n - 1 != h.n_pair ||
                         tr->n_resonance != h.n_resonance))
             status = foreign;
-        if (!status) status = ric_trace_equip(tr);
+        if (!status) status = ric_continuation_equip(tr);
         if (!status) {
-            ric_trace_place place;
+            ric_continuation_place place;
             cursor c = {(char *)(uintptr_t)blob + sizeof h, true};
             pass_stations(&c, tr, &place);
-            if (sane(tr, &place)) ric_trace_return(tr, &place);
+            if (sane(tr, &place)) ric_continuation_return(tr, &place);
             else status = foreign;
         }
         if (status) {
-            ric_trace_free(tr);
+            ric_continuation_free(tr);
             return status == RIC_E_NOMEM ? status : foreign;
         }
     }

@@ -5,9 +5,9 @@
 
 #include "continuation.h"
 
-ric_trace_place ric_trace_mark(const ric_trace *tr)
+ric_continuation_place ric_continuation_mark(const ric_continuation *tr)
 {
-    ric_trace_place here;
+    ric_continuation_place here;
     memset(&here, 0, sizeof here); /* its bytes are stored */
     memcpy(here.definite, tr->definite, sizeof here.definite);
     here.step = tr->step;
@@ -32,7 +32,7 @@ ric_trace_place ric_trace_mark(const ric_trace *tr)
     return here;
 }
 
-void ric_trace_return(ric_trace *tr, const ric_trace_place *to)
+void ric_continuation_return(ric_continuation *tr, const ric_continuation_place *to)
 {
     for (; tr->n_event > to->n_event; tr->n_event--) {
         free(tr->events[tr->n_event - 1].u);
@@ -65,7 +65,7 @@ void ric_trace_return(ric_trace *tr, const ric_trace_place *to)
     tr->ignore = to->ignore;
 }
 
-void ric_trace_widen(const ric_trace *tr, bool first, double range[2])
+void ric_continuation_widen(const ric_continuation *tr, bool first, double range[2])
 {
     double least = fmin(tr->now.row.energy, tr->next.row.energy),
            largest = fmax(tr->now.row.energy, tr->next.row.energy);

@@ -24,7 +24,7 @@
 #define ON_CUBIC 1e-4
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
 #define APPROACHES 4
-/* What may keep two branches apart (ric_crossing_gap) that cross: rounding. */
+/* What may keep two branches apart (ric_branch_point_gap) that cross: rounding. */
 #define CROSSED 1e-11
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
@@ -51,7 +51,7 @@ static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APP
 /* Functions that vanish at an extremum. */
 static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
 
-static bool watched(const ric_trace *tr, int test)
+static bool watched(const ric_continuation *tr, int test)
 {
     if (tr->ignore & 1u << test) return false;
     /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that could be crossed */
@@ -60,7 +60,7 @@ static bool watched(const ric_trace *tr, int test)
 }
 
 /* Distance of a zero of the bordered determinant in this step or close behind its end; infinite if there is none. */
-static double crossing_ahead(const ric_trace *tr, double h)
+static double crossing_ahead(const ric_continuation *tr, double h)
 {
     double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], x = h * fa / (fa - fb);
     return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
@@ -68,7 +68,7 @@ static double crossing_ahead(const ric_trace *tr, double h)
 
 /* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first
  * that is seen may be that behind a zero: it has to be seen soon after it emerges. */
-static bool emerges_late(const ric_trace *tr)
+static bool emerges_late(const ric_continuation *tr)
 {
     for (int i = 0; i < 3; i++) {
         int test = RIC_TEST_A + i;
@@ -78,14 +78,14 @@ static bool emerges_late(const ric_trace *tr)
     return false;
 }
 
-bool ric_event_suspicious(const ric_trace *tr, double h)
+bool ric_event_suspicious(const ric_continuation *tr, double h)
 {
     return tr->has_past && h >= SHORTEST * tr->chain->scale && crossing_ahead(tr, h) == HUGE_VAL && emerges_late(tr);
 }
 
 /* -------------------------------------------------------------------- keeping */
 
-static ric_status fill_event(const ric_trace *tr, int test, const ric_station *p, ric_event *out)
+static ric_status fill_event(const ric_continuation *tr, int test, const ric_station *p, ric_event *out)
 {
     size_t bytes = (size_t)tr->chain->n_unknown * sizeof(double);
     *out = (ric_event){.test = test, .s = p->s, .u = malloc(bytes), .t = malloc(bytes)};
@@ -100,7 +100,7 @@ static ric_status fill_event(const ric_trace *tr, int test, const ric_station *p
     return RIC_OK;
 }
 
-ric_status ric_event_keep(ric_trace *tr, int test, const ric_station *p)
+ric_status ric_event_keep(ric_continuation *tr, int test, const ric_station *p)
 {
     if (tr->n_event == tr->event_capacity) {
         int capacity = tr->event_capacity ? 2 * tr->event_capacity : 8;
@@ -114,18 +114,18 @@ ric_status ric_event_keep(ric_trace *tr, int test, const ric_station *p)
     return status;
 }
 
-ric_status ric_event_arrive(ric_trace *tr, const ric_station *p)
+ric_status ric_event_arrive(ric_continuation *tr, const ric_station *p)
 {
     ric_status status = fill_event(tr, RIC_TEST_DET, p, &tr->end);
     tr->arrival = true;
     tr->stop = RIC_STOP_JUNCTION;
     tr->why = RIC_WHY_NONE;
-    return status ? status : ric_trace_keep(tr, p);
+    return status ? status : ric_continuation_keep(tr, p);
 }
 
 /* ------------------------------------------------------------------- the step */
 
-static void end_by(ric_trace *tr, int test)
+static void end_by(ric_continuation *tr, int test)
 {
     static const ric_why edge[RIC_N_TEST] = {
         [RIC_TEST_E_MAX] = RIC_WHY_ENERGY_MAX, [RIC_TEST_E_MIN] = RIC_WHY_ENERGY_MIN,
@@ -135,7 +135,7 @@ static void end_by(ric_trace *tr, int test)
 }
 
 /* Back at the orbit `home`, at the arclength s, going the same way as `heading` from there. */
-static bool reaches(ric_trace *tr, double h, const double *home, const double *heading, double *s)
+static bool reaches(ric_continuation *tr, double h, const double *home, const double *heading, double *s)
 {
     int size = tr->chain->n_unknown;
     double along = 0, across = 0;
@@ -169,9 +169,9 @@ static bool reaches(ric_trace *tr, double h, const double *home, const double *h
 /* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre to a rest under a
  * power law an orbit shows its image x -> -x half a period on, which is the same orbit: there the way round a closed
  * branch may end with the other sign. */
-static bool closes(ric_trace *tr, double h, double *home, double *s)
+static bool closes(ric_continuation *tr, double h, double *home, double *s)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double heading[size];
     if (tr->n_point < 8) return false;
@@ -187,7 +187,7 @@ static bool closes(ric_trace *tr, double h, double *home, double *s)
 }
 
 /* Ends a closed branch with the point that it began with; what lies beyond was met at the start. */
-static ric_status close_up(ric_trace *tr, const double *home, double s)
+static ric_status close_up(ric_continuation *tr, const double *home, double s)
 {
     double slack = SAME_PLACE * tr->chain->scale;
     for (; tr->n_event > 0 && tr->events[tr->n_event - 1].s > s + slack; tr->n_event--) {
@@ -197,8 +197,8 @@ static ric_status close_up(ric_trace *tr, const double *home, double s)
     tr->stop = RIC_STOP_CLOSED;
     tr->why = RIC_WHY_CLOSED;
     memcpy(tr->mid.u, home, (size_t)tr->chain->n_unknown * sizeof *home);
-    ric_status status = ric_trace_fill(tr, s, &tr->mid);
-    return status ? status : ric_trace_keep(tr, &tr->mid);
+    ric_status status = ric_continuation_fill(tr, s, &tr->mid);
+    return status ? status : ric_continuation_keep(tr, &tr->mid);
 }
 
 typedef struct { int test; double x; } root;
@@ -221,22 +221,22 @@ static void list_root(root_list *list, int test, double x)
 
 /* Zeros of one test between the points that are known. A sign that rounding hid at some of them has changed at the
  * first one: as near as can be told. */
-static ric_status find_zeros(ric_trace *tr, int test, double h, root_list *list, bool *retry)
+static ric_status find_zeros(ric_continuation *tr, int test, double h, root_list *list, bool *retry)
 {
-    const ric_samples *q = &tr->samples;
+    const ric_event_samples *q = &tr->samples;
     double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
     for (int i = q->now; i < q->n; i++) {
-        double f = ric_samples_values(tr, i)[test], x;
+        double f = ric_event_samples_values(tr, i)[test], x;
         bool zero, open = last == 0;
         if (isnan(f)) {
             last = 0;
             continue;
         }
         if (f == 0) {
-            if (i == q->now || ric_samples_values(tr, i - 1)[test] != 0) hidden = q->x[i];
+            if (i == q->now || ric_event_samples_values(tr, i - 1)[test] != 0) hidden = q->x[i];
             continue;
         }
-        bool changed = last * f < 0, seen = i > q->now && ric_samples_values(tr, i - 1)[test] != 0;
+        bool changed = last * f < 0, seen = i > q->now && ric_event_samples_values(tr, i - 1)[test] != 0;
         last = f;
         if (!changed || open || i == q->now) continue;
         if (!seen) {
@@ -244,7 +244,7 @@ static ric_status find_zeros(ric_trace *tr, int test, double h, root_list *list,
             continue;
         }
         double a = q->x[i - 1], b = q->x[i];
-        ric_status status = ric_event_locate(tr, test, a, ric_samples_values(tr, i - 1)[test], b, f, h, &x, &zero);
+        ric_status status = ric_event_locate(tr, test, a, ric_event_samples_values(tr, i - 1)[test], b, f, h, &x, &zero);
         if (status) return status;
         /* the factors of the map may jump where rounding hides them; in a piece this short nothing else can have
          * happened. The place of a resonance is known well enough there: the junction is solved anew */
@@ -260,7 +260,7 @@ static ric_status find_zeros(ric_trace *tr, int test, double h, root_list *list,
     return RIC_OK;
 }
 
-static ric_status find_roots(ric_trace *tr, unsigned which, double h, root_list *list, bool *retry)
+static ric_status find_roots(ric_continuation *tr, unsigned which, double h, root_list *list, bool *retry)
 {
     for (int i = 0; i < RIC_N_TEST && !*retry; i++) {
         ric_status status = which & 1u << i ? find_zeros(tr, i, h, list, retry) : RIC_OK;
@@ -271,7 +271,7 @@ static ric_status find_roots(ric_trace *tr, unsigned which, double h, root_list 
 
 /* Tests of `which` that are looked at in this step. Of those that vanish at the start the ones that do not end a branch
  * are looked at right behind it. */
-static unsigned seen_in(const ric_trace *tr, unsigned which)
+static unsigned seen_in(const ric_continuation *tr, unsigned which)
 {
     unsigned seen = 0, inside = EVENT_SINGULAR | extrema;
     for (int i = 0; i < RIC_N_TEST; i++) {
@@ -283,7 +283,7 @@ static unsigned seen_in(const ric_trace *tr, unsigned which)
 
 /* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the
  * determinant is rounding; false when all is well. */
-static bool approach_crossing(ric_trace *tr, double h)
+static bool approach_crossing(ric_continuation *tr, double h)
 {
     double x = crossing_ahead(tr, h), length = CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
     if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES)
@@ -302,14 +302,14 @@ static bool has_poles(int test)
 
 /* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and
  * its distance. */
-static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, double *end, bool *retry)
+static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end, bool *retry)
 {
     root roots[RIC_MOST_SAMPLES];
     root_list list = {.capacity = RIC_MOST_SAMPLES, .root = roots};
     *test = -1;
     *end = h;
     which = seen_in(tr, which);
-    ric_status status = ric_samples_refine(tr, which, false, NAN, NAN, h);
+    ric_status status = ric_event_samples_refine(tr, which, false, NAN, NAN, h);
     if (!status) status = find_roots(tr, which, h, &list, retry);
     if (status || *retry || !list.n) return status;
     qsort(roots, (size_t)list.n, sizeof *roots, by_place);
@@ -320,41 +320,41 @@ static ric_status find_end(ric_trace *tr, unsigned which, double h, int *test, d
 
 /* The points of the step for what happens inside, up to distance `to`: where the branch ends there, it is looked at a
  * little before, and ever nearer if functions may have poles. */
-static ric_status sample(ric_trace *tr, unsigned which, int test, double to, double h)
+static ric_status sample(ric_continuation *tr, unsigned which, int test, double to, double h)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     double least = NEAREST * tr->chain->scale, from = NAN, end = NAN;
     const unsigned margins = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT;
     bool pairs = tr->n_resonance > 0, poles = tr->ignore & margins;
     ric_status status = RIC_OK;
-    if (test >= 0 && (status = ric_samples_cut(tr, fmax(to - least, to / 2), h))) return status;
+    if (test >= 0 && (status = ric_event_samples_cut(tr, fmax(to - least, to / 2), h))) return status;
     if (q->n < q->now + 2) return RIC_OK; /* nothing converges there */
     double last = q->x[q->n - 1];
     if (poles) {
         from = 0;
-        status = ric_samples_approach(tr, 0, last, least, h);
-        for (int k = 0; k < RIC_N_TEST + tr->n_resonance; k++) ric_samples_values(tr, q->now)[k] = NAN;
+        status = ric_event_samples_approach(tr, 0, last, least, h);
+        for (int k = 0; k < RIC_N_TEST + tr->n_resonance; k++) ric_event_samples_values(tr, q->now)[k] = NAN;
     }
     if (!status && test >= 0 && has_poles(test)) {
         end = to;
-        status = ric_samples_approach(tr, to, q->x[q->n - 2], least, h);
+        status = ric_event_samples_approach(tr, to, q->x[q->n - 2], least, h);
     }
-    return status ? status : ric_samples_refine(tr, which, pairs, from, end, h);
+    return status ? status : ric_event_samples_refine(tr, which, pairs, from, end, h);
 }
 
 /* ---------------------------------------------------------- what was asked for */
 
 /* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the cubic. */
-static ric_status look(ric_trace *tr, bool solve, double x, double h, ric_station *out, bool *good)
+static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric_station *out, bool *good)
 {
     *good = true;
     if (solve) return ric_event_solve(tr, x, h, out, good);
     ric_event_cubic(tr, x, h, out->u);
     memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
-    return ric_trace_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
+    return ric_continuation_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
 }
 
-static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double b, double h)
+static double bisect_cubic(ric_continuation *tr, int test, double a, double fa, double b, double h)
 {
     bool good;
     for (int i = 0; i < LOCATE_STEPS; i++) {
@@ -367,7 +367,7 @@ static double bisect_cubic(ric_trace *tr, int test, double a, double fa, double 
 
 /* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum
  * in between. A value met exactly counts as above, so that it is found in one of the two steps that end there. */
-static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb, const double *before,
+static ric_status find_monotonic(ric_continuation *tr, bool solve, double xa, double xb, const double *before,
                                  const double *after, double h, root *roots, int *n, bool *retry)
 {
     /* on a horizontal branch the frequency is one number but for rounding, and passes nothing */
@@ -391,7 +391,7 @@ static ric_status find_monotonic(ric_trace *tr, bool solve, double xa, double xb
     return RIC_OK;
 }
 
-static void distances(const ric_trace *tr, const ric_station *p, double *out)
+static void distances(const ric_continuation *tr, const ric_station *p, double *out)
 {
     for (int k = 0; k < tr->limits->n_asked; k++) out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
 }
@@ -399,10 +399,10 @@ static void distances(const ric_trace *tr, const ric_station *p, double *out)
 /* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots
  * known: so a value passed twice, on both sides of an extremum, is found twice. Room for STRETCHES * n_asked more
  * roots. */
-static ric_status find_asked(ric_trace *tr, bool solve, double to, double h, root *roots, int *n, bool *retry)
+static ric_status find_asked(ric_continuation *tr, bool solve, double to, double h, root *roots, int *n, bool *retry)
 {
     int known = *n;
-    double from = 0, f[2][RIC_ASKED_MAX];
+    double from = 0, f[2][RIC_USER_POINTS_MAX];
     if (tr->limits->n_asked == 0) return RIC_OK;
     qsort(roots, (size_t)known, sizeof *roots, by_place);
     distances(tr, &tr->now, f[0]);
@@ -422,7 +422,7 @@ static ric_status find_asked(ric_trace *tr, bool solve, double to, double h, roo
 }
 
 /* The same in a step over a branch point, whose other events have been kept, the first of them `first`. */
-static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
+static ric_status cross_asked(ric_continuation *tr, int first, double to, double h)
 {
     int n = 0, known = tr->n_event - first;
     double scale = h / (tr->next.s - tr->now.s);
@@ -440,12 +440,12 @@ static ric_status cross_asked(ric_trace *tr, int first, double to, double h)
 
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay
  * together crosses. */
-static bool meets_corner(const ric_trace *tr, const ric_bridge *q, double h, double *at)
+static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, double h, double *at)
 {
     if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) ||
         !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0))
         return false;
-    double x = ric_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
+    double x = ric_event_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
     if (x > *at + 0.05 * h) return false;
     *at = x;
     return true;
@@ -453,7 +453,7 @@ static bool meets_corner(const ric_trace *tr, const ric_bridge *q, double h, dou
 
 /* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at between the points
  * that are known: multipliers may go to and fro beside it. Room for BRIDGED places; returns their number. */
-static int cross_resonance(const ric_trace *tr, const ric_bridge *q, int k, double at, double to, double h, root *out)
+static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at, double to, double h, root *out)
 {
     int test = RIC_N_TEST + k, n = 0;
     double from = 0, before = ric_event_value(tr, test, &tr->now);
@@ -461,9 +461,9 @@ static int cross_resonance(const ric_trace *tr, const ric_bridge *q, int k, doub
     for (int i = 0; i < BRIDGED; i++) {
         double x = place[i];
         if (x <= from || x > h) continue;
-        double value = x == h ? ric_event_value(tr, test, &tr->next) : ric_bridge_test(tr, q, test, x);
+        double value = x == h ? ric_event_value(tr, test, &tr->next) : ric_event_bridge_test(tr, q, test, x);
         if (before * value < 0) {
-            double root_at = ric_bridge_root(tr, q, test, from, x, before, NAN);
+            double root_at = ric_event_bridge_root(tr, q, test, from, x, before, NAN);
             if (root_at < to || to == h) out[n++] = (root){test, root_at};
         }
         from = x;
@@ -474,33 +474,33 @@ static int cross_resonance(const ric_trace *tr, const ric_bridge *q, int k, doub
 
 /* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch
  * ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
-static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, bool *retry)
+static ric_status cross(ric_continuation *tr, double h, int *end_test, double *end, bool *retry)
 {
-    ric_bridge q;
+    ric_event_bridge q;
     root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
     int n = 0;
     int first = tr->n_event;
-    ric_status status = ric_bridge_build(tr, h, &q);
+    ric_status status = ric_event_bridge_build(tr, h, &q);
     *end_test = -1;
     if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
     if (status) return status;
-    double at = ric_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
+    double at = ric_event_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
-    ric_bridge_station(tr, &q, at, h, &tr->mid);
+    ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     /* a neighbour on the side where there is more room: close by it is lost in rounding */
     int far = at - q.x[0] > q.x[3] - at ? 0 : 3;
     const ric_crossed place = {tr->mid.u, q.u + far * tr->chain->n_unknown, q.u + (3 - far) * tr->chain->n_unknown};
     for (int i = 0; i < ASIDE_STEPS && *end_test < 0; i++) {
         double aside, x;
-        if (ric_arrival_meets(tr, &place, &aside)) *end_test = RIC_TEST_DET;
+        if (ric_symmetric_end_meets(tr, &place, &aside)) *end_test = RIC_TEST_DET;
         else if ((x = at + aside * (q.x[far] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
-        else ric_bridge_station(tr, &q, at = x, h, &tr->mid);
+        else ric_event_bridge_station(tr, &q, at = x, h, &tr->mid);
     }
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
-    bool repeated = ric_arrival_repeats(tr, tr->mid.u);
+    bool repeated = ric_symmetric_end_repeats(tr, tr->mid.u);
     /* two branches that only come close: the step has changed from one to the other */
-    if (!arrived && !repeated && !(ric_crossing_gap(tr->chain, tr->mid.u) < CROSSED)) {
+    if (!arrived && !repeated && !(ric_branch_point_gap(tr->chain, tr->mid.u) < CROSSED)) {
         free(q.u);
         *retry = tr->avoided = true;
         return RIC_OK;
@@ -508,9 +508,9 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
      * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
      * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. */
-    bool image = !arrived && ric_arrival_passes(tr, &place);
+    bool image = !arrived && ric_symmetric_end_passes(tr, &place);
     bool flat = arrived || image ||
-                (repeated && fabs(ric_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
+                (repeated && fabs(ric_event_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                  ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {
         double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
@@ -520,33 +520,33 @@ static ric_status cross(ric_trace *tr, double h, int *end_test, double *end, boo
         /* at a duplicate the kernels of all symmetries open at once, like high powers of the distance */
         if ((EVENT_SINGULAR & 1u << i) && (arrived || image || repeated)) continue;
         if (!(before * after < 0)) continue;
-        double x = i == RIC_TEST_DET ? at : ric_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
+        double x = i == RIC_TEST_DET ? at : ric_event_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
         if (arrived && x >= at) continue;
         roots[n++] = (root){i, x};
     }
     for (int k = 0; k < tr->n_resonance; k++) n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
     qsort(roots, (size_t)n, sizeof *roots, by_place);
     for (int i = 0; i < n && !status; i++) {
-        ric_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
+        ric_event_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
         status = ric_event_keep(tr, roots[i].test, &tr->mid);
     }
     if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++)
         /* no sign is expected */
         if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0;
-    if (arrived && !status) ric_bridge_station(tr, &q, at, h, &tr->mid);
+    if (arrived && !status) ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     free(q.u);
     return status;
 }
 
 /* The length on which some pair is lost in rounding; on the way to an end where functions have poles this is no news
  * nearer than NEAREST. */
-static double lost_length(const ric_trace *tr)
+static double lost_length(const ric_continuation *tr)
 {
-    const ric_samples *q = &tr->samples;
+    const ric_event_samples *q = &tr->samples;
     double length = 0;
     for (int i = q->now; tr->n_resonance && i + 1 < q->n; i++) {
-        bool lost = isnan(ric_samples_values(tr, i)[RIC_N_TEST]) || isnan(ric_samples_values(tr, i + 1)[RIC_N_TEST]);
+        bool lost = isnan(ric_event_samples_values(tr, i)[RIC_N_TEST]) || isnan(ric_event_samples_values(tr, i + 1)[RIC_N_TEST]);
         double piece = q->x[i + 1] - q->x[i];
         if (lost && piece > RATIO_NEAREST * NEAREST * tr->chain->scale) length += piece;
     }
@@ -555,22 +555,22 @@ static double lost_length(const ric_trace *tr)
 
 /* Zeros of all that is looked at inside. Where one function vanishes the others are looked at, too: they tell each
  * other's ways. */
-static ric_status find_inside(ric_trace *tr, unsigned which, double h, root_list *list, bool *retry)
+static ric_status find_inside(ric_continuation *tr, unsigned which, double h, root_list *list, bool *retry)
 {
     for (int pass = 0; pass < PASSES; pass++) {
         list->n = 0;
         ric_status status = find_roots(tr, which, h, list, retry);
         for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
             status = find_zeros(tr, RIC_N_TEST + k, h, list, retry);
-        int before = ric_samples_changes(tr, which);
-        for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_samples_add(tr, list->root[i].x, h);
-        if (!status && !*retry && list->n) status = ric_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
-        if (status || *retry || ric_samples_changes(tr, which) == before) return status;
+        int before = ric_event_samples_changes(tr, which);
+        for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_event_samples_add(tr, list->root[i].x, h);
+        if (!status && !*retry && list->n) status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
+        if (status || *retry || ric_event_samples_changes(tr, which) == before) return status;
     }
     return RIC_OK;
 }
 
-static ric_status inner_events(ric_trace *tr, double h, int test, double to, bool *retry)
+static ric_status inner_events(ric_continuation *tr, double h, int test, double to, bool *retry)
 {
     int most = RIC_N_TEST + tr->n_resonance + 4 * RIC_MOST_SAMPLES;
     root roots[most + STRETCHES * tr->limits->n_asked];
@@ -584,18 +584,18 @@ static ric_status inner_events(ric_trace *tr, double h, int test, double to, boo
     if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &list.n, retry);
     if (status || *retry) return status;
     double lost = lost_length(tr);
-    if (lost > 0) ric_trace_widen(tr, tr->blind == 0, tr->blind_at);
+    if (lost > 0) ric_continuation_widen(tr, tr->blind == 0, tr->blind_at);
     tr->blind += lost;
     qsort(roots, (size_t)list.n, sizeof *roots, by_place);
     for (int i = 0; i < list.n && !status; i++)
         if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&
             !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
-            status = ric_trace_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
+            status = ric_continuation_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
                                                     * points */
     return status;
 }
 
-ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
+ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retry)
 {
     int test;
     double end;
@@ -607,7 +607,7 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
     unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT)
                                                                                 : terminal;
-    ric_samples_begin(tr, h);
+    ric_event_samples_begin(tr, h);
     ric_status status = find_end(tr, which, h, &test, &end, retry);
     if (status || *retry) return status;
     if (test >= 0 && crossed) {
@@ -624,8 +624,8 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
         test = read;
         tr->arrival = read == RIC_TEST_DET;
         end_by(tr, test);
-        if (tr->arrival && (status = ric_arrival_settle(tr->chain, tr->mid.u))) return status;
-        if ((status = ric_trace_fill(tr, tr->mid.s, &tr->mid))) return status;
+        if (tr->arrival && (status = ric_symmetric_end_settle(tr->chain, tr->mid.u))) return status;
+        if ((status = ric_continuation_fill(tr, tr->mid.s, &tr->mid))) return status;
         tr->mid.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     } else if (test < 0) {
         return close_up(tr, home, s);
@@ -635,5 +635,5 @@ ric_status ric_event_find(ric_trace *tr, double h, bool *done, bool *retry)
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
-    return ric_trace_keep(tr, &tr->mid);
+    return ric_continuation_keep(tr, &tr->mid);
 }

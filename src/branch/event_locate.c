@@ -13,7 +13,7 @@
 
 /* ------------------------------------------------------------------ location */
 
-void ric_event_cubic(const ric_trace *tr, double x, double h, double *u)
+void ric_event_cubic(const ric_continuation *tr, double x, double h, double *u)
 {
     const ric_station *a = &tr->now, *b = &tr->next;
     double y = x / h, H = b->s - a->s;
@@ -22,26 +22,26 @@ void ric_event_cubic(const ric_trace *tr, double x, double h, double *u)
     for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
 }
 
-ric_status ric_event_solve(ric_trace *tr, double x, double h, ric_station *out, bool *good)
+ric_status ric_event_solve(ric_continuation *tr, double x, double h, ric_station *out, bool *good)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const ric_station *a = &tr->now;
     int iterations;
     ric_event_cubic(tr, x, h, out->u);
-    *good = ric_trace_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
+    *good = ric_continuation_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
     tr->evaluations += iterations + 1;
     out->solved = *good;
     out->s = a->s + (tr->next.s - a->s) * (x / h);
     if (!*good) return RIC_OK;
-    double sign = ric_trace_tangent(c, a->t, out->t);
-    return ric_trace_examine(tr, out, sign);
+    double sign = ric_continuation_tangent(c, a->t, out->t);
+    return ric_continuation_examine(tr, out, sign);
 }
 
-double ric_event_value(const ric_trace *tr, int test, const ric_station *p)
+double ric_event_value(const ric_continuation *tr, int test, const ric_station *p)
 {
     if (test < RIC_N_TEST) return p->test[test];
-    const ric_asked *asked = ric_trace_asked(tr, test);
-    if (asked) return ric_asked_off(asked, p->row.energy, p->row.frequency);
+    const ric_user_point *asked = ric_continuation_user_point(tr, test);
+    if (asked) return ric_user_point_off(asked, p->row.energy, p->row.frequency);
     return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
 }
 
@@ -56,7 +56,7 @@ static double height(int test, const ric_station *p, double value)
 }
 
 /* Brent's method. */
-ric_status ric_event_locate(ric_trace *tr, int test, double xa, double fa, double xb, double fb, double h,
+ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h,
                             double *where, bool *zero)
 {
     double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a,
@@ -128,7 +128,7 @@ static void lagrange(const double *x, double at, double *value, double *slope)
     }
 }
 
-double ric_bridge_test(const ric_trace *tr, const ric_bridge *q, int test, double at)
+double ric_event_bridge_test(const ric_continuation *tr, const ric_event_bridge *q, int test, double at)
 {
     double value[4], slope[4], sum = 0;
     int n_pair = tr->floquet.n_pair;
@@ -141,7 +141,7 @@ double ric_bridge_test(const ric_trace *tr, const ric_bridge *q, int test, doubl
 }
 
 /* Solves at the four distances q->x; false if one of them does not converge. */
-static ric_status build_at(ric_trace *tr, double h, ric_bridge *q, bool *good)
+static ric_status build_at(ric_continuation *tr, double h, ric_event_bridge *q, bool *good)
 {
     size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
     *good = true;
@@ -157,7 +157,7 @@ static ric_status build_at(ric_trace *tr, double h, ric_bridge *q, bool *good)
 
 /* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be
  * noise. Where the branch bends too much for that, they lie within the step. */
-ric_status ric_bridge_build(ric_trace *tr, double h, ric_bridge *q)
+ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_bridge *q)
 {
     static const double place[4] = {-1, -0.5, 0.5, 1};
     size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
@@ -181,18 +181,18 @@ ric_status ric_bridge_build(ric_trace *tr, double h, ric_bridge *q)
 }
 
 /* By bisection on the cubic. */
-double ric_bridge_root(const ric_trace *tr, const ric_bridge *q, int test, double a, double b, double sign,
+double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge *q, int test, double a, double b, double sign,
                        double known)
 {
     for (int i = 0; i < 60; i++) {
-        double m = (a + b) / 2, fm = ric_bridge_test(tr, q, test, m) * (m < known ? -1 : 1);
+        double m = (a + b) / 2, fm = ric_event_bridge_test(tr, q, test, m) * (m < known ? -1 : 1);
         if (sign * fm > 0) a = m;
         else b = m;
     }
     return (a + b) / 2;
 }
 
-void ric_bridge_station(const ric_trace *tr, const ric_bridge *q, double x, double h, ric_station *out)
+void ric_event_bridge_station(const ric_continuation *tr, const ric_event_bridge *q, double x, double h, ric_station *out)
 {
     int size = tr->chain->n_unknown;
     double value[4], slope[4], norm = 0;

@@ -1,4 +1,4 @@
-/* Between event.c and event_place.c: places within a step from `now` to `next`, of length h, by their distance x from
+/* Between event.c and event_locate.c: places within a step from `now` to `next`, of length h, by their distance x from
  * `now`. */
 #ifndef RIC_BRANCH_EVENT_PARTS_H
 #define RIC_BRANCH_EVENT_PARTS_H
@@ -14,47 +14,47 @@
 #define CROSSING 1e-3
 
 /* The unknowns [n_unknown] on the cubic through now and next. */
-void ric_event_cubic(const ric_trace *trace, double x, double h, double *u);
+void ric_event_cubic(const ric_continuation *trace, double x, double h, double *u);
 /* Solves at x, starting from the cubic; *good: it converged. */
-ric_status ric_event_solve(ric_trace *trace, double x, double h, ric_station *out, bool *good);
+ric_status ric_event_solve(ric_continuation *trace, double x, double h, ric_station *out, bool *good);
 /* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
-double ric_event_value(const ric_trace *trace, int test, const ric_station *station);
+double ric_event_value(const ric_continuation *trace, int test, const ric_station *station);
 /* The zero of a test function that is fa at xa and fb, of the other sign, at xb; the station there is left in
  * trace->mid. *zero: it is a true one, no pole and no hop. */
-ric_status ric_event_locate(ric_trace *trace, int test, double xa, double fa, double xb, double fb, double h,
+ric_status ric_event_locate(ric_continuation *trace, int test, double xa, double fa, double xb, double fb, double h,
                             double *where, bool *zero);
 
 /* Values [RIC_N_TEST + n_resonance] at a point of the step. */
-double *ric_samples_values(const ric_trace *trace, int i);
+double *ric_event_samples_values(const ric_continuation *trace, int i);
 /* Starts with the two ends of a step; keeps the last points of a step that has been accepted. */
-void ric_samples_begin(ric_trace *trace, double h);
-void ric_samples_shift(ric_trace *trace);
+void ric_event_samples_begin(ric_continuation *trace, double h);
+void ric_event_samples_shift(ric_continuation *trace);
 /* Drops the points beyond `end`, which becomes the last one. */
-ric_status ric_samples_cut(ric_trace *trace, double end, double h);
+ric_status ric_event_samples_cut(ric_continuation *trace, double end, double h);
 /* One more point, unless one is there; how often the tests `which` and the resonances change their signs. */
-ric_status ric_samples_add(ric_trace *trace, double x, double h);
-int ric_samples_changes(const ric_trace *trace, unsigned which);
+ric_status ric_event_samples_add(ric_continuation *trace, double x, double h);
+int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
 /* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows. from, to: places where
  * functions may have poles, or NAN. */
-ric_status ric_samples_refine(ric_trace *trace, unsigned which, bool pairs, double from, double to, double h);
+ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs, double from, double to, double h);
 /* More points at distances from `end` that fall from that of `other` to `least`. */
-ric_status ric_samples_approach(ric_trace *trace, double end, double other, double least, double h);
+ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other, double least, double h);
 
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];
     double *u;   /* [4 * n_unknown] */
     double *own; /* [4 * 2 * n_pair], behind u */
-} ric_bridge;
+} ric_event_bridge;
 
-ric_status ric_bridge_build(ric_trace *trace, double h, ric_bridge *out);
+ric_status ric_event_bridge_build(ric_continuation *trace, double h, ric_event_bridge *out);
 /* A test function or a resonance at x. */
-double ric_bridge_test(const ric_trace *trace, const ric_bridge *bridge, int test, double x);
+double ric_event_bridge_test(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double x);
 /* Its zero between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided
  * out; `sign` is that at a. */
-double ric_bridge_root(const ric_trace *trace, const ric_bridge *bridge, int test, double a, double b, double sign,
+double ric_event_bridge_root(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double a, double b, double sign,
                        double known);
 /* The point at x read off the cubics; nothing is solved. */
-void ric_bridge_station(const ric_trace *trace, const ric_bridge *bridge, double x, double h, ric_station *out);
+void ric_event_bridge_station(const ric_continuation *trace, const ric_event_bridge *bridge, double x, double h, ric_station *out);
 
 #endif

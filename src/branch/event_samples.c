@@ -18,14 +18,14 @@
 #define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
 #define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
 
-double *ric_samples_values(const ric_trace *tr, int i)
+double *ric_event_samples_values(const ric_continuation *tr, int i)
 {
     return tr->samples.values + (size_t)i * (size_t)(RIC_N_TEST + tr->n_resonance);
 }
 
-static void take(ric_trace *tr, int i, double x, const ric_station *p)
+static void take(ric_continuation *tr, int i, double x, const ric_station *p)
 {
-    double *value = ric_samples_values(tr, i);
+    double *value = ric_event_samples_values(tr, i);
     tr->samples.x[i] = x;
     memcpy(value, p->test, sizeof p->test);
     bool lost = false; /* some pair, in rounding: then the others do not tell what is passed */
@@ -35,15 +35,15 @@ static void take(ric_trace *tr, int i, double x, const ric_station *p)
             lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
 }
 
-static ric_status insert(ric_trace *tr, double x, double h, bool *good)
+static ric_status insert(ric_continuation *tr, double x, double h, bool *good)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     ric_status status = ric_event_solve(tr, x, h, &tr->mid, good);
     if (status || !*good) return status;
     int i = q->n;
     for (; i > q->now && q->x[i - 1] > x; i--) {
         q->x[i] = q->x[i - 1];
-        memcpy(ric_samples_values(tr, i), ric_samples_values(tr, i - 1),
+        memcpy(ric_event_samples_values(tr, i), ric_event_samples_values(tr, i - 1),
                (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
     }
     take(tr, i, x, &tr->mid);
@@ -51,22 +51,22 @@ static ric_status insert(ric_trace *tr, double x, double h, bool *good)
     return RIC_OK;
 }
 
-void ric_samples_begin(ric_trace *tr, double h)
+void ric_event_samples_begin(ric_continuation *tr, double h)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     double scale = h / (tr->next.s - tr->now.s);
     q->now = q->n_past;
     for (int i = 0; i < q->now; i++) q->x[i] = (q->s[i] - tr->now.s) * scale;
     take(tr, q->now, 0, &tr->now);
     for (int i = 0; i < RIC_N_TEST; i++) /* what vanishes at the start, or is without bound there */
-        if (tr->ignore & 1u << i) ric_samples_values(tr, q->now)[i] = NAN;
+        if (tr->ignore & 1u << i) ric_event_samples_values(tr, q->now)[i] = NAN;
     take(tr, q->now + 1, h, &tr->next);
     q->n = q->now + 2;
 }
 
-ric_status ric_samples_add(ric_trace *tr, double x, double h)
+ric_status ric_event_samples_add(ric_continuation *tr, double x, double h)
 {
-    const ric_samples *q = &tr->samples;
+    const ric_event_samples *q = &tr->samples;
     double near = FINEST * tr->chain->scale;
     bool good;
     for (int i = q->now; i < q->n; i++)
@@ -74,15 +74,15 @@ ric_status ric_samples_add(ric_trace *tr, double x, double h)
     return q->n == RIC_MOST_SAMPLES ? RIC_OK : insert(tr, x, h, &good);
 }
 
-int ric_samples_changes(const ric_trace *tr, unsigned which)
+int ric_event_samples_changes(const ric_continuation *tr, unsigned which)
 {
-    const ric_samples *q = &tr->samples;
+    const ric_event_samples *q = &tr->samples;
     int count = 0;
     for (int test = 0; test < RIC_N_TEST + tr->n_resonance; test++) {
         double last = 0;
         if (test < RIC_N_TEST && !(which >> test & 1)) continue;
         for (int i = q->now; i < q->n; i++) {
-            double value = ric_samples_values(tr, i)[test];
+            double value = ric_event_samples_values(tr, i)[test];
             count += last * value < 0;
             if (value != 0) last = value;
         }
@@ -90,23 +90,23 @@ int ric_samples_changes(const ric_trace *tr, unsigned which)
     return count;
 }
 
-ric_status ric_samples_cut(ric_trace *tr, double end, double h)
+ric_status ric_event_samples_cut(ric_continuation *tr, double end, double h)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     bool good;
     while (q->n > q->now + 1 && q->x[q->n - 1] >= end) q->n--;
     return insert(tr, end, h, &good);
 }
 
-void ric_samples_shift(ric_trace *tr)
+void ric_event_samples_shift(ric_continuation *tr)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     size_t count = (size_t)(RIC_N_TEST + tr->n_resonance);
     int kept = q->n - 1 < RIC_PAST_SAMPLES ? q->n - 1 : RIC_PAST_SAMPLES, first = q->n - 1 - kept;
     double scale = (tr->next.s - tr->now.s) / q->x[q->n - 1];
     for (int i = 0; i < kept; i++) {
         q->s[i] = tr->now.s + q->x[first + i] * scale;
-        memmove(ric_samples_values(tr, i), ric_samples_values(tr, first + i), count * sizeof(double));
+        memmove(ric_event_samples_values(tr, i), ric_event_samples_values(tr, first + i), count * sizeof(double));
     }
     q->n_past = kept;
 }
@@ -141,20 +141,20 @@ static bool shows_more(const curve *c)
     return false;
 }
 
-static bool resolved(const ric_trace *tr, int i, int test)
+static bool resolved(const ric_continuation *tr, int i, int test)
 {
-    const ric_samples *q = &tr->samples;
+    const ric_event_samples *q = &tr->samples;
     double x[4], f[4];
     int n = 2;
     for (int j = 0; j < 2; j++) {
         x[j] = q->x[i + j] - q->x[i];
-        f[j] = ric_samples_values(tr, i + j)[test];
+        f[j] = ric_event_samples_values(tr, i + j)[test];
     }
     if (f[0] == 0 || f[1] == 0 || !isfinite(f[0] + f[1])) return true;
     for (int before = i - 1, after = i + 2; n < 4 && (before >= 0 || after < q->n);) {
         bool first = after >= q->n || (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
         int j = first ? before-- : after++;
-        f[n] = ric_samples_values(tr, j)[test];
+        f[n] = ric_event_samples_values(tr, j)[test];
         x[n] = q->x[j] - q->x[i];
         if (isfinite(f[n])) n++;
     }
@@ -171,22 +171,22 @@ static bool resolved(const ric_trace *tr, int i, int test)
 }
 
 /* Where one end of an interval has multipliers and the other has lost them. */
-static bool half_lost(const ric_trace *tr, int i, double from, double to)
+static bool half_lost(const ric_continuation *tr, int i, double from, double to)
 {
-    const ric_samples *q = &tr->samples;
+    const ric_event_samples *q = &tr->samples;
     double length = q->x[i + 1] - q->x[i], near = HUGE_VAL;
     if (tr->n_resonance == 0) return false;
     if (from >= 0 && q->x[i] == from) return false; /* a pole */
     if (from >= 0) near = fmin(near, q->x[i + 1] - from);
     if (to >= 0) near = fmin(near, to - q->x[i]);
     bool known[2];
-    for (int j = 0; j < 2; j++) known[j] = isfinite(ric_samples_values(tr, i + j)[RIC_N_TEST]);
+    for (int j = 0; j < 2; j++) known[j] = isfinite(ric_event_samples_values(tr, i + j)[RIC_N_TEST]);
     return known[0] != known[1] && length > fmin(LOST_LEAST * tr->chain->scale, LOST_WIDTH * near);
 }
 
 /* ------------------------------------------------------------------- the step */
 
-static bool all_resolved(const ric_trace *tr, int i, unsigned which, bool pairs)
+static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool pairs)
 {
     for (int test = 0; test < RIC_N_TEST; test++)
         if (which >> test & 1 && !resolved(tr, i, test)) return false;
@@ -195,9 +195,9 @@ static bool all_resolved(const ric_trace *tr, int i, unsigned which, bool pairs)
     return true;
 }
 
-ric_status ric_samples_refine(ric_trace *tr, unsigned which, bool pairs, double from, double to, double h)
+ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool pairs, double from, double to, double h)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     double finest = FINEST * tr->chain->scale;
     for (int i = q->now; i + 1 < q->n;) {
         double a = q->x[i], b = q->x[i + 1];
@@ -209,16 +209,16 @@ ric_status ric_samples_refine(ric_trace *tr, unsigned which, bool pairs, double 
             if (status) return status;
             if (good && i > q->now) i--; /* what is new tells more of the neighbour, too */
         }
-        if (!fine && !good) ric_trace_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
+        if (!fine && !good) ric_continuation_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
         if (!good) i++;
     }
     return RIC_OK;
 }
 
 /* Points at distances from an end of the interval that fall by RATIO. */
-ric_status ric_samples_approach(ric_trace *tr, double end, double other, double least, double h)
+ric_status ric_event_samples_approach(ric_continuation *tr, double end, double other, double least, double h)
 {
-    ric_samples *q = &tr->samples;
+    ric_event_samples *q = &tr->samples;
     bool good;
     for (double d = fabs(other - end) / RATIO; d >= least && q->n < RIC_MOST_SAMPLES; d /= RATIO) {
         ric_status status = insert(tr, other > end ? end + d : end - d, h, &good);

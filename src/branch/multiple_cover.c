@@ -23,7 +23,7 @@
 #define MULTIPLIER 1e-3 /* accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
 
 /* The word of the chain repeats itself after `step` flights, with the faces exchanged for sign = -1. */
-static bool word_repeats(const ric_chain *c, int step, int sign)
+static bool word_repeats(const ric_shooting *c, int step, int sign)
 {
     for (int k = 0; k + step <= c->n_flight; k++) {
         int f = c->face[k];
@@ -35,7 +35,7 @@ static bool word_repeats(const ric_chain *c, int step, int sign)
 
 /* By its flight times the orbit may be near one that repeats itself after `step` flights, and is none: on a duplicate
  * all along there is nothing ahead. */
-static bool may_repeat(const ric_chain *c, const double *u, int step)
+static bool may_repeat(const ric_shooting *c, const double *u, int step)
 {
     const double *tau = u + c->n_start;
     double sum = 0, limit = NEAR * c->scale;
@@ -48,11 +48,11 @@ static bool may_repeat(const ric_chain *c, const double *u, int step)
 
 /* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first
  * image. */
-static double average(ric_chain *c, const double *u, int order, int sign, double *mean)
+static double average(ric_shooting *c, const double *u, int order, int sign, double *mean)
 {
     int n = 2 * c->n, step = c->n_flight / order;
     double distance = 0;
-    ric_chain_fly(c, u);
+    ric_shooting_fly(c, u);
     memset(mean, 0, (size_t)c->n_unknown * sizeof *mean);
     for (int k = 0, s = 1; k < order; k++, s *= sign)
         for (int i = 0; i < n; i++) mean[i] += s * c->w[n * step * k + i] / order;
@@ -64,7 +64,7 @@ static double average(ric_chain *c, const double *u, int order, int sign, double
 }
 
 /* The same of an orbit without events, one flight: its images start across the flow at its own start. */
-static double average_smooth(const ric_chain *c, const double *u, int order, int sign, double *mean)
+static double average_smooth(const ric_shooting *c, const double *u, int order, int sign, double *mean)
 {
     int n = 2 * c->n;
     double w[n], rate[n], distance = 0;
@@ -88,7 +88,7 @@ static double average_smooth(const ric_chain *c, const double *u, int order, int
 
 /* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for every r from 3
  * on. */
-static void distances(const ric_chain *c, const double *u, int sign, double *out)
+static void distances(const ric_shooting *c, const double *u, int sign, double *out)
 {
     int n = 2 * c->n;
     double w[n], rate[n], time = 0;
@@ -107,19 +107,19 @@ static void distances(const ric_chain *c, const double *u, int sign, double *out
 
 /* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and looks for a multiplier
  * of the order. */
-static ric_status solve_short(const ric_chain *c, int order, int sign, double *u, bool *found)
+static ric_status solve_short(const ric_shooting *c, int order, int sign, double *u, bool *found)
 {
     bool smooth = c->model->smooth; /* one flight for all periods */
     int n = 2 * c->n, step = smooth ? 1 : c->n_flight / order, iterations;
-    ric_chain *one = NULL;
+    ric_shooting *one = NULL;
     ric_floquet floquet = {0};
     double v[n + step], du[n + step];
-    ric_status status = ric_chain_create(c->model, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sign, step, c->face, &one);
+    ric_status status = ric_shooting_create(c->model, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sign, step, c->face, &one);
     *found = false;
     if (status || (status = ric_floquet_create(c->n, &floquet))) goto out;
     memcpy(v, u, sizeof v);
     if (smooth) v[n] /= order;
-    if (!ric_trace_correct(one, v, NULL, NULL, 0, du, &iterations)) goto out;
+    if (!ric_continuation_correct(one, v, NULL, NULL, 0, du, &iterations)) goto out;
     if ((status = ric_floquet_compute(one, &floquet))) goto out;
     for (int i = 0; i < floquet.n_pair; i++)
         for (int k = 1; 2 * k < order; k++)
@@ -128,27 +128,27 @@ static ric_status solve_short(const ric_chain *c, int order, int sign, double *u
     for (int k = 0; k < c->n_flight; k++) u[n + k] = v[n + k % step];
     if (smooth) {
         u[n] *= order;
-        ric_nodes_spread(c, u);
+        ric_shooting_nodes_spread(c, u);
     }
 out:
-    ric_chain_free(one);
+    ric_shooting_free(one);
     ric_floquet_release(&floquet);
     return status;
 }
 
 /* An orbit that is no station; in its tests everything is at zero. */
-static ric_status fill_row(ric_trace *tr, double s, ric_station *p)
+static ric_status fill_row(ric_continuation *tr, double s, ric_station *p)
 {
     memcpy(p->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *p->t);
-    ric_status status = ric_trace_fill(tr, s, p);
+    ric_status status = ric_continuation_fill(tr, s, p);
     p->row.stable = RIC_STABLE_UNDECIDED;
     return status;
 }
 
 /* For one order. At distance d the mean is off by d^2 (by d at order 3, where the branch passes with a slope). */
-static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *found, ric_station *out)
+static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bool *found, ric_station *out)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     double before[c->n_unknown], now[c->n_unknown];
     bool smooth = c->model->smooth;
     double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before)
@@ -159,7 +159,7 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
     if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
     double slope = (d0 - d1) / (tr->now.s - tr->past.s), left = d1 / slope, nearest = d1 / fmax(FASTEST, 2 * slope);
     double x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
-    ric_chain_evaluate(c, tr->now.u);
+    ric_shooting_evaluate(c, tr->now.u);
     bool flat = order > 3 && c->smallest < FLAT;
     /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls faster; and the
      * determinant vanishes there, too */
@@ -183,16 +183,16 @@ static ric_status ahead(ric_trace *tr, int order, int sign, double *h, bool *fou
 
 /* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without events, by its
  * `distances`. */
-static bool candidate(const ric_chain *c, const double *u, int r, int sign, const double *distances)
+static bool candidate(const ric_shooting *c, const double *u, int r, int sign, const double *distances)
 {
     if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
     if (c->model->smooth) return distances[r] <= NEAR * c->scale && distances[r] > REPEATED * c->scale;
     return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) && word_repeats(c, c->n_flight / r, sign);
 }
 
-ric_status ric_repeat_ahead(ric_trace *tr, double *h, int *order, ric_station *out)
+ric_status ric_multiple_cover_ahead(ric_continuation *tr, double *h, int *order, ric_station *out)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     bool smooth = c->model->smooth;
     double distance[2][RIC_COPIES + 1];
     *order = 0;

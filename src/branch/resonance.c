@@ -33,7 +33,7 @@ ric_resonance *ric_resonance_list(bool half, int largest, int *n)
     for (int q = 2; list && q <= largest; q++)
         for (int p = 1; p < q; p++) {
             if (common_divisor(p, q) > 1 || (!half && 2 * p > q)) continue;
-            list[(*n)++] = (ric_resonance){ric_problem_rho(half, p, q), p, q};
+            list[(*n)++] = (ric_resonance){ric_symmetry_rho(half, p, q), p, q};
         }
     if (list) qsort(list, (size_t)*n, sizeof *list, by_rho);
     return list;

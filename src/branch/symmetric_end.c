@@ -21,14 +21,14 @@
 #define SETTLE_STEPS 3
 #define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
-/* Unknowns of a cycle in the convention of ric_cycle_to_chain (a chain may start at either of its mirror points);
+/* Unknowns of a cycle in the convention of ric_periodic_to_chain (a chain may start at either of its mirror points);
  * allocated. */
-static double *unknowns(const ric_model *m, const ric_cycle *cycle)
+static double *unknowns(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL;
-    if (cycle && ric_cycle_to_chain(m, cycle, &chain, &u)) u = NULL;
-    ric_chain_free(chain);
+    if (cycle && ric_periodic_to_chain(m, cycle, &chain, &u)) u = NULL;
+    ric_shooting_free(chain);
     return u;
 }
 
@@ -59,138 +59,138 @@ static double middle(int size, const double *here, const double *near, const dou
 }
 
 /* Unknowns of a cycle without mirror points as it stands. */
-static void free_unknowns(const ric_chain *c, const ric_cycle *cycle, double *u)
+static void free_unknowns(const ric_shooting *c, const ric_periodic *cycle, double *u)
 {
     memcpy(u, cycle->w, 2 * (size_t)c->n * sizeof *u);
-    u[2 * c->n] = ric_cycle_period(cycle) / c->multiple;
-    ric_nodes_spread(c, u);
+    u[2 * c->n] = ric_periodic_period(cycle) / c->multiple;
+    ric_shooting_nodes_spread(c, u);
 }
 
 /* An orbit of a chain without events as a cycle that starts where the chain does; NULL: no memory. */
-static ric_cycle *free_cycle(const ric_chain *c, const double *u)
+static ric_periodic *free_cycle(const ric_shooting *c, const double *u)
 {
-    ric_cycle *cycle = ric_cycle_create(c->n, 1);
+    ric_periodic *cycle = ric_periodic_create(c->n, 1);
     if (!cycle) return NULL;
     memcpy(cycle->w, u, 2 * (size_t)c->n * sizeof *u);
     cycle->tau[0] = c->multiple * u[2 * c->n];
     cycle->face[0] = -1;
-    if (ric_cycle_mark(cycle, 2)) return cycle;
-    ric_cycle_free(cycle);
+    if (ric_periodic_mark(cycle, 2)) return cycle;
+    ric_periodic_free(cycle);
     return NULL;
 }
 
 /* turned_round of orbits without events or mirror points: the operation comes with any shift in time, which is that
  * which keeps `here`, or half a period more. */
-static bool turned_freely(const ric_trace *tr, const ric_crossed *place, int from, int to, double *aside)
+static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, int from, int to, double *aside)
 {
-    const ric_chain *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
     *aside = 0;
-    ric_cycle *here = free_cycle(c, place->at), *near = free_cycle(c, place->beside);
+    ric_periodic *here = free_cycle(c, place->at), *near = free_cycle(c, place->beside);
     for (int op = from; here && near && op <= to; op++) {
-        ric_cycle *image = ric_cycle_transform(m, here, 0, op & 1, op & 2);
-        double time = image && op ? ric_cycle_phase(m, here, image) : 0;
-        ric_cycle_free(image);
+        ric_periodic *image = ric_periodic_transform(m, here, 0, op & 1, op & 2);
+        double time = image && op ? ric_periodic_phase(m, here, image) : 0;
+        ric_periodic_free(image);
         for (int s = op == 0; s < 2 && !found; s++) {
-            double shift = time + s * ric_cycle_period(here) / 2, same[c->n_unknown], w[c->n_unknown];
-            ric_cycle *image_here = ric_cycle_transform(m, here, 0, op & 1, op & 2),
-                      *image_near = ric_cycle_transform(m, near, 0, op & 1, op & 2);
+            double shift = time + s * ric_periodic_period(here) / 2, same[c->n_unknown], w[c->n_unknown];
+            ric_periodic *image_here = ric_periodic_transform(m, here, 0, op & 1, op & 2),
+                      *image_near = ric_periodic_transform(m, near, 0, op & 1, op & 2);
             if (image_here && image_near) {
-                ric_cycle_shift(m, here, shift, image_here);
-                double distance = ric_cycle_distance(here, image_here);
+                ric_periodic_shift(m, here, shift, image_here);
+                double distance = ric_periodic_distance(here, image_here);
                 free_unknowns(c, image_here, same);
                 if (distance < MAY_BE_SAME) {
-                    ric_cycle_shift(m, here, shift, image_near);
+                    ric_periodic_shift(m, here, shift, image_near);
                     free_unknowns(c, image_near, w);
                     bool turned = opposite(c->n_unknown, place->at, place->beyond, w);
                     found = turned && distance < SAME_ORBIT;
                     if (turned && !found) *aside = middle(c->n_unknown, place->at, place->beside, same);
                 }
             }
-            ric_cycle_free(image_here);
-            ric_cycle_free(image_near);
+            ric_periodic_free(image_here);
+            ric_periodic_free(image_near);
         }
     }
-    ric_cycle_free(here);
-    ric_cycle_free(near);
+    ric_periodic_free(here);
+    ric_periodic_free(near);
     return found;
 }
 
 /* The unknowns of an orbit of the trace as those of its cycle. */
-static double *turned_unknowns(const ric_trace *tr, const double *u)
+static double *turned_unknowns(const ric_continuation *tr, const double *u)
 {
-    ric_cycle *cycle = ric_trace_cycle(tr, u);
+    ric_periodic *cycle = ric_continuation_cycle(tr, u);
     double *out = unknowns(tr->chain->model, cycle);
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     return out;
 }
 
 /* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x -> -x, 3 both, each
  * with a shift; 0 shifts only) keeps the orbit there and turns the branch round. Where one all but does, *aside is how
  * far towards `beside` the middle between the orbit and its image lies; else 0. */
-static bool turned_round(const ric_trace *tr, const ric_crossed *place, int from, int to, double *aside)
+static bool turned_round(const ric_continuation *tr, const ric_crossed *place, int from, int to, double *aside)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
     if (m->smooth && c->start == RIC_MIRROR_NONE) return turned_freely(tr, place, from, to, aside);
     *aside = 0;
-    ric_cycle *here = ric_trace_cycle(tr, place->at), *near = ric_trace_cycle(tr, place->beside);
+    ric_periodic *here = ric_continuation_cycle(tr, place->at), *near = ric_continuation_cycle(tr, place->beside);
     double *u = unknowns(m, here), *v = unknowns(m, near), *x = turned_unknowns(tr, place->beyond);
     for (int op = from; u && v && x && !found && op <= to; op++)
         for (int s = 0; s < here->N && !found; s++) {
             if (op == 0 && s == 0) continue;
-            ric_cycle *image = ric_cycle_transform(m, here, s, op & 1, op & 2);
+            ric_periodic *image = ric_periodic_transform(m, here, s, op & 1, op & 2);
             double distance = image && image->pure == here->pure && image->flip == here->flip
-                                  ? ric_cycle_distance(here, image)
+                                  ? ric_periodic_distance(here, image)
                                   : HUGE_VAL;
             double *same = distance < MAY_BE_SAME ? unknowns(m, image) : NULL;
-            ric_cycle_free(image);
+            ric_periodic_free(image);
             if (!same) continue;
-            image = ric_cycle_transform(m, near, s, op & 1, op & 2);
+            image = ric_periodic_transform(m, near, s, op & 1, op & 2);
             double *w = unknowns(m, image);
             bool turned = w && opposite(c->n_unknown, u, x, w);
             found = turned && distance < SAME_ORBIT;
             if (turned && !found) *aside = middle(c->n_unknown, u, v, same);
             free(w);
             free(same);
-            ric_cycle_free(image);
+            ric_periodic_free(image);
         }
     free(u);
     free(v);
     free(x);
-    ric_cycle_free(here);
-    ric_cycle_free(near);
+    ric_periodic_free(here);
+    ric_periodic_free(near);
     return found;
 }
 
-bool ric_arrival_meets(const ric_trace *tr, const ric_crossed *place, double *aside)
+bool ric_symmetric_end_meets(const ric_continuation *tr, const ric_crossed *place, double *aside)
 {
-    return turned_round(tr, place, 0, ric_cycle_operations(tr->chain->model) - 1, aside);
+    return turned_round(tr, place, 0, ric_periodic_operations(tr->chain->model) - 1, aside);
 }
 
-bool ric_arrival_passes(const ric_trace *tr, const ric_crossed *place)
+bool ric_symmetric_end_passes(const ric_continuation *tr, const ric_crossed *place)
 {
     if (tr->chain->model->symmetric) return false;
-    ric_cycle *cycle = ric_trace_cycle(tr, place->at);
+    ric_periodic *cycle = ric_continuation_cycle(tr, place->at);
     double aside;
-    bool mirrors = cycle && ric_cycle_mirrors(tr->chain->model, cycle);
-    ric_cycle_free(cycle);
+    bool mirrors = cycle && ric_periodic_mirrors(tr->chain->model, cycle);
+    ric_periodic_free(cycle);
     return mirrors && turned_round(tr, place, 2, 3, &aside);
 }
 
-bool ric_arrival_repeats(const ric_trace *tr, const double *at)
+bool ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)
 {
-    ric_cycle *cycle = ric_trace_cycle(tr, at);
-    bool result = cycle && ric_cycle_repeats(tr->chain->model, cycle, SAME_ORBIT);
-    ric_cycle_free(cycle);
+    ric_periodic *cycle = ric_continuation_cycle(tr, at);
+    bool result = cycle && ric_periodic_repeats(tr->chain->model, cycle, SAME_ORBIT);
+    ric_periodic_free(cycle);
     return result;
 }
 
 /* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to
  * drop is known. */
-static double cut(const ric_chain *c, int rows, int columns, const double *J, double *work, double *right)
+static double cut(const ric_shooting *c, int rows, int columns, const double *J, double *work, double *right)
 {
     int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
     double values[rows];
@@ -203,38 +203,38 @@ static double cut(const ric_chain *c, int rows, int columns, const double *J, do
 }
 
 /* Symmetries within `tolerance` beyond those of the form that the cycle of a chain has; takes the cycle over. */
-static bool has_more(const ric_model *m, ric_cycle *cycle, double tolerance)
+static bool has_more(const ric_model *m, ric_periodic *cycle, double tolerance)
 {
-    ric_cycle *seen = cycle ? ric_cycle_copy(cycle) : NULL;
-    bool more = seen && (ric_cycle_find_symmetries(m, seen, tolerance) > 1 || (seen->half && !cycle->half) ||
+    ric_periodic *seen = cycle ? ric_periodic_copy(cycle) : NULL;
+    bool more = seen && (ric_periodic_find_symmetries(m, seen, tolerance) > 1 || (seen->half && !cycle->half) ||
                          (seen->pure >= 0 && cycle->pure < 0) || (seen->flip >= 0 && cycle->flip < 0));
-    ric_cycle_free(seen);
-    ric_cycle_free(cycle);
+    ric_periodic_free(seen);
+    ric_periodic_free(cycle);
     return more;
 }
 
 /* Of words alone: all states and times are one. */
-bool ric_arrival_may_gain(const ric_chain *c)
+bool ric_symmetric_end_may_gain(const ric_shooting *c)
 {
     double nothing[c->n_unknown];
     if (c->model->smooth) return false;
     memset(nothing, 0, sizeof nothing);
-    ric_cycle *cycle = ric_cycle_from_chain(c, nothing);
+    ric_periodic *cycle = ric_periodic_from_chain(c, nothing);
     if (cycle) memset(cycle->w, 0, 2 * (size_t)c->n * sizeof *cycle->w);
     return has_more(c->model, cycle, DBL_MAX);
 }
 
-bool ric_arrival_gains(const ric_chain *c, const double *u)
+bool ric_symmetric_end_gains(const ric_shooting *c, const double *u)
 {
-    return has_more(c->model, ric_cycle_from_chain(c, u), ON_OTHER);
+    return has_more(c->model, ric_periodic_from_chain(c, u), ON_OTHER);
 }
 
 /* Newton's method with the shortest correction, without the directions that singular values below SINGULAR leave
  * undetermined. */
-ric_status ric_arrival_settle(ric_chain *c, double *u)
+ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
 {
     ric_status status = RIC_OK;
-    int columns = c->n_unknown, capacity = ric_chain_rows(c), m = capacity > columns ? capacity : columns, rank;
+    int columns = c->n_unknown, capacity = ric_shooting_rows(c), m = capacity > columns ? capacity : columns, rank;
     double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
     double *work = calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
     if (!J || !r || !work) {
@@ -243,17 +243,17 @@ ric_status ric_arrival_settle(ric_chain *c, double *u)
     }
     memcpy(v, u, (size_t)columns * sizeof *u);
     for (int i = 0; i < SETTLE_STEPS; i++) {
-        int rows = ric_chain_jacobian(c, v, J);
+        int rows = ric_shooting_jacobian(c, v, J);
         double least = rows ? cut(c, rows, columns, J, work, right) : SINGULAR;
-        ric_chain_residuals(c, v, r);
+        ric_shooting_residuals(c, v, r);
         if (!rows ||
             ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank)))
             goto out;
         for (int j = 0; j < columns; j++) v[j] -= r[j];
     }
-    ric_chain_fly(c, v);
+    ric_shooting_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (ric_trace_solved(c) && moved <= SAME_ORBIT * c->scale)
+    if (ric_continuation_solved(c) && moved <= SAME_ORBIT * c->scale)
         memcpy(u, v, (size_t)columns * sizeof *u);
 out:
     free(J);

@@ -5,10 +5,10 @@
 
 #include "continuation.h"
 
-ric_problem ric_problem_breaking(const ric_cycle *c, int test)
+ric_symmetry ric_symmetry_breaking(const ric_periodic *c, int test)
 {
     bool quarter = c->half && c->pure >= 0;
-    ric_problem out = {.copies = 1, .pure = -1, .flip = -1};
+    ric_symmetry out = {.copies = 1, .pure = -1, .flip = -1};
     if (!quarter) return out;
     /* a quarter starts at a centre: kernels of type a keep it, of type d keep the other mirror, of type b only z(t+T/2)
      * = -z(t) */
@@ -18,18 +18,18 @@ ric_problem ric_problem_breaking(const ric_cycle *c, int test)
     return out;
 }
 
-int ric_problem_order(const ric_cycle *c, int p, int q)
+int ric_symmetry_order(const ric_periodic *c, int p, int q)
 {
     return c->half && p % 2 ? 2 * q : q; /* exp(2 pi i p / (2 q)) */
 }
 
-bool ric_problem_passes(const ric_cycle *c, int p, int q)
+bool ric_symmetry_passes(const ric_periodic *c, int p, int q)
 {
-    int order = ric_problem_order(c, p, q);
+    int order = ric_symmetry_order(c, p, q);
     return order % 2 && (order == 3 || c->pure >= 0 || c->flip >= 0);
 }
 
-double ric_problem_rho(bool half, int p, int q)
+double ric_symmetry_rho(bool half, int p, int q)
 {
     return 2 * cos((half ? 1 : 2) * 3.14159265358979323846 * p / q);
 }
@@ -37,11 +37,11 @@ double ric_problem_rho(bool half, int p, int q)
 /* An orbit of the map over r of its periods is symmetric about points of both kinds if r is odd, about two of one kind
  * if r is even (Lamb and Roberts, Physica D 112 (1998)). On an S orbit the two kinds are the mirror points of either
  * reversal, half a period of the map apart, and after an odd number of half periods z has changed its sign. */
-int ric_problem_multiplying(const ric_cycle *c, int p, int q, ric_problem out[2])
+int ric_symmetry_multiplying(const ric_periodic *c, int p, int q, ric_symmetry out[2])
 {
-    int N = c->N * q, order = ric_problem_order(c, p, q);
+    int N = c->N * q, order = ric_symmetry_order(c, p, q);
     bool reversible = c->pure >= 0 || c->flip >= 0;
-    for (int i = 0; i < 2; i++) out[i] = (ric_problem){.copies = q, .half = c->half && order % 2, .pure = c->pure,
+    for (int i = 0; i < 2; i++) out[i] = (ric_symmetry){.copies = q, .half = c->half && order % 2, .pure = c->pure,
                                                        .flip = c->flip};
     if (!reversible || order % 2) return 1;
     if (c->half) {
@@ -54,9 +54,9 @@ int ric_problem_multiplying(const ric_cycle *c, int p, int q, ric_problem out[2]
     return 2;
 }
 
-ric_cycle *ric_problem_cycle(const ric_cycle *c, const ric_problem *problem)
+ric_periodic *ric_symmetry_cycle(const ric_periodic *c, const ric_symmetry *problem)
 {
-    ric_cycle *out = ric_cycle_repeat(c, problem->copies);
+    ric_periodic *out = ric_periodic_repeat(c, problem->copies);
     if (!out) return NULL;
     out->half = problem->half;
     out->pure = problem->pure;
@@ -64,19 +64,19 @@ ric_cycle *ric_problem_cycle(const ric_cycle *c, const ric_problem *problem)
     return out;
 }
 
-int ric_problem_singular(const ric_model *m, const ric_cycle *cycle, const ric_problem problems[2])
+int ric_symmetry_singular(const ric_model *m, const ric_periodic *cycle, const ric_symmetry problems[2])
 {
     double smallest[2] = {HUGE_VAL, HUGE_VAL};
     for (int i = 0; i < 2; i++) {
-        ric_chain *chain = NULL;
+        ric_shooting *chain = NULL;
         double *u = NULL;
-        ric_cycle *repeated = ric_problem_cycle(cycle, &problems[i]);
-        if (repeated && !ric_cycle_to_chain(m, repeated, &chain, &u)) {
-            ric_chain_evaluate(chain, u);
+        ric_periodic *repeated = ric_symmetry_cycle(cycle, &problems[i]);
+        if (repeated && !ric_periodic_to_chain(m, repeated, &chain, &u)) {
+            ric_shooting_evaluate(chain, u);
             smallest[i] = chain->smallest;
         }
-        ric_chain_free(chain);
-        ric_cycle_free(repeated);
+        ric_shooting_free(chain);
+        ric_periodic_free(repeated);
         free(u);
     }
     return smallest[1] < smallest[0];

@@ -7,31 +7,31 @@
 
 typedef struct {
     int copies;     /* periods of the orbit in one of the problem */
-    bool half;      /* symmetries kept, as in ric_cycle, of the repeated cycle */
+    bool half;      /* symmetries kept, as in ric_periodic, of the repeated cycle */
     int pure, flip;
-} ric_problem;
+} ric_symmetry;
 
 /* The problem in which a kernel of type `test` (RIC_TEST_A, _B, _D) leaves an orbit with the symmetries of `cycle`. */
-ric_problem ric_problem_breaking(const ric_cycle *cycle, int test);
+ric_symmetry ric_symmetry_breaking(const ric_periodic *cycle, int test);
 
 /* The inequivalent problems in which orbits of q periods leave where the rotation number is p / q; their number, 1 or
  * 2. */
-int ric_problem_multiplying(const ric_cycle *cycle, int p, int q, ric_problem out[2]);
+int ric_symmetry_multiplying(const ric_periodic *cycle, int p, int q, ric_symmetry out[2]);
 
 /* Order of the multiplier of the map in use: of half a period on an S orbit, else of the period. */
-int ric_problem_order(const ric_cycle *cycle, int p, int q);
+int ric_symmetry_order(const ric_periodic *cycle, int p, int q);
 
 /* Whether one curve of orbits passes through the multiplication, on both sides of it: where the order is odd. Without
  * mirror points the flat part around the junction cannot be crossed from order 5 on, and two branches leave. */
-bool ric_problem_passes(const ric_cycle *cycle, int p, int q);
+bool ric_symmetry_passes(const ric_periodic *cycle, int p, int q);
 
 /* lambda + 1/lambda of the map in use there. */
-double ric_problem_rho(bool half, int p, int q);
+double ric_symmetry_rho(bool half, int p, int q);
 
 /* The orbit in a problem: repeated, with the symmetries kept. NULL: no memory. */
-ric_cycle *ric_problem_cycle(const ric_cycle *cycle, const ric_problem *problem);
+ric_periodic *ric_symmetry_cycle(const ric_periodic *cycle, const ric_symmetry *problem);
 
 /* Of the two problems of a doubling only one has a kernel: which. */
-int ric_problem_singular(const ric_model *model, const ric_cycle *cycle, const ric_problem problems[2]);
+int ric_symmetry_singular(const ric_model *model, const ric_periodic *cycle, const ric_symmetry problems[2]);
 
 #endif

@@ -5,20 +5,20 @@
 
 #include "ricochet.h"
 
-#define RIC_ASKED_MAX (2 * RIC_NUMBERS_MAX)
+#define RIC_USER_POINTS_MAX (2 * RIC_NUMBERS_MAX)
 
 typedef struct {
     bool frequency;  /* of the orbit, in rad/s; else its scaled energy */
     double value;
-} ric_asked;
+} ric_user_point;
 
-/* All of them in ascending order, energies first, written to out [RIC_ASKED_MAX]; how many. */
-int ric_asked_list(const ric_explore_options *options, ric_asked *out);
+/* All of them in ascending order, energies first, written to out [RIC_USER_POINTS_MAX]; how many. */
+int ric_user_point_list(const ric_explore_options *options, ric_user_point *out);
 
 /* Relative distance of an orbit from what was asked for. */
-double ric_asked_off(const ric_asked *asked, double energy, double frequency);
+double ric_user_point_off(const ric_user_point *asked, double energy, double frequency);
 
 /* A number that stands for the list in the key of a stored trace. */
-uint64_t ric_asked_key(int n, const ric_asked *list);
+uint64_t ric_user_point_key(int n, const ric_user_point *list);
 
 #endif

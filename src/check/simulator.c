@@ -97,13 +97,13 @@ ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
     sim->K = raw + nn;
     if (n_contact > 0 && ric_model_n_face(model) == 0) {
         sim->y = sim->x;
-        if ((status = ric_springs_create(model, &sim->springs))) goto out;
+        if ((status = ric_simulator_power_create(model, &sim->springs))) goto out;
         *out = sim;
         return RIC_OK;
     }
     if ((status = make_faces(sim, model))) goto out;
-    if ((status = ric_frame_create(sim, NULL, &sim->open))) goto out;
-    ric_frame_enter(sim, sim->open);
+    if ((status = ric_simulator_frame_create(sim, NULL, &sim->open))) goto out;
+    ric_simulator_frame_enter(sim, sim->open);
     for (int f = 0; f < sim->n_face; f++) sim->face[f].cc = dot(n, sim->face[f].c, sim->face[f].c);
     *out = sim;
     sim = NULL;
@@ -115,10 +115,10 @@ out:
 void ric_simulator_free(ric_simulator *sim)
 {
     if (!sim) return;
-    ric_springs_free(sim->springs);
+    ric_simulator_power_free(sim->springs);
     for (frame *f = sim->open, *next; f; f = next) {
         next = f->next;
-        ric_frame_free(f);
+        ric_simulator_frame_free(f);
     }
     free(sim->store);
     free(sim->rough);
@@ -136,7 +136,7 @@ static ric_status examine_face(ric_simulator *sim, int f)
 {
     const face_t *face = &sim->face[f];
     real g[3];
-    ric_search_look_closely(sim, face, 0, g);
+    ric_simulator_search_look_closely(sim, face, 0, g);
     if (g[0] != 0) return RIC_OK;
     real still = ROUNDING * face->D[1], u = -g[1], acceleration = g[2], eps = sim->restitution;
     if (-u > still) {
@@ -157,13 +157,13 @@ static ric_status examine_face(ric_simulator *sim, int f)
             RIC_E_NUMERIC,
             "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
             "contact is outside the impact law, so the motion ends here",
-            ric_search_time(sim, 0), f, (double)acceleration);
+            ric_simulator_search_time(sim, 0), f, (double)acceleration);
     if (eps < 1 && u <= CHATTER * face->D[1] && face->D[3] * 2 * u / (1 - eps) <= acceleration * acceleration / 2)
         return ric_fail(
             RIC_E_NUMERIC,
             "impacts on face %d pile up before time %.9g (chatter with restitution %g); the structure comes to rest on "
             "the stop, which is outside the impact law, so the motion ends here",
-            f, ric_search_time(sim, 2 * u / acceleration / (1 - eps)), (double)eps);
+            f, ric_simulator_search_time(sim, 2 * u / acceleration / (1 - eps)), (double)eps);
     return RIC_OK;
 }
 
@@ -179,12 +179,12 @@ static ric_status find_next(ric_simulator *sim, real to)
         }
         sim->examined = true;
     }
-    for (int f = 0; f < sim->n_face; f++) chunk = fmin(chunk, PANELS * ric_search_panel(&sim->face[f]));
+    for (int f = 0; f < sim->n_face; f++) chunk = fmin(chunk, PANELS * ric_simulator_search_panel(&sim->face[f]));
     while (sim->next_face < 0 && sim->known < to) {
         real end = is_finite(chunk) ? sim->known + chunk : to;
         bool open = false;
         for (int f = 0; f < sim->n_face; f++) {
-            real t = ric_search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
+            real t = ric_simulator_search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
             open |= sim->face[f].sign * sim->face[f].rest + sim->face[f].D[0] >= sim->face[f].level;
             if (t >= sim->next) continue;
             sim->next = t;
@@ -206,14 +206,14 @@ static ric_status check_alone(const ric_simulator *sim, int f, real t)
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (k == f || other->contact == face->contact || other->spring > 0) continue;
-        real g = ric_search_look(sim, other, t).g[0];
+        real g = ric_simulator_search_look(sim, other, t).g[0];
         if (fabs(g) > TOGETHER * other->limit + other->band) continue;
         if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
         return ric_fail(
             RIC_E_NUMERIC,
             "faces %d and %d are met together at time %.9g and one impact changes the speed at the other: the impact "
             "law is undefined there, so the motion ends here",
-            f < k ? f : k, f < k ? k : f, ric_search_time(sim, t));
+            f < k ? f : k, f < k ? k : f, ric_simulator_search_time(sim, t));
     }
     return RIC_OK;
 }
@@ -224,9 +224,9 @@ static void kink_reach(ric_simulator *sim, const face_t *face, real t, real chan
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (other->contact == face->contact || other->closed) continue;
-        sample a = ric_search_look(sim, other, t);
+        sample a = ric_simulator_search_look(sim, other, t);
         real after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
-        if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, ric_search_to_reach(other, a.g[0]));
+        if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(other, a.g[0]));
     }
 }
 
@@ -250,8 +250,8 @@ static void collect_impulses(ric_simulator *sim, real t)
 static void move_state(ric_simulator *sim, real t)
 {
     collect_impulses(sim, t);
-    for (int i = 0; i < sim->n; i++) ric_search_fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
-    ric_search_move_origin(sim, t);
+    for (int i = 0; i < sim->n; i++) ric_simulator_search_fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
+    ric_simulator_search_move_origin(sim, t);
 }
 
 /* A spring engages or lets go: the state is continuous, the modes are others. */
@@ -262,19 +262,19 @@ static ric_status toggle(ric_simulator *sim, ric_impact *impact)
     face_t *face = &sim->face[f];
     const frame *other;
     real g[3], t = sim->next;
-    ric_search_scan_reach(sim, t);
+    ric_simulator_search_scan_reach(sim, t);
     sim->now = t;
-    ric_search_look_closely(sim, face, t, g);
+    ric_simulator_search_look_closely(sim, face, t, g);
     for (int k = 0; k < sim->n_face; k++) closed[k] = sim->face[k].closed != (k == f);
-    ric_status status = ric_frame_find(sim, closed, &other);
+    ric_status status = ric_simulator_frame_find(sim, closed, &other);
     if (status) return status;
     move_state(sim, t);
     if (!face->closed) face->impulse = 0;
     if (impact)
-        *impact = (ric_impact){ric_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]), (double)face->impulse,
+        *impact = (ric_impact){ric_simulator_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]), (double)face->impulse,
                                face->closed};
-    ric_frame_change(sim, other);
-    ric_search_begin(sim);
+    ric_simulator_frame_change(sim, other);
+    ric_simulator_search_begin(sim);
     return RIC_OK;
 }
 
@@ -284,24 +284,24 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
     const face_t *face = &sim->face[f];
     if (face->spring > 0) return toggle(sim, impact);
     real t = sim->next;
-    ric_search_scan_reach(sim, t);
+    ric_simulator_search_scan_reach(sim, t);
     sim->now = t;
     ric_status status = check_alone(sim, f, t);
     if (status) return status;
     real g[3];
-    ric_search_look_closely(sim, face, t, g);
+    ric_simulator_search_look_closely(sim, face, t, g);
     real speed = g[1], change = -(1 + sim->restitution) * speed / face->cc * face->side;
     if (t == 0 && speed <= ROUNDING * face->D[1])
         return ric_fail(
             RIC_E_NUMERIC,
             "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
             "ends here",
-            ric_search_time(sim, 0), f);
-    if (impact) *impact = (ric_impact){ric_search_time(sim, t), f, (double)speed, (double)fabs(change), false};
+            ric_simulator_search_time(sim, 0), f);
+    if (impact) *impact = (ric_impact){ric_simulator_search_time(sim, t), f, (double)speed, (double)fabs(change), false};
     kink_reach(sim, face, t, change);
     move_state(sim, t);
     for (int i = 0; i < n; i++) sim->p[i] += change * face->c[i];
-    ric_search_begin(sim);
+    ric_simulator_search_begin(sim);
     return RIC_OK;
 }
 
@@ -347,14 +347,14 @@ static ric_status start_here(ric_simulator *sim, const bool *given)
                 "side of it",
                 f, (double)(s - face->limit), (double)(face->side * s), (double)(face->side * face->limit));
     }
-    ric_status status = ric_frame_find(sim, closed, &other);
+    ric_status status = ric_simulator_frame_find(sim, closed, &other);
     if (status) return status;
     for (int f = 0; f < sim->n_face; f++) sim->face[f].impulse = 0;
-    ric_frame_change(sim, other);
+    ric_simulator_frame_change(sim, other);
     sim->origin = sim->origin_low = 0;
     sim->reach = 0;
-    ric_search_begin(sim);
-    ric_search_start_reach(sim);
+    ric_simulator_search_begin(sim);
+    ric_simulator_search_start_reach(sim);
     sim->started = true;
     return RIC_OK;
 }
@@ -367,7 +367,7 @@ void ric_simulator_modal(const ric_simulator *sim, const double *x, const double
         state[j] = x[j];
         state[n + j] = v[j];
     }
-    ric_frame_to_modal(sim, sim->open, false, state, w);
+    ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v)
@@ -384,7 +384,7 @@ ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double
         sim->started = true;
         return RIC_OK;
     }
-    ric_frame_enter(sim, sim->open);
+    ric_simulator_frame_enter(sim, sim->open);
     ric_simulator_modal(sim, x, v, sim->q); /* p follows q in memory */
     start_noise(sim, x, v);
     return start_here(sim, NULL);
@@ -393,7 +393,7 @@ ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double
 ric_status ric_simulator_start_modal(ric_simulator *sim, const bool *closed, const ric_real *w)
 {
     sim->started = false;
-    ric_frame_enter(sim, sim->open);
+    ric_simulator_frame_enter(sim, sim->open);
     memcpy(sim->q, w, 2 * (size_t)sim->n * sizeof *w);
     for (int f = 0; f < sim->n_face; f++) sim->face[f].noise = 0;
     return start_here(sim, closed);
@@ -420,10 +420,10 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
     if (!sim->started) return ric_fail(RIC_E_INPUT, "the simulator has no state yet; start it first");
     real to = (t - sim->origin) - sim->origin_low;
     if (!isfinite(t) || to < sim->now - 4 * DBL_EPSILON * fabs(t))
-        return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, ric_search_time(sim, sim->now));
+        return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, ric_simulator_search_time(sim, sim->now));
     to = fmax(to, sim->now);
     if (sim->springs) {
-        ric_status gone = ric_springs_go(sim->springs, to - sim->now, sim->y, NULL);
+        ric_status gone = ric_simulator_power_go(sim->springs, to - sim->now, sim->y, NULL);
         sim->now = to;
         return gone;
     }
@@ -435,7 +435,7 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
         return RIC_OK;
     }
     if ((status = check_flight(sim, to - sim->now))) return status;
-    ric_search_scan_reach(sim, to);
+    ric_simulator_search_scan_reach(sim, to);
     sim->now = to;
     return RIC_OK;
 }
@@ -444,15 +444,15 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
 static void present(const ric_simulator *sim, real *x)
 {
     real w[2 * sim->n];
-    for (int i = 0; i < sim->n; i++) ric_search_fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
-    ric_frame_to_space(sim, w, w + sim->n, x);
+    for (int i = 0; i < sim->n; i++) ric_simulator_search_fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
+    ric_simulator_frame_to_space(sim, w, w + sim->n, x);
 }
 
 void ric_simulator_state(const ric_simulator *sim, double *time, double *x, double *v)
 {
     int n = sim->n;
     real state[2 * n];
-    if (time) *time = ric_search_time(sim, sim->now);
+    if (time) *time = ric_simulator_search_time(sim, sim->now);
     for (int j = 0; sim->springs && j < n; j++) {
         if (x) x[j] = (double)sim->y[j];
         if (v) v[j] = (double)sim->y[n + j];
@@ -471,11 +471,11 @@ void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_rea
     real state[2 * n];
     if (time) *time = sim->origin + (sim->origin_low + sim->now);
     if (sim->frame == sim->open) {
-        for (int i = 0; i < n; i++) ric_search_fly_mode(sim, i, sim->now, w + i, w + n + i);
+        for (int i = 0; i < n; i++) ric_simulator_search_fly_mode(sim, i, sim->now, w + i, w + n + i);
         return;
     }
     present(sim, state);
-    ric_frame_to_modal(sim, sim->open, false, state, w);
+    ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
 ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w,
@@ -484,7 +484,7 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
     int n = sim->n;
     const frame *f;
     real x[2 * n], z[2 * n];
-    ric_status status = ric_frame_find(sim, closed, &f);
+    ric_status status = ric_simulator_frame_find(sim, closed, &f);
     if (status) return status;
     for (int j = 0; j < n; j++) {
         x[j] = x[n + j] = 0;
@@ -493,7 +493,7 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
             x[n + j] += sim->open->phi[i * n + j] * w[n + i];
         }
     }
-    ric_frame_to_modal(sim, f, linear, x, z);
+    ric_simulator_frame_to_modal(sim, f, linear, x, z);
     for (int i = 0; i < n; i++) {
         real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i], p = z[n + i];
         sincosl(omega * t, &sine, &cosine);
@@ -507,7 +507,7 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
             x[n + j] += f->phi[i * n + j] * z[n + i];
         }
     }
-    ric_frame_to_modal(sim, sim->open, linear, x, after);
+    ric_simulator_frame_to_modal(sim, sim->open, linear, x, after);
     return RIC_OK;
 }
 

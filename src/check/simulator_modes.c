@@ -1,4 +1,4 @@
-/* The modes of a structure with some springs closed, by Jacobi rotations in extended precision (simulate.c). */
+/* The modes of a structure with some springs closed, by Jacobi rotations in extended precision (simulator.c). */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -193,7 +193,7 @@ out:
     return status;
 }
 
-void ric_frame_free(frame *f)
+void ric_simulator_frame_free(frame *f)
 {
     if (!f) return;
     free(f->closed);
@@ -201,14 +201,14 @@ void ric_frame_free(frame *f)
     free(f);
 }
 
-ric_status ric_frame_create(ric_simulator *sim, const bool *closed, frame **out)
+ric_status ric_simulator_frame_create(ric_simulator *sim, const bool *closed, frame **out)
 {
     size_t n = (size_t)sim->n, faces = (size_t)sim->n_face;
     frame *f = calloc(1, sizeof *f);
     *out = NULL;
     if (!f || !(f->closed = calloc(faces + 1, sizeof *f->closed)) ||
         !(f->omega = calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n, sizeof *f->omega))) {
-        ric_frame_free(f);
+        ric_simulator_frame_free(f);
         return ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", sim->n);
     }
     for (size_t i = 0; closed && i < faces; i++) f->closed[i] = closed[i];
@@ -217,12 +217,12 @@ ric_status ric_frame_create(ric_simulator *sim, const bool *closed, frame **out)
     f->mphi = f->phi + n * n;
     f->c = f->mphi + n * n;
     ric_status status = make_modes(sim, f);
-    if (status) ric_frame_free(f);
+    if (status) ric_simulator_frame_free(f);
     else *out = f;
     return status;
 }
 
-void ric_frame_enter(ric_simulator *sim, const frame *f)
+void ric_simulator_frame_enter(ric_simulator *sim, const frame *f)
 {
     int n = sim->n;
     sim->frame = f;
@@ -240,7 +240,7 @@ void ric_frame_enter(ric_simulator *sim, const frame *f)
     }
 }
 
-ric_status ric_frame_find(ric_simulator *sim, const bool *closed, const frame **out)
+ric_status ric_simulator_frame_find(ric_simulator *sim, const bool *closed, const frame **out)
 {
     frame *last = sim->open, *made;
     for (frame *f = sim->open; f; last = f, f = f->next)
@@ -248,12 +248,12 @@ ric_status ric_frame_find(ric_simulator *sim, const bool *closed, const frame **
             *out = f;
             return RIC_OK;
         }
-    ric_status status = ric_frame_create(sim, closed, &made);
+    ric_status status = ric_simulator_frame_create(sim, closed, &made);
     if (!status) *out = last->next = made;
     return status;
 }
 
-void ric_frame_to_space(const ric_simulator *sim, const real *q, const real *p, real *x)
+void ric_simulator_frame_to_space(const ric_simulator *sim, const real *q, const real *p, real *x)
 {
     int n = sim->n;
     for (int j = 0; j < n; j++) {
@@ -265,7 +265,7 @@ void ric_frame_to_space(const ric_simulator *sim, const real *q, const real *p, 
     }
 }
 
-void ric_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w)
+void ric_simulator_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w)
 {
     int n = sim->n;
     for (int i = 0; i < n; i++) {
@@ -278,9 +278,9 @@ void ric_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, c
     }
 }
 
-void ric_frame_change(ric_simulator *sim, const frame *f)
+void ric_simulator_frame_change(ric_simulator *sim, const frame *f)
 {
-    ric_frame_to_space(sim, sim->q, sim->p, sim->x);
-    ric_frame_enter(sim, f);
-    ric_frame_to_modal(sim, f, false, sim->x, sim->q); /* p follows q in memory */
+    ric_simulator_frame_to_space(sim, sim->q, sim->p, sim->x);
+    ric_simulator_frame_enter(sim, f);
+    ric_simulator_frame_to_modal(sim, f, false, sim->x, sim->q); /* p follows q in memory */
 }

@@ -1,5 +1,5 @@
-/* What the files of the simulator share: simulate.c (events and interface), simulate_modes.c (the modes of each set of
- * closed springs), simulate_search.c (flights, and where a face is met). No other file needs it. */
+/* What the files of the simulator share: simulator.c (events and interface), simulator_modes.c (the modes of each set of
+ * closed springs), simulator_search.c (flights, and where a face is met). No other file needs it. */
 #ifndef RIC_CHECK_SIMULATOR_PARTS_H
 #define RIC_CHECK_SIMULATOR_PARTS_H
 
@@ -57,7 +57,7 @@ typedef struct frame {
 } frame;
 
 struct ric_simulator {
-    ric_springs *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing else
+    ric_simulator_power *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing else
                            * here is used */
     real *y;
     int n, n_face, n_contact;
@@ -88,39 +88,39 @@ typedef struct { double t, g[3]; } sample;
 
 /* ------------------------------------------------------------------- modes */
 
-void ric_frame_free(frame *f);
-ric_status ric_frame_create(ric_simulator *sim, const bool *closed, frame **out);
-void ric_frame_enter(ric_simulator *sim, const frame *f);
+void ric_simulator_frame_free(frame *f);
+ric_status ric_simulator_frame_create(ric_simulator *sim, const bool *closed, frame **out);
+void ric_simulator_frame_enter(ric_simulator *sim, const frame *f);
 /* The frame with these faces closed, made when it is first met. */
-ric_status ric_frame_find(ric_simulator *sim, const bool *closed, const frame **out);
+ric_status ric_simulator_frame_find(ric_simulator *sim, const bool *closed, const frame **out);
 /* Displacement and velocity [2n] of a modal state of the present frame, and back. */
-void ric_frame_to_space(const ric_simulator *sim, const real *q, const real *p, real *x);
+void ric_simulator_frame_to_space(const ric_simulator *sim, const real *q, const real *p, real *x);
 /* `linear`: of a deviation, which has no equilibrium taken off. */
-void ric_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w);
+void ric_simulator_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w);
 /* From the modal state in q, p of the present frame to that of another one. */
-void ric_frame_change(ric_simulator *sim, const frame *f);
+void ric_simulator_frame_change(ric_simulator *sim, const frame *f);
 
 /* ------------------------------------------------------------------ search */
 
 /* In double, for the search. */
-sample ric_search_look(const ric_simulator *sim, const face_t *face, double t);
+sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t);
 /* g, g', g'' in full precision. */
-void ric_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g);
+void ric_simulator_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g);
 /* Modal state at time t of the flight; may work in place. */
-void ric_search_fly_mode(const ric_simulator *sim, int i, real t, real *q, real *p);
+void ric_simulator_search_fly_mode(const ric_simulator *sim, int i, real t, real *q, real *p);
 /* From the modal state in sim->q, sim->p at the present origin on. */
-void ric_search_begin(ric_simulator *sim);
-double ric_search_time(const ric_simulator *sim, real t);
+void ric_simulator_search_begin(ric_simulator *sim);
+double ric_simulator_search_time(const ric_simulator *sim, real t);
 /* Moves the origin to time t of the flight; compensated, so that long runs lose no time (Kahan 1965). */
-void ric_search_move_origin(ric_simulator *sim, real t);
+void ric_simulator_search_move_origin(ric_simulator *sim, real t);
 /* A first length for which the interpolant is within a few percent of the clearance. */
-double ric_search_panel(const face_t *face);
-real ric_search_face(const ric_simulator *sim, const face_t *face, double from, double to);
+double ric_simulator_search_panel(const face_t *face);
+real ric_simulator_search_face(const ric_simulator *sim, const face_t *face, double from, double to);
 /* g <-> reach, the gap coordinate over the clearance, of open faces. */
-double ric_search_to_reach(const face_t *face, double g);
-void ric_search_scan_reach(ric_simulator *sim, double to);
+double ric_simulator_search_to_reach(const face_t *face, double g);
+void ric_simulator_search_scan_reach(ric_simulator *sim, double to);
 /* The start itself is a largest value where the gap coordinate falls from there on, unless the face has just been
  * left. */
-void ric_search_start_reach(ric_simulator *sim);
+void ric_simulator_search_start_reach(ric_simulator *sim);
 
 #endif

@@ -26,7 +26,7 @@ enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };
 
 typedef ric_real real;
 
-struct ric_springs {
+struct ric_simulator_power {
     int n, n_contact;
     real length;         /* x is displacement / length */
     real *L;             /* [n * n] Cholesky factor of M */
@@ -77,7 +77,7 @@ static real power(real s, int exponent)
 }
 
 /* M^-1 x in place. */
-static void divide_by_mass(const ric_springs *s, real *a)
+static void divide_by_mass(const ric_simulator_power *s, real *a)
 {
     int n = s->n;
     for (int i = 0; i < n; i++) {
@@ -90,7 +90,7 @@ static void divide_by_mass(const ric_springs *s, real *a)
     }
 }
 
-static ric_status prepare_columns(ric_springs *s)
+static ric_status prepare_columns(ric_simulator_power *s)
 {
     int n = s->n;
     size_t nn = (size_t)n * (size_t)n, cn = (size_t)s->n_contact * (size_t)n;
@@ -113,13 +113,13 @@ static ric_status prepare_columns(ric_springs *s)
     return RIC_OK;
 }
 
-ric_status ric_springs_create(const ric_model *model, ric_springs **out)
+ric_status ric_simulator_power_create(const ric_model *model, ric_simulator_power **out)
 {
     ric_status status = RIC_OK;
     int n = ric_model_n_dof(model), n_contact = ric_model_n_contact(model);
     size_t nn = (size_t)n * (size_t)n,
            all = 2 * nn + (size_t)n_contact * ((size_t)n + 1) + (LEVELS + 6) * 2 * (size_t)n;
-    ric_springs *s = calloc(1, sizeof *s);
+    ric_simulator_power *s = calloc(1, sizeof *s);
     *out = NULL;
     if (!s || !(s->L = calloc(all, sizeof *s->L)) || !(s->exponent = calloc((size_t)n_contact, sizeof *s->exponent))) {
         status = ric_fail(RIC_E_NOMEM, "no memory to integrate %d degrees of freedom", n);
@@ -154,11 +154,11 @@ ric_status ric_springs_create(const ric_model *model, ric_springs **out)
     *out = s;
     s = NULL;
 out:
-    ric_springs_free(s);
+    ric_simulator_power_free(s);
     return status;
 }
 
-void ric_springs_free(ric_springs *s)
+void ric_simulator_power_free(ric_simulator_power *s)
 {
     if (!s) return;
     free(s->L);
@@ -168,7 +168,7 @@ void ric_springs_free(ric_springs *s)
 }
 
 /* x'' [n] of a displacement; with `stiff` also the slopes of the forces there. */
-static void accelerate(const ric_springs *s, const real *x, bool stiff, real *a)
+static void accelerate(const ric_simulator_power *s, const real *x, bool stiff, real *a)
 {
     int n = s->n;
     for (int i = 0; i < n; i++) {
@@ -187,7 +187,7 @@ static void accelerate(const ric_springs *s, const real *x, bool stiff, real *a)
 
 /* V [n * m] += kick times the accelerations of the displacements X [n * m] of m = 2n deviations, under the slopes
  * s->stiff. */
-static void kick_columns(const ric_springs *s, double kick, const double *X, double *V)
+static void kick_columns(const ric_simulator_power *s, double kick, const double *X, double *V)
 {
     int n = s->n, m = 2 * n;
     for (int i = 0; i < n; i++)
@@ -211,7 +211,7 @@ static void kick_columns(const ric_springs *s, double kick, const double *X, dou
 
 /* `parts` sub-steps of the leap-frog, kicked by halves at both ends; a [n], first that of y. Y [2n * 2n], displacements
  * above velocities, are deviations, NULL: none; stiff0 [n_contact] the slopes at their start. */
-static void leap(const ric_springs *s, real H, int parts, const real *y, const real *a0, real *a, real *out,
+static void leap(const ric_simulator_power *s, real H, int parts, const real *y, const real *a0, real *a, real *out,
                  const double *Y, const double *stiff0, double *Out)
 {
     int n = s->n, half = 2 * n * n;
@@ -265,7 +265,7 @@ static double extrapolate_columns(size_t size, double factor, double *Up, const 
     return most > 0 ? most / largest : 0;
 }
 
-static real step(ric_springs *s, real H, real *y, double *Y)
+static real step(ric_simulator_power *s, real H, real *y, double *Y)
 {
     int n = s->n;
     size_t size = 4 * (size_t)n * (size_t)n;
@@ -298,7 +298,7 @@ static real step(ric_springs *s, real H, real *y, double *Y)
     return 0;
 }
 
-ric_status ric_springs_go(ric_springs *s, ric_real time, ric_real *y, double *Y)
+ric_status ric_simulator_power_go(ric_simulator_power *s, ric_real time, ric_real *y, double *Y)
 {
     real done = 0;
     if (!(s->step > 0)) s->step = 0.1L;
@@ -318,7 +318,7 @@ ric_status ric_springs_go(ric_springs *s, ric_real time, ric_real *y, double *Y)
     return RIC_OK;
 }
 
-void ric_springs_accelerations(const ric_springs *s, const ric_real *x, ric_real *a)
+void ric_simulator_power_accelerations(const ric_simulator_power *s, const ric_real *x, ric_real *a)
 {
     accelerate(s, x, false, a);
 }

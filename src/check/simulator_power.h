@@ -5,14 +5,14 @@
 
 #include "simulator.h"
 
-typedef struct ric_springs ric_springs;
+typedef struct ric_simulator_power ric_simulator_power;
 
-ric_status ric_springs_create(const ric_model *model, ric_springs **out);
-void ric_springs_free(ric_springs *springs);
+ric_status ric_simulator_power_create(const ric_model *model, ric_simulator_power **out);
+void ric_simulator_power_free(ric_simulator_power *springs);
 /* Scaled state y [2 n_dof] = x, v through a time in seconds; with it deviations Y [2 n_dof * 2 n_dof], one a column, or
  * NULL. */
-ric_status ric_springs_go(ric_springs *springs, ric_real time, ric_real *y, double *Y);
+ric_status ric_simulator_power_go(ric_simulator_power *springs, ric_real time, ric_real *y, double *Y);
 /* x'' [n_dof] at a displacement. */
-void ric_springs_accelerations(const ric_springs *springs, const ric_real *x, ric_real *a);
+void ric_simulator_power_accelerations(const ric_simulator_power *springs, const ric_real *x, ric_real *a);
 
 #endif

@@ -1,4 +1,4 @@
-/* Flights in closed form, and the guaranteed search for the next time at which a face is met (simulate.c). */
+/* Flights in closed form, and the guaranteed search for the next time at which a face is met (simulator.c). */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "base/room.h"
 
 
-sample ric_search_look(const ric_simulator *sim, const face_t *face, double t)
+sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t)
 {
     int n = sim->n;
     const double *omega = sim->rough, *q = omega + n, *p = q + n, *c = p + n + face->contact * n;
@@ -30,7 +30,7 @@ sample ric_search_look(const ric_simulator *sim, const face_t *face, double t)
     return (sample){t, {(double)face->start + face->sign * s, face->sign * v, face->sign * a}};
 }
 
-void ric_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g)
+void ric_simulator_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g)
 {
     real s = 0, v = 0, a = 0;
     for (int i = 0; i < sim->n; i++) {
@@ -46,7 +46,7 @@ void ric_search_look_closely(const ric_simulator *sim, const face_t *face, real 
     g[2] = face->sign * a;
 }
 
-void ric_search_fly_mode(const ric_simulator *sim, int i, real t, real *q, real *p)
+void ric_simulator_search_fly_mode(const ric_simulator *sim, int i, real t, real *q, real *p)
 {
     real omega = sim->omega[i], qi = sim->q[i], pi = sim->p[i], sine, cosine;
     sincosl(omega * t, &sine, &cosine);
@@ -71,7 +71,7 @@ static void bound_face(const ric_simulator *sim, face_t *face)
     if (face->start >= -face->band) face->start = 0;
 }
 
-void ric_search_begin(ric_simulator *sim)
+void ric_simulator_search_begin(ric_simulator *sim)
 {
     for (int i = 0; i < 2 * sim->n; i++) sim->rough[sim->n + i] = (double)sim->q[i]; /* p follows q in memory */
     for (int f = 0; f < sim->n_face; f++) bound_face(sim, &sim->face[f]);
@@ -81,12 +81,12 @@ void ric_search_begin(ric_simulator *sim)
     sim->examined = false;
 }
 
-double ric_search_time(const ric_simulator *sim, real t)
+double ric_simulator_search_time(const ric_simulator *sim, real t)
 {
     return (double)(sim->origin + (sim->origin_low + t));
 }
 
-void ric_search_move_origin(ric_simulator *sim, real t)
+void ric_simulator_search_move_origin(ric_simulator *sim, real t)
 {
     real step = sim->origin_low + t, sum = sim->origin + step;
     sim->origin_low = step - (sum - sim->origin);
@@ -128,7 +128,7 @@ static sample zero(const ric_simulator *sim, const face_t *face, int order, samp
         if (!(t > lo.t && t < hi.t) || fabs(step) > last / 2) t = lo.t + (hi.t - lo.t) / 2;
         last = fabs(t - x.t);
         if (t == lo.t || t == hi.t || last <= DBL_EPSILON / 2 * t) break;
-        x = ric_search_look(sim, face, t);
+        x = ric_simulator_search_look(sim, face, t);
         if ((x.g[order] > 0) == rising) hi = x;
         else lo = x;
     }
@@ -142,7 +142,7 @@ static real refine(const ric_simulator *sim, const face_t *face, double lo, doub
     real x = t;
     for (int i = 0; i < STEPS; i++) {
         real g[3], next;
-        ric_search_look_closely(sim, face, x, g);
+        ric_simulator_search_look_closely(sim, face, x, g);
         next = g[1] > 0 ? x - g[0] / g[1] : t;
         if (!(next >= lo && next <= hi)) return t;
         if (fabs(next - x) <= LDBL_EPSILON * x) return next;
@@ -170,7 +170,7 @@ static real first_crossing(const ric_simulator *sim, const face_t *face, const s
         return top.g[0] > face->band ? rise(sim, face, *a, &top) : INFINITY;
     }
     if (kind != UNKNOWN) return b->g[0] > face->band ? rise(sim, face, *a, b) : INFINITY;
-    sample middle = ric_search_look(sim, face, a->t + (b->t - a->t) / 2);
+    sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
     real t = first_crossing(sim, face, a, &middle);
     return is_finite(t) ? t : first_crossing(sim, face, &middle, b);
 }
@@ -181,24 +181,24 @@ static double highest(const ric_simulator *sim, const face_t *face, const sample
     shape kind = classify(face, a, b, best + (double)face->band);
     if (kind == CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
     if (kind != UNKNOWN) return best;
-    sample middle = ric_search_look(sim, face, a->t + (b->t - a->t) / 2);
+    sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
     best = highest(sim, face, a, &middle, best);
     return highest(sim, face, &middle, b, best);
 }
 
-double ric_search_panel(const face_t *face)
+double ric_simulator_search_panel(const face_t *face)
 {
     return face->D[4] > 0 ? (double)sqrt(sqrt(20 * face->limit / face->D[4])) : INFINITY;
 }
 
-real ric_search_face(const ric_simulator *sim, const face_t *face, double from, double to)
+real ric_simulator_search_face(const ric_simulator *sim, const face_t *face, double from, double to)
 {
     if (face->sign * face->rest + face->D[0] < face->level) return INFINITY;
     real found = INFINITY;
-    double h = ric_search_panel(face);
-    sample a = ric_search_look(sim, face, from);
+    double h = ric_simulator_search_panel(face);
+    sample a = ric_simulator_search_look(sim, face, from);
     while (a.t < to && !is_finite(found)) {
-        sample b = ric_search_look(sim, face, fmin(to, a.t + h));
+        sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
         if (b.t <= a.t) break;
         found = first_crossing(sim, face, &a, &b);
         a = b;
@@ -208,37 +208,37 @@ real ric_search_face(const ric_simulator *sim, const face_t *face, double from, 
 
 /* ------------------------------------------------------------------- reach */
 
-double ric_search_to_reach(const face_t *face, double g)
+double ric_simulator_search_to_reach(const face_t *face, double g)
 {
     return (g + face->level) / face->limit;
 }
 
-void ric_search_scan_reach(ric_simulator *sim, double to)
+void ric_simulator_search_scan_reach(ric_simulator *sim, double to)
 {
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
-        double h = ric_search_panel(face);
-        sample a = ric_search_look(sim, face, sim->scanned);
+        double h = ric_simulator_search_panel(face);
+        sample a = ric_simulator_search_look(sim, face, sim->scanned);
         while (a.t < to && !face->closed &&
                face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
-            sample b = ric_search_look(sim, face, fmin(to, a.t + h));
+            sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
             if (b.t <= a.t) break;
             double level = sim->reach * face->limit - face->level, top = highest(sim, face, &a, &b, level);
-            if (top > level) sim->reach = ric_search_to_reach(face, top);
+            if (top > level) sim->reach = ric_simulator_search_to_reach(face, top);
             a = b;
         }
     }
     sim->scanned = fmax(sim->scanned, to);
 }
 
-void ric_search_start_reach(ric_simulator *sim)
+void ric_simulator_search_start_reach(ric_simulator *sim)
 {
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
-        sample a = ric_search_look(sim, face, 0);
+        sample a = ric_simulator_search_look(sim, face, 0);
         bool still = fabs(a.g[1]) <= ROUNDING * face->D[1], left = a.g[0] >= -BEYOND * face->limit && !still;
         if (!face->closed && (a.g[1] <= 0 || still))
-            if (!left) sim->reach = fmax(sim->reach, ric_search_to_reach(face, a.g[0]));
+            if (!left) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(face, a.g[0]));
     }
 }
 
@@ -251,15 +251,15 @@ double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double
         face.start = -s - face.level;
         face.rest = -face.rest;
     }
-    double h = ric_search_panel(&face), more = face.closed ? 2 : 0;
+    double h = ric_simulator_search_panel(&face), more = face.closed ? 2 : 0;
     if (!isfinite(h)) return best;
-    sample a = ric_search_look(sim, &face, from);
+    sample a = ric_simulator_search_look(sim, &face, from);
     while (a.t < to) {
-        sample b = ric_search_look(sim, &face, fmin(to, a.t + h));
+        sample b = ric_simulator_search_look(sim, &face, fmin(to, a.t + h));
         if (b.t <= a.t) break;
         double level = (best - more) * (double)face.limit - (double)face.level,
                top = highest(sim, &face, &a, &b, level);
-        if (top > level) best = ric_search_to_reach(&face, top) + more;
+        if (top > level) best = ric_simulator_search_to_reach(&face, top) + more;
         a = b;
     }
     return best;
@@ -270,8 +270,8 @@ double ric_simulator_reach(const ric_simulator *sim)
     double reach = sim->reach;
     if (!sim->started || sim->now == 0) return (double)reach;
     for (int f = 0; f < sim->n_face; f++) {
-        sample a = ric_search_look(sim, &sim->face[f], sim->now);
-        if (a.g[1] >= 0 && !sim->face[f].closed) reach = fmax(reach, ric_search_to_reach(&sim->face[f], a.g[0]));
+        sample a = ric_simulator_search_look(sim, &sim->face[f], sim->now);
+        if (a.g[1] >= 0 && !sim->face[f].closed) reach = fmax(reach, ric_simulator_search_to_reach(&sim->face[f], a.g[0]));
     }
     return (double)reach;
 }

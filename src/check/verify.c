@@ -61,7 +61,7 @@ static ric_status load_faces(replay *r)
     return RIC_OK;
 }
 
-void ric_replay_close(replay *r)
+void ric_verify_replay_close(replay *r)
 {
     ric_simulator_free(r->sim);
     free(r->face);
@@ -207,7 +207,7 @@ static ric_status make_orbit(replay *r, bool touches)
     return RIC_OK;
 }
 
-ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
+ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
 {
     ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
     if (!status) status = prepare(r, ric_atlas_model(atlas));
@@ -215,7 +215,7 @@ ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int po
     return status ? status : make_orbit(r, touches);
 }
 
-ric_status ric_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
+ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
                                  const double *flights)
 {
     r->branch = *like;
@@ -605,14 +605,14 @@ static ric_status replay_orbit(const ric_atlas *atlas, int branch, int i, bool p
 {
     replay r = {.check = out};
     *out = (ric_check){.branch = branch, .point = i, .condition = 1, .faces_agree = true};
-    ric_status status = ric_replay_open(&r, atlas, branch, i, false);
+    ric_status status = ric_verify_replay_open(&r, atlas, branch, i, false);
     if (status) goto out;
     out->energy_error = ric_replay_part(fabs(r.point.energy - r.energy), r.energy);
     if ((status = check_point(&r, polished))) goto out;
     if (!out->faces_agree) ric_replay_worsen(&out->return_error, 1);
     out->passed = passes(out);
 out:
-    ric_replay_close(&r);
+    ric_verify_replay_close(&r);
     return status;
 }
 

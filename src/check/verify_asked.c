@@ -26,12 +26,12 @@ static bool is_joint(const ric_atlas *atlas, const ric_branch *b, int i, double 
     return joint;
 }
 
-ric_status ric_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point, ric_asked_point *out)
+ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point, ric_verify_asked *out)
 {
     ric_branch b;
     ric_orbit **orbits = NULL;
     int n = 0, n_mode = ric_model_n_mode(ric_atlas_model(atlas));
-    *out = (ric_asked_point){0};
+    *out = (ric_verify_asked){0};
     if (n_mode < 3 && point->stable != RIC_STABLE_UNDECIDED) return RIC_OK; /* all there is is stored */
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
@@ -49,7 +49,7 @@ ric_status ric_asked_open(const ric_atlas *atlas, int branch, int i, const ric_p
     return RIC_OK;
 }
 
-void ric_asked_close(ric_asked_point *asked)
+void ric_verify_asked_close(ric_verify_asked *asked)
 {
     free(asked->multipliers);
 }

@@ -46,7 +46,7 @@ typedef struct {
 static void add_noise(motion *m, int size, real norm, real *w)
 {
     if (!(m->level > 0)) return;
-    for (int i = 0; i < size; i++) w[i] += m->level * norm * ric_pairs_noise(&m->bits);
+    for (int i = 0; i < size; i++) w[i] += m->level * norm * ric_verify_pairs_noise(&m->bits);
 }
 
 static bool is_alike(const replay *r, int i, int j)
@@ -147,7 +147,7 @@ static void carry(motion *m, int k, int columns, real *A)
     replay *r = m->r;
     int n = r->n;
     const face_t *face = ric_replay_end_face(r, k);
-    real w[2 * n], pull[n], trig[2 * n], t = r->tau[k] * (1 + m->level * ric_pairs_noise(&m->bits));
+    real w[2 * n], pull[n], trig[2 * n], t = r->tau[k] * (1 + m->level * ric_verify_pairs_noise(&m->bits));
     memcpy(w, r->chain + (size_t)k * 2 * (size_t)n, sizeof w);
     for (int i = 0; i < n; i++) w[i] *= r->kappa[i];
     add_noise(m, 2 * n, r->norm, w);
@@ -206,7 +206,7 @@ static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
         J[i * size + s + i] = 1 / r->kappa[k];
         J[(s + i) * size + i] = -1 / r->kappa[k];
     }
-    bool found = ric_pairs_find(size, M, J, flow, gradient, rho, way);
+    bool found = ric_verify_pairs_find(size, M, J, flow, gradient, rho, way);
     free(A);
     return found;
 }
@@ -235,7 +235,7 @@ static real left_open(const replay *r)
     return fmin(open, MOST_OPEN);
 }
 
-static ric_status check_multipliers(replay *r, const ric_asked_point *asked, ric_claims *out)
+static ric_status check_multipliers(replay *r, const ric_verify_asked *asked, ric_claims *out)
 {
     int seen[r->n];
     real share[(r->n + 1) * r->n];
@@ -252,7 +252,7 @@ static ric_status check_multipliers(replay *r, const ric_asked_point *asked, ric
         m.growth = 1;
         found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair, &pairs.way[run]);
     }
-    if (found) ric_pairs_judge(&pairs, m.n_seen, &r->point, out);
+    if (found) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
     free(pairs.own);
     return RIC_OK;
 }
@@ -284,7 +284,7 @@ static void check_linear(replay *r, ric_claims *out)
     }
     ric_claims trace = *out;
     ric_point point = r->point;
-    ric_pairs_judge(&pairs, 2, &point, &trace);
+    ric_verify_pairs_judge(&pairs, 2, &point, &trace);
     trace.stable = out->stable;
     *out = trace;
 }
@@ -478,15 +478,15 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
                         .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_UNCHECKED};
     ric_check check;
-    ric_asked_point asked = {0};
+    ric_verify_asked asked = {0};
     if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
-    ric_status status = ric_replay_open(&r, atlas, branch, i, true);
+    ric_status status = ric_verify_replay_open(&r, atlas, branch, i, true);
     if (!status) status = check_numbers(&r, out);
     if (!status) check_period(&r, i, out);
     if (!status && r.n_event == 0) check_linear(&r, out);
-    else if (!status && !(status = ric_asked_open(atlas, branch, i, &r.point, &asked)))
+    else if (!status && !(status = ric_verify_asked_open(atlas, branch, i, &r.point, &asked)))
         status = check_multipliers(&r, &asked, out);
-    ric_asked_close(&asked);
-    ric_replay_close(&r);
+    ric_verify_asked_close(&asked);
+    ric_verify_replay_close(&r);
     return status;
 }

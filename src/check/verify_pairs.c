@@ -24,7 +24,7 @@ typedef ric_real real;
 #define GIVEN 1e-12
 #define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
 
-real ric_pairs_noise(unsigned *bits)
+real ric_verify_pairs_noise(unsigned *bits)
 {
     *bits = *bits * 1664525u + 1013904223u;
     return (real)(*bits >> 8) / (1u << 23) - 1;
@@ -176,7 +176,7 @@ static void pair_up(int m, complex_t *lambda, ric_pair *rho)
     qsort(rho, (size_t)(m / 2), sizeof *rho, by_real_part);
 }
 
-bool ric_pairs_find(int m, real *A, real *J, real *flow, real *gradient, ric_pair *rho, int *way)
+bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, ric_pair *rho, int *way)
 {
     int k = m - 2;
     reflect_all(m, m, J, flow, NULL);
@@ -258,7 +258,7 @@ static const char *flag(int stable)
 }
 
 /* Whether the library gives every pair: where some are lost in rounding it may know, or not, that one is unstable. */
-static bool all_given(const ric_asked_point *asked)
+static bool all_given(const ric_verify_asked *asked)
 {
     bool all = asked && asked->given;
     for (int i = 0; all && i < 4 * asked->n_pair; i++) all = isfinite(asked->multipliers[i]);
@@ -269,7 +269,7 @@ static bool all_given(const ric_asked_point *asked)
  * branches meet. */
 static ric_agreement judge_undecided(const ric_pairs *p, real outside, real inside)
 {
-    const ric_asked_point *asked = p->asked;
+    const ric_verify_asked *asked = p->asked;
     real border = 0;
     if (asked && ((asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
@@ -413,7 +413,7 @@ static void judge_given(const ric_pairs *p, ric_claims *out)
     }
 }
 
-void ric_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
+void ric_verify_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
 {
     if (p->n_pair == 1 && n_mode == 2) {
         judge_trace(p, stored, out);

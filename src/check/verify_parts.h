@@ -1,5 +1,5 @@
-/* What the files of the replay share: verify.c (flights, return, verdict), verify_motion.c (the expected chain),
- * verify_polish.c (multipliers, and the orbit solved to the last digit). No other file needs it. */
+/* What the files of the replay share: verify.c (flights, return, verdict), replay_motion.c (the expected chain),
+ * replay_polish.c (multipliers, and the orbit solved to the last digit). No other file needs it. */
 #ifndef RIC_CHECK_VERIFY_PARTS_H
 #define RIC_CHECK_VERIFY_PARTS_H
 
@@ -48,11 +48,11 @@ typedef struct {
 
 /* The stored orbit of a point and its chain, from r = {0} on; to be closed in any case. `touches`: contacts of no
  * length stay in the word. */
-ric_status ric_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches);
+ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches);
 /* Any other orbit: letters and word of `like`. */
-ric_status ric_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
+ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
                                  const double *flights);
-void ric_replay_close(replay *r);
+void ric_verify_replay_close(replay *r);
 real ric_replay_dot(int n, const real *x, const real *y);
 /* |a - b| in the energy norm; b NULL stands for zero. */
 real ric_replay_distance(const replay *r, const real *a, const real *b);

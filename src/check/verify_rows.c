@@ -99,7 +99,7 @@ static ric_status fit_images(const ric_atlas *atlas, int branch, int i, bool pol
     replay r = {0};
     ric_check check = {.branch = branch, .point = i};
     if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth_images(atlas, branch, i, fit, w);
-    ric_status status = ric_replay_open(&r, atlas, branch, i, true);
+    ric_status status = ric_verify_replay_open(&r, atlas, branch, i, true);
     r.check = &check;
     if (!status && polished) status = ric_replay_polish(&r, true);
     if (!status) {
@@ -107,7 +107,7 @@ static ric_status fit_images(const ric_atlas *atlas, int branch, int i, bool pol
         fit[1] = fmin(best_fit(&r, true, 1), best_fit(&r, true, -1));
         for (int k = 0; k < 2 * r.n; k++) w[k] = r.chain[k] / r.norm;
     }
-    ric_replay_close(&r);
+    ric_verify_replay_close(&r);
     return status;
 }
 
@@ -189,13 +189,13 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
 {
     replay r = {0};
     ric_branch like = {.letters = j->letters, .word = j->word, .impacts = j->impacts};
-    ric_status status = ric_replay_open_orbit(&r, m, &like, j->state, j->flights);
+    ric_status status = ric_verify_replay_open_orbit(&r, m, &like, j->state, j->flights);
     if (!status) {
         real open = left_open(&r);
         if (!(open <= SOLVED) && !(open <= SOLVED + 64 * DBL_EPSILON * ric_replay_growth(&r, 0, r.n_event)))
             disagree(out, "orbit is left open by 0", 0, (double)open);
     }
-    ric_replay_close(&r);
+    ric_verify_replay_close(&r);
     return status;
 }
 
@@ -205,7 +205,7 @@ static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_cl
     int d = ric_model_n_dof(m), n = 2 * d;
     real y[n], size[2] = {0, 0}, period = period_of(j), turn = period / 6.283185307179586476925L, open = 0, growth = 1;
     double *Y = calloc((size_t)(n * n), sizeof *Y);
-    ric_springs *springs = NULL;
+    ric_simulator_power *springs = NULL;
     if (!Y) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
     for (int i = 0; i < n; i++) {
         y[i] = j->state[i];
@@ -214,15 +214,15 @@ static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_cl
     size[0] = fmax(size[0], size[1] * turn);
     size[1] = fmax(size[1], size[0] / turn);
     for (int i = 0; i < n; i++) Y[i * n + i] = (double)size[i >= d];
-    ric_status status = ric_springs_create(m, &springs);
-    if (!status) status = ric_springs_go(springs, period, y, Y);
+    ric_status status = ric_simulator_power_create(m, &springs);
+    if (!status) status = ric_simulator_power_go(springs, period, y, Y);
     for (int i = 0; i < n && !status; i++) {
         open = fmax(open, fabs(y[i] - j->state[i]) / size[i >= d]);
         for (int k = 0; k < n; k++) growth = fmax(growth, fabs(Y[i * n + k]) / size[i >= d]);
     }
     if (!status && !(open <= SOLVED + 64 * DBL_EPSILON * growth))
         disagree(out, "orbit is left open by 0", 0, (double)open);
-    ric_springs_free(springs);
+    ric_simulator_power_free(springs);
     free(Y);
     return status;
 }

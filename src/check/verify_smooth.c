@@ -1,4 +1,4 @@
-/* A stored orbit under power-law springs is integrated over its period from the raw matrices (springs.h), and has to
+/* A stored orbit under power-law springs is integrated over its period from the raw matrices (simulator_power.h), and has to
  * return.
  *
  * What the return may lose is measured: the variational equations give the matrix of a period, whose largest multiplier
@@ -34,7 +34,7 @@ enum { PARTS = 16 };
 typedef ric_real real;
 
 typedef struct {
-    ric_springs *springs;
+    ric_simulator_power *springs;
     int n, parts;        /* of 2 n_dof coordinates; of the period */
     real period, size[2]; /* largest displacement and velocity of the start */
     real *start, *end;   /* [parts * n] of every part */
@@ -81,7 +81,7 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     real turn = r->period / 6.283185307179586L;
     r->size[0] = fmaxl(r->size[0], r->size[1] * turn);
     r->size[1] = fmaxl(r->size[1], r->size[0] / turn);
-    return ric_springs_create(model, &r->springs);
+    return ric_simulator_power_create(model, &r->springs);
 }
 
 /* Through part j of the period: its end, and M and rate there, the derivatives of the end. */
@@ -92,9 +92,9 @@ static ric_status fly(replay *r, int j)
     real *end = r->end + n * j, rate[n];
     memcpy(end, r->start + n * j, (size_t)n * sizeof *end);
     for (int i = 0; i < n * n; i++) M[i] = i / n == i % n ? (double)unit(r, i / n) : 0;
-    ric_status status = ric_springs_go(r->springs, r->period / r->parts, end, M);
+    ric_status status = ric_simulator_power_go(r->springs, r->period / r->parts, end, M);
     for (int i = 0; i < n * n; i++) M[i] /= (double)unit(r, i / n);
-    ric_springs_accelerations(r->springs, end, rate + n / 2);
+    ric_simulator_power_accelerations(r->springs, end, rate + n / 2);
     memcpy(rate, end + n / 2, (size_t)(n / 2) * sizeof *rate);
     for (int i = 0; i < n; i++) r->rate[n * j + i] = (double)(rate[i] * r->period / r->parts / unit(r, i));
     return status;
@@ -239,7 +239,7 @@ static void multiply(const replay *r, int parts, real level, unsigned *bits, rea
                 largest = fmaxl(largest, fabsl(sum));
             }
         for (int i = 0; i < n * n; i++)
-            whole[i] = product[i] + (level > 0 ? level * largest * ric_pairs_noise(bits) : 0);
+            whole[i] = product[i] + (level > 0 ? level * largest * ric_verify_pairs_noise(bits) : 0);
     }
 }
 
@@ -249,7 +249,7 @@ static void find_trivial(const replay *r, const ric_model *m, real *flow, real *
     int n = r->n, d = n / 2;
     const double *mass = ric_model_mass(m);
     real a[d];
-    ric_springs_accelerations(r->springs, r->start, a);
+    ric_simulator_power_accelerations(r->springs, r->start, a);
     for (int i = 0; i < d; i++) {
         flow[i] = r->start[d + i] / r->size[0];
         flow[d + i] = a[i] / r->size[1];
@@ -321,7 +321,7 @@ static bool run_once(const replay *r, const ric_model *m, int run, ric_pairs *pa
     for (int i = 0; i < n * n && pairs->half; i++) whole[i] = -whole[i];
     find_trivial(r, m, flow, gradient);
     return !see_modes(r, m, whole, flow, gradient, J) &&
-           ric_pairs_find(2 * (pairs->n_pair + 1), whole, J, flow, gradient, pairs->own + run * pairs->n_pair,
+           ric_verify_pairs_find(2 * (pairs->n_pair + 1), whole, J, flow, gradient, pairs->own + run * pairs->n_pair,
                           &pairs->way[run]);
 }
 
@@ -337,7 +337,7 @@ static double off_image(const replay *r)
 /* Run 0 has the columns as they are; the others add the rounding of doubles to them, and run 2 and 3 are flown anew
  * from starts that are off by it, or by what the stored digits leave open. */
 static ric_status check_multipliers(replay *r, const ric_model *m, const ric_branch *b, const ric_point *at,
-                                    const ric_asked_point *asked, ric_claims *out)
+                                    const ric_verify_asked *asked, ric_claims *out)
 {
     ric_status status = RIC_OK;
     bool half = b->symmetric && off_image(r) <= IMAGE;
@@ -352,12 +352,12 @@ static ric_status check_multipliers(replay *r, const ric_model *m, const ric_bra
     memcpy(kept, r->start, (size_t)(r->n * r->parts) * sizeof *kept);
     for (int run = 0; run < RIC_PAIR_RUNS && found && !status && pairs.n_pair; run++) {
         for (int i = 0; run == 2 && i < r->n * r->parts; i++)
-            r->start[i] = kept[i] + level * unit(r, i % r->n) * ric_pairs_noise(&bits);
+            r->start[i] = kept[i] + level * unit(r, i % r->n) * ric_verify_pairs_noise(&bits);
         if (run == 2) status = fly_all(r);
         if (!status) found = run_once(r, m, run, &pairs);
     }
     memcpy(r->start, kept, (size_t)(r->n * r->parts) * sizeof *kept);
-    if (found && !status) ric_pairs_judge(&pairs, ric_model_n_mode(m), at, out);
+    if (found && !status) ric_verify_pairs_judge(&pairs, ric_model_n_mode(m), at, out);
     free(kept);
     free(pairs.own);
     return status;
@@ -386,7 +386,7 @@ static void check_linear(const ric_point *at, ric_claims *out)
 
 static void put_away(replay *r)
 {
-    ric_springs_free(r->springs);
+    ric_simulator_power_free(r->springs);
     free(r->start);
     free(r->M);
     free(r->stored);
@@ -418,7 +418,7 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     replay r = {0};
     ric_point at;
     ric_branch b;
-    ric_asked_point asked = {0};
+    ric_verify_asked asked = {0};
     double energy;
     const ric_model *m = ric_atlas_model(atlas);
     *out = (ric_check){.branch = branch, .point = point, .condition = 1, .faces_agree = true};
@@ -428,10 +428,10 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
     if (!claims) goto out;
     check_numbers(&r, &at, energy, claims);
     if (ric_branch_linear(m, &b)) check_linear(&at, claims);
-    else if (!(status = ric_asked_open(atlas, branch, point, &at, &asked)))
+    else if (!(status = ric_verify_asked_open(atlas, branch, point, &at, &asked)))
         status = check_multipliers(&r, m, &b, &at, &asked, claims);
 out:
-    ric_asked_close(&asked);
+    ric_verify_asked_close(&asked);
     put_away(&r);
     return status;
 }

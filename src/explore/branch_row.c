@@ -13,17 +13,17 @@
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
 static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
 {
-    const ric_trace *tr = e->trace;
+    const ric_continuation *tr = e->trace;
     const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride + sizeof(ric_point) / sizeof(double);
-    ric_chain_fly(tr->chain, p);
-    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, p), *canonical = cycle ? ric_cycle_canonical(m, cycle) : NULL;
-    bool found = canonical && ric_cycle_match(m, canonical, cycle, 1e-9, &out->shift, &out->reverse, &out->mirror);
-    ric_cycle_free(cycle);
-    ric_cycle_free(canonical);
+    ric_shooting_fly(tr->chain, p);
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, p), *canonical = cycle ? ric_periodic_canonical(m, cycle) : NULL;
+    bool found = canonical && ric_periodic_match(m, canonical, cycle, 1e-9, &out->shift, &out->reverse, &out->mirror);
+    ric_periodic_free(cycle);
+    ric_periodic_free(canonical);
     return found;
 }
 
-static char *mirror_text(const ric_chain *c)
+static char *mirror_text(const ric_shooting *c)
 {
     static const char *const names[] = {"", "rest", "impact", "centre"};
     char text[32];
@@ -109,7 +109,7 @@ static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
 {
     for (int k = 0; k < e->n_inner; k++) {
         const ric_node *node = g->nodes[e->inner[k].node];
-        int letters = ric_cycle_letters(node->cycle), times = letters > 0 ? b->letters / letters : 1;
+        int letters = ric_periodic_letters(node->cycle), times = letters > 0 ? b->letters / letters : 1;
         double energy = node->energy * g->model->energy_unit,
                frequency = TWO_PI / (node->period * times) * g->model->omega_ref;
         b->energy_min = fmin(b->energy_min, energy);
@@ -122,7 +122,7 @@ static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
 
 static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t, ric_branch_record *r)
 {
-    const ric_trace *tr = e->trace;
+    const ric_continuation *tr = e->trace;
     ric_status status = RIC_OK;
     for (int i = 0; i < tr->n_point && !status; i++) {
         const double *in = tr->points + (size_t)i * tr->stride;
@@ -146,32 +146,32 @@ static int backbone_mode(const ric_graph *g, const ric_edge *e)
     return 0;
 }
 
-ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
+ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch_row *out)
 {
     const ric_model *m = g->model;
-    const ric_trace *tr = e->trace;
+    const ric_continuation *tr = e->trace;
     ric_branch_record *r = &out->record;
     ric_turn t;
-    ric_chain_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
-    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)), *turned = NULL;
+    ric_shooting_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)), *turned = NULL;
     if (!cycle) return ric_no_rows();
     if (!canonical_turn(m, e, &t)) t = (ric_turn){0, false, false};
-    turned = ric_cycle_transform(m, cycle, t.shift, t.reverse, t.mirror);
-    int N = ric_cycle_letters(cycle);
-    *r = (ric_branch_record){.stride = ric_point_stride(m->n_dof, N)};
+    turned = ric_periodic_transform(m, cycle, t.shift, t.reverse, t.mirror);
+    int N = ric_periodic_letters(cycle);
+    *r = (ric_branch_record){.stride = ric_atlas_point_stride(m->n_dof, N)};
     r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
     r->word = turned ? malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
-    r->why = ric_sheet_why(e);
-    if (turned && r->word) ric_cycle_word(m, turned, r->word);
-    r->row = (ric_branch){.impacts = ric_cycle_impacts(ric_cycle_springs(m), cycle), .letters = N, .word = r->word,
+    r->why = ric_branch_row_why(e);
+    if (turned && r->word) ric_periodic_word(m, turned, r->word);
+    r->row = (ric_branch){.impacts = ric_periodic_impacts(ric_periodic_springs(m), cycle), .letters = N, .word = r->word,
                           .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
                           .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why,
                           .depth = e->depth, .mode = backbone_mode(g, e), .n_junction = e->n_inner};
     r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
     r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
-    ric_cycle_free(cycle);
-    ric_cycle_free(turned);
+    ric_periodic_free(cycle);
+    ric_periodic_free(turned);
     if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return ric_no_rows();
     for (int k = 0; k < e->n_inner; k++) r->junction_at[k] = e->inner[k].at;
     r->row.junctions = r->junctions;
@@ -188,18 +188,18 @@ ric_status ric_sheet_make(const ric_graph *g, const ric_edge *e, ric_sheet *out)
     return RIC_OK;
 }
 
-ric_status ric_sheet_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
-                            double energy, ric_sheet *out)
+ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
+                            double energy, ric_branch_row *out)
 {
     ric_branch_record *r = &out->record;
     int n = m->n_dof;
     double omega = m->frequency[mode];
     double top = fmin(energy, o->energy[1]);
-    *r = (ric_branch_record){.stride = ric_point_stride(n, 0)};
+    *r = (ric_branch_record){.stride = ric_atlas_point_stride(n, 0)};
     r->points = calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
     r->word = calloc(1, sizeof *r->word);
-    r->junctions = calloc(RIC_ASKED_MAX, sizeof *r->junctions);
-    r->junction_at = calloc(RIC_ASKED_MAX, sizeof *r->junction_at);
+    r->junctions = calloc(RIC_USER_POINTS_MAX, sizeof *r->junctions);
+    r->junction_at = calloc(RIC_USER_POINTS_MAX, sizeof *r->junction_at);
     r->mirror = strdup("centre-rest");
     r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
     if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return ric_no_rows();
@@ -239,11 +239,11 @@ static int compare_words(const ric_branch *a, const ric_branch *b)
     return 0;
 }
 
-int ric_sheet_order(const void *p, const void *q)
+int ric_branch_row_order(const void *p, const void *q)
 {
-    const ric_branch *a = &((const ric_sheet *)p)->record.row, *b = &((const ric_sheet *)q)->record.row;
+    const ric_branch *a = &((const ric_branch_row *)p)->record.row, *b = &((const ric_branch_row *)q)->record.row;
     int order;
-    bool linear[2] = {((const ric_sheet *)p)->edge == NULL, ((const ric_sheet *)q)->edge == NULL};
+    bool linear[2] = {((const ric_branch_row *)p)->edge == NULL, ((const ric_branch_row *)q)->edge == NULL};
     if (linear[0] && linear[1]) return a->mode - b->mode;
     if (linear[0] != linear[1]) return linear[0] ? -1 : 1;
     if (a->impacts == 0 && !a->mode != !b->mode) return a->mode ? -1 : 1;
@@ -255,6 +255,6 @@ int ric_sheet_order(const void *p, const void *q)
     if ((order = ric_compare_numbers(a->frequency_min, b->frequency_min))) return order;
     if ((order = ric_compare_numbers(a->energy_max, b->energy_max))) return order;
     if ((order = strcmp(a->mirror, b->mirror))) return order;
-    for (int i = 0; i < 4 && !order; i++) order = ((const ric_sheet *)p)->ends[i] - ((const ric_sheet *)q)->ends[i];
+    for (int i = 0; i < 4 && !order; i++) order = ((const ric_branch_row *)p)->ends[i] - ((const ric_branch_row *)q)->ends[i];
     return order;
 }

@@ -47,10 +47,10 @@ static int range_text(const double range[2], size_t size, char *text)
 }
 
 /* The part that is blind is given to the next power of ten: the exact length depends on where points lie. */
-char *ric_sheet_why(const ric_edge *e)
+char *ric_branch_row_why(const ric_edge *e)
 {
-    const ric_trace *tr = e->trace;
-    const char *why = ric_why_text(tr->why);
+    const ric_continuation *tr = e->trace;
+    const char *why = ric_continuation_why_text(tr->why);
     double length = ((const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride))->arclength;
     size_t size = strlen(why) + FIXED + EACH * (size_t)e->n_unplaced;
     char *text = malloc(size);

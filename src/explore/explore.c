@@ -103,7 +103,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if (out) *out = NULL;
     if ((status = ric_explore_check(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
-    if ((status = ric_store_set_solver(store, ric_trace_version()))) goto out;
+    if ((status = ric_store_set_solver(store, ric_continuation_version()))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = more->crew;
     if ((status = ric_store_starts_get(store, &starts))) goto out;
@@ -111,7 +111,7 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     status = ric_graph_explore(graph, run);
     if (status && status != RIC_E_INTERRUPTED) goto out;
     written = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
-    if (!written) written = ric_chart(graph, study, status == RIC_OK, &atlas);
+    if (!written) written = ric_rows_make(graph, study, status == RIC_OK, &atlas);
     if (!written && (atlas->finished || !more->worth || more->worth(more->user, atlas)))
         written = ric_store_write(store, atlas);
     if (written) status = written;
@@ -154,37 +154,37 @@ ric_status ric_explore(const ric_study *study, const char *path, const ric_run_o
 
 /* --------------------------------------------------------- at the other end */
 
-struct ric_hand {
+struct ric_explore_worker {
     ric_graph *graph;
 };
 
-ric_status ric_hand_create(const ric_study *study, ric_hand **out)
+ric_status ric_explore_worker_create(const ric_study *study, ric_explore_worker **out)
 {
-    ric_hand *hand = calloc(1, sizeof *hand);
+    ric_explore_worker *hand = calloc(1, sizeof *hand);
     *out = NULL;
     if (!hand) return ric_fail(RIC_E_NOMEM, "no memory for a worker");
     ric_status status = ric_graph_create(study, NULL, &hand->graph);
-    if (!status) status = ric_memo_create(&hand->graph->recall.memo);
-    if (status) ric_hand_free(hand);
+    if (!status) status = ric_cache_create(&hand->graph->recall.memo);
+    if (status) ric_explore_worker_free(hand);
     else *out = hand;
     return status;
 }
 
-void ric_hand_free(ric_hand *hand)
+void ric_explore_worker_free(ric_explore_worker *hand)
 {
     if (!hand) return;
-    if (hand->graph) ric_memo_free(hand->graph->recall.memo);
+    if (hand->graph) ric_cache_free(hand->graph->recall.memo);
     ric_graph_free(hand->graph);
     free(hand);
 }
 
-ric_memo *ric_hand_prepare(ric_hand *hand, ric_node *node, unsigned choice)
+ric_cache *ric_explore_worker_prepare(ric_explore_worker *hand, ric_node *node, unsigned choice)
 {
     ric_graph_prepare(hand->graph, node, choice);
     return hand->graph->recall.memo;
 }
 
-const ric_model *ric_hand_model(const ric_hand *hand)
+const ric_model *ric_explore_worker_model(const ric_explore_worker *hand)
 {
     return hand->graph->model;
 }

@@ -25,9 +25,9 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     double energy[2], frequency[2];
     ric_region_window(o, energy, frequency);
     g->largest = ric_region_largest(o);
-    g->limits = ric_trace_limits(m, energy, frequency, o->max_step, MAX_POINTS);
+    g->limits = ric_continuation_limits(m, energy, frequency, o->max_step, MAX_POINTS);
     g->limits.multiply = o->multiply;
-    g->limits.n_asked = ric_asked_list(o, g->limits.asked);
+    g->limits.n_asked = ric_user_point_list(o, g->limits.asked);
     for (int i = 0; i < o->n_cascade; i++)
         g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;
     g->deep = g->limits;
@@ -36,10 +36,10 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     return RIC_OK;
 }
 
-void ric_edge_release(ric_edge *e)
+void ric_graph_edge_release(ric_edge *e)
 {
-    ric_trace_free(e->trace);
-    ric_cycle_free(e->first);
+    ric_continuation_free(e->trace);
+    ric_periodic_free(e->first);
     free(e->inner);
     free(e->unplaced);
 }
@@ -48,7 +48,7 @@ void ric_graph_free(ric_graph *g)
 {
     if (!g) return;
     for (int i = 0; i < g->n_node; i++) ric_node_free(g->nodes[i]);
-    for (int i = 0; i < g->n_edge; i++) ric_edge_release(&g->edges[i]);
+    for (int i = 0; i < g->n_edge; i++) ric_graph_edge_release(&g->edges[i]);
     ric_starts_release(&g->starts);
     free(g->nodes);
     free(g->by_energy);
@@ -58,7 +58,7 @@ void ric_graph_free(ric_graph *g)
 
 /* -------------------------------------------------------------------- nodes */
 
-int ric_node_order(const ric_node *a, const ric_node *b)
+int ric_graph_node_order(const ric_node *a, const ric_node *b)
 {
     double de = a->energy - b->energy, dt = a->period - b->period;
     if (fabs(de) > 1e-8 * (fabs(a->energy) + fabs(b->energy))) return de < 0 ? -1 : 1;
@@ -70,7 +70,7 @@ int ric_node_order(const ric_node *a, const ric_node *b)
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
     if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
     if (a->cycle->N != b->cycle->N) return a->cycle->N - b->cycle->N;
-    return ric_cycle_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the
+    return ric_periodic_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the
                                                                * whole structure */
 }
 
@@ -133,7 +133,7 @@ int ric_graph_add(ric_graph *g, ric_node *node, int depth)
         return found;
     }
     bool listed = !ric_node_chooses(node) || (node->kind == RIC_KIND_CORNER && node->refusal) ||
-                  ric_subset_list(g->model, node);
+                  ric_grazing_words_list(g->model, node);
     if (!listed) {
         ric_node_free(node);
         return -1;

@@ -1,4 +1,4 @@
-/* The graph while it is explored: nodes (junctions) and edges (branches). chart.h turns it into the atlas that users
+/* The graph while it is explored: nodes (junctions) and edges (branches). rows.h turns it into the atlas that users
  * read. */
 #ifndef RIC_EXPLORE_GRAPH_H
 #define RIC_EXPLORE_GRAPH_H
@@ -26,7 +26,7 @@ typedef struct {
 } ric_unplaced;
 
 typedef struct {
-    ric_trace *trace;
+    ric_continuation *trace;
     int from, to;            /* nodes, -1 = none */
     unsigned leave, arrive;  /* choices at them */
     int n_inner;
@@ -34,7 +34,7 @@ typedef struct {
     int n_unplaced;
     ric_unplaced *unplaced;  /* in order */
     double energy[2];        /* least and largest of its points */
-    ric_cycle *first;        /* its first orbit, owned: the word is that of all */
+    ric_periodic *first;        /* its first orbit, owned: the word is that of all */
     int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 
@@ -47,8 +47,8 @@ struct ric_graph {
     ric_limits deep;         /* the same with the largest multiply of a region: for branches that come there */
     ric_budgets largest;
     ric_store *store;        /* traces of an earlier run; may be NULL */
-    ric_recall recall;       /* what workers have computed */
-    const ric_crew *crew;    /* NULL: nobody beside the threads of this process */
+    ric_node_cache recall;       /* what workers have computed */
+    const ric_remote *crew;    /* NULL: nobody beside the threads of this process */
     const ric_run_options *run; /* of the present exploration; may be NULL */
     ric_progress progress;
     struct timespec start;
@@ -82,12 +82,12 @@ bool ric_graph_stopped(ric_graph *graph);
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice);
 
 /* Smallest first: energy, then impacts, then period. */
-int ric_node_order(const ric_node *a, const ric_node *b);
+int ric_graph_node_order(const ric_node *a, const ric_node *b);
 
 /* Lists a node that the edge passes, in order of arclength. */
-ric_status ric_edge_attach(ric_edge *edge, int node, unsigned choice, double at);
+ric_status ric_graph_edge_attach(ric_edge *edge, int node, unsigned choice, double at);
 /* Whether an edge passes through the orbit of a node; its arclength there. */
-bool ric_edge_contains(const ric_model *model, const ric_edge *edge, const ric_node *node, double *at);
+bool ric_graph_edge_contains(const ric_model *model, const ric_edge *edge, const ric_node *node, double *at);
 /* Brings the departures of the finished graph to a state that does not depend on the order of work: nothing is open,
  * what an edge passes is known, and of the ways to an edge one counts as taken. */
 ric_status ric_graph_settle(ric_graph *graph);

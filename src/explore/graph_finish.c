@@ -10,7 +10,7 @@
 
 /* ---------------------------------------------------------------- passages */
 
-ric_status ric_edge_attach(ric_edge *e, int node, unsigned choice, double at)
+ric_status ric_graph_edge_attach(ric_edge *e, int node, unsigned choice, double at)
 {
     ric_passage *inner = realloc(e->inner, (size_t)(e->n_inner + 1) * sizeof *inner);
     if (!inner) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
@@ -22,15 +22,15 @@ ric_status ric_edge_attach(ric_edge *e, int node, unsigned choice, double at)
 }
 
 /* Whether an edge passes through the orbit of a node; its arclength there. */
-bool ric_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *node, double *at)
+bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *node, double *at)
 {
-    ric_trace *tr = e->trace;
-    ric_chain *c = tr->chain;
+    ric_continuation *tr = e->trace;
+    ric_shooting *c = tr->chain;
     int size = c->n_unknown, iterations, shift;
     bool reverse, mirror, found = false;
     if (tr->n_point < 2) return false;
     double target = node->energy * m->energy_unit, du[size], u[size], t[size];
-    if (target < e->energy[0] || target > e->energy[1] || !ric_cycle_alike(m, node->cycle, e->first)) return false;
+    if (target < e->energy[0] || target > e->energy[1] || !ric_periodic_alike(m, node->cycle, e->first)) return false;
     for (int i = 0; i + 1 < tr->n_point && !found; i++) {
         const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
         const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
@@ -45,16 +45,16 @@ bool ric_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *no
         for (int k = 0; k < 12; k++) {
             double origin[size];
             memcpy(origin, u, sizeof origin);
-            if (!ric_trace_correct(c, u, origin, t, 0, du, &iterations)) break;
-            double slope, kernel[size], miss = ric_chain_energy(c) - node->energy;
-            ric_trace_tangent(c, t, kernel);
-            slope = ric_chain_energy_slope(c, kernel);
+            if (!ric_continuation_correct(c, u, origin, t, 0, du, &iterations)) break;
+            double slope, kernel[size], miss = ric_shooting_energy(c) - node->energy;
+            ric_continuation_tangent(c, t, kernel);
+            slope = ric_shooting_energy_slope(c, kernel);
             if (fabs(miss) < 1e-13 * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
             for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
         }
-        ric_cycle *cycle = ric_trace_cycle(tr, u);
-        found = cycle && ric_cycle_match(m, node->cycle, cycle, 1e-5, &shift, &reverse, &mirror);
-        ric_cycle_free(cycle);
+        ric_periodic *cycle = ric_continuation_cycle(tr, u);
+        found = cycle && ric_periodic_match(m, node->cycle, cycle, 1e-5, &shift, &reverse, &mirror);
+        ric_periodic_free(cycle);
         *at = a->arclength + x * (b->arclength - a->arclength);
     }
     return found;
@@ -82,10 +82,10 @@ static ric_status find_passage(ric_graph *g, int index, ric_departure *d)
         if (lists(&g->edges[i], index, d->choice)) return RIC_OK;
     for (int i = 0; i < g->n_edge; i++) {
         ric_edge *e = &g->edges[i];
-        if (e->from == index || e->to == index || !ric_edge_contains(g->model, e, node, &at)) continue;
+        if (e->from == index || e->to == index || !ric_graph_edge_contains(g->model, e, node, &at)) continue;
         if (ric_halted()) return RIC_OK; /* it may be none; the caller asks, too */
         d->state = RIC_DEPARTURE_KNOWN;
-        return ric_edge_attach(e, index, d->choice, at);
+        return ric_graph_edge_attach(e, index, d->choice, at);
     }
     return RIC_OK;
 }
@@ -107,9 +107,9 @@ static void choose_way(ric_graph *g, const ric_edge *e)
         const ric_passage *p = i < 2 ? &ends[i] : &e->inner[i - 2];
         if (p->node < 0 || g->nodes[p->node]->n_departure == 0) continue;
         int order = best < 0 ? -1 : g->nodes[p->node]->depth - g->nodes[best]->depth;
-        if (order == 0 && i < 2) order = ric_node_order(g->nodes[p->node], g->nodes[best]);
+        if (order == 0 && i < 2) order = ric_graph_node_order(g->nodes[p->node], g->nodes[best]);
         if (order == 0 && i >= 2 && best != e->from && best != e->to)
-            order = ric_node_order(g->nodes[p->node], g->nodes[best]);
+            order = ric_graph_node_order(g->nodes[p->node], g->nodes[best]);
         if (order >= 0) continue;
         best = p->node;
         choice = p->choice;

@@ -29,7 +29,7 @@ typedef struct {
     const ric_node *node;
     unsigned choice;
     int side;
-    const ric_trace *along;
+    const ric_continuation *along;
 } course;
 
 /* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
@@ -47,7 +47,7 @@ static void trace_key(const course *way, char *key, size_t size)
                         l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply, hash);
     ric_c_locale_leave(before);
     if (l->n_asked)
-        used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_asked_key(l->n_asked, l->asked));
+        used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_user_point_key(l->n_asked, l->asked));
     if (way->along) snprintf(key + used, size - (size_t)used, " back");
 }
 
@@ -64,28 +64,28 @@ static ric_status keep_trace(ric_graph *g, const char *key, const void *blob, si
     const ric_status whole = ric_trust(RIC_OK);
     if (whole) return whole;
     (g->owner ? g->owner : g)->fresh++;
-    if (g->recall.worker) ric_memo_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
+    if (g->recall.worker) ric_cache_put(g->recall.memo, key, strlen(key), blob ? blob : "", size);
     if (!g->store) return RIC_OK;
     char name[1040];
     ric_status status = ric_store_trace_put(g->store, key, blob ? blob : "", size);
     return status ? status : ric_store_trace_drop(g->store, paused_key(key, name, sizeof name));
 }
 
-static ric_status keep_paused(ric_graph *g, const char *key, int parts, const ric_trace *tr)
+static ric_status keep_paused(ric_graph *g, const char *key, int parts, const ric_continuation *tr)
 {
     char name[1040];
     void *blob = NULL;
     size_t size;
-    ric_status status = ric_trace_pause(tr, parts, &blob, &size);
+    ric_status status = ric_continuation_pause(tr, parts, &blob, &size);
     paused_key(key, name, sizeof name);
     if (!status && g->store) status = ric_store_trace_put(g->store, name, blob, size);
-    else if (!status && g->recall.worker) ric_memo_put(g->recall.memo, name, strlen(name), blob, size);
+    else if (!status && g->recall.worker) ric_cache_put(g->recall.memo, name, strlen(name), blob, size);
     free(blob);
     return status;
 }
 
 /* *out stays NULL where there is none; what cannot be read is traced from its start. */
-static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char *key, int *parts, ric_trace **out)
+static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char *key, int *parts, ric_continuation **out)
 {
     char name[1040];
     void *blob = NULL;
@@ -98,64 +98,64 @@ static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char
     else if (g->recall.worker) {
         char lent[1100];
         int n = snprintf(lent, sizeof lent, "%s%s", RIC_LENT, name);
-        blob = ric_memo_take(g->recall.memo, lent, (size_t)n, &size);
+        blob = ric_cache_take(g->recall.memo, lent, (size_t)n, &size);
     }
-    if (blob && ric_trace_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM) status = RIC_E_NOMEM;
+    if (blob && ric_continuation_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM) status = RIC_E_NOMEM;
     free(blob);
     return status;
 }
 
 /* The start of a trace that goes from the end of `tr` back along it. */
-static ric_status turn_back(const ric_trace *tr, ric_trace **out)
+static ric_status turn_back(const ric_continuation *tr, ric_continuation **out)
 {
     const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
                             1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
                             1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
-    ric_chain *chain = ric_chain_copy(tr->chain);
+    ric_shooting *chain = ric_shooting_copy(tr->chain);
     double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
     if (!back) {
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     }
     for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
-    ric_status status = ric_trace_create(chain, tr->end.u, back, ignore, tr->limits, out);
+    ric_status status = ric_continuation_create(chain, tr->end.u, back, ignore, tr->limits, out);
     free(back);
     return status;
 }
 
 /* *out stays NULL where nothing admissible departs. */
-static ric_status set_out(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
+static ric_status set_out(const ric_model *m, const course *way, const ric_node *node, ric_continuation **out)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
     if (way->along) return turn_back(way->along, out);
-    ric_status status = ric_node_depart(m, node, way->choice, way->side, &chain, &u0, &t0, &ignore);
-    if (!status && chain) status = ric_trace_create(chain, u0, t0, ignore, way->limits, out);
+    ric_status status = ric_switching_depart(m, node, way->choice, way->side, &chain, &u0, &t0, &ignore);
+    if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, way->limits, out);
     free(u0);
     free(t0);
     return status;
 }
 
 /* A branch that is lost before it has left its start. */
-static ric_status not_left(const ric_trace *tr)
+static ric_status not_left(const ric_continuation *tr)
 {
     const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
     double length = last->arclength, least = NO_BRANCH * tr->chain->scale;
     if (tr->stop != RIC_STOP_FAILED || length > least) return RIC_OK;
     return ric_fail(RIC_E_NUMERIC, "the branch is lost %.1e from its start (%s), and not told apart from it", length,
-                    ric_why_text(tr->why));
+                    ric_continuation_why_text(tr->why));
 }
 
 /* *out that is not NULL before is a trace that was broken off, and goes on; as it does after RIC_E_INTERRUPTED. */
-static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node, ric_trace **out)
+static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node, ric_continuation **out)
 {
     ric_status status = *out ? RIC_OK : ric_trust(set_out(m, way, node, out));
     bool begun = !status;
-    if (begun && *out) status = ric_trace_run(*out);
+    if (begun && *out) status = ric_continuation_run(*out);
     if (begun && !status && *out) status = not_left(*out);
     if (status && !(begun && status == RIC_E_INTERRUPTED)) {
-        ric_trace_free(*out);
+        ric_continuation_free(*out);
         *out = NULL;
     }
     return status;
@@ -171,9 +171,9 @@ static int more_parts(const ric_model *m, const course *way, int parts)
 }
 
 /* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
- * sought once more with inner nodes, and with more of them (nodes.h). What the last attempt finds counts. *parts: the
+ * sought once more with inner nodes, and with more of them (shooting_nodes.h). What the last attempt finds counts. *parts: the
  * attempt, 0 the first; with *out it is one that was broken off. */
-static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts, ric_trace **out)
+static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts, ric_continuation **out)
 {
     for (;;) {
         ric_node *divided = ric_node_copy(way->node);
@@ -185,7 +185,7 @@ static ric_status trace_in_parts(const ric_model *m, const course *way, int *par
         int more = status == RIC_E_NUMERIC || (!status && lost) ? more_parts(m, way, *parts) : 0;
         if (!more) return status;
         *parts = more;
-        ric_trace_free(*out);
+        ric_continuation_free(*out);
         *out = NULL;
     }
 }
@@ -193,10 +193,10 @@ static ric_status trace_in_parts(const ric_model *m, const course *way, int *par
 /* A trace that is kept: as nothing where nothing departs, as the reason where it could not be traced. */
 static const char refused[] = "refused: ";
 
-static ric_status pack_outcome(ric_status status, const ric_trace *tr, void **blob, size_t *size)
+static ric_status pack_outcome(ric_status status, const ric_continuation *tr, void **blob, size_t *size)
 {
     *size = 0;
-    if (!status) return tr ? ric_trace_pack(tr, blob, size) : RIC_OK;
+    if (!status) return tr ? ric_continuation_pack(tr, blob, size) : RIC_OK;
     const char *why = ric_detail();
     *size = sizeof refused + strlen(why);
     if (!(*blob = malloc(*size))) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
@@ -205,16 +205,16 @@ static ric_status pack_outcome(ric_status status, const ric_trace *tr, void **bl
 }
 
 static ric_status unpack_outcome(const ric_model *m, const ric_limits *limits, const char *blob, size_t size,
-                                 ric_trace **out)
+                                 ric_continuation **out)
 {
     size_t head = sizeof refused - 1;
     if (size == 0) return RIC_OK;
     if (size > head && !memcmp(blob, refused, head) && !blob[size - 1])
         return ric_fail(RIC_E_NUMERIC, "%s", blob + head);
-    return ric_trace_unpack(m, limits, blob, size, out);
+    return ric_continuation_unpack(m, limits, blob, size, out);
 }
 
-static ric_status trace_course(ric_graph *g, const course *way, ric_trace **out)
+static ric_status trace_course(ric_graph *g, const course *way, ric_continuation **out)
 {
     char key[1024];
     void *blob = NULL;
@@ -225,7 +225,7 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_trace **out)
     trace_key(way, key, sizeof key);
     if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
     bool stored = blob != NULL;
-    if (!blob && g->recall.memo && !g->recall.worker) blob = ric_memo_take(g->recall.memo, key, strlen(key), &size);
+    if (!blob && g->recall.memo && !g->recall.worker) blob = ric_cache_take(g->recall.memo, key, strlen(key), &size);
     if (blob) {
         if (!stored) status = keep_trace(g, key, blob, size);
         if (!status) status = unpack_outcome(g->model, way->limits, blob, size, out);
@@ -244,7 +244,7 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_trace **out)
         else if (status) status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof refused - 1);
     }
     if (status) {
-        ric_trace_free(*out);
+        ric_continuation_free(*out);
         *out = NULL;
     }
     free(blob);
@@ -253,19 +253,19 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_trace **out)
 
 /* As trace_departure, within limits that outlive the trace. */
 static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side,
-                               ric_trace **out)
+                               ric_continuation **out)
 {
     return trace_course(g, &(course){limits, node, choice, side, NULL}, out);
 }
 
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A
  * branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
-static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_trace **out)
+static ric_status trace_departure(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_continuation **out)
 {
     ric_status status = trace_within(g, &g->limits, node, choice, side, out);
     if (status || !*out || !ric_region_multiplies(g->options, (*out)->n_point, (*out)->stride, (*out)->points))
         return status;
-    ric_trace_free(*out);
+    ric_continuation_free(*out);
     return trace_within(g, &g->deep, node, choice, side, out);
 }
 
@@ -282,12 +282,12 @@ bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choi
 }
 
 /* Whether the branch stopped because gaps of two contacts closed at one instant. */
-static bool at_corner(const ric_trace *tr)
+static bool at_corner(const ric_continuation *tr)
 {
     ric_touch touch;
     if (tr->end.test == RIC_TEST_FLIGHT) return true;
     if (tr->end.test != RIC_TEST_REACH) return false;
-    ric_chain_fly(tr->chain, tr->end.u);
+    ric_shooting_fly(tr->chain, tr->end.u);
     ric_reach(tr->chain, tr->end.u, &touch);
     return touch.face >= 0 && touch.kink;
 }
@@ -300,23 +300,23 @@ static bool departs(const ric_node *node)
 
 /* Which of the branches that leave a multiplication without mirror points this is: its last point before the end
  * tells. */
-static ric_status ring_choice(const ric_graph *g, const ric_trace *tr, const ric_node *node, unsigned *choice)
+static ric_status ring_choice(const ric_graph *g, const ric_continuation *tr, const ric_node *node, unsigned *choice)
 {
     int side, last = tr->n_point - 1;
     const ric_point *row = (const ric_point *)(tr->points + (size_t)last * tr->stride);
     if (last > 0 && row->arclength >= tr->end.s)
         row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
-    ric_cycle *near = ric_trace_cycle(tr, (const double *)(row + 1));
+    ric_periodic *near = ric_continuation_cycle(tr, (const double *)(row + 1));
     if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    ric_status status = ric_ring_class(g->model, node, near, choice, &side);
-    ric_cycle_free(near);
+    ric_status status = ric_multiplication_class(g->model, node, near, choice, &side);
+    ric_periodic_free(near);
     if (status != RIC_E_NUMERIC) return status;
     *choice = RIC_SIDE; /* refused to those who want to leave here, too */
     return RIC_OK;
 }
 
 /* Whether two chains are the same problem. */
-static bool same_problem(const ric_chain *a, const ric_chain *b)
+static bool same_problem(const ric_shooting *a, const ric_shooting *b)
 {
     size_t faces = (size_t)a->n_flight + 1;
     return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight &&
@@ -326,49 +326,49 @@ static bool same_problem(const ric_chain *a, const ric_chain *b)
 /* Under a power law, and with springs, the end of a branch at a junction, read off cubics, is replaced by the orbit of
  * the junction itself: of its images, as orbits of the branch's own problem, the one that lies there. What bends the
  * curves there grows with the stiffness. */
-static ric_status end_on_node(const ric_graph *g, ric_trace *tr, const ric_node *node, unsigned choice)
+static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ric_node *node, unsigned choice)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double nearest = END_NEAR * c->scale, best[size];
     if (!g->model->springs || !ric_node_leaves(node, choice)) return RIC_OK;
-    ric_problem problem = ric_node_problem(node, choice);
-    ric_cycle *whole = ric_problem_cycle(node->cycle, &problem);
+    ric_symmetry problem = ric_node_problem(node, choice);
+    ric_periodic *whole = ric_symmetry_cycle(node->cycle, &problem);
     if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
-    int operations = ric_cycle_operations(g->model);
+    int operations = ric_periodic_operations(g->model);
     for (int k = 0; k < operations * whole->N; k++) {
-        ric_chain *chain = NULL;
+        ric_shooting *chain = NULL;
         double *u = NULL, off = 0;
         int op = k % operations;
-        ric_cycle *image = ric_cycle_transform(g->model, whole, k / operations, op & 1, op & 2);
-        bool fits = image && !ric_cycle_to_chain(g->model, image, &chain, &u) && same_problem(chain, c);
+        ric_periodic *image = ric_periodic_transform(g->model, whole, k / operations, op & 1, op & 2);
+        bool fits = image && !ric_periodic_to_chain(g->model, image, &chain, &u) && same_problem(chain, c);
         for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
         if (fits && off < nearest) {
             nearest = off;
             memcpy(best, u, sizeof best);
         }
-        ric_cycle_free(image);
-        ric_chain_free(chain);
+        ric_periodic_free(image);
+        ric_shooting_free(chain);
         free(u);
     }
-    ric_cycle_free(whole);
-    return nearest == END_NEAR * c->scale ? RIC_OK : ric_trace_end_at(tr, best);
+    ric_periodic_free(whole);
+    return nearest == END_NEAR * c->scale ? RIC_OK : ric_continuation_end_at(tr, best);
 }
 
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
-static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, unsigned *choice)
+static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *index, unsigned *choice)
 {
     ric_status status = RIC_OK;
     ric_node *node = NULL;
     *index = -1;
     *choice = 0;
     if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
-    ric_cycle *cycle = ric_trace_cycle(tr, tr->end.u);
+    ric_periodic *cycle = ric_continuation_cycle(tr, tr->end.u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    ric_solve solve = {.kind = tr->arrival                                                      ? RIC_SOLVE_ARRIVAL
-                               : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_SOLVE_CORNER
-                                                                                       : RIC_SOLVE_GRAZING};
-    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+    ric_defining solve = {.kind = tr->arrival                                                      ? RIC_DEFINING_ARRIVAL
+                               : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_DEFINING_CORNER
+                                                                                       : RIC_DEFINING_GRAZING};
+    status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
         tr->why = RIC_WHY_NO_JUNCTION;
@@ -379,24 +379,24 @@ static ric_status end_node(ric_graph *g, ric_trace *tr, int depth, int *index, u
         *index = ric_graph_add(g, node, depth);
         if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
         else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
-            int found = ric_subset_choice(g->model, g->nodes[*index], cycle);
+            int found = ric_grazing_words_choice(g->model, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
                 tr->why = RIC_WHY_NO_FIT;
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else if (ric_ring_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        } else if (ric_multiplication_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
         else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
     if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     return ric_trust(status);
 }
 
 /* ------------------------------------------------------------------- edges */
 
 /* On a half chain tests A and D vanish where the period doubles. */
-static bool doubles(const ric_chain *c, int test)
+static bool doubles(const ric_shooting *c, int test)
 {
     return c->start != RIC_MIRROR_NONE && c->multiple == 2 && (test == RIC_TEST_A || test == RIC_TEST_D);
 }
@@ -404,15 +404,15 @@ static bool doubles(const ric_chain *c, int test)
 /* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that
  * may pass -1 and come back within one step, where only the tests tell both places. *twin: the event is met by its
  * multiplier, too. */
-static const ric_resonance *resonance_of(const ric_trace *tr, const ric_event *event, bool *twin)
+static const ric_resonance *resonance_of(const ric_continuation *tr, const ric_event *event, bool *twin)
 {
     const ric_resonance *doubling = NULL;
     *twin = false;
-    if (!doubles(tr->chain, event->test)) return ric_trace_resonance(tr, event->test);
+    if (!doubles(tr->chain, event->test)) return ric_continuation_resonance(tr, event->test);
     for (int k = 0; k < tr->n_resonance; k++)
         if (tr->resonances[k].q == 2) doubling = &tr->resonances[k];
     for (int i = 0; i < tr->n_event; i++) {
-        const ric_resonance *other = ric_trace_resonance(tr, tr->events[i].test);
+        const ric_resonance *other = ric_continuation_resonance(tr, tr->events[i].test);
         *twin |= other && other == doubling && fabs(tr->events[i].s - event->s) < SAME_EVENT * (1 + event->s);
     }
     return doubling;
@@ -433,35 +433,35 @@ static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ri
     *choice = aside ? RIC_SIDE : RIC_THROUGH;
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
-    ric_cycle *near = ric_trace_cycle(e->trace, u);
-    ric_status status = near ? ric_crossing_choice(g->model, node, near, choice)
+    ric_periodic *near = ric_continuation_cycle(e->trace, u);
+    ric_status status = near ? ric_branch_point_choice(g->model, node, near, choice)
                              : ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    ric_cycle_free(near);
+    ric_periodic_free(near);
     return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
 }
 
 /* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its
  * mirror image. */
-static bool passes_image(const ric_model *m, const ric_cycle *cycle, int test)
+static bool passes_image(const ric_model *m, const ric_periodic *cycle, int test)
 {
-    ric_cycle *found = !m->symmetric && test == RIC_TEST_DET ? ric_cycle_copy(cycle) : NULL;
-    if (found) ric_cycle_find_symmetries(m, found, 1e-5);
+    ric_periodic *found = !m->symmetric && test == RIC_TEST_DET ? ric_periodic_copy(cycle) : NULL;
+    if (found) ric_periodic_find_symmetries(m, found, 1e-5);
     bool more = found && ((found->half && !cycle->half) || (found->flip >= 0 && cycle->flip < 0));
-    ric_cycle_free(found);
+    ric_periodic_free(found);
     return more;
 }
 
 /* Where it is and what it was taken for: the atlas names what it has not found. */
 static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event *event, const ric_resonance *resonance,
-                               const ric_cycle *cycle)
+                               const ric_periodic *cycle)
 {
     ric_unplaced *more = realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
     if (!more) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     e->unplaced = more;
     more[e->n_unplaced++] = (ric_unplaced){.test = event->test, .p = resonance ? resonance->p : 0,
                                            .q = resonance ? resonance->q : 0,
-                                           .energy = ric_cycle_energy(g->model, cycle) * g->model->energy_unit,
-                                           .frequency = TWO_PI / ric_cycle_period(cycle) * g->model->omega_ref};
+                                           .energy = ric_periodic_energy(g->model, cycle) * g->model->energy_unit,
+                                           .frequency = TWO_PI / ric_periodic_period(cycle) * g->model->omega_ref};
     return RIC_OK;
 }
 
@@ -476,18 +476,18 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     /* the ends of a branch are junctions of their own, but for the place where a closed one begins and ends */
     double length = ((const ric_point *)last)->arclength;
     if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED)) return RIC_OK;
-    ric_cycle *cycle = ric_trace_cycle(e->trace, event->u);
+    ric_periodic *cycle = ric_continuation_cycle(e->trace, event->u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     bool aside = !doubling && breaks_or_crosses(event->test) &&
-                 (ric_cycle_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
-    const ric_asked *asked = ric_trace_asked(e->trace, event->test);
-    ric_solve solve = aside       ? (ric_solve){.kind = RIC_SOLVE_ARRIVAL}
-                      : asked     ? (ric_solve){.kind = RIC_SOLVE_USER, .asked = *asked}
-                      : resonance ? (ric_solve){.kind = RIC_SOLVE_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
-                                  : (ric_solve){.kind = RIC_SOLVE_INTERIOR, .test = event->test};
-    status = ric_solve_node(g->model, g->recall, solve, cycle, &node);
+                 (ric_periodic_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
+    const ric_user_point *asked = ric_continuation_user_point(e->trace, event->test);
+    ric_defining solve = aside       ? (ric_defining){.kind = RIC_DEFINING_ARRIVAL}
+                      : asked     ? (ric_defining){.kind = RIC_DEFINING_USER, .asked = *asked}
+                      : resonance ? (ric_defining){.kind = RIC_DEFINING_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
+                                  : (ric_defining){.kind = RIC_DEFINING_INTERIOR, .test = event->test};
+    status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) status = add_unplaced(g, e, event, resonance, cycle);
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     if (!node) return status;
     int index = ric_graph_add(g, node, e->depth);
     if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
@@ -498,18 +498,18 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     unsigned choice;
     if ((status = passing_choice(g, e, event, g->nodes[index], aside, &choice))) return status;
     ric_graph_mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);
-    return ric_edge_attach(e, index, choice, event->s);
+    return ric_graph_edge_attach(e, index, choice, event->s);
 }
 
 /* Traces again from the far end, so that what is stored does not depend on which end was found first. */
-static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_trace **tr,
+static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_continuation **tr,
                                    bool *turned)
 {
-    ric_trace *back = NULL;
+    ric_continuation *back = NULL;
     int home = -1;
     unsigned choice = 0;
     ric_node *a = g->nodes[from], *b = g->nodes[to];
-    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_node_order(b, a);
+    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_graph_node_order(b, a);
     *turned = false;
     if (order <= 0 || !departs(b)) return RIC_OK;
     ric_status status = trace_departure(g, b, arrive, 1, &back);
@@ -519,10 +519,10 @@ static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int t
     if (!back || home != from || (ric_node_chooses(a) && choice != leave)) {
         (*tr)->stop = RIC_STOP_FAILED;
         (*tr)->why = RIC_WHY_NO_WAY_BACK;
-        ric_trace_free(back);
+        ric_continuation_free(back);
         return RIC_OK;
     }
-    ric_trace_free(*tr);
+    ric_continuation_free(*tr);
     *tr = back;
     *turned = true;
     return RIC_OK;
@@ -538,16 +538,16 @@ static ric_status note_orbits(ric_edge *e)
         e->energy[0] = fmin(e->energy[0], p->energy);
         e->energy[1] = fmax(e->energy[1], p->energy);
     }
-    e->first = ric_trace_cycle(e->trace, e->trace->points + sizeof(ric_point) / sizeof(double));
+    e->first = ric_continuation_cycle(e->trace, e->trace->points + sizeof(ric_point) / sizeof(double));
     return e->first ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a branch");
 }
 
-static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned leave, int to, unsigned arrive, int depth,
+static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to, unsigned arrive, int depth,
                               int mode)
 {
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {
-        ric_trace_free(tr);
+        ric_continuation_free(tr);
         return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     }
     e->trace = tr;
@@ -561,13 +561,13 @@ static ric_status finish_edge(ric_graph *g, ric_trace *tr, int from, unsigned le
     for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
     status = ric_trust(status);
     /* no branch with some of its junctions */
-    if (status == RIC_E_INTERRUPTED) ric_edge_release(&g->edges[--g->n_edge]);
+    if (status == RIC_E_INTERRUPTED) ric_graph_edge_release(&g->edges[--g->n_edge]);
     return status;
 }
 
 /* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the way, or at the lower
  * end of the energy window, which a branch that begins below it passes. */
-static bool one_sided(const ric_trace *tr)
+static bool one_sided(const ric_continuation *tr)
 {
     return tr->stop == RIC_STOP_FAILED || (tr->stop == RIC_STOP_WINDOW && tr->end.test == RIC_TEST_E_MIN);
 }
@@ -583,7 +583,7 @@ static void supersede(ric_graph *g)
         bool same = (e->from == last->from && e->leave == last->leave) ||
                     (e->from == last->to && e->leave == last->arrive);
         if (!one_sided(e->trace) || e->to >= 0 || !same) continue;
-        ric_edge_release(e);
+        ric_graph_edge_release(e);
         memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);
         g->n_edge--;
         return;
@@ -599,7 +599,7 @@ static void reopen(ric_status status, ric_node *node, unsigned choice)
 
 ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, bool *taken)
 {
-    ric_trace *tr = NULL;
+    ric_continuation *tr = NULL;
     int to = -1;
     unsigned arrive;
     bool turned = false;
@@ -619,14 +619,14 @@ ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, 
     return status;
 out:
     if (to >= 0) reopen(status, g->nodes[to], arrive);
-    ric_trace_free(tr);
+    ric_continuation_free(tr);
     return status;
 }
 
 ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, int depth)
 {
     ric_status status = RIC_OK;
-    ric_trace *tr[2] = {NULL, NULL}, *whole = NULL;
+    ric_continuation *tr[2] = {NULL, NULL}, *whole = NULL;
     int to[2] = {-1, -1};
     unsigned arrive[2];
     for (int i = 0; i < 2; i++) {
@@ -654,8 +654,8 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
     whole = NULL;
 out:
-    ric_trace_free(tr[0]);
-    ric_trace_free(tr[1]);
-    ric_trace_free(whole);
+    ric_continuation_free(tr[0]);
+    ric_continuation_free(tr[1]);
+    ric_continuation_free(whole);
     return status;
 }

@@ -1,5 +1,5 @@
-/* What the files of the graph share: graph.c (nodes and edges), graph_start.c (where it begins), follow.c
- * (from a departure to an edge), schedule.c (the order of work). No other file needs it. */
+/* What the files of the graph share: graph.c (nodes and edges), graph_roots.c (where it begins), graph_follow.c
+ * (from a departure to an edge), graph_schedule.c (the order of work). No other file needs it. */
 #ifndef RIC_EXPLORE_GRAPH_PARTS_H
 #define RIC_EXPLORE_GRAPH_PARTS_H
 
@@ -18,7 +18,7 @@ int ric_graph_append(ric_graph *graph, ric_node *node);
 void ric_graph_mark(ric_graph *graph, ric_node *node, unsigned choice, ric_departure_state state);
 /* An empty edge, the last of the list; NULL: no memory. */
 ric_edge *ric_graph_add_edge(ric_graph *graph);
-void ric_edge_release(ric_edge *edge);
+void ric_graph_edge_release(ric_edge *edge);
 
 /* The nodes from which everything else is reached. */
 ric_status ric_graph_start(ric_graph *graph);

@@ -65,16 +65,16 @@ static ric_status no_start(const ric_model *m, int mode)
 
 /* A mode that no branch can be started from is a start all the same, at an energy at which its linear motion is an
  * orbit to rounding, whose departures are refused with the reason. */
-static ric_status refused_start(const ric_model *m, ric_chain *chain, int mode, ric_node **out)
+static ric_status refused_start(const ric_model *m, ric_shooting *chain, int mode, ric_node **out)
 {
     double u[m->n + 1];
     memset(u, 0, sizeof u);
     u[mode] = STILL;
     u[m->n] = TWO_PI / (4 * m->omega[mode]);
-    ric_chain_fly(chain, u);
-    ric_cycle *cycle = ric_cycle_from_chain(chain, u);
+    ric_shooting_fly(chain, u);
+    ric_periodic *cycle = ric_periodic_from_chain(chain, u);
     ric_status status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     if (status) return status;
     no_start(m, mode);
     (*out)->mode = mode;
@@ -91,40 +91,40 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
 {
     static const int face[] = {-1, -1};
     const ric_model *m = g->model;
-    ric_chain *chain = NULL;
-    ric_trace *way = NULL;
-    ric_cycle *cycle = NULL;
+    ric_shooting *chain = NULL;
+    ric_continuation *way = NULL;
+    ric_periodic *cycle = NULL;
     int n = m->n, iterations;
     double u[n + 1], t[n + 1], du[n + 1], energy = 2 * m->linear_energy / m->energy_unit;
     ric_limits limits = g->limits;
     *out = NULL;
     if (m->omega[mode] == 0) return RIC_OK;
-    ric_status status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
+    ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
     if (status) return status;
     memset(u, 0, sizeof u);
     u[mode] = sqrt(2 * energy);
     u[n] = TWO_PI / (4 * m->omega[mode]);
-    if (mixed_with(m, mode) >= 0 || !ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
+    if (mixed_with(m, mode) >= 0 || !ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
         status = refused_start(m, chain, mode, out);
         goto out;
     }
-    if (energy > limits.energy[0]) cycle = ric_cycle_from_chain(chain, u);
+    if (energy > limits.energy[0]) cycle = ric_periodic_from_chain(chain, u);
     else {
         limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + ABOVE)}, .period = {0, HUGE_VAL},
                               .max_step = limits.max_step, .max_points = limits.max_points};
         memset(t, 0, sizeof t);
         t[mode] = 1;
-        status = ric_trace_create(chain, u, t, 0, &limits, &way);
+        status = ric_continuation_create(chain, u, t, 0, &limits, &way);
         chain = NULL;
-        if (status || (status = ric_trace_run(way)) || way->end.test != RIC_TEST_E_MAX) goto out;
-        cycle = ric_trace_cycle(way, way->end.u);
+        if (status || (status = ric_continuation_run(way)) || way->end.test != RIC_TEST_E_MAX) goto out;
+        cycle = ric_continuation_cycle(way, way->end.u);
     }
     status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
     if (*out) (*out)->mode = mode;
 out:
-    ric_cycle_free(cycle);
-    ric_trace_free(way);
-    ric_chain_free(chain);
+    ric_periodic_free(cycle);
+    ric_continuation_free(way);
+    ric_shooting_free(chain);
     return status;
 }
 
@@ -170,14 +170,14 @@ static void closed_form(const ric_model *m, const ric_face *f, double omega, dou
 
 #define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
 
-static ric_status start_stretch(ric_graph *g, ric_chain *chain, const double *u)
+static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double *u)
 {
-    ric_chain_fly(chain, u);
-    ric_cycle *cycle = ric_cycle_from_chain(chain, u);
+    ric_shooting_fly(chain, u);
+    ric_periodic *cycle = ric_periodic_from_chain(chain, u);
     ric_node *node = NULL;
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a start");
     ric_status status = ric_node_start(g->model, cycle, &node);
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     if (status == RIC_E_NUMERIC) return RIC_OK;
     if (!status && ric_graph_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
     return status;
@@ -208,21 +208,21 @@ static ric_status start_loose(ric_graph *g)
     int n = m->n, upper = loose_face(m), face[2] = {-1, upper};
     bool inside = false;
     if (upper < 0) return RIC_OK;
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     ric_status status = ric_graph_check_start(m);
     if (status) return status;
-    status = ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
+    status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
     double u[n + 1], low = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 1e-3;
     for (double omega = low; !status && omega < TWO_PI / g->limits.period[0]; omega *= SCAN) {
         closed_form(m, &m->face[upper], omega, u);
-        ric_chain_fly(chain, u);
-        double energy = ric_chain_energy(chain);
+        ric_shooting_fly(chain, u);
+        double energy = ric_shooting_energy(chain);
         bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < 1e-9 &&
                     chain->approach[1] > 0 && ric_reach(chain, u, NULL) < 1;
         if (good && !inside) status = start_stretch(g, chain, u);
         inside = good;
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     return status;
 }
 
@@ -231,11 +231,11 @@ static ric_status start_given(ric_graph *g)
 {
     ric_status status = RIC_OK;
     for (int i = 0; i < g->starts.n && !status; i++) {
-        ric_cycle *cycle = NULL;
+        ric_periodic *cycle = NULL;
         ric_node *node = NULL;
         status = ric_start_solve(g->model, g->starts.cycle[i], &cycle);
         if (!status) status = ric_node_start(g->model, cycle, &node);
-        ric_cycle_free(cycle);
+        ric_periodic_free(cycle);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
         else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1]))
             ric_node_free(node);

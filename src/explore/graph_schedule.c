@@ -43,7 +43,7 @@ static bool owner_stopped(void *user)
     return ((ric_graph *)user)->stopping;
 }
 
-/* A step of a trace is kept, even if the trace itself is not finished (pause.h). */
+/* A step of a trace is kept, even if the trace itself is not finished (continuation_pause.h). */
 static void count_step(void *user)
 {
     ((ric_graph *)user)->fresh++;
@@ -110,10 +110,10 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
             double where;
             /* a branch that ends here has left, it does not pass */
             if (g->edges[i].from == index || g->edges[i].to == index ||
-                !ric_edge_contains(g->model, &g->edges[i], node, &where))
+                !ric_graph_edge_contains(g->model, &g->edges[i], node, &where))
                 continue;
             d->state = RIC_DEPARTURE_KNOWN;
-            return node->kind == RIC_KIND_START ? RIC_OK : ric_edge_attach(&g->edges[i], index, choice, where);
+            return node->kind == RIC_KIND_START ? RIC_OK : ric_graph_edge_attach(&g->edges[i], index, choice, where);
         }
         status = ric_graph_follow_through(g, index, choice, depth);
         node->departures[place].state = RIC_DEPARTURE_TAKEN;
@@ -142,7 +142,7 @@ typedef struct {
 static int departure_order(const void *a, const void *b)
 {
     const open_departure *p = a, *q = b;
-    int order = p->index == q->index ? 0 : ric_node_order(p->node, q->node);
+    int order = p->index == q->index ? 0 : ric_graph_node_order(p->node, q->node);
     if (order) return order;
     return p->index != q->index ? p->index - q->index : p->place - q->place;
 }
@@ -200,7 +200,7 @@ static ric_status list_duplicates(ric_graph *g, int depth)
             node->refusal)
             continue;
         node->expanded = true;
-        int flown = ric_cycle_impacts(node->springs, node->cycle) - node->n_touch;
+        int flown = ric_periodic_impacts(node->springs, node->cycle) - node->n_touch;
         for (int k = 2; k <= g->largest.multiply && k * node->period <= g->limits.period[1]; k++) {
             ric_node *duplicate = NULL;
             const ric_budgets here = budgets_at(g, node, k);
@@ -236,7 +236,7 @@ static void refuse_all(ric_graph *g, const char *why)
 
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
 {
-    ric_forget_hunger();
+    ric_memory_clear();
     ric_graph *g = graph;
     ric_graph *alone = calloc(1, sizeof *alone);
     if (!alone) {
@@ -306,7 +306,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     clock_gettime(CLOCK_MONOTONIC, &g->start);
     g->run = run;
     g->stopping = false;
-    ric_forget_hunger();
+    ric_memory_clear();
     g->limits.stepped = g->deep.stepped = count_step;
     g->limits.user = g->deep.user = g;
     ric_halt_ask(stopped, g);
@@ -348,7 +348,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
 }
 
 /* What workers have left and nobody has asked for: finished traces, and traces that were broken off. Their keys are
- * texts that begin with a digit (follow.c), those of junctions do not (solve.c). */
+ * texts that begin with a digit (graph_follow.c), those of junctions do not (node_cache.c). */
 static void save_left(const void *key, size_t key_size, const void *value, size_t size, void *user)
 {
     ric_store *store = user;
@@ -370,7 +370,7 @@ static ric_status lend(void *user, const char *key)
     ric_status status = ric_store_trace_get(g->store, key, &blob, &size);
     char name[1100];
     int n = snprintf(name, sizeof name, "%s%s", RIC_LENT, key);
-    if (!status && blob && n < (int)sizeof name) ric_memo_put(g->recall.memo, name, (size_t)n, blob, size);
+    if (!status && blob && n < (int)sizeof name) ric_cache_put(g->recall.memo, name, (size_t)n, blob, size);
     free(blob);
     return status;
 }
@@ -380,7 +380,7 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     ric_status status = RIC_OK;
     g->n_worker = run && run->workers > 1 ? run->workers : 1;
     if (g->n_worker > 1 || g->crew) {
-        if ((status = ric_memo_create(&g->recall.memo))) goto out;
+        if ((status = ric_cache_create(&g->recall.memo))) goto out;
         if (g->store && (status = ric_store_trace_keys(g->store, RIC_PAUSED, lend, g))) goto out;
         if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g, &g->workers)))
             goto out;
@@ -391,8 +391,8 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
 out:
     ric_halt_ask(NULL, NULL);
     ric_workers_free(g->workers);
-    if (status == RIC_E_INTERRUPTED && g->store && g->recall.memo) ric_memo_drain(g->recall.memo, save_left, g->store);
-    ric_memo_free(g->recall.memo);
+    if (status == RIC_E_INTERRUPTED && g->store && g->recall.memo) ric_cache_drain(g->recall.memo, save_left, g->store);
+    ric_cache_free(g->recall.memo);
     g->workers = NULL;
     g->recall.memo = NULL;
     return status;

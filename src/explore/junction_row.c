@@ -34,67 +34,67 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
 
 static char *refusals(const ric_node *node)
 {
-    const char *why = ric_refusal_text(node->refusal);
+    const char *why = ric_node_refusal_text(node->refusal);
     for (int i = 0; i < node->n_departure; i++)
         if (node->departures[i].why && !*why) why = node->departures[i].why;
     return strdup(why);
 }
 
-static bool solve_chain(ric_chain *chain, double *u)
+static bool solve_chain(ric_shooting *chain, double *u)
 {
     double du[chain->n_unknown];
     int iterations;
-    ric_chain_evaluate(chain, u);
-    return !ric_trace_solved(chain) && ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
+    ric_shooting_evaluate(chain, u);
+    return !ric_continuation_solved(chain) && ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
 }
 
 /* Without its touches an orbit is one of fewer events; what their speeds were beside zero is missing from it, and it is
  * solved once more. NULL: it need not be, or does not converge. */
-static ric_cycle *solved_again(const ric_model *m, const ric_cycle *cycle)
+static ric_periodic *solved_again(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL;
-    ric_cycle *solved = NULL, *out = NULL;
-    if (!ric_cycle_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) solved = ric_cycle_from_chain(chain, u);
-    if (solved) out = ric_cycle_canonical(m, solved);
-    ric_cycle_free(solved);
-    ric_chain_free(chain);
+    ric_periodic *solved = NULL, *out = NULL;
+    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) solved = ric_periodic_from_chain(chain, u);
+    if (solved) out = ric_periodic_canonical(m, solved);
+    ric_periodic_free(solved);
+    ric_shooting_free(chain);
     free(u);
     return out;
 }
 
 /* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact
  * is left. */
-static ric_cycle *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
+static ric_periodic *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
 {
-    ric_cycle *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL;
+    ric_periodic *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL;
     *bare = !regular;
     if (regular && node->kind == RIC_KIND_GRAZING && node->multiple > 1) {
-        once = ric_cycle_shorten(regular, node->multiple);
-        canonical = once ? ric_cycle_canonical(m, once) : NULL;
-    } else if (regular) canonical = ric_cycle_canonical(m, regular);
-    ric_cycle_free(regular);
-    ric_cycle_free(once);
+        once = ric_periodic_shorten(regular, node->multiple);
+        canonical = once ? ric_periodic_canonical(m, once) : NULL;
+    } else if (regular) canonical = ric_periodic_canonical(m, regular);
+    ric_periodic_free(regular);
+    ric_periodic_free(once);
     return canonical;
 }
 
-ric_status ric_mark_make(const ric_model *m, const ric_node *node, int index, ric_mark *out)
+ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int index, ric_junction_row *out)
 {
     ric_status status = RIC_OK;
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
     bool bare;
-    ric_cycle *cycle = original_orbit(m, node, &bare), *again = NULL;
+    ric_periodic *cycle = original_orbit(m, node, &bare), *again = NULL;
     double energy = node->energy, period = node->period;
     if (cycle && node->kind == RIC_KIND_GRAZING) again = solved_again(m, cycle);
     if (again) {
-        ric_cycle_free(cycle);
+        ric_periodic_free(cycle);
         cycle = again;
-        energy = ric_cycle_energy(m, cycle);
-        period = ric_cycle_period(cycle);
+        energy = ric_periodic_energy(m, cycle);
+        period = ric_periodic_period(cycle);
     }
-    int N = cycle ? ric_cycle_letters(cycle) : 0;
-    *out = (ric_mark){.node = node, .index = index};
+    int N = cycle ? ric_periodic_letters(cycle) : 0;
+    *out = (ric_junction_row){.node = node, .index = index};
     r->word = calloc((size_t)N + 1, sizeof *r->word);
     r->state = calloc(2 * (size_t)n, sizeof *r->state);
     r->flights = calloc((size_t)N + 1, sizeof *r->flights);
@@ -104,12 +104,12 @@ ric_status ric_mark_make(const ric_model *m, const ric_node *node, int index, ri
         goto out;
     }
     ric_model_to_state(m, cycle ? cycle->w : node->cycle->w, r->state, r->state + n);
-    if (cycle) ric_cycle_word(m, cycle, r->word);
+    if (cycle) ric_periodic_word(m, cycle, r->word);
     for (int i = 0; i < N; i++) {
         r->flights[i] = cycle->tau[i] / m->omega_ref;
     }
     if (!N) r->flights[0] = node->period / m->omega_ref;
-    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_cycle_impacts(node->springs, cycle) : 0,
+    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_periodic_impacts(node->springs, cycle) : 0,
                             .letters = N, .word = r->word,
                             .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0, .multiple = node->multiple,
                             .rotation = {node->rotation[0], node->rotation[1]}, .energy = energy * m->energy_unit,
@@ -117,18 +117,18 @@ ric_status ric_mark_make(const ric_model *m, const ric_node *node, int index, ri
     r->row.frequency = TWO_PI / period * m->omega_ref / r->row.multiple;
     count_departures(node, r);
 out:
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     return status;
 }
 
 /* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of
  * the graph. */
-static ric_status mark_linear(const ric_model *m, int mode, double energy, int index, ric_mark *out)
+static ric_status mark_linear(const ric_model *m, int mode, double energy, int index, ric_junction_row *out)
 {
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
     double omega = m->frequency[mode];
-    *out = (ric_mark){.index = index};
+    *out = (ric_junction_row){.index = index};
     r->word = calloc(1, sizeof *r->word);
     r->state = calloc(2 * (size_t)n, sizeof *r->state);
     r->flights = calloc(1, sizeof *r->flights);
@@ -141,13 +141,13 @@ static ric_status mark_linear(const ric_model *m, int mode, double energy, int i
     return RIC_OK;
 }
 
-ric_status ric_mark_energies(const ric_graph *g, int mode, ric_sheet *s, ric_mark *marks, int *n)
+ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_row *s, ric_junction_row *marks, int *n)
 {
     ric_status status = RIC_OK;
     ric_branch_record *r = &s->record;
     s->user = g->n_node + *n;
     for (int i = 0; i < g->limits.n_asked && !status; i++) {
-        const ric_asked *asked = &g->limits.asked[i];
+        const ric_user_point *asked = &g->limits.asked[i];
         if (asked->frequency || asked->value >= r->row.energy_max) continue;
         r->junction_at[r->row.n_junction++] = ric_linear_amplitude(g->model->frequency[mode], asked->value);
         status = mark_linear(g->model, mode, asked->value, g->n_node + *n, &marks[*n]);
@@ -156,24 +156,24 @@ ric_status ric_mark_energies(const ric_graph *g, int mode, ric_sheet *s, ric_mar
     return status;
 }
 
-int ric_mark_order(const void *p, const void *q)
+int ric_junction_row_order(const void *p, const void *q)
 {
-    const ric_junction *a = &((const ric_mark *)p)->record.row, *b = &((const ric_mark *)q)->record.row;
+    const ric_junction *a = &((const ric_junction_row *)p)->record.row, *b = &((const ric_junction_row *)q)->record.row;
     int order;
     if (a->impacts * a->multiple != b->impacts * b->multiple)
         return a->impacts * a->multiple - b->impacts * b->multiple;
     if ((order = ric_compare_numbers(a->energy, b->energy))) return order;
     if ((order = ric_compare_numbers(a->frequency, b->frequency))) return order;
     if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
-    const ric_mark *k = p, *l = q;
-    if (k->node && l->node && (order = ric_node_order(k->node, l->node))) return order;
+    const ric_junction_row *k = p, *l = q;
+    if (k->node && l->node && (order = ric_graph_node_order(k->node, l->node))) return order;
     return k->index - l->index;
 }
 
 /* Junctions of one family share all of their label but its number. */
 static int family_order(const void *p, const void *q)
 {
-    const ric_mark *k = *(ric_mark *const *)p, *l = *(ric_mark *const *)q;
+    const ric_junction_row *k = *(ric_junction_row *const *)p, *l = *(ric_junction_row *const *)q;
     const ric_junction *a = &k->record.row, *b = &l->record.row;
     int order = strcmp(letter(a->kind), letter(b->kind));
     if (order) return order;
@@ -187,8 +187,8 @@ static int family_order(const void *p, const void *q)
 
 static int label_order(const void *p, const void *q)
 {
-    int order = family_order(p, q), a = (*(ric_mark *const *)p)->record.row.id,
-        b = (*(ric_mark *const *)q)->record.row.id;
+    int order = family_order(p, q), a = (*(ric_junction_row *const *)p)->record.row.id,
+        b = (*(ric_junction_row *const *)q)->record.row.id;
     return order ? order : a - b;
 }
 
@@ -204,9 +204,9 @@ static char *junction_label(const ric_junction *row, int number)
     return strdup(text);
 }
 
-ric_status ric_marks_label(int n, ric_mark *marks)
+ric_status ric_junction_rows_label(int n, ric_junction_row *marks)
 {
-    ric_mark **list = malloc((size_t)(n + 1) * sizeof *list);
+    ric_junction_row **list = malloc((size_t)(n + 1) * sizeof *list);
     ric_status status = list ? RIC_OK : ric_no_rows();
     for (int i = 0; i < n && list; i++) list[i] = &marks[i];
     if (list) qsort(list, (size_t)n, sizeof *list, label_order);
@@ -220,7 +220,7 @@ ric_status ric_marks_label(int n, ric_mark *marks)
     return status;
 }
 
-ric_status ric_marks_name(const ric_study *study, int n, ric_mark *marks)
+ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *marks)
 {
     for (int k = 0; k < ric_study_n_name(study); k++) {
         ric_name name;

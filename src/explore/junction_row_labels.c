@@ -15,13 +15,13 @@
 
 typedef struct {
     ric_graph *graph;
-    ric_mark *marks;
+    ric_junction_row *marks;
     pthread_mutex_t lock; /* of the store, of whom to ask, and of the numbers */
     int left, unmeasured;
     time_t saved;
 } workshop;
 
-static bool has_label(const ric_mark *mark)
+static bool has_label(const ric_junction_row *mark)
 {
     return mark->node && (mark->node->kind == RIC_KIND_EXTREMUM || mark->node->kind == RIC_KIND_BRANCH_POINT ||
                           mark->node->kind == RIC_KIND_MULTIPLICATION);
@@ -36,10 +36,10 @@ static uint64_t mixed(uint64_t hash, size_t size, const void *bytes)
     return hash;
 }
 
-/* All that a label depends on, as the key of a trace is all that shapes a trace (follow.c). */
+/* All that a label depends on, as the key of a trace is all that shapes a trace (graph_follow.c). */
 static void label_key(const ric_node *node, char *key, size_t size)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     uint64_t hash = 14695981039346656037u;
     hash = mixed(hash, sizeof c->closed, &c->closed);
     hash = mixed(hash, (size_t)c->N * sizeof *c->face, c->face);
@@ -134,12 +134,12 @@ static ric_status measure_in_shop(void *user, int i)
     return status;
 }
 
-ric_status ric_marks_measure(ric_graph *g, int n, ric_mark *marks, bool *all)
+ric_status ric_junction_rows_measure(ric_graph *g, int n, ric_junction_row *marks, bool *all)
 {
     workshop shop = {.graph = g, .marks = marks};
     for (int i = 0; i < n; i++) shop.left += has_label(&marks[i]);
     pthread_mutex_init(&shop.lock, NULL);
-    ric_status status = ric_parallel(g->n_worker, n, measure_in_shop, &shop);
+    ric_status status = ric_workers_each(g->n_worker, n, measure_in_shop, &shop);
     pthread_mutex_destroy(&shop.lock);
     *all = *all && !shop.unmeasured;
     return status;

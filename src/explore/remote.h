@@ -6,18 +6,18 @@
 #include "base/room.h"
 #include "workers.h"
 
-typedef struct ric_crew {
+typedef struct ric_remote {
     /* Before the first departure is taken: from now on the crew may claim departures (workers.h), and puts what it
      * finds in the memo. */
-    ric_status (*join)(void *user, const ric_study *study, ric_workers *workers, ric_memo *memo);
+    ric_status (*join)(void *user, const ric_study *study, ric_workers *workers, ric_cache *memo);
     /* Returns when none of its threads touches either any more. */
     void (*leave)(void *user);
     void *user;
-} ric_crew;
+} ric_remote;
 
 /* What ric_explore can be given besides; any of them may be NULL. */
 typedef struct {
-    const ric_crew *crew;
+    const ric_remote *crew;
     /* Whether an atlas that a stop has left unfinished is worth more than the tables of the file, which it then
      * replaces; NULL: it always is. The work is kept in either case. */
     bool (*worth)(void *user, const ric_atlas *unfinished);
@@ -30,11 +30,11 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
                             const ric_explore_more *more, ric_atlas **out);
 
 /* At the other end: what is needed to prepare departures of a study. */
-typedef struct ric_hand ric_hand;
-ric_status ric_hand_create(const ric_study *study, ric_hand **out);
-void ric_hand_free(ric_hand *hand);
+typedef struct ric_explore_worker ric_explore_worker;
+ric_status ric_explore_worker_create(const ric_study *study, ric_explore_worker **out);
+void ric_explore_worker_free(ric_explore_worker *hand);
 /* Takes over the node, and returns the memo with all that following the departure has found, to be drained. */
-ric_memo *ric_hand_prepare(ric_hand *hand, ric_node *node, unsigned choice);
-const ric_model *ric_hand_model(const ric_hand *hand);
+ric_cache *ric_explore_worker_prepare(ric_explore_worker *hand, ric_node *node, unsigned choice);
+const ric_model *ric_explore_worker_model(const ric_explore_worker *hand);
 
 #endif

@@ -22,7 +22,7 @@ static bool departed(const ric_node *node)
     return false;
 }
 
-static ric_status linear_sheets(const ric_graph *g, ric_sheet *sheets, int *n, ric_mark *marks, int *n_mark)
+static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int *n, ric_junction_row *marks, int *n_mark)
 {
     const ric_model *m = g->model;
     double *energy = calloc((size_t)m->n_dof, sizeof *energy);
@@ -36,9 +36,9 @@ static ric_status linear_sheets(const ric_graph *g, ric_sheet *sheets, int *n, r
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
         if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;
-        status = ric_sheet_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
+        status = ric_branch_row_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
         if (!started(g->options, i)) sheets[*n].record.row.depth = g->nodes[node]->depth + 1;
-        if (!status) status = ric_mark_energies(g, i, &sheets[*n], marks, n_mark);
+        if (!status) status = ric_junction_row_energies(g, i, &sheets[*n], marks, n_mark);
         (*n)++;
     }
     free(energy);
@@ -59,7 +59,7 @@ static void mark_used(const ric_graph *g, bool *used)
 }
 
 /* Branch `id` meets junction k; branches come in order. */
-static ric_status list_branch(ric_mark *k, int id)
+static ric_status list_branch(ric_junction_row *k, int id)
 {
     ric_junction_record *r = &k->record;
     if (r->row.n_branch > 0 && r->branches[r->row.n_branch - 1] == id) return RIC_OK;
@@ -71,20 +71,20 @@ static ric_status list_branch(ric_mark *k, int id)
 }
 
 /* For each junction the branches that meet there. `marks` lie in the order of ids. */
-static ric_status list_branches(ric_mark *marks, int n, const ric_sheet *sheets, const int *id)
+static ric_status list_branches(ric_junction_row *marks, int n, const ric_branch_row *sheets, const int *id)
 {
     ric_status status = RIC_OK;
     for (int i = 0; i < n && !status; i++) {
-        const ric_sheet *s = &sheets[i];
+        const ric_branch_row *s = &sheets[i];
         if (s->from >= 0) status = list_branch(&marks[id[s->from] - 1], i + 1);
         if (s->to >= 0 && !status) status = list_branch(&marks[id[s->to] - 1], i + 1);
         for (int j = 0; j < s->record.row.n_junction && !status; j++)
-            if (ric_sheet_passed(s, j) >= 0) status = list_branch(&marks[id[ric_sheet_passed(s, j)] - 1], i + 1);
+            if (ric_branch_row_passed(s, j) >= 0) status = list_branch(&marks[id[ric_branch_row_passed(s, j)] - 1], i + 1);
     }
     return status;
 }
 
-static void note_ends(ric_sheet *s, const int *id)
+static void note_ends(ric_branch_row *s, const int *id)
 {
     const ric_edge *e = s->edge;
     if (!e) return;
@@ -92,53 +92,53 @@ static void note_ends(ric_sheet *s, const int *id)
     memcpy(s->ends, ends, sizeof ends);
 }
 
-static void link_sheets(int n, ric_sheet *sheets, const int *id)
+static void link_sheets(int n, ric_branch_row *sheets, const int *id)
 {
     for (int i = 0; i < n; i++) {
         ric_branch_record *r = &sheets[i].record;
         r->row.id = i + 1;
         r->row.from = sheets[i].from >= 0 ? id[sheets[i].from] : 0;
         r->row.to = sheets[i].to >= 0 ? id[sheets[i].to] : 0;
-        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[ric_sheet_passed(&sheets[i], k)];
+        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[ric_branch_row_passed(&sheets[i], k)];
     }
 }
 
 /* Rows are made one by one from what is finished: by all workers. */
 typedef struct {
     const ric_graph *graph;
-    ric_sheet *sheets;
-    ric_mark *marks;
+    ric_branch_row *sheets;
+    ric_junction_row *marks;
 } workshop;
 
 static ric_status sheet_in_shop(void *user, int i)
 {
     const workshop *s = user;
-    return ric_sheet_make(s->graph, &s->graph->edges[i], &s->sheets[i]);
+    return ric_branch_row_make(s->graph, &s->graph->edges[i], &s->sheets[i]);
 }
 
 static ric_status mark_in_shop(void *user, int i)
 {
     const workshop *s = user;
     int node = s->marks[i].index;
-    return ric_mark_make(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
+    return ric_junction_row_make(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
 }
 
 /* Junctions are numbered, and branches in the order of what they meet. */
-static ric_status put_in_order(int n_mark, ric_mark *marks, int n_sheet, ric_sheet *sheets, int *id)
+static ric_status put_in_order(int n_mark, ric_junction_row *marks, int n_sheet, ric_branch_row *sheets, int *id)
 {
-    qsort(marks, (size_t)n_mark, sizeof *marks, ric_mark_order);
+    qsort(marks, (size_t)n_mark, sizeof *marks, ric_junction_row_order);
     for (int i = 0; i < n_mark; i++) {
         marks[i].record.row.id = i + 1;
         id[marks[i].index] = i + 1;
     }
     for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
-    qsort(sheets, (size_t)n_sheet, sizeof *sheets, ric_sheet_order);
+    qsort(sheets, (size_t)n_sheet, sizeof *sheets, ric_branch_row_order);
     link_sheets(n_sheet, sheets, id);
     return list_branches(marks, n_sheet, sheets, id);
 }
 
 /* An atlas with room for junctions, and with the records of branches, which stay the sheets' own until all is done. */
-static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_sheet *sheets, int n_mark,
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *sheets, int n_mark,
                                 ric_atlas *atlas)
 {
     ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
@@ -155,14 +155,14 @@ static ric_status bind_branches(const ric_graph *g, const ric_study *study, int 
     return RIC_OK;
 }
 
-ric_status ric_chart(ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
+ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
 {
     ric_status status = RIC_OK;
     const ric_model *m = g->model;
     int n_sheet = 0, n_mark = 0;
-    ric_sheet *sheets = calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
+    ric_branch_row *sheets = calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
     size_t most = (size_t)g->n_node + (size_t)m->n_dof * g->limits.n_asked + 1;
-    ric_mark *marks = calloc(most, sizeof *marks);
+    ric_junction_row *marks = calloc(most, sizeof *marks);
     int *id = calloc(most, sizeof *id);
     bool *used = calloc(most, sizeof *used);
     ric_atlas *atlas = calloc(1, sizeof *atlas);
@@ -177,14 +177,14 @@ ric_status ric_chart(ric_graph *g, const ric_study *study, bool finished, ric_at
     mark_used(g, used);
     for (int i = 0; i < g->n_node; i++)
         if (used[i]) marks[n_mark++].index = i;
-    if ((status = ric_parallel(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
-    if ((status = ric_parallel(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
+    if ((status = ric_workers_each(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
+    if ((status = ric_workers_each(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
     if ((status = put_in_order(n_mark, marks, n_sheet, sheets, id))) goto out;
     atlas->finished = finished;
     if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
-    status = ric_marks_measure(g, n_mark, marks, &atlas->finished);
-    if (!status) status = ric_marks_label(n_mark, marks);
-    if (!status) status = ric_marks_name(study, n_mark, marks);
+    status = ric_junction_rows_measure(g, n_mark, marks, &atlas->finished);
+    if (!status) status = ric_junction_rows_label(n_mark, marks);
+    if (!status) status = ric_junction_rows_name(study, n_mark, marks);
     if (status) goto out;
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
     atlas->n_junction = n_mark;
@@ -193,8 +193,8 @@ ric_status ric_chart(ric_graph *g, const ric_study *study, bool finished, ric_at
     n_sheet = n_mark = 0;
 out:
     if (atlas) atlas->n_branch = 0; /* they belong to the sheets */
-    for (int i = 0; sheets && i < n_sheet; i++) ric_branch_record_free(&sheets[i].record);
-    for (int i = 0; marks && i < n_mark; i++) ric_junction_record_free(&marks[i].record);
+    for (int i = 0; sheets && i < n_sheet; i++) ric_atlas_branch_record_free(&sheets[i].record);
+    for (int i = 0; marks && i < n_mark; i++) ric_atlas_junction_record_free(&marks[i].record);
     free(sheets);
     free(marks);
     free(id);

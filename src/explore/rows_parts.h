@@ -1,4 +1,4 @@
-/* Rows of an atlas while they are made from the graph (chart.h): a sheet for each branch, a mark for each junction. */
+/* Rows of an atlas while they are made from the graph (rows.h): a sheet for each branch, a mark for each junction. */
 #ifndef RIC_EXPLORE_ROWS_PARTS_H
 #define RIC_EXPLORE_ROWS_PARTS_H
 
@@ -14,13 +14,13 @@ typedef struct {
     const ric_edge *edge;
     int user;          /* first of the marks on a linear mode, in the numbering of nodes */
     int ends[4];       /* ids of the junctions and ways out of them, which tell apart what is alike in all else */
-} ric_sheet;
+} ric_branch_row;
 
 typedef struct {
     ric_junction_record record;
     const ric_node *node;
     int index;
-} ric_mark;
+} ric_junction_row;
 
 static inline ric_status ric_no_rows(void)
 {
@@ -28,7 +28,7 @@ static inline ric_status ric_no_rows(void)
 }
 
 /* The node number k that a branch passes. */
-static inline int ric_sheet_passed(const ric_sheet *s, int k)
+static inline int ric_branch_row_passed(const ric_branch_row *s, int k)
 {
     return s->edge ? s->edge->inner[k].node : s->user + k;
 }
@@ -47,34 +47,34 @@ static inline int ric_compare_numbers(double a, double b)
 }
 
 /* Why a branch ends, and what may be missing on it: allocated, NULL: no memory. */
-char *ric_sheet_why(const ric_edge *edge);
+char *ric_branch_row_why(const ric_edge *edge);
 /* The record of a traced branch, over its canonical word. */
-ric_status ric_sheet_make(const ric_graph *graph, const ric_edge *edge, ric_sheet *out);
+ric_status ric_branch_row_make(const ric_graph *graph, const ric_edge *edge, ric_branch_row *out);
 
 /* A linear mode from rest to where it touches, at `energy` (or to the end of the energy window): states at its mirror
  * point. seen: its index among the seen modes, or -1; node: where it touches, or -1. */
-ric_status ric_sheet_linear(const ric_model *model, const ric_explore_options *options, int mode, int seen, int node,
-                            double energy, ric_sheet *out);
+ric_status ric_branch_row_linear(const ric_model *model, const ric_explore_options *options, int mode, int seen, int node,
+                            double energy, ric_branch_row *out);
 
 /* qsort: linear modes, backbones without impacts, then by depth, word, energy, frequency, mirror points and ends. */
-int ric_sheet_order(const void *p, const void *q);
+int ric_branch_row_order(const void *p, const void *q);
 
 /* The record of node `index`, without its multiplicities, label and name. */
-ric_status ric_mark_make(const ric_model *model, const ric_node *node, int index, ric_mark *out);
+ric_status ric_junction_row_make(const ric_model *model, const ric_node *node, int index, ric_junction_row *out);
 
 /* What was asked for on a linear mode: energies; its frequency is one number and passes nothing. marks [*n] grows. */
-ric_status ric_mark_energies(const ric_graph *graph, int mode, ric_sheet *sheet, ric_mark *marks, int *n);
+ric_status ric_junction_row_energies(const ric_graph *graph, int mode, ric_branch_row *sheet, ric_junction_row *marks, int *n);
 
 /* qsort: by impacts, energy, frequency and kind. */
-int ric_mark_order(const void *p, const void *q);
+int ric_junction_row_order(const void *p, const void *q);
 
 /* C_ab of one junction after the other; those that a stop leaves unmeasured have a = b = 0, and then *all is false. */
-ric_status ric_marks_measure(ric_graph *graph, int n, ric_mark *marks, bool *all);
+ric_status ric_junction_rows_measure(ric_graph *graph, int n, ric_junction_row *marks, bool *all);
 
 /* Labels: within a family junctions are numbered in the order of their ids. */
-ric_status ric_marks_label(int n, ric_mark *marks);
+ric_status ric_junction_rows_label(int n, ric_junction_row *marks);
 
 /* Names of the study: the nearest junction of the right kind, within what the digits of a printed number leave open. */
-ric_status ric_marks_name(const ric_study *study, int n, ric_mark *marks);
+ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *marks);
 
 #endif

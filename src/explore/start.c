@@ -13,7 +13,7 @@
 
 void ric_starts_release(ric_starts *s)
 {
-    for (int i = 0; i < s->n; i++) ric_cycle_free(s->cycle[i]);
+    for (int i = 0; i < s->n; i++) ric_periodic_free(s->cycle[i]);
     free(s->cycle);
     *s = (ric_starts){0};
 }
@@ -39,7 +39,7 @@ static bool take_number(const char **text, double *out)
     return true;
 }
 
-static bool take_cycle(const ric_model *m, const char **text, int half, ric_cycle *c)
+static bool take_cycle(const ric_model *m, const char **text, int half, ric_periodic *c)
 {
     int n = m->n_dof;
     double state[2 * n];
@@ -59,16 +59,16 @@ static bool take_cycle(const ric_model *m, const char **text, int half, ric_cycl
     return true;
 }
 
-static ric_status take_line(const ric_model *m, const char **text, ric_cycle **out)
+static ric_status take_line(const ric_model *m, const char **text, ric_periodic **out)
 {
     int N, half, pure, flip;
     *out = NULL;
     if (!take_integer(text, 1, LONGEST, &N) || !take_integer(text, 0, m->symmetric, &half) ||
         !take_integer(text, -1, N - 1, &pure) || !take_integer(text, -1, m->symmetric ? N - 1 : -1, &flip))
         return ric_fail(RIC_E_FORMAT, "a given start is not readable");
-    if (!(*out = ric_cycle_create(m->n, N))) return ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (!(*out = ric_periodic_create(m->n, N))) return ric_fail(RIC_E_NOMEM, "no memory for a start");
     if (!take_cycle(m, text, half, *out)) {
-        ric_cycle_free(*out);
+        ric_periodic_free(*out);
         *out = NULL;
         return ric_fail(RIC_E_FORMAT, "a given start of %d impacts is not readable", N);
     }
@@ -85,7 +85,7 @@ ric_status ric_starts_parse(const ric_model *m, const char *text, ric_starts *ou
     while (text && *text && !status) {
         if (out->n == capacity) {
             capacity = capacity ? 2 * capacity : 16;
-            ric_cycle **grown = realloc(out->cycle, (size_t)capacity * sizeof *grown);
+            ric_periodic **grown = realloc(out->cycle, (size_t)capacity * sizeof *grown);
             if (!grown) status = ric_fail(RIC_E_NOMEM, "no memory for starts");
             else out->cycle = grown;
         }
@@ -114,13 +114,13 @@ char *ric_start_line(int n_dof, int N, bool half, int pure, int flip, const int 
 
 /* ------------------------------------------------------------------- solve */
 
-ric_status ric_start_solve(const ric_model *m, const ric_cycle *given, ric_cycle **out)
+ric_status ric_start_solve(const ric_model *m, const ric_periodic *given, ric_periodic **out)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL, *work = NULL;
     int iterations;
     *out = NULL;
-    ric_status status = ric_cycle_to_chain(m, given, &chain, &u);
+    ric_status status = ric_periodic_to_chain(m, given, &chain, &u);
     if (status) goto out;
     int size = chain->n_unknown;
     if (!(work = malloc(2 * (size_t)size * sizeof *work))) {
@@ -128,15 +128,15 @@ ric_status ric_start_solve(const ric_model *m, const ric_cycle *given, ric_cycle
         goto out;
     }
     memcpy(work, u, (size_t)size * sizeof *work);
-    bool solved = ric_trace_correct(chain, u, NULL, NULL, 0, work + size, &iterations);
+    bool solved = ric_continuation_correct(chain, u, NULL, NULL, 0, work + size, &iterations);
     double moved = 0;
     for (int i = 0; i < size; i++) moved = fmax(moved, fabs(u[i] - work[i]));
     if (!solved || !(moved < NEAR * chain->scale))
         status = ric_fail(RIC_E_NUMERIC, "a given start of %d impacts is no orbit: it moves by %.3g when it is solved",
                           given->N, moved);
-    else if (!(*out = ric_cycle_from_chain(chain, u))) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    else if (!(*out = ric_periodic_from_chain(chain, u))) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
 out:
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     free(work);
     return status;

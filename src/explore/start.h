@@ -7,10 +7,10 @@
 
 typedef struct {
     int n;
-    ric_cycle **cycle; /* with the symmetries that they were given with; not yet solved */
+    ric_periodic **cycle; /* with the symmetries that they were given with; not yet solved */
 } ric_starts;
 
-/* One orbit per line: N, half (0 or 1), pure, flip (cycle.h), then N faces, N flights in seconds, n_dof displacements
+/* One orbit per line: N, half (0 or 1), pure, flip (periodic.h), then N faces, N flights in seconds, n_dof displacements
  * and velocities, scaled, after impact 0. NULL: none. RIC_E_FORMAT if it is not that. */
 ric_status ric_starts_parse(const ric_model *model, const char *text, ric_starts *out);
 void ric_starts_release(ric_starts *starts);
@@ -20,6 +20,6 @@ char *ric_start_line(int n_dof, int N, bool half, int pure, int flip, const int 
                      const double *x, const double *v);
 
 /* The orbit next to a given one on its own equations. RIC_E_NUMERIC if there is none within `1e-6` of it. */
-ric_status ric_start_solve(const ric_model *model, const ric_cycle *given, ric_cycle **out);
+ric_status ric_start_solve(const ric_model *model, const ric_periodic *given, ric_periodic **out);
 
 #endif

@@ -239,9 +239,9 @@ static void *turn(void *argument)
     while (l->next < l->count && !l->status) {
         int i = l->next++;
         pthread_mutex_unlock(&l->lock);
-        ric_forget_hunger();
+        ric_memory_clear();
         ric_status status = l->each(l->user, i);
-        if (!status && ric_starved()) status = RIC_E_NOMEM;
+        if (!status && ric_memory_failed()) status = RIC_E_NOMEM;
         pthread_mutex_lock(&l->lock);
         if (status && !l->status) {
             l->status = status;
@@ -252,12 +252,12 @@ static void *turn(void *argument)
     return NULL;
 }
 
-ric_status ric_parallel(int n, int count, ric_status (*each)(void *user, int i), void *user)
+ric_status ric_workers_each(int n, int count, ric_status (*each)(void *user, int i), void *user)
 {
     if (n < 2 || count < 2) {
         ric_status status = RIC_OK;
         for (int i = 0; i < count && !status; i++) status = each(user, i);
-        return !status && ric_starved() ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM)) : status;
+        return !status && ric_memory_failed() ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM)) : status;
     }
     loop l = {.count = count, .each = each, .user = user};
     pthread_t *threads = calloc((size_t)n, sizeof *threads);

@@ -1,5 +1,5 @@
 /* Threads that prepare departures ahead of the owner of a graph: they follow each on a graph of its own and leave what
- * they found in a memo (memo.h). The owner takes the departures in its own order and finds most of the work done; the
+ * they found in a memo (cache.h). The owner takes the departures in its own order and finds most of the work done; the
  * atlas is the same for any number of them. */
 #ifndef RIC_EXPLORE_WORKERS_H
 #define RIC_EXPLORE_WORKERS_H
@@ -34,6 +34,6 @@ int ric_workers_waiting(ric_workers *workers);
 
 /* Calls each(user, i) for all i below `count`, on n threads, which take them up in this order; the status and the
  * reason of one that failed. */
-ric_status ric_parallel(int n, int count, ric_status (*each)(void *user, int i), void *user);
+ric_status ric_workers_each(int n, int count, ric_status (*each)(void *user, int i), void *user);
 
 #endif

@@ -23,13 +23,13 @@ enum { SMALL = 1 << 15 };
  * NULL. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after)
 {
-    size_t states = 2 * (size_t)m->n, size = ric_smooth_work(m, matrix ? 2 * m->n : 0),
+    size_t states = 2 * (size_t)m->n, size = ric_power_flow_work(m, matrix ? 2 * m->n : 0),
            small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : malloc(size * sizeof *work), unwanted;
     if (after != w) memcpy(after, w, states * sizeof *w);
-    if (!work || !(matrix ? ric_smooth_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
-                          : ric_smooth_fly(m, tau, after, 0, NULL, work))) {
+    if (!work || !(matrix ? ric_power_flow_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
+                          : ric_power_flow_fly(m, tau, after, 0, NULL, work))) {
         for (size_t i = 0; i < states; i++) after[i] = HUGE_VAL;
         for (size_t i = 0; matrix && i < states * states; i++) matrix[i] = 0;
         if (lost) *lost = 0;
@@ -39,19 +39,19 @@ void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *
 
 double ric_flight_pace(const ric_model *m, const double *w)
 {
-    size_t size = ric_smooth_work(m, 0), small = size <= SMALL ? size : 1;
+    size_t size = ric_power_flow_work(m, 0), small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
-    double *work = size <= SMALL ? stack : malloc(size * sizeof *work), pace = work ? ric_smooth_pace(m, w, work) : 0;
+    double *work = size <= SMALL ? stack : malloc(size * sizeof *work), pace = work ? ric_power_flow_pace(m, w, work) : 0;
     if (work != stack) free(work);
     return pace;
 }
 
 /* The phase of a set of closed springs. Without one, for want of memory or because both faces of a contact would be
  * closed, the states are no numbers, and the chain does not converge. */
-static const ric_phase *phase_of(const ric_model *m, uint64_t closed, size_t size, double *lost)
+static const ric_regime *phase_of(const ric_model *m, uint64_t closed, size_t size, double *lost)
 {
-    const ric_phase *phase;
-    ric_phase_get(m, closed, &phase);
+    const ric_regime *phase;
+    ric_regime_get(m, closed, &phase);
     for (size_t i = 0; !phase && i < size; i++) lost[i] = NAN;
     return phase;
 }
@@ -70,8 +70,8 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
         return;
     }
     if (closed) {
-        const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
-        if (phase) ric_phase_fly(phase, closing(m, closed, event), tau, w, after, NULL);
+        const ric_regime *phase = phase_of(m, closed, 2 * (size_t)n, after);
+        if (phase) ric_regime_fly(phase, closing(m, closed, event), tau, w, after, NULL);
         return;
     }
     ric_flight_trig(m, n, tau, trig);
@@ -89,10 +89,10 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
         return;
     }
     if (closed) {
-        const ric_phase *phase = phase_of(m, closed, 2 * (size_t)n, after);
+        const ric_regime *phase = phase_of(m, closed, 2 * (size_t)n, after);
         if (!phase) return;
-        ric_phase_fly(phase, closing(m, closed, event), tau, w, after, rate + n);
-        ric_phase_matrix(phase, tau, matrix);
+        ric_regime_fly(phase, closing(m, closed, event), tau, w, after, rate + n);
+        ric_regime_matrix(phase, tau, matrix);
         for (int i = 0; i < n; i++) rate[i] = m->kappa[i] * after[n + i];
         return;
     }
@@ -110,23 +110,23 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w,
                         double *by_w, double *by_tau)
 {
-    const ric_phase *phase;
+    const ric_regime *phase;
     double lost = NAN;
-    if (ric_phase_get(m, closed, &phase)) return lost;
-    return ric_phase_chord(phase, closing(m, closed, event), m->face[face].contact, tau, w, by_w, by_tau);
+    if (ric_regime_get(m, closed, &phase)) return lost;
+    return ric_regime_chord(phase, closing(m, closed, event), m->face[face].contact, tau, w, by_w, by_tau);
 }
 
 void ric_flight_onto(const ric_model *m, uint64_t closed, int event, int ld, double *X)
 {
     const ric_face *from = closing(m, closed, event);
-    if (from) ric_phase_onto(m->n, from, ld, X);
+    if (from) ric_regime_onto(m->n, from, ld, X);
 }
 
 double ric_flight_fastest(const ric_model *m, uint64_t closed)
 {
-    const ric_phase *phase;
+    const ric_regime *phase;
     double fastest = 0;
-    if (!closed || ric_phase_get(m, closed, &phase)) return 0;
+    if (!closed || ric_regime_get(m, closed, &phase)) return 0;
     for (int i = 0; i < m->n; i++) fastest = fmax(fastest, phase->omega[i]);
     return fastest;
 }

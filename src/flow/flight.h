@@ -1,7 +1,7 @@
 /* Flights of every law: between two events the structure is linear in the set of springs that are closed, or smooth
  * (law power).
  *
- * A flight with all springs open turns each mode in its plane (motion.h): `map` [3n] holds cos and sin. Any other
+ * A flight with all springs open turns each mode in its plane (modal.h): `map` [3n] holds cos and sin. Any other
  * flight is *dense*: its state comes from a routine of the law, and `map` [4n^2] is the matrix that carries small
  * deviations through it (docs/theory.md section 10). Sets of closed springs are bits, one per face. */
 #ifndef RIC_FLOW_FLIGHT_H
@@ -39,16 +39,16 @@ static inline void ric_flight_strike(int n, const ric_face *face, double *restri
 }
 
 /* State w [2n] after a time tau; may work in place. `event`: the face at the start of the flight, -1 if none is; where
- * it is a spring that has just closed the state is taken to be on it (phase.h). */
+ * it is a spring that has just closed the state is taken to be on it (regime.h). */
 void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after);
 /* A dense flight with its matrix [2n * 2n] and dw/dt at its end; not in place. The matrix is that of deviations in
  * time, whatever the event at the start. */
 void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
                     double *after, double *rate);
-/* The same under a power law; *lost is the rounding on the way (smooth.h). `matrix` and `lost` may be NULL; without a
+/* The same under a power law; *lost is the rounding on the way (power_flow.h). `matrix` and `lost` may be NULL; without a
  * matrix in place. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after);
-/* Under a power law: time in which the motion from w changes its course (smooth.h); 0 for want of memory. */
+/* Under a power law: time in which the motion from w changes its course (power_flow.h); 0 for want of memory. */
 double ric_flight_pace(const ric_model *m, const double *w);
 /* V [2n * ld] <- matrix * V, the first `columns` of each row. */
 static inline __attribute__((always_inline)) void ric_flight_carry(int n, const double *restrict matrix, int columns,
@@ -66,7 +66,7 @@ static inline __attribute__((always_inline)) void ric_flight_carry(int n, const 
 }
 
 /* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its
- * derivatives (phase.h). */
+ * derivatives (regime.h). */
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w,
                         double *by_w, double *by_tau);
 /* What a closing at the start of a flight makes of deviations X [2n * ld] of its state: they are moved onto the face as

@@ -15,7 +15,7 @@ static inline double sum_of(lane x)
 }
 #include "taylor.h"
 
-int ric_smooth_products(int exponent, int *left, int *right)
+int ric_power_flow_products(int exponent, int *left, int *right)
 {
     int count = 0, product = -1;
     for (int rest = (exponent - 1) / 2, square = 0; rest > 0; rest /= 2) {
@@ -32,7 +32,7 @@ int ric_smooth_products(int exponent, int *left, int *right)
     return count;
 }
 
-size_t ric_smooth_work(const ric_model *m, int columns)
+size_t ric_power_flow_work(const ric_model *m, int columns)
 {
     return series_work(m, columns);
 }
@@ -45,12 +45,12 @@ static bool go(const ric_model *m, double tau, double *w, int columns, double *X
     return fly_series(m, m->n, m->n_contact, columns, tau, w, X, S, work);
 }
 
-bool ric_smooth_fly(const ric_model *m, double tau, double *w, int columns, double *X, double *work)
+bool ric_power_flow_fly(const ric_model *m, double tau, double *w, int columns, double *X, double *work)
 {
     return go(m, tau, w, columns, X, NULL, work);
 }
 
-double ric_smooth_pace(const ric_model *m, const double *w, double *work)
+double ric_power_flow_pace(const ric_model *m, const double *w, double *work)
 {
     int n = m->n, contacts = m->n_contact;
     powers *p = (powers *)work;
@@ -86,20 +86,20 @@ static bool map(const ric_model *m, double tau, double *w, double *M, double *S,
     return true;
 }
 
-bool ric_smooth_map(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
+bool ric_power_flow_map(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
 {
     double S[4 * m->n * m->n];
     return map(m, tau, w, M, S, lost, work);
 }
 
-bool ric_smooth_map_surely(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
+bool ric_power_flow_map_surely(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
 {
     int size = 2 * m->n;
     double S[size * size], w0[size], start = top_of(size, w);
     memcpy(w0, w, sizeof w0);
     if (!map(m, tau, w, M, S, lost, work)) return false;
     if (*lost <= RIC_SMOOTH_LOSES * (1 + sqrt(ric_dot(size, w0, w0)))) return true;
-    double unit = ric_smooth_again(m, tau, w0, w, M, S);
+    double unit = ric_power_flow_again(m, tau, w0, w, M, S);
     if (unit < 1) *lost = loss(size, start, unit, M, S);
     return true;
 }

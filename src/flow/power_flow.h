@@ -12,35 +12,35 @@
  * exponent - 1 is made of. left and right [RIC_SMOOTH_PRODUCTS + 1] from place 1 on; returns their number. A square per
  * binary digit and a product per digit that is not 0; exponents are at most 99. */
 enum { RIC_SMOOTH_PRODUCTS = 12 };
-int ric_smooth_products(int exponent, int *left, int *right);
+int ric_power_flow_products(int exponent, int *left, int *right);
 
 /* Doubles of workspace for `columns` neighbours; it starts at a multiple of 16 bytes. */
-size_t ric_smooth_work(const ric_model *model, int columns);
+size_t ric_power_flow_work(const ric_model *model, int columns);
 
 /* Takes the state w [2n] through the time tau, of either sign, and with it the columns of X [2n * columns], derivatives
  * of the state, row by row, an even number of them; X may be NULL with columns = 0. Truncation stays below rounding in
  * every step. False, with w and X undefined: the state overflows or the flight takes more than RIC_SMOOTH_STEPS steps.
  * Cost O(columns order^2) per contact and step, no allocation. */
 enum { RIC_SMOOTH_STEPS = 20000 };
-bool ric_smooth_fly(const ric_model *model, double tau, double *w, int columns, double *X, double *work);
+bool ric_power_flow_fly(const ric_model *model, double tau, double *w, int columns, double *X, double *work);
 
 /* Length of the first step of a flight from w [2n]: a part of the radius of convergence, the time in which the motion
  * changes its course. */
-double ric_smooth_pace(const ric_model *model, const double *w, double *work);
+double ric_power_flow_pace(const ric_model *model, const double *w, double *work);
 
 /* The same with M [2n * 2n], the matrix of small deviations. Every step leaves a rounding of the size of the state, and
  * what follows multiplies it: for a step that ends at t by M(T) / M(t), which may be much more than M(T). *lost is the
  * root of the sum of the squares, over epsilon, of the coordinate that loses most. */
-bool ric_smooth_map(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
+bool ric_power_flow_map(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
 
 /* The same, and once more in more digits than a double has where the flight loses more than RIC_SMOOTH_LOSES (1 + |w|):
  * then *lost is, beside what is left of that, what the rounding of w itself becomes. */
 enum { RIC_SMOOTH_LOSES = 10000 };
-bool ric_smooth_map_surely(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
+bool ric_power_flow_map_surely(const ric_model *model, double tau, double *w, double *M, double *lost, double *work);
 
 /* The flight from w0 through tau in more digits: w [2n] and M [2n * 2n], rounded, and S [2n * 2n], the rounding of the
- * steps as series.h gathers it. Returns the epsilon of these digits over that of a double; 1, with w and M as they
- * were: there are none, or no memory. Eight times as long as in double precision (smooth_long.c). */
-double ric_smooth_again(const ric_model *model, double tau, const double *w0, double *w, double *M, double *S);
+ * steps as taylor.h gathers it. Returns the epsilon of these digits over that of a double; 1, with w and M as they
+ * were: there are none, or no memory. Eight times as long as in double precision (power_flow_long.c). */
+double ric_power_flow_again(const ric_model *model, double tau, const double *w0, double *w, double *M, double *S);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "power_flow.h"
 
-/* As in smooth.c: of 64 bits, one by one. */
+/* As in power_flow.c: of 64 bits, one by one. */
 enum { ORDER = 34, PAD = 4, LANES = 1 };
 #define EPSILON ((double)LDBL_EPSILON)
 #define ABS fabsl
@@ -14,7 +14,7 @@ static inline long double sum_of(lane x)
 }
 #include "taylor.h"
 
-double ric_smooth_again(const ric_model *m, double tau, const double *w0, double *w, double *M, double *S)
+double ric_power_flow_again(const ric_model *m, double tau, const double *w0, double *w, double *M, double *S)
 {
     int size = 2 * m->n;
     size_t count = (size_t)size * (size_t)size;

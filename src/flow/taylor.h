@@ -1,4 +1,4 @@
-/* One step after another of the smooth flow by Taylor series (smooth.h), for one kind of numbers. This text is included
+/* One step after another of the smooth flow by Taylor series (power_flow.h), for one kind of numbers. This text is included
  * once for each of them, by a file that has defined
  *
  *     real            the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once; sum_of
@@ -37,7 +37,7 @@ typedef struct {
 static void plan(int exponent, powers *p)
 {
     memset(p->power, 0, sizeof p->power);
-    p->count = ric_smooth_products(exponent, p->left, p->right);
+    p->count = ric_power_flow_products(exponent, p->left, p->right);
 }
 
 static inline double larger(double a, double b)

@@ -1,4 +1,4 @@
-/* series.h in quadruple precision. */
+/* taylor.h in quadruple precision. */
 /* 113 bits: of the compiler on x86, long double elsewhere. */
 #ifdef __SIZEOF_FLOAT128__
 __extension__ typedef __float128 real;
@@ -6,7 +6,7 @@ __extension__ typedef __float128 real;
 typedef long double real;
 #endif
 typedef real lane;
-enum { ORDER = 44, PAD = 4, LANES = 1 }; /* as in smooth.c */
+enum { ORDER = 44, PAD = 4, LANES = 1 }; /* as in power_flow.c */
 #define EPSILON 1e-33
 #define ABS(x) ((x) < 0 ? -(x) : (x))
 static inline real sum_of(lane x)

@@ -51,7 +51,7 @@ ric_status ric_hunt_create(const ric_model *m, const ric_hunt_options *o, ric_hu
     ric_hunt *h = calloc(1, sizeof *h);
     if (!h) return no_memory();
     h->options = *o;
-    ric_status status = ric_section_create(m, o->energy, &h->section);
+    ric_status status = ric_impact_map_create(m, o->energy, &h->section);
     if (status) {
         ric_hunt_free(h);
         return status;
@@ -65,7 +65,7 @@ void ric_hunt_free(ric_hunt *h)
     if (!h) return;
     for (int i = 0; i < h->n; i++) free(h->prey[i].hits);
     free(h->prey);
-    ric_section_free(h->section);
+    ric_impact_map_free(h->section);
     free(h);
 }
 
@@ -79,15 +79,15 @@ ric_status ric_hunt_report(ric_hunt *h, const char *what, double part)
 /* ------------------------------------------------------------------ images */
 
 /* Impact i of the image: `shift` counts in the orbit as it is, which is then run backwards and mirrored. */
-static ric_hit image(const ric_section *s, int N, const ric_hit *hits, int shift, bool reverse, bool mirror, int i)
+static ric_hit image(const ric_impact_map *s, int N, const ric_hit *hits, int shift, bool reverse, bool mirror, int i)
 {
     int at = reverse ? ((shift - i) % N + N) % N : (shift + i) % N;
     ric_hit hit = hits[at];
     if (reverse) {
-        hit = ric_section_reversed(hit);
+        hit = ric_impact_map_reversed(hit);
         hit.tau = hits[(at + N - 1) % N].tau;
     }
-    return mirror ? ric_section_mirrored(s, hit) : hit;
+    return mirror ? ric_impact_map_mirrored(s, hit) : hit;
 }
 
 static bool same_hit(ric_hit a, ric_hit b, double tolerance)
@@ -97,7 +97,7 @@ static bool same_hit(ric_hit a, ric_hit b, double tolerance)
 }
 
 /* Whether the image of b is a. */
-static bool matches(const ric_section *s, int N, const ric_hit *a, const ric_hit *b, int shift, bool reverse,
+static bool matches(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b, int shift, bool reverse,
                     bool mirror, double tolerance)
 {
     for (int i = 0; i < N; i++)
@@ -105,7 +105,7 @@ static bool matches(const ric_section *s, int N, const ric_hit *a, const ric_hit
     return true;
 }
 
-static bool equivalent(const ric_section *s, int N, const ric_hit *a, const ric_hit *b, double tolerance)
+static bool equivalent(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b, double tolerance)
 {
     int mirrors = ric_model_symmetric(s->model) ? 2 : 1;
     for (int shift = 0; shift < N; shift++)
@@ -126,7 +126,7 @@ static int compare(int N, const ric_hit *a, const ric_hit *b)
 }
 
 /* The smallest image takes the place of hits. */
-static void make_canonical(const ric_section *s, int N, ric_hit *hits, ric_hit *best, ric_hit *trial)
+static void make_canonical(const ric_impact_map *s, int N, ric_hit *hits, ric_hit *best, ric_hit *trial)
 {
     int mirrors = ric_model_symmetric(s->model) ? 2 : 1;
     memcpy(best, hits, (size_t)N * sizeof *best);
@@ -138,14 +138,14 @@ static void make_canonical(const ric_section *s, int N, ric_hit *hits, ric_hit *
     memcpy(hits, best, (size_t)N * sizeof *hits);
 }
 
-static bool repeats(const ric_section *s, int N, const ric_hit *hits)
+static bool repeats(const ric_impact_map *s, int N, const ric_hit *hits)
 {
     for (int d = 1; d < N; d++)
         if (N % d == 0 && matches(s, N, hits, hits, d, false, false, SAME)) return true;
     return false;
 }
 
-static void find_symmetries(const ric_section *s, ric_prey *prey)
+static void find_symmetries(const ric_impact_map *s, ric_prey *prey)
 {
     int N = prey->N;
     bool mirrors = ric_model_symmetric(s->model);
@@ -198,20 +198,20 @@ static ric_status keep(ric_hunt *h, int N, const ric_hit *hits, double trace)
 }
 
 /* The second half of an orbit with z(t + T/2) = -z(t). */
-static void unfold(const ric_section *s, int half, ric_hit *hits)
+static void unfold(const ric_impact_map *s, int half, ric_hit *hits)
 {
-    for (int k = 0; k < half; k++) hits[half + k] = ric_section_mirrored(s, hits[k]);
+    for (int k = 0; k < half; k++) hits[half + k] = ric_impact_map_mirrored(s, hits[k]);
 }
 
 ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, bool from_mirrors)
 {
     int full = half ? 2 * N : N;
     ric_hit orbit[full];
-    double *work = malloc(ric_section_work(N) * sizeof *work), D[4];
+    double *work = malloc(ric_impact_map_work(N) * sizeof *work), D[4];
     if (!work) return no_memory();
     memcpy(orbit, hits, (size_t)N * sizeof *orbit);
     h->tries++;
-    bool solved = ric_section_polish(h->section, N, half, orbit, work);
+    bool solved = ric_impact_map_polish(h->section, N, half, orbit, work);
     free(work);
     if (!solved) return RIC_OK;
     if (half) unfold(h->section, N, orbit);
@@ -220,7 +220,7 @@ ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, bool
         return RIC_OK;
     int known = ric_hunt_find(h, full, orbit, SAME);
     if (known < 0) {
-        if (!ric_section_admissible(h->section, full, orbit) || !ric_section_around(h->section, full, orbit, D)) {
+        if (!ric_impact_map_admissible(h->section, full, orbit) || !ric_impact_map_around(h->section, full, orbit, D)) {
             h->ghosts++;
             return RIC_OK;
         }
@@ -282,6 +282,6 @@ ric_status ric_hunt_found(const ric_hunt *h, int i, ric_found *out, int *word, d
         if (word) word[k] = p->hits[k].face;
         if (flights) flights[k] = p->hits[k].tau;
     }
-    if (state) ric_section_write(h->section, &p->hits[0], state, state + h->section->n_dof);
+    if (state) ric_impact_map_write(h->section, &p->hits[0], state, state + h->section->n_dof);
     return RIC_OK;
 }

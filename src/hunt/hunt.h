@@ -12,12 +12,12 @@ typedef struct {
     ric_hit *hits;       /* [N], in canonical order: smallest word, then smallest numbers */
     double period, trace; /* seconds; lambda + 1/lambda */
     bool symmetric, reversible;
-    int pure, flip;      /* the reversals that keep it, as cycle.h has them, -1: none */
+    int pure, flip;      /* the reversals that keep it, as periodic.h has them, -1: none */
     int from_mirrors, from_rows; /* how often each search has come to it */
 } ric_prey;
 
 struct ric_hunt {
-    ric_section *section;
+    ric_impact_map *section;
     ric_hunt_options options;
     int n, capacity;
     ric_prey *prey;      /* by impacts, word, period, state */

@@ -43,7 +43,7 @@ static ric_status read_orbit(const ric_hunt *h, const ric_orbit *o, ric_hit *hit
         ric_orbit_data(o, NULL, x, flights, word);
         for (int k = 0; k < N; k++) {
             if (k) ric_orbit_at_time(o, t, x, x + n);
-            ric_section_read(h->section, word[k], x, x + n, &hits[k]);
+            ric_impact_map_read(h->section, word[k], x, x + n, &hits[k]);
             hits[k].tau = flights[k];
             t += flights[k];
         }
@@ -128,7 +128,7 @@ static char *start_line(const ric_hunt *h, const ric_prey *p)
         word[k] = p->hits[k].face;
         flights[k] = p->hits[k].tau;
     }
-    ric_section_write(h->section, &p->hits[0], x, v);
+    ric_impact_map_write(h->section, &p->hits[0], x, v);
     return ric_start_line(n, p->N, p->symmetric, p->pure, p->flip, word, flights, x, v);
 }
 
@@ -167,7 +167,7 @@ static ric_status explore_side(ric_hunt *h, const ric_atlas *a, const bool *want
         status = ric_starts_parse(ric_atlas_model(a), lines, &graph->starts);
     }
     if (!status) status = ric_graph_explore(graph, &run);
-    if (!status) status = ric_chart(graph, ric_atlas_study(a), true, out);
+    if (!status) status = ric_rows_make(graph, ric_atlas_study(a), true, out);
     ric_graph_free(graph);
     free(lines);
     return status;

@@ -39,14 +39,14 @@ struct ric_line {
     ric_hit name##_hit[K]; \
     double name##_time[K]; \
     ric_strand name = {0, 0, name##_hit, name##_time}
-void ric_strand_copy(ric_strand *to, const ric_strand *from);
+void ric_hunt_strand_copy(ric_strand *to, const ric_strand *from);
 
-void ric_line_fly(const ric_line *line, double s, ric_strand *out);
+void ric_hunt_line_fly(const ric_line *line, double s, ric_strand *out);
 /* Whether hit j of two motions is the same but for the distance between them. */
-bool ric_line_together(const ric_line *line, const ric_strand *a, const ric_strand *b, int j);
+bool ric_hunt_line_together(const ric_line *line, const ric_strand *a, const ric_strand *b, int j);
 /* `points` motions and what is needed between them. Where neighbours part, because the face or the time of an impact
  * jumps, the piece is bisected: no piece between two jumps is left out unless it is shorter than the spacing and both
  * its neighbours are the same motion. */
-ric_status ric_line_scan(const ric_line *line, int points);
+ric_status ric_hunt_line_scan(const ric_line *line, int points);
 
 #endif

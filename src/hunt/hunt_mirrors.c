@@ -25,19 +25,19 @@ typedef double (*test)(const ric_strand *a, int j);
 static bool start_impact(const ric_line *l, double x, ric_hit *hit, double *w)
 {
     *hit = (ric_hit){l->face, x, 0, 0};
-    return ric_section_state(l->hunt->section, hit, w) && ric_section_inside(l->hunt->section, w, l->face);
+    return ric_impact_map_state(l->hunt->section, hit, w) && ric_impact_map_inside(l->hunt->section, w, l->face);
 }
 
 /* On V = E: an ellipse, or two straight lines, one after the other, if a mode is free. */
 static bool start_rest(const ric_line *l, double x, ric_hit *hit, double *w)
 {
-    const ric_section *s = l->hunt->section;
+    const ric_impact_map *s = l->hunt->section;
     double speed = sqrt(2 * s->energy), span = l->high / 2;
     (void)hit;
     w[0] = s->omega[0] > 0 ? speed / s->omega[0] * cos(x) : 2 * (x < span ? x : x - span) - span;
     w[1] = s->omega[0] > 0 ? speed / s->omega[1] * sin(x) : (x < span ? 1 : -1) * speed / s->omega[1];
     w[2] = w[3] = 0;
-    return ric_section_inside(s, w, -1);
+    return ric_impact_map_inside(s, w, -1);
 }
 
 static bool start_centre(const ric_line *l, double x, ric_hit *hit, double *w)
@@ -91,7 +91,7 @@ static const struct {
 /* Whether the test makes sense at hit j: on the flight that ends there, or at the impact itself. */
 static bool applies(const ric_line *l, mirror_kind end, const ric_strand *a, int j)
 {
-    const ric_section *s = l->hunt->section;
+    const ric_impact_map *s = l->hunt->section;
     if (end == IMPACT) return j > 0 || l->face < 0;
     if (j == 0) return false;
     int from = a->hit[j - 1].face, to = a->hit[j].face;
@@ -104,7 +104,7 @@ static bool applies(const ric_line *l, mirror_kind end, const ric_strand *a, int
  * [4 (j + 1)]. */
 static int unfold(const ric_line *l, const ric_strand *a, int j, mirror_kind end, ric_hit *out)
 {
-    const ric_section *s = l->hunt->section;
+    const ric_impact_map *s = l->hunt->section;
     mirror_kind start = kind_of(l);
     double when[4 * (j + 1)], turn = end == IMPACT ? a->time[j] : (a->time[j - 1] + a->time[j]) / 2, period = 2 * turn;
     int n = 0, last = end == IMPACT ? j : j - 1;
@@ -115,13 +115,13 @@ static int unfold(const ric_line *l, const ric_strand *a, int j, mirror_kind end
     for (int i = end == IMPACT ? last - 1 : last; i >= (start == IMPACT ? 1 : 0); i--) {
         when[n] = 2 * turn - a->time[i];
         /* a centre turns motion round and mirrors it: the velocity changes its sign twice */
-        out[n++] = end == CENTRE ? ric_section_mirrored(s, ric_section_reversed(a->hit[i]))
-                                 : ric_section_reversed(a->hit[i]);
+        out[n++] = end == CENTRE ? ric_impact_map_mirrored(s, ric_impact_map_reversed(a->hit[i]))
+                                 : ric_impact_map_reversed(a->hit[i]);
     }
     if ((end == CENTRE) != (start == CENTRE)) {
         for (int i = 0, m = n; i < m; i++) {
             when[n] = when[i] + period;
-            out[n++] = ric_section_mirrored(s, out[i]);
+            out[n++] = ric_impact_map_mirrored(s, out[i]);
         }
         period *= 2;
     }
@@ -150,21 +150,21 @@ static ric_status close_in(const ric_line *l, const ric_strand *a, const ric_str
     RIC_STRAND(low, l->K);
     RIC_STRAND(high, l->K);
     RIC_STRAND(mid, l->K);
-    ric_strand_copy(&low, a);
-    ric_strand_copy(&high, b);
+    ric_hunt_strand_copy(&low, a);
+    ric_hunt_strand_copy(&high, b);
     double f0 = tests[which].value(a, j), f1 = tests[which].value(b, j);
     for (int i = 0; i < CLOSING && f0 != f1; i++) {
         double part = i % 3 == 2 ? 0.5 : f0 / (f0 - f1), x = low.s + part * (high.s - low.s), f;
         if (!(x > fmin(low.s, high.s) && x < fmax(low.s, high.s))) break;
-        ric_line_fly(l, x, &mid);
+        ric_hunt_line_fly(l, x, &mid);
         for (int k = 0; k <= j; k++)
-            if (!ric_line_together(l, &low, &mid, k)) return RIC_OK;
+            if (!ric_hunt_line_together(l, &low, &mid, k)) return RIC_OK;
         f = tests[which].value(&mid, j);
         if ((f > 0) == (f0 > 0)) {
-            ric_strand_copy(&low, &mid);
+            ric_hunt_strand_copy(&low, &mid);
             f0 = f;
         } else {
-            ric_strand_copy(&high, &mid);
+            ric_hunt_strand_copy(&high, &mid);
             f1 = f;
         }
         if (f == 0) break;
@@ -187,17 +187,17 @@ static ric_status scan(ric_hunt *h, bool (*start)(const ric_line *, double, ric_
 {
     ric_line line = {.hunt = h, .low = low, .high = high, .face = face, .K = h->options.impacts / 2 + 2, .times = 2,
                      .apart = APART, .shortest = SHORTEST, .start = start, .compare = compare};
-    return ric_line_scan(&line, h->options.lines);
+    return ric_hunt_line_scan(&line, h->options.lines);
 }
 
 ric_status ric_hunt_mirrors(ric_hunt *h)
 {
-    const ric_section *s = h->section;
+    const ric_impact_map *s = h->section;
     bool symmetric = ric_model_symmetric(s->model);
     double widest = 0, round = 6.283185307179586477;
     ric_status status = ric_hunt_report(h, "symmetry lines", 0);
     for (int f = 0; f < s->n_face && !status; f++) {
-        const ric_section_face *face = &s->face[f];
+        const ric_impact_map_face *face = &s->face[f];
         widest = fmax(widest, fabs(face->at) + face->radius[0]);
         if (face->radius[0] > 0 && !(symmetric && face->side < 0)) /* the other side is its mirror image */
             status = scan(h, start_impact, f, face->middle - face->radius[0], face->middle + face->radius[0]);

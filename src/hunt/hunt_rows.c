@@ -63,7 +63,7 @@ static bool admit(search *g, int N, bool half, const ric_hit *hits, double y, do
 /* The motion hits[0..k], at home again at hit k, as a guess; D its matrix. */
 static ric_status consider(search *g, int k, bool half, ric_hit *hits, const double *D)
 {
-    const ric_section_face *face = &g->hunt->section->face[g->face];
+    const ric_impact_map_face *face = &g->hunt->section->face[g->face];
     double sign = half ? -1 : 1, a = 1 - sign * D[0], b = -sign * D[1], c = -sign * D[2], d = 1 - sign * D[3],
            det = a * d - b * c;
     double ry = sign * hits[k].y - hits[0].y, ra = sign * hits[k].angle - hits[0].angle;
@@ -87,12 +87,12 @@ static void chain_rule(const double *step, double *D)
 static ric_status visit(const ric_line *l, const ric_strand *a)
 {
     search *g = l->user;
-    const ric_section *s = l->hunt->section;
-    const ric_section_face *face = &s->face[g->face];
+    const ric_impact_map *s = l->hunt->section;
+    const ric_impact_map_face *face = &s->face[g->face];
     double D[4] = {1, 0, 0, 1}, step[4];
     ric_status status = RIC_OK;
     for (int k = 1; k < a->n && !status; k++) {
-        if (!ric_section_slope(s, &a->hit[k - 1], &a->hit[k], step)) break;
+        if (!ric_impact_map_slope(s, &a->hit[k - 1], &a->hit[k], step)) break;
         chain_rule(step, D);
         if (a->hit[k].face == g->face) status = consider(g, k, false, a->hit, D);
         else if (a->hit[k].face == face->mirror && 2 * k <= l->hunt->options.impacts &&
@@ -106,13 +106,13 @@ static ric_status visit(const ric_line *l, const ric_strand *a)
 static bool place(const ric_line *l, double y, double p, ric_hit *hit, double *w)
 {
     const search *g = l->user;
-    const ric_section *s = l->hunt->section;
-    const ric_section_face *face = &s->face[g->face];
+    const ric_impact_map *s = l->hunt->section;
+    const ric_impact_map_face *face = &s->face[g->face];
     *hit = (ric_hit){g->face, face->middle + y * face->radius[0], 0, 0};
-    double P = ric_section_speed(s, g->face, hit->y);
+    double P = ric_impact_map_speed(s, g->face, hit->y);
     if (!(fabs(p) * face->radius[1] < P)) return false;
     hit->angle = asin(p * face->radius[1] / P);
-    return ric_section_state(s, hit, w) && ric_section_inside(s, w, g->face);
+    return ric_impact_map_state(s, hit, w) && ric_impact_map_inside(s, w, g->face);
 }
 
 static bool start_row(const ric_line *l, double y, ric_hit *hit, double *w)
@@ -139,13 +139,13 @@ static ric_status search_face(search *g)
         g->p = 2 * (i + 0.5) / h->options.rows - 1;
         line.high = sqrt(1 - g->p * g->p);
         line.low = -line.high;
-        status = ric_line_scan(&line, h->options.row);
+        status = ric_hunt_line_scan(&line, h->options.row);
     }
     line.start = start_random;
     RIC_STRAND(a, line.K);
     for (int i = 0; i < h->options.random && !status; i++) {
         if (i % 4096 == 0) status = ric_hunt_report(h, "random starts", (double)i / h->options.random);
-        ric_line_fly(&line, 0, &a);
+        ric_hunt_line_fly(&line, 0, &a);
         if (!status) status = visit(&line, &a);
     }
     return status;
@@ -153,7 +153,7 @@ static ric_status search_face(search *g)
 
 ric_status ric_hunt_rows(ric_hunt *h)
 {
-    const ric_section *s = h->section;
+    const ric_impact_map *s = h->section;
     search g = {.hunt = h, .mask = ((size_t)1 << 24) - 1, .random = h->options.seed};
     ric_status status = RIC_OK;
     if (!(g.tried = calloc(g.mask + 1, 1))) return ric_fail(RIC_E_NOMEM, "no memory for the hunt");

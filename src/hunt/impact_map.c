@@ -20,7 +20,7 @@
 
 /* ------------------------------------------------------------------ create */
 
-static ric_status find_modes(ric_section *s, const ric_model *m, const ric_real *omega, const ric_real *c)
+static ric_status find_modes(ric_impact_map *s, const ric_model *m, const ric_real *omega, const ric_real *c)
 {
     int n = s->n_dof, seen = 0;
     for (int i = 0; i < n; i++) {
@@ -45,7 +45,7 @@ static ric_status find_modes(ric_section *s, const ric_model *m, const ric_real 
 }
 
 /* V along the face is V0 + k^2 (y - middle)^2 / 2; k > 0, for a free mode is seen by the contact. */
-static void fill_face(const ric_section *s, ric_section_face *face)
+static void fill_face(const ric_impact_map *s, ric_impact_map_face *face)
 {
     double k2 = 0, mixed = 0, constant = 0;
     for (int i = 0; i < 2; i++) {
@@ -60,13 +60,13 @@ static void fill_face(const ric_section *s, ric_section_face *face)
     face->radius[0] = face->radius[1] / sqrt(k2);
 }
 
-static ric_status make_faces(ric_section *s, const ric_model *m, const ric_real *c)
+static ric_status make_faces(ric_impact_map *s, const ric_model *m, const ric_real *c)
 {
     s->n_face = ric_model_n_face(m);
     s->face = calloc((size_t)s->n_face + 1, sizeof *s->face);
     if (!s->face) return ric_fail(RIC_E_NOMEM, "no memory for a section");
     for (int f = 0; f < s->n_face; f++) {
-        ric_section_face *face = &s->face[f];
+        ric_impact_map_face *face = &s->face[f];
         ric_contact contact;
         ric_model_face(m, f, &face->contact, &face->side, &face->mirror);
         ric_model_contact(m, face->contact, &contact);
@@ -100,9 +100,9 @@ static ric_status check_laws(const ric_model *m)
     return RIC_OK;
 }
 
-ric_status ric_section_create(const ric_model *m, double energy, ric_section **out)
+ric_status ric_impact_map_create(const ric_model *m, double energy, ric_impact_map **out)
 {
-    ric_section *s = calloc(1, sizeof *s);
+    ric_impact_map *s = calloc(1, sizeof *s);
     const ric_real *omega, *c;
     ric_status status;
     *out = NULL;
@@ -118,11 +118,11 @@ ric_status ric_section_create(const ric_model *m, double energy, ric_section **o
     *out = s;
     s = NULL;
 out:
-    ric_section_free(s);
+    ric_impact_map_free(s);
     return status;
 }
 
-void ric_section_free(ric_section *s)
+void ric_impact_map_free(ric_impact_map *s)
 {
     if (!s) return;
     ric_simulator_free(s->sim);
@@ -137,9 +137,9 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1];
 }
 
-double ric_section_speed(const ric_section *s, int face, double y)
+double ric_impact_map_speed(const ric_impact_map *s, int face, double y)
 {
-    const ric_section_face *f = &s->face[face];
+    const ric_impact_map_face *f = &s->face[face];
     double twice = 2 * s->energy;
     for (int i = 0; i < 2; i++) {
         double x = s->omega[i] * (f->at * f->normal[i] + y * f->along[i]);
@@ -148,10 +148,10 @@ double ric_section_speed(const ric_section *s, int face, double y)
     return twice > 0 ? sqrt(twice) : 0;
 }
 
-bool ric_section_state(const ric_section *s, const ric_hit *hit, double *w)
+bool ric_impact_map_state(const ric_impact_map *s, const ric_hit *hit, double *w)
 {
-    const ric_section_face *face = &s->face[hit->face];
-    double P = ric_section_speed(s, hit->face, hit->y), sine, cosine;
+    const ric_impact_map_face *face = &s->face[hit->face];
+    double P = ric_impact_map_speed(s, hit->face, hit->y), sine, cosine;
     if (P == 0) return false;
     sincos(hit->angle, &sine, &cosine);
     for (int i = 0; i < 2; i++) {
@@ -162,30 +162,30 @@ bool ric_section_state(const ric_section *s, const ric_hit *hit, double *w)
 }
 
 /* The impact of a modal state that is on a face, before it or after. */
-static ric_hit hit_of(const ric_section *s, int face, const double *w)
+static ric_hit hit_of(const ric_impact_map *s, int face, const double *w)
 {
-    const ric_section_face *f = &s->face[face];
+    const ric_impact_map_face *f = &s->face[face];
     return (ric_hit){face, dot(f->along, w), atan2(dot(f->along, w + 2), fabs(dot(f->normal, w + 2))), 0};
 }
 
-ric_hit ric_section_mirrored(const ric_section *s, ric_hit hit)
+ric_hit ric_impact_map_mirrored(const ric_impact_map *s, ric_hit hit)
 {
     return (ric_hit){s->face[hit.face].mirror, -hit.y, -hit.angle, hit.tau};
 }
 
-ric_hit ric_section_reversed(ric_hit hit)
+ric_hit ric_impact_map_reversed(ric_hit hit)
 {
     return (ric_hit){hit.face, hit.y, -hit.angle, hit.tau};
 }
 
-void ric_section_write(const ric_section *s, const ric_hit *hit, double *x, double *v)
+void ric_impact_map_write(const ric_impact_map *s, const ric_hit *hit, double *x, double *v)
 {
     double w[4];
     ric_real full[2 * s->n_dof];
     memset(full, 0, sizeof full);
     memset(x, 0, (size_t)s->n_dof * sizeof *x);
     memset(v, 0, (size_t)s->n_dof * sizeof *v);
-    if (!ric_section_state(s, hit, w)) return;
+    if (!ric_impact_map_state(s, hit, w)) return;
     for (int i = 0; i < 2; i++) {
         full[s->mode[i]] = w[i];
         full[s->n_dof + s->mode[i]] = w[2 + i];
@@ -194,7 +194,7 @@ void ric_section_write(const ric_section *s, const ric_hit *hit, double *x, doub
     ric_simulator_state(s->sim, NULL, x, v);
 }
 
-void ric_section_read(const ric_section *s, int face, const double *x, const double *v, ric_hit *hit)
+void ric_impact_map_read(const ric_impact_map *s, int face, const double *x, const double *v, ric_hit *hit)
 {
     ric_real full[2 * s->n_dof];
     double w[4];
@@ -217,7 +217,7 @@ static void turn(const double *w, const double *omega, const double *cs, double 
     }
 }
 
-static void fly(const ric_section *s, const double *w, double t, double *after)
+static void fly(const ric_impact_map *s, const double *w, double t, double *after)
 {
     double cs[4];
     for (int i = 0; i < 2; i++) sincos(s->omega[i] * t, &cs[2 * i + 1], &cs[2 * i]);
@@ -225,26 +225,26 @@ static void fly(const ric_section *s, const double *w, double t, double *after)
 }
 
 /* Gap beyond the face, in modal length: negative inside; and its rate. */
-static double beyond(const ric_section_face *face, const double *w)
+static double beyond(const ric_impact_map_face *face, const double *w)
 {
     return face->side * dot(face->normal, w) - face->side * face->at;
 }
 
-bool ric_section_inside(const ric_section *s, const double *w, int but)
+bool ric_impact_map_inside(const ric_impact_map *s, const double *w, int but)
 {
     for (int f = 0; f < s->n_face; f++)
         if (f != but && beyond(&s->face[f], w) > 0) return false;
     return true;
 }
 
-static double rate(const ric_section_face *face, const double *w)
+static double rate(const ric_impact_map_face *face, const double *w)
 {
     return face->side * dot(face->normal, w + 2);
 }
 
 /* Zero of the gap (order 0), or of its rate (order 1), between times a and b from w, where it changes sign; divided by
  * the time if the flight starts on the face, which takes that zero away. */
-static double zero_between(const ric_section *s, const ric_section_face *face, const double *w, int order, bool leaving,
+static double zero_between(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, int order, bool leaving,
                            double a, double b)
 {
     double x = (a + b) / 2, last = b - a, at[4];
@@ -268,7 +268,7 @@ static double zero_between(const ric_section *s, const ric_section_face *face, c
 }
 
 /* Time of the impact on a face within a panel that goes from w to end; infinite if there is none. */
-static double within_panel(const ric_section *s, const ric_section_face *face, const double *w, const double *end,
+static double within_panel(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, const double *end,
                            bool leaving)
 {
     double h = s->panel, g0 = beyond(face, w), g1 = beyond(face, end), v0 = rate(face, w), v1 = rate(face, end);
@@ -281,7 +281,7 @@ static double within_panel(const ric_section *s, const ric_section_face *face, c
     return beyond(face, at) > 0 ? zero_between(s, face, w, 0, false, 0, top) : INFINITY;
 }
 
-bool ric_section_next(const ric_section *s, const double *w, int from, double horizon, double *time, ric_hit *hit,
+bool ric_impact_map_next(const ric_impact_map *s, const double *w, int from, double horizon, double *time, ric_hit *hit,
                       double *after)
 {
     double here[4], end[4];
@@ -298,7 +298,7 @@ bool ric_section_next(const ric_section *s, const double *w, int from, double ho
             }
         }
         if (face >= 0) {
-            const ric_section_face *g = &s->face[face];
+            const ric_impact_map_face *g = &s->face[face];
             fly(s, here, first, after);
             double speed = dot(g->normal, after + 2);
             for (int i = 0; i < 2; i++) after[2 + i] -= 2 * speed * g->normal[i];
@@ -315,11 +315,11 @@ bool ric_section_next(const ric_section *s, const double *w, int from, double ho
 
 /* From impact a over its tau to the face of b: gap beyond that face, y and angle there [3], and their derivatives by y,
  * angle of a and by tau [9]. */
-static bool flight_slopes(const ric_section *s, const ric_hit *a, int to, double *value, double *slope)
+static bool flight_slopes(const ric_impact_map *s, const ric_hit *a, int to, double *value, double *slope)
 {
-    const ric_section_face *face = &s->face[a->face], *goal = &s->face[to];
-    double w[4], end[4], push[4], start[4], P = ric_section_speed(s, a->face, a->y), pull = 0, sine, cosine;
-    if (!ric_section_state(s, a, w)) return false;
+    const ric_impact_map_face *face = &s->face[a->face], *goal = &s->face[to];
+    double w[4], end[4], push[4], start[4], P = ric_impact_map_speed(s, a->face, a->y), pull = 0, sine, cosine;
+    if (!ric_impact_map_state(s, a, w)) return false;
     fly(s, w, a->tau, end);
     for (int i = 0; i < 2; i++) pull += s->omega[i] * s->omega[i] * w[i] * face->along[i];
     sincos(a->angle, &sine, &cosine);
@@ -344,7 +344,7 @@ static bool flight_slopes(const ric_section *s, const ric_hit *a, int to, double
     return true;
 }
 
-bool ric_section_slope(const ric_section *s, const ric_hit *a, const ric_hit *b, double *D)
+bool ric_impact_map_slope(const ric_impact_map *s, const ric_hit *a, const ric_hit *b, double *D)
 {
     double value[3], slope[9];
     if (!flight_slopes(s, a, b->face, value, slope) || !(slope[2] > 0)) return false;
@@ -354,12 +354,12 @@ bool ric_section_slope(const ric_section *s, const ric_hit *a, const ric_hit *b,
     return true;
 }
 
-bool ric_section_around(const ric_section *s, int N, const ric_hit *hits, double *D)
+bool ric_impact_map_around(const ric_impact_map *s, int N, const ric_hit *hits, double *D)
 {
     double total[4] = {1, 0, 0, 1};
     for (int k = 0; k < N; k++) {
         double step[4];
-        if (!ric_section_slope(s, &hits[k], &hits[(k + 1) % N], step)) return false;
+        if (!ric_impact_map_slope(s, &hits[k], &hits[(k + 1) % N], step)) return false;
         double a = total[0], b = total[1], c = total[2], d = total[3];
         total[0] = step[0] * a + step[1] * c;
         total[1] = step[0] * b + step[1] * d;
@@ -402,20 +402,20 @@ static bool solve(int n, double *A, double *b)
     return true;
 }
 
-size_t ric_section_work(int N)
+size_t ric_impact_map_work(int N)
 {
     return (size_t)(3 * N) * (size_t)(3 * N) + (size_t)(3 * N);
 }
 
 /* Residuals r [3N] and their derivatives A [3N * 3N] by y_k, angle_k, tau_k; the largest residual, infinite where there
  * is no motion. */
-static double assemble(const ric_section *s, int N, bool half, const ric_hit *hits, double *A, double *r)
+static double assemble(const ric_impact_map *s, int N, bool half, const ric_hit *hits, double *A, double *r)
 {
     int n = 3 * N;
     double largest = 0;
     memset(A, 0, (size_t)n * (size_t)n * sizeof *A);
     for (int k = 0; k < N; k++) {
-        ric_hit next = k + 1 < N ? hits[k + 1] : half ? ric_section_mirrored(s, hits[0]) : hits[0];
+        ric_hit next = k + 1 < N ? hits[k + 1] : half ? ric_impact_map_mirrored(s, hits[0]) : hits[0];
         double value[3], slope[9], sign = k + 1 == N && half ? 1 : -1;
         if (!flight_slopes(s, &hits[k], next.face, value, slope)) return INFINITY;
         int column = 3 * ((k + 1) % N);
@@ -431,7 +431,7 @@ static double assemble(const ric_section *s, int N, bool half, const ric_hit *hi
 }
 
 /* Part of the step that keeps every impact within the energy and every time positive: at most all of it. */
-static double allowed(const ric_section *s, int N, const ric_hit *hits, const double *step)
+static double allowed(const ric_impact_map *s, int N, const ric_hit *hits, const double *step)
 {
     double part = 1;
     for (int tries = 0; tries < 6; tries++, part /= 2) {
@@ -439,13 +439,13 @@ static double allowed(const ric_section *s, int N, const ric_hit *hits, const do
         for (int k = 0; k < N && good; k++)
             good = hits[k].tau - part * step[3 * k + 2] > 0 &&
                    fabs(hits[k].angle - part * step[3 * k + 1]) < STEEPEST &&
-                   ric_section_speed(s, hits[k].face, hits[k].y - part * step[3 * k]) > 0;
+                   ric_impact_map_speed(s, hits[k].face, hits[k].y - part * step[3 * k]) > 0;
         if (good) return part;
     }
     return 0;
 }
 
-bool ric_section_polish(const ric_section *s, int N, bool half, ric_hit *hits, double *work)
+bool ric_impact_map_polish(const ric_impact_map *s, int N, bool half, ric_hit *hits, double *work)
 {
     enum { STEPS = 24 };
     int n = 3 * N, settled = 0;
@@ -473,7 +473,7 @@ bool ric_section_polish(const ric_section *s, int N, bool half, ric_hit *hits, d
 
 /* ------------------------------------------------------------------- check */
 
-static bool replay_flight(const ric_section *s, const ric_hit *a, const ric_hit *b)
+static bool replay_flight(const ric_impact_map *s, const ric_hit *a, const ric_hit *b)
 {
     int n = s->n_dof;
     double w[4];
@@ -481,7 +481,7 @@ static bool replay_flight(const ric_section *s, const ric_hit *a, const ric_hit 
     ric_impact impact;
     bool hit;
     memset(full, 0, sizeof full);
-    if (!ric_section_state(s, a, w)) return false;
+    if (!ric_impact_map_state(s, a, w)) return false;
     for (int i = 0; i < 2; i++) {
         full[s->mode[i]] = w[i];
         full[n + s->mode[i]] = w[2 + i];
@@ -499,7 +499,7 @@ static bool replay_flight(const ric_section *s, const ric_hit *a, const ric_hit 
     return fabs(end.y - b->y) < slack * (1 + fabs(b->y)) && fabs(end.angle - b->angle) < slack;
 }
 
-bool ric_section_admissible(const ric_section *s, int N, const ric_hit *hits)
+bool ric_impact_map_admissible(const ric_impact_map *s, int N, const ric_hit *hits)
 {
     for (int k = 0; k < N; k++)
         if (!(fabs(hits[k].angle) < RIGHT_ANGLE) || !replay_flight(s, &hits[k], &hits[(k + 1) % N])) return false;

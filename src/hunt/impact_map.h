@@ -18,7 +18,7 @@ typedef struct {
     double norm;               /* |c| */
     double middle, radius[2];  /* motions on the face: ((y - middle) / radius[0])^2 + (P sin(angle) / radius[1])^2 < 1;
                                 * radius 0: out of reach */
-} ric_section_face;
+} ric_impact_map_face;
 
 typedef struct {
     const ric_model *model;
@@ -27,8 +27,8 @@ typedef struct {
     double omega[2], energy;
     double panel, turn[4];     /* a search step, and cos and sin of it per mode */
     int n_face;
-    ric_section_face *face;
-} ric_section;
+    ric_impact_map_face *face;
+} ric_impact_map;
 
 /* An impact: its face, the two numbers, and the time to the next one (seconds). */
 typedef struct {
@@ -37,40 +37,40 @@ typedef struct {
 } ric_hit;
 
 /* RIC_E_INPUT unless exactly two modes are seen by rigid stops without losses. */
-ric_status ric_section_create(const ric_model *model, double energy, ric_section **out);
-void ric_section_free(ric_section *section);
+ric_status ric_impact_map_create(const ric_model *model, double energy, ric_impact_map **out);
+void ric_impact_map_free(ric_impact_map *section);
 
 /* P at a place on a face; 0 out of reach. */
-double ric_section_speed(const ric_section *section, int face, double y);
+double ric_impact_map_speed(const ric_impact_map *section, int face, double y);
 /* Modal state w [4] = q, dq/dt right after an impact; false where there is no such motion at this energy. */
-bool ric_section_state(const ric_section *section, const ric_hit *hit, double *w);
+bool ric_impact_map_state(const ric_impact_map *section, const ric_hit *hit, double *w);
 /* Whether a modal state is on this side of all faces but one (-1: of all). */
-bool ric_section_inside(const ric_section *section, const double *w, int but);
+bool ric_impact_map_inside(const ric_impact_map *section, const double *w, int but);
 /* The next impact of a motion w that leaves face `from` (-1: starts in flight), within `horizon`: its time, and what w
  * is right after it. Impacts slower than the search resolves may be missed: what is found here is checked with the
  * simulator. */
-bool ric_section_next(const ric_section *section, const double *w, int from, double horizon, double *time, ric_hit *hit,
+bool ric_impact_map_next(const ric_impact_map *section, const double *w, int from, double horizon, double *time, ric_hit *hit,
                       double *after);
 /* The matrix D [4] of (y, angle) -> (y', angle') over the flight from a to the face of b; false at a grazing. */
-bool ric_section_slope(const ric_section *section, const ric_hit *a, const ric_hit *b, double *D);
+bool ric_impact_map_slope(const ric_impact_map *section, const ric_hit *a, const ric_hit *b, double *D);
 
 /* Newton's method on all impacts of an orbit and all times at once: impact k flies for tau_k onto impact k + 1, the
  * last one onto the first one, mirrored by x -> -x if `half`. hits [N] are moved to the solution; work
- * [ric_section_work(N)]. */
-bool ric_section_polish(const ric_section *section, int N, bool half, ric_hit *hits, double *work);
-size_t ric_section_work(int N);
+ * [ric_impact_map_work(N)]. */
+bool ric_impact_map_polish(const ric_impact_map *section, int N, bool half, ric_hit *hits, double *work);
+size_t ric_impact_map_work(int N);
 
 /* Whether the simulator makes the same motion of it, flight by flight, and sees no other touch. */
-bool ric_section_admissible(const ric_section *section, int N, const ric_hit *hits);
+bool ric_impact_map_admissible(const ric_impact_map *section, int N, const ric_hit *hits);
 /* The matrix of the whole way round, D [4]: product of the slopes. */
-bool ric_section_around(const ric_section *section, int N, const ric_hit *hits, double *D);
+bool ric_impact_map_around(const ric_impact_map *section, int N, const ric_hit *hits, double *D);
 
 /* Scaled x, v [n_dof each] right after an impact, unseen modes at rest; and back: the impact of a state on a face. */
-void ric_section_write(const ric_section *section, const ric_hit *hit, double *x, double *v);
-void ric_section_read(const ric_section *section, int face, const double *x, const double *v, ric_hit *hit);
+void ric_impact_map_write(const ric_impact_map *section, const ric_hit *hit, double *x, double *v);
+void ric_impact_map_read(const ric_impact_map *section, int face, const double *x, const double *v, ric_hit *hit);
 
 /* The image of an impact under x -> -x, and under time reversal (tau is left alone). */
-ric_hit ric_section_mirrored(const ric_section *section, ric_hit hit);
-ric_hit ric_section_reversed(ric_hit hit);
+ric_hit ric_impact_map_mirrored(const ric_impact_map *section, ric_hit hit);
+ric_hit ric_impact_map_reversed(ric_hit hit);
 
 #endif

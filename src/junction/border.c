@@ -7,7 +7,7 @@
 
 #include "base/room.h"
 
-ric_border *ric_border_create(const ric_chain *chain)
+ric_border *ric_border_create(const ric_shooting *chain)
 {
     ric_border *q = calloc(1, sizeof *q);
     if (!q) return NULL;
@@ -76,7 +76,7 @@ static void move_block(int n, double rounding, unsigned *bits, double *block)
 /* Displacements and velocities differ by the frequency of a spring: each block of a matrix has its own rounding. */
 static void move_flight(ric_border *q, int k, double rounding, unsigned *bits)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     int n = q->n;
     double *map = q->map + c->stride * (size_t)k, *rate = q->rate + 2 * n * k;
     if (ric_flight_dense(c->model, c->closed[k]))
@@ -89,7 +89,7 @@ static void move_flight(ric_border *q, int k, double rounding, unsigned *bits)
 
 static void take_flights(ric_border *q, double rounding, unsigned bits)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     int n = q->n;
     double end[2 * n];
     q->size = sqrt(ric_dot(2 * n, c->w, c->w));
@@ -110,7 +110,7 @@ static void take_flights(ric_border *q, double rounding, unsigned bits)
 /* Columns of X [2n * ld], the first `columns`, through flight k, up to the event. */
 static void fly_columns(ric_border *q, int k, int columns, int ld, double *X)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     int n = q->n;
     const double *map = q->map + c->stride * (size_t)k;
     bool dense = ric_flight_dense(c->model, c->closed[k]);
@@ -130,7 +130,7 @@ static void fly_columns(ric_border *q, int k, int columns, int ld, double *X)
 /* What the event at the end of flight k does to columns. */
 static void strike_columns(ric_border *q, int k, int columns, int ld, double *X)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     int n = q->n;
     const ric_face *face = c->face[k + 1] >= 0 ? &c->model->face[c->face[k + 1]] : NULL;
     if (!face || face->spring > 0) return;
@@ -145,7 +145,7 @@ static void strike_columns(ric_border *q, int k, int columns, int ld, double *X)
 /* The row of condition k on the state there, h [2n]: a gap, or the phase. */
 static void condition(const ric_border *q, int k, double *h)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     int n = q->n;
     if (c->face[k] >= 0) {
         memcpy(h, c->model->face[c->face[k]].g, (size_t)n * sizeof *h);

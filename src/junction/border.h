@@ -3,7 +3,7 @@
  * Unknowns of J: start state w_0 [2n], time fractions beta [N], period T; rows: closure w_N - w_0 [2n], one condition
  * per event in the order of the fractions [N] (the phase under a power law, where N = 1), sum of the fractions.
  * With d tau_k = T d beta_k + beta_k dT the last row and the period split off: what is left acts on (w_0, tau), and is
- * made triangular from the right as in chain.c, one Householder reflection per condition. 2n combinations of the
+ * made triangular from the right as in shooting.c, one Householder reflection per condition. 2n combinations of the
  * unknowns are left for the 2n rows of the closure, the small matrix S: it has the kernel of J. Only S is bordered,
  *
  *     [ S   U ] [ z ]   [ r ]
@@ -18,7 +18,7 @@
 
 typedef struct {
     int n, N, unknowns;  /* seen modes, flights, 2n + N */
-    const ric_chain *chain;
+    const ric_shooting *chain;
     double size, T;      /* of w_0; the period */
     double *map, *rate;  /* [N * stride], [N * 2n] of each flight, as the chain has them but for the moves */
     double *v, *beta;    /* [N * 2n], [N] Householder vector of each condition */
@@ -36,7 +36,7 @@ typedef struct {
 } ric_border;
 
 /* NULL: no memory. For flights and borders of the size of this chain. */
-ric_border *ric_border_create(const ric_chain *chain);
+ric_border *ric_border_create(const ric_shooting *chain);
 void ric_border_free(ric_border *border);
 
 /* Factorises at the last flight of the chain, in its general form and plain. Entries of the flights are moved by

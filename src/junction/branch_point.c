@@ -9,14 +9,14 @@
 #include "base/room.h"
 
 #define SMALL 1e-8      /* singular values below this part of the largest, */
-#define GAP 1e-3        /* and this part of the next one, belong to the kernel (depart.c) */
+#define GAP 1e-3        /* and this part of the next one, belong to the kernel (switching.c) */
 #define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit */
 #define DISTINCT 1e-3   /* smallest sine of the angle between two directions that can be told apart at the first step,
                          * 1e-3 of the orbit */
 #define NEIGHBOUR 0.1   /* an orbit farther away, relative, is no neighbour */
 
 typedef struct {
-    ric_chain *chain;
+    ric_shooting *chain;
     int size;
     double *u0;
     double *kernel;     /* [2 * size] */
@@ -28,7 +28,7 @@ typedef struct {
 
 static void crossing_free(crossing *q)
 {
-    ric_chain_free(q->chain);
+    ric_shooting_free(q->chain);
     free(q->u0);
     free(q->memory);
 }
@@ -36,7 +36,7 @@ static void crossing_free(crossing *q)
 static ric_status crossing_create(const ric_model *m, const ric_node *node, crossing *q)
 {
     *q = (crossing){0};
-    ric_status status = ric_cycle_to_chain(m, node->cycle, &q->chain, &q->u0);
+    ric_status status = ric_periodic_to_chain(m, node->cycle, &q->chain, &q->u0);
     if (status) return status;
     /* the general form has as many equations as unknowns, one redundant; the others one fewer */
     size_t n = (size_t)q->chain->n_unknown;
@@ -55,12 +55,12 @@ static ric_status crossing_create(const ric_model *m, const ric_node *node, cros
  * the energy (section 3). */
 static ric_status kernels(crossing *q)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int n = q->size, equations, rank = n - 2, first = n - 2 * c->n;
     double s[n], super[n], part[2] = {1, 0};
     bool whole = c->start == RIC_MIRROR_NONE;
-    ric_chain_fly(c, q->u0);
-    equations = ric_chain_jacobian(c, q->u0, q->J);
+    ric_shooting_fly(c, q->u0);
+    equations = ric_shooting_jacobian(c, q->u0, q->J);
     if (n < 3 || equations != (whole ? n : n - 1) ||
         ric_lapack(
             LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super)) ||
@@ -86,14 +86,14 @@ static ric_status kernels(crossing *q)
  * 1977). */
 static ric_status directions(crossing *q)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int n = q->size;
     double h = DIFFERENCE * c->scale, Q[2][2] = {{0}}, u[n], slope[2], t[n];
     for (int i = 0; i < 2; i++)
         for (int side = -1; side <= 1; side += 2) {
             for (int j = 0; j < n; j++) u[j] = q->u0[j] + side * h * q->kernel[i * n + j];
-            ric_chain_fly(c, u);
-            int equations = ric_chain_jacobian(c, u, q->J);
+            ric_shooting_fly(c, u);
+            int equations = ric_shooting_jacobian(c, u, q->J);
             for (int k = 0; k < 2; k++)
                 for (int e = 0; e < equations; e++)
                     Q[i][k] += side * q->left[e] * ric_dot(n, q->J + e * n, q->kernel + k * n) / (2 * h);
@@ -107,14 +107,14 @@ static ric_status directions(crossing *q)
     /* a x^2 + 2 b x y + d y^2 = 0, without cancellation */
     double p = -(b + copysign(root, b));
     double x[2][2] = {{p, a}, {d, p}};
-    ric_chain_fly(c, q->u0);
+    ric_shooting_fly(c, q->u0);
     for (int k = 0; k < 2; k++) {
         double norm = hypot(x[k][0], x[k][1]);
         if (!(norm > SMALL * size))
             return ric_fail(RIC_E_NUMERIC, "the branching equation at the branch point is degenerate");
         for (int j = 0; j < 2; j++) x[k][j] /= norm;
         for (int j = 0; j < n; j++) t[j] = x[k][0] * q->kernel[j] + x[k][1] * q->kernel[n + j];
-        slope[k] = fabs(ric_chain_energy_slope(c, t));
+        slope[k] = fabs(ric_shooting_energy_slope(c, t));
     }
     if (fabs(x[0][0] * x[1][1] - x[0][1] * x[1][0]) < DISTINCT)
         return ric_fail(RIC_E_NUMERIC,
@@ -134,7 +134,7 @@ static ric_status solve(const ric_model *m, const ric_node *node, crossing *q)
     return status;
 }
 
-ric_status ric_crossing_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain,
+ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
                                double **u0, double **t0)
 {
     crossing q;
@@ -160,16 +160,16 @@ ric_status ric_crossing_depart(const ric_model *m, const ric_node *node, unsigne
     return RIC_OK;
 }
 
-ric_status ric_crossing_choice(const ric_model *m, const ric_node *node, const ric_cycle *near, unsigned *choice)
+ric_status ric_branch_point_choice(const ric_model *m, const ric_node *node, const ric_periodic *near, unsigned *choice)
 {
     crossing q;
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL, x = 0, y = 0;
     ric_status status = solve(m, node, &q);
     if (status) return status;
-    ric_cycle *home = ric_cycle_nearest(m, node->cycle, near, NEIGHBOUR);
+    ric_periodic *home = ric_periodic_nearest(m, node->cycle, near, NEIGHBOUR);
     if (!home) status = ric_fail(RIC_E_NUMERIC, "the orbit does not lie beside the branch point");
-    if (!status && !(status = ric_cycle_to_chain(m, home, &chain, &u)) && chain->n_unknown != q.size)
+    if (!status && !(status = ric_periodic_to_chain(m, home, &chain, &u)) && chain->n_unknown != q.size)
         status = ric_fail(RIC_E_NUMERIC, "the orbit has not the symmetry of the branch point");
     for (int i = 0; !status && i < q.size; i++) {
         x += q.kernel[i] * (u[i] - q.u0[i]);
@@ -177,8 +177,8 @@ ric_status ric_crossing_choice(const ric_model *m, const ric_node *node, const r
     }
     double across[2] = {fabs(x * q.way[0][1] - y * q.way[0][0]), fabs(x * q.way[1][1] - y * q.way[1][0])};
     *choice = across[1] < across[0] ? RIC_SIDE : RIC_THROUGH;
-    ric_chain_free(chain);
-    ric_cycle_free(home);
+    ric_shooting_free(chain);
+    ric_periodic_free(home);
     free(u);
     crossing_free(&q);
     return status;

@@ -16,20 +16,20 @@ bool ric_corner_commute(const ric_model *model, const ric_face *f, const ric_fac
  * UNDEFINED: the normals of a pair are not orthogonal in the metric of M^-1, or there are more than `capacity` pairs.
  * TOGETHER: an impact slower than `speed` (a touch) is one of a pair, or three meet: what goes on keeps them
  * together. */
-int ric_corner_pairs(const ric_model *model, const ric_cycle *cycle, double speed, int capacity, int *pairs);
+int ric_corner_pairs(const ric_model *model, const ric_periodic *cycle, double speed, int capacity, int *pairs);
 
 /* The same motion with the letters of every pair in `choice` (bit i: pair i) exchanged, its symmetries found anew.
  * NULL: no memory. */
-ric_cycle *ric_corner_swap(const ric_model *model, const ric_cycle *cycle, int n_pair, const int *pairs,
+ric_periodic *ric_corner_swap(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs,
                            unsigned choice, double tolerance);
 
 /* Of all orders of the pairs the one with most symmetries, and of these the smallest canonical word. NULL: no
  * memory. */
-ric_cycle *ric_corner_least(const ric_model *model, const ric_cycle *cycle, int n_pair, const int *pairs,
+ric_periodic *ric_corner_least(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs,
                             double tolerance);
 
 /* Whether another order of the pairs is the same motion, run backwards or mirrored: then the orbit belongs to a family
  * on which they stay together. */
-bool ric_corner_fixed(const ric_model *model, const ric_cycle *cycle, int n_pair, const int *pairs, double tolerance);
+bool ric_corner_fixed(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs, double tolerance);
 
 #endif

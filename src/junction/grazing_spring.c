@@ -26,7 +26,7 @@ typedef struct {
     int face;
 } touch;
 
-bool ric_soft_applies(const ric_node *node)
+bool ric_grazing_spring_applies(const ric_node *node)
 {
     for (int i = 0; i < node->n_touch; i++)
         if (ric_node_soft(node, i)) return true;
@@ -39,7 +39,7 @@ static ric_status no_memory(void)
 }
 
 /* Time of event `place` of the node's cycle after the event `first`. */
-static double time_between(const ric_cycle *c, int first, int place)
+static double time_between(const ric_periodic *c, int first, int place)
 {
     double sum = 0;
     for (int i = first; i != place; i = (i + 1) % c->N) sum += c->tau[i];
@@ -48,23 +48,23 @@ static double time_between(const ric_cycle *c, int first, int place)
 
 /* The slopes along the family without the touches, whose orbit is `regular` and starts at event `first` of the node's
  * cycle. */
-static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_cycle *regular, int first,
-                            touch *touches, ric_chain **chain, double **u, double **t)
+static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_periodic *regular, int first,
+                            touch *touches, ric_shooting **chain, double **u, double **t)
 {
     int n = m->n;
     double w[2][2 * n];
     ric_turn turn;
-    ric_status status = ric_cycle_to_chain(m, regular, chain, u);
+    ric_status status = ric_periodic_to_chain(m, regular, chain, u);
     if (status) return status;
-    ric_chain *c = *chain;
+    ric_shooting *c = *chain;
     double *moved = calloc((size_t)c->n_unknown, sizeof *moved), h;
-    ric_cycle *side[2] = {NULL, NULL};
+    ric_periodic *side[2] = {NULL, NULL};
     *t = calloc((size_t)c->n_unknown, sizeof **t);
     if (!moved || !*t) {
         status = no_memory();
         goto out;
     }
-    ric_chain_evaluate(c, *u);
+    ric_shooting_evaluate(c, *u);
     h = STEP * c->scale;
     if (!(c->smallest > SIMPLE)) {
         status = ric_fail(
@@ -73,7 +73,7 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
             "this version");
         goto out;
     }
-    ric_trace_tangent(c, NULL, *t);
+    ric_continuation_tangent(c, NULL, *t);
     if (!ric_turn_find(m, c, *u, regular, &turn)) {
         status = ric_fail(RIC_E_NUMERIC, "the family without the touches could not be followed at its grazing");
         goto out;
@@ -85,12 +85,12 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
     for (int i = 0; i < node->n_touch && !status; i++) {
         const ric_face *face = &m->face[touches[i].face];
         double time = time_between(node->cycle, first, node->touch[i]);
-        for (int k = 0; k < 2; k++) ric_cycle_at_time(m, side[k], time, w[k]);
+        for (int k = 0; k < 2; k++) ric_periodic_at_time(m, side[k], time, w[k]);
         touches[i].alpha *= face->side * (ric_gap(n, face, w[1]) - ric_gap(n, face, w[0])) / (2 * h);
     }
 out:
-    ric_cycle_free(side[0]);
-    ric_cycle_free(side[1]);
+    ric_periodic_free(side[0]);
+    ric_periodic_free(side[1]);
     free(moved);
     return status;
 }
@@ -98,15 +98,15 @@ out:
 /* States [n_touch * 2n] and what belongs to every touch; alpha = +-1 tells on which side of the face the gap is. */
 static bool find_touches(const ric_model *m, const ric_node *node, double *W, touch *touches)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     int n = m->n;
     double *all = calloc((size_t)c->N * 2 * (size_t)n, sizeof *all);
     if (!all) return false;
-    ric_cycle_states(m, c, all);
+    ric_periodic_states(m, c, all);
     for (int i = 0; i < node->n_touch; i++) {
         int place = node->touch[i];
         double rate[2 * n];
-        uint64_t closed = ric_cycle_closed(m, c, place);
+        uint64_t closed = ric_periodic_closed(m, c, place);
         const ric_face *face = &m->face[c->face[place]];
         memcpy(W + 2 * n * i, all + 2 * n * place, 2 * (size_t)n * sizeof *W);
         ric_flight_rate(m, closed, all + 2 * n * place, rate);
@@ -133,7 +133,7 @@ static int side_of(const ric_node *node, const touch *touches, unsigned choice)
 /* Whether w is the state of a touch, or of its image run backwards or mirrored. */
 static bool is_touch(const ric_model *m, const touch *t, int face, const double *w)
 {
-    for (int op = 0; op < ric_cycle_operations(m); op++) {
+    for (int op = 0; op < ric_periodic_operations(m); op++) {
         double sign = op & 2 ? -1 : 1, back = op & 1 ? -1 : 1, off = 0, size = 1;
         if (face != (op & 2 ? m->face[t->face].mirror : t->face)) continue;
         for (int i = 0; i < m->n; i++) {
@@ -147,12 +147,12 @@ static bool is_touch(const ric_model *m, const touch *t, int face, const double 
 
 /* To first order only the times of the touches change: a contact grows by sqrt(alpha / |s''|), at the cost of the
  * flights beside it. */
-static bool grow(const ric_model *m, const ric_node *node, const touch *touches, const ric_chain *c, const double *u,
+static bool grow(const ric_model *m, const ric_node *node, const touch *touches, const ric_shooting *c, const double *u,
                  double *t0)
 {
     int found = 0;
     for (int k = 0; k < c->n_flight; k++) {
-        if (!ric_chain_touches(c, k) || fabs(u[c->n_start + k]) > NO_TIME) continue;
+        if (!ric_shooting_touches(c, k) || fabs(u[c->n_start + k]) > NO_TIME) continue;
         bool from_rest = c->face[k] < 0, to_rest = c->face[k + 1] < 0;
         int face = from_rest ? c->face[k + 1] : c->face[k], i = 0;
         while (i < node->n_touch && !is_touch(m, &touches[i], face, c->w + 2 * m->n * k)) i++;
@@ -166,19 +166,19 @@ static bool grow(const ric_model *m, const ric_node *node, const touch *touches,
     return found > 0;
 }
 
-static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches, ric_chain *c,
+static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches, ric_shooting *c,
                             const double *u, double *t0, bool *singular)
 {
     int size = c->n_unknown;
     double kernel[size];
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     if (!grow(m, node, touches, c, u, t0))
         return ric_fail(RIC_E_NUMERIC, "a touch of a spring is not found in the problem of the departure");
     double norm = sqrt(ric_dot(size, t0, t0));
     *singular = !(c->smallest > SIMPLE);
     for (int i = 0; i < size; i++) t0[i] *= (*singular ? RIC_LEAVING * c->scale : 1) / norm;
     if (*singular) return RIC_OK;
-    ric_trace_tangent(c, t0, kernel);
+    ric_continuation_tangent(c, t0, kernel);
     if (ric_dot(size, t0, kernel) < ALONG)
         return ric_fail(RIC_E_NUMERIC, "the departure does not lead into the contact that is kept");
     memcpy(t0, kernel, sizeof kernel);
@@ -186,17 +186,17 @@ static ric_status direction(const ric_model *m, const ric_node *node, const touc
 }
 
 static ric_status leave(const ric_model *m, const ric_node *node, unsigned choice, const touch *touches,
-                        ric_chain **chain, double **u0, double **t0, bool *singular)
+                        ric_shooting **chain, double **u0, double **t0, bool *singular)
 {
-    ric_cycle *cycle = ric_subset_cycle(m, node, choice);
-    ric_status status = cycle ? ric_cycle_to_chain(m, cycle, chain, u0) : no_memory();
-    ric_cycle_free(cycle);
+    ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
+    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, chain, u0) : no_memory();
+    ric_periodic_free(cycle);
     if (status) return status;
     *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
     return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular) : no_memory();
 }
 
-ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0,
+ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain, double **u0,
                            double **t0, bool *singular)
 {
     ric_status status = RIC_OK;
@@ -204,8 +204,8 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
     touch touches[RIC_MAX_TOUCHES];
     double W[RIC_MAX_TOUCHES * 2 * n], *u = NULL, *t = NULL;
     bool keep[N];
-    ric_chain *family = NULL;
-    ric_cycle *regular = NULL;
+    ric_shooting *family = NULL;
+    ric_periodic *regular = NULL;
     *singular = false;
     for (int i = 0; i < node->n_touch; i++)
         if (!ric_node_soft(node, i))
@@ -216,7 +216,7 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
     for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;
     while (first < N && !keep[first]) first++;
     if (first < N) { /* else a linear mode, whose amplitude grows */
-        regular = ric_subset_keep(m, node->cycle, keep);
+        regular = ric_grazing_words_keep(m, node->cycle, keep);
         status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t) : no_memory();
     }
     for (int i = 0; i < node->n_touch && !status; i++)
@@ -234,8 +234,8 @@ ric_status ric_soft_depart(const ric_model *m, const ric_node *node, unsigned ch
         family = NULL;
         u = t = NULL;
     }
-    ric_cycle_free(regular);
-    ric_chain_free(family);
+    ric_periodic_free(regular);
+    ric_shooting_free(family);
     free(u);
     free(t);
     return status;

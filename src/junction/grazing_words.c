@@ -12,23 +12,23 @@
 
 /* ------------------------------------------------------------------ touches */
 
-ric_cycle *ric_subset_touches(const ric_model *m, const ric_cycle *cycle, bool **kept)
+ric_periodic *ric_grazing_words_touches(const ric_model *m, const ric_periodic *cycle, bool **kept)
 {
-    ric_cycle *plain = ric_cycle_copy(cycle), *out = NULL;
-    ric_chain *chain = NULL;
+    ric_periodic *plain = ric_periodic_copy(cycle), *out = NULL;
+    ric_shooting *chain = NULL;
     ric_touch touches[4 * RIC_MAX_TOUCHES];
     double *u = NULL;
     int n = cycle->n, count, more, k = 0;
     if (!plain) return NULL;
     plain->half = false;
     plain->pure = plain->flip = -1;
-    if (ric_cycle_to_chain(m, plain, &chain, &u)) goto out;
-    ric_chain_fly(chain, u);
+    if (ric_periodic_to_chain(m, plain, &chain, &u)) goto out;
+    ric_shooting_fly(chain, u);
     count = ric_reach_all(chain, u, 1 - TOUCH, 4 * RIC_MAX_TOUCHES, touches);
-    int first = ric_cycle_start(m, plain);
+    int first = ric_periodic_start(m, plain);
     if ((more = count) > 4 * RIC_MAX_TOUCHES) goto out;
     for (int j = 0; j < count; j++) more += m->face[touches[j].face].spring > 0;
-    if (!(out = ric_cycle_create(n, cycle->N + more))) goto out;
+    if (!(out = ric_periodic_create(n, cycle->N + more))) goto out;
     memcpy(out->w, cycle->w, 2 * (size_t)n * sizeof *out->w);
     out->closed = cycle->closed;
     if (kept && !(*kept = calloc((size_t)out->N, sizeof **kept))) goto out;
@@ -50,8 +50,8 @@ ric_cycle *ric_subset_touches(const ric_model *m, const ric_cycle *cycle, bool *
         out->tau[k++] = left;
     }
 out:
-    ric_chain_free(chain);
-    ric_cycle_free(plain);
+    ric_shooting_free(chain);
+    ric_periodic_free(plain);
     free(u);
     return out;
 }
@@ -62,18 +62,18 @@ out:
  * wall that has no opposite side (theory section 2), or the reversal, where contacts close at one instant, as it turns
  * round the order in which they are listed. A branch on one side of its grazing has every symmetry of its orbit there:
  * its problem has one solution to either side, and that with the touch is not the image of the one without. */
-ric_cycle *ric_subset_keep(const ric_model *m, const ric_cycle *whole, const bool *keep)
+ric_periodic *ric_grazing_words_keep(const ric_model *m, const ric_periodic *whole, const bool *keep)
 {
-    ric_cycle *out = ric_cycle_keep(m, whole, keep), *seen = out ? ric_cycle_copy(out) : NULL;
-    if (seen && ric_cycle_find_symmetries(m, seen, SAME) == 1) {
+    ric_periodic *out = ric_periodic_keep(m, whole, keep), *seen = out ? ric_periodic_copy(out) : NULL;
+    if (seen && ric_periodic_find_symmetries(m, seen, SAME) == 1) {
         out->half |= seen->half;
         if (out->pure < 0) out->pure = seen->pure;
         if (out->flip < 0) out->flip = seen->flip;
     } else if (!seen) {
-        ric_cycle_free(out);
+        ric_periodic_free(out);
         out = NULL;
     }
-    ric_cycle_free(seen);
+    ric_periodic_free(seen);
     return out;
 }
 
@@ -87,7 +87,7 @@ typedef struct { bool exists; int to[RIC_MAX_TOUCHES], later[RIC_MAX_TOUCHES]; }
 /* At a corner a bit stands for an event and the next one, which a reversal exchanges. */
 static void act_on_pairs(const ric_node *node, action out[4])
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     int N = c->N, from[4] = {0, N / 2, c->pure, c->flip};
     for (int e = 0; e < 4; e++) {
         out[e].exists = e == 0 || (e == 1 ? c->half : from[e] >= 0);
@@ -101,13 +101,13 @@ static void act_on_pairs(const ric_node *node, action out[4])
 }
 
 /* The time that each element adds, of reversals the sum of the times of an event and its image; NAN: the motion lacks
- * it. Two contacts that close at one instant hide a reversal (ric_subset_keep): then the orbit without touches tells,
+ * it. Two contacts that close at one instant hide a reversal (ric_grazing_words_keep): then the orbit without touches tells,
  * and where that is a linear mode, at rest when it touches. */
 static bool times_of(const ric_model *m, const ric_node *node, const double *t, double sums[4])
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     int N = c->N, event[N], kept = 0;
-    double period = ric_cycle_period(c);
+    double period = ric_periodic_period(c);
     bool keep[N];
     sums[0] = 0;
     sums[1] = c->half ? period / 2 : NAN;
@@ -120,7 +120,7 @@ static bool times_of(const ric_model *m, const ric_node *node, const double *t, 
     }
     for (int i = 0; i < N; i++)
         if (keep[i]) event[kept++] = i;
-    ric_cycle *rest = kept ? ric_subset_keep(m, c, keep) : NULL;
+    ric_periodic *rest = kept ? ric_grazing_words_keep(m, c, keep) : NULL;
     if (kept && !rest) return false;
     bool half = !rest || rest->half;
     int pure = rest ? rest->pure : 0, flip = rest ? rest->flip : 0;
@@ -128,14 +128,14 @@ static bool times_of(const ric_model *m, const ric_node *node, const double *t, 
     if (isnan(sums[2]) && pure >= 0) sums[2] = rest ? t[event[0]] + t[event[pure]] : 2 * t[node->touch[0]];
     if (isnan(sums[3]) && flip >= 0)
         sums[3] = rest ? t[event[0]] + t[event[flip]] : 2 * t[node->touch[0]] + period / 2;
-    ric_cycle_free(rest);
+    ric_periodic_free(rest);
     return true;
 }
 
 /* The touch of `face` nearest to a time; *later: periods after its own. -1: none is near. */
 static int touch_at(const ric_node *node, const double *t, int face, double time, int *later)
 {
-    double period = ric_cycle_period(node->cycle), nearest = FITS * period;
+    double period = ric_periodic_period(node->cycle), nearest = FITS * period;
     int found = -1;
     for (int j = 0; j < node->n_touch; j++) {
         double periods = rint((time - t[node->touch[j]]) / period),
@@ -151,7 +151,7 @@ static int touch_at(const ric_node *node, const double *t, int face, double time
 /* Touches are told by their times and faces. */
 static bool act_on_touches(const ric_model *m, const ric_node *node, action out[4])
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     double t[c->N], sums[4];
     t[0] = 0;
     for (int i = 1; i < c->N; i++) t[i] = t[i - 1] + c->tau[i - 1];
@@ -261,7 +261,7 @@ static bool add(ric_node *node, int *capacity, ric_departure departure)
     return true;
 }
 
-bool ric_subset_list(const ric_model *m, ric_node *node)
+bool ric_grazing_words_list(const ric_model *m, ric_node *node)
 {
     int n, capacity = 0;
     if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET,
@@ -276,13 +276,13 @@ bool ric_subset_list(const ric_model *m, ric_node *node)
 
 /* ------------------------------------------------------------------- orbits */
 
-ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned choice)
+ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, unsigned choice)
 {
     int N = node->cycle->N, all = N * node->multiple, kept = 0, p = node->n_touch;
     bool keep[all];
     if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, p, node->touch, choice, SAME);
     action actions[4];
-    ric_cycle *whole = find_actions(m, node, actions) ? ric_cycle_repeat(node->cycle, node->multiple) : NULL,
+    ric_periodic *whole = find_actions(m, node, actions) ? ric_periodic_repeat(node->cycle, node->multiple) : NULL,
               *out = NULL;
     if (!whole) return NULL;
     for (int i = 0; i < all; i++) keep[i] = true;
@@ -299,34 +299,34 @@ ric_cycle *ric_subset_cycle(const ric_model *m, const ric_node *node, unsigned c
                   mapped(node, actions, (operation){1, half}, choice) == choice;
     whole->pure = pure < 0 || node->cycle->pure < 0 ? -1 : (node->cycle->pure + pure * N) % all;
     whole->flip = flip < 0 || node->cycle->flip < 0 ? -1 : (node->cycle->flip + flip * N) % all;
-    if (kept) out = ric_subset_keep(m, whole, keep);
-    ric_cycle_free(whole);
+    if (kept) out = ric_grazing_words_keep(m, whole, keep);
+    ric_periodic_free(whole);
     return out;
 }
 
 /* The order of pairs at a corner that is the word of `cycle`. */
-static int corner_choice(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
+static int corner_choice(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
     int result = -1, shift;
     bool reverse, mirror;
     for (int i = 0; i < node->n_departure && result < 0; i++) {
         unsigned choice = node->departures[i].choice;
-        ric_cycle *swapped = ric_subset_cycle(m, node, choice);
-        if (swapped && ric_cycle_match(m, swapped, cycle, FITS, &shift, &reverse, &mirror)) result = (int)choice;
-        ric_cycle_free(swapped);
+        ric_periodic *swapped = ric_grazing_words_cycle(m, node, choice);
+        if (swapped && ric_periodic_match(m, swapped, cycle, FITS, &shift, &reverse, &mirror)) result = (int)choice;
+        ric_periodic_free(swapped);
     }
     return result;
 }
 
-int ric_subset_choice(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
+int ric_grazing_words_choice(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
     int result = -1, shift, N = node->cycle->N, all = N * node->multiple, p = node->n_touch;
     bool reverse, mirror, *kept = NULL;
     if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
     action actions[4];
-    ric_cycle *full = ric_subset_touches(m, cycle, &kept), *whole = ric_cycle_repeat(node->cycle, node->multiple);
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept), *whole = ric_periodic_repeat(node->cycle, node->multiple);
     if (full && kept && whole && find_actions(m, node, actions) && full->N == all &&
-        ric_cycle_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
+        ric_periodic_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
             int i = bit / p * N + node->touch[bit % p],
@@ -336,7 +336,7 @@ int ric_subset_choice(const ric_model *m, const ric_node *node, const ric_cycle 
         result = (int)class_of(node, actions, choice);
     }
     free(kept);
-    ric_cycle_free(full);
-    ric_cycle_free(whole);
+    ric_periodic_free(full);
+    ric_periodic_free(whole);
     return result;
 }

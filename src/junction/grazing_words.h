@@ -8,20 +8,20 @@
 
 /* All gaps that touch in flight become impacts of no speed; kept [allocated, may be NULL] marks those that were impacts
  * before. */
-ric_cycle *ric_subset_touches(const ric_model *model, const ric_cycle *cycle, bool **kept);
+ric_periodic *ric_grazing_words_touches(const ric_model *model, const ric_periodic *cycle, bool **kept);
 
 /* Lists one departure for every class of choices. Those of a duplicate that repeat themselves after fewer periods
  * belong to fewer and are left out. With too many touches there is a single one, over budget. False: no memory. */
-bool ric_subset_list(const ric_model *model, ric_node *node);
+bool ric_grazing_words_list(const ric_model *model, ric_node *node);
 
 /* A grazing orbit with those of its impacts and touches that keep[i] names, one at least, and all symmetries that it
  * has then; NULL: no memory. */
-ric_cycle *ric_subset_keep(const ric_model *model, const ric_cycle *whole, const bool *keep);
+ric_periodic *ric_grazing_words_keep(const ric_model *model, const ric_periodic *whole, const bool *keep);
 /* The orbit as the branch that leaves by `choice` sees it, with the symmetries that are left; NULL with no impact left,
  * or no memory. */
-ric_cycle *ric_subset_cycle(const ric_model *model, const ric_node *node, unsigned choice);
+ric_periodic *ric_grazing_words_cycle(const ric_model *model, const ric_node *node, unsigned choice);
 
 /* Which choice a branch is whose end orbit is `cycle`; -1 if none fits. */
-int ric_subset_choice(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
+int ric_grazing_words_choice(const ric_model *model, const ric_node *node, const ric_periodic *cycle);
 
 #endif

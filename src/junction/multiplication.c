@@ -12,12 +12,12 @@
 #define TWO_PI 6.283185307179586477
 #define SMALL 1e-8      /* singular values below this part of the largest, */
 #define GAP 1e-3        /* and this part of the next one, belong to the kernel; as for branch points with a plane
-                         * (depart.c) */
+                         * (switching.c) */
 #define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit: their error, its square, is as large
                          * as their rounding */
 #define TURNS 1e-4      /* the shift, from such differences, is a rotation of its order within this */
 #define RADIUS 1e-3     /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding
-                         * (trace.c) */
+                         * (continuation.c) */
 #define RADII 8         /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is
                          * rounding */
 #define BEND 1.0        /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the
@@ -26,12 +26,12 @@
                          * digits */
 #define SAMPLES 12      /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
-#define STALLED 4       /* of the tolerance: what is left where Newton's method stalls, as on branches (trace.c) */
+#define STALLED 4       /* of the tolerance: what is left where Newton's method stalls, as on branches (continuation.c) */
 #define ROOT_STEPS 60
 #define NEIGHBOUR 0.25  /* an orbit farther away than the widest circle is no neighbour of the node */
 
 typedef struct {
-    ric_chain *chain;
+    ric_shooting *chain;
     int size, order;
     int sign;         /* of the state after one period of the map: -1 where the map is over half a period of an S
                        * orbit */
@@ -45,33 +45,33 @@ typedef struct {
     double *J, *A, *b; /* [size^2], [(size + 2)^2], [size + 2] */
     double M[4];      /* d^2(left . equations) / ds dz */
     double radius;
-    double angle[2];  /* the two roots of the first sector, in the order of ric_ring_depart */
+    double angle[2];  /* the two roots of the first sector, in the order of ric_multiplication_depart */
     double *start;    /* [2 * size] orbits there */
 } ring;
 
-bool ric_ring_applies(const ric_node *node, unsigned choice)
+bool ric_multiplication_applies(const ric_node *node, unsigned choice)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     return node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH && c->pure < 0 && c->flip < 0 &&
-           ric_problem_order(c, node->rotation[0], node->rotation[1]) > 2;
+           ric_symmetry_order(c, node->rotation[0], node->rotation[1]) > 2;
 }
 
 static void ring_free(ring *q)
 {
-    ric_chain_free(q->chain);
+    ric_shooting_free(q->chain);
     free(q->memory);
 }
 
 static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
 {
-    *q = (ring){.order = ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]),
+    *q = (ring){.order = ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]),
                 .sign = node->cycle->half ? -1 : 1};
-    ric_problem problem = ric_node_problem(node, RIC_SIDE);
-    ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
+    ric_symmetry problem = ric_node_problem(node, RIC_SIDE);
+    ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
     double *u = NULL;
-    ric_status status = cycle ? ric_cycle_to_chain(m, cycle, &q->chain, &u)
+    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, &q->chain, &u)
                               : ric_fail(RIC_E_NOMEM, "no memory for a departure");
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     if (status) return status;
     size_t n = (size_t)q->chain->n_unknown, k = n + 2;
     if ((q->memory = calloc(11 * n + n * n + k * k + k, sizeof *q->memory))) {
@@ -95,8 +95,8 @@ static ric_status kernels(ring *q, double *right, double *left)
     int n = q->size;
     double *U = malloc((size_t)n * n * sizeof *U), *V = malloc((size_t)n * n * sizeof *V), s[n], super[n];
     bool three = false;
-    ric_chain_fly(q->chain, q->u0);
-    if (!U || !V || ric_chain_jacobian(q->chain, q->u0, q->J) != n) {
+    ric_shooting_fly(q->chain, q->u0);
+    if (!U || !V || ric_shooting_jacobian(q->chain, q->u0, q->J) != n) {
         free(U);
         free(V);
         return ric_fail(RIC_E_NOMEM, "no memory for a departure");
@@ -127,15 +127,15 @@ static void shift_smooth(ring *q, const double *v, double *out)
     double along = q->sign * ric_dot(n, rate, out) / ric_dot(n, rate, rate);
     for (int i = 0; i < n; i++) out[i] -= q->sign * along * rate[i];
     out[n] = v[n];
-    ric_chain_fly(q->chain, q->u0);
-    ric_nodes_along(q->chain, out);
+    ric_shooting_fly(q->chain, q->u0);
+    ric_shooting_nodes_along(q->chain, out);
 }
 
 /* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times
  * moved up. */
 static void shift(ring *q, const double *v, double *out)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int n = 2 * c->n, step = c->n_flight / q->order;
     double u[q->size], after[n], h = DIFFERENCE * c->scale;
     if (c->model->smooth) {
@@ -143,10 +143,10 @@ static void shift(ring *q, const double *v, double *out)
         return;
     }
     for (int i = 0; i < q->size; i++) u[i] = q->u0[i] + h * v[i];
-    ric_chain_fly(c, u);
+    ric_shooting_fly(c, u);
     memcpy(after, c->w + n * step, sizeof after);
     for (int i = 0; i < q->size; i++) u[i] = q->u0[i] - h * v[i];
-    ric_chain_fly(c, u);
+    ric_shooting_fly(c, u);
     for (int i = 0; i < n; i++) out[i] = q->sign * (after[i] - c->w[n * step + i]) / (2 * h);
     for (int k = 0; k < c->n_flight; k++) out[n + k] = v[n + (k + step) % c->n_flight];
 }
@@ -244,11 +244,11 @@ static ric_status split(ring *q, const double *kernel)
  * of the energy (section 3), which is w_N + sigma w_0 but for springs. */
 static void split_left(ring *q, const double *kernel)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int n = q->size, first = n - 2 * c->n;
     double h[3], a[3], b[3], from[2 * c->n], sum = 0;
     memset(q->energy, 0, (size_t)n * sizeof *q->energy);
-    ric_chain_fly(c, q->u0);
+    ric_shooting_fly(c, q->u0);
     for (int i = 0; i < 2 * c->n; i++) from[i] = c->sigma * c->w[i];
     ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * c->n * c->n_flight, q->energy + first);
     double norm = sqrt(ric_dot(n, q->energy, q->energy));
@@ -275,8 +275,8 @@ static ric_status twist(ring *q)
     memset(q->M, 0, sizeof q->M);
     for (int side = -1; side <= 1; side += 2) {
         for (int i = 0; i < n; i++) u[i] = q->u0[i] + side * h * q->tangent[i];
-        ric_chain_fly(q->chain, u);
-        if (ric_chain_jacobian(q->chain, u, q->J) != n) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        ric_shooting_fly(q->chain, u);
+        if (ric_shooting_jacobian(q->chain, u, q->J) != n) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
         for (int j = 0; j < 2; j++) {
             for (int i = 0; i < n; i++) row[i] = ric_dot(n, q->J + i * n, q->plane + j * n);
             for (int i = 0; i < 2; i++) q->M[2 * i + j] += side * ric_dot(n, q->left + i * n, row) / (2 * h);
@@ -310,7 +310,7 @@ static void hold_phase(ring *q, const double *u)
  * coefficients. */
 static bool on_circle(ring *q, double angle, double *u, double *g)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int n = q->size, k = n + 2;
     lapack_int pivot[k];
     double z[2] = {q->radius * cos(angle), q->radius * sin(angle)}, e[n], energy = 0, last = HUGE_VAL;
@@ -321,9 +321,9 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
     }
     *g = 0;
     for (int i = 0; i < NEWTON_STEPS; i++) {
-        ric_chain_fly(c, u);
-        if (ric_chain_jacobian(c, u, q->J) != n) return false;
-        ric_chain_residuals(c, u, q->b);
+        ric_shooting_fly(c, u);
+        if (ric_shooting_jacobian(c, u, q->J) != n) return false;
+        ric_shooting_residuals(c, u, q->b);
         memset(q->A, 0, (size_t)k * k * sizeof *q->A);
         double size = 0;
         for (int j = 0; j < n; j++) {
@@ -340,7 +340,7 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
             for (int l = 0; l < n; l++) q->b[n + j] += q->dual[j * n + l] * (u[l] - q->u0[l]);
         }
         /* at rounding level, and no longer falling */
-        double tolerance = ric_trace_tolerance(c) * c->scale;
+        double tolerance = ric_continuation_tolerance(c) * c->scale;
         if (size <= tolerance && size > 0.1 * last) return true;
         if (i > 2 && size > 0.5 * last) return size <= STALLED * tolerance;
         last = size;
@@ -368,8 +368,8 @@ static bool root(ring *q, double a, double ga, double b, double gb, double *angl
         b = *angle;
         gb = g;
     }
-    ric_chain_fly(q->chain, u);
-    return q->chain->residual <= STALLED * ric_trace_tolerance(q->chain);
+    ric_shooting_fly(q->chain, u);
+    return q->chain->residual <= STALLED * ric_continuation_tolerance(q->chain);
 }
 
 typedef enum { CIRCLE_GOOD, CIRCLE_NARROW, CIRCLE_WIDE } circle; /* narrow: the angular equation is lost in rounding */
@@ -385,7 +385,7 @@ static circle scan(ring *q, double origin, double *g, double *most)
         largest = fabs(g[i]);
         *most = angle;
     }
-    return largest > CLEAR * ric_trace_tolerance(q->chain) * q->chain->scale ? CIRCLE_GOOD : CIRCLE_NARROW;
+    return largest > CLEAR * ric_continuation_tolerance(q->chain) * q->chain->scale ? CIRCLE_GOOD : CIRCLE_NARROW;
 }
 
 /* The two roots of a sector at the present radius; slope [2] of the angular part there. */
@@ -411,14 +411,14 @@ static circle search(ring *q, double slope[2])
  * where the multipliers are on the unit circle. */
 static void sort_roots(ring *q, const double slope[2])
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     double rise, energy, offset[2];
-    ric_chain_fly(c, q->u0);
-    energy = ric_chain_energy(c);
-    rise = ric_chain_energy_slope(c, q->tangent);
+    ric_shooting_fly(c, q->u0);
+    energy = ric_shooting_energy(c);
+    rise = ric_shooting_energy_slope(c, q->tangent);
     for (int i = 0; i < 2; i++) {
-        ric_chain_fly(c, q->start + i * q->size);
-        offset[i] = ric_chain_energy(c) - energy;
+        ric_shooting_fly(c, q->start + i * q->size);
+        offset[i] = ric_shooting_energy(c) - energy;
     }
     bool elliptic[2] = {offset[0] * rise * slope[0] < 0, offset[1] * rise * slope[1] < 0};
     if (elliptic[0] != elliptic[1] ? elliptic[0] : offset[0] < offset[1]) return;
@@ -439,8 +439,8 @@ static double bend(ring *q)
     double t[n], chord[n], most = 0;
     for (int i = 0; i < 2; i++) {
         for (int j = 0; j < n; j++) chord[j] = q->start[i * n + j] - q->u0[j];
-        ric_chain_evaluate(q->chain, q->start + i * n);
-        ric_trace_tangent(q->chain, chord, t);
+        ric_shooting_evaluate(q->chain, q->start + i * n);
+        ric_continuation_tangent(q->chain, chord, t);
         most = fmax(most, acos(fmin(1, ric_dot(n, t, chord) / sqrt(ric_dot(n, chord, chord)))));
     }
     return most;
@@ -451,7 +451,7 @@ static double bend(ring *q)
 static ric_status choose_radius(ring *q, double slope[2])
 {
     bool wider = false, narrower = false;
-    ric_chain_fly(q->chain, q->u0);
+    ric_shooting_fly(q->chain, q->u0);
     q->radius = RADIUS * q->chain->scale;
     for (int i = 0; i < RADII; i++) {
         circle found = search(q, slope);
@@ -474,10 +474,10 @@ static ric_status choose_radius(ring *q, double slope[2])
 /* An orbit of all r periods, and no shorter one repeated. */
 static bool primitive(ring *q, const double *u)
 {
-    ric_chain_fly(q->chain, u);
-    ric_cycle *cycle = ric_cycle_from_chain(q->chain, u);
-    bool result = cycle && ric_cycle_find_symmetries(q->chain->model, cycle, 0.01 * q->radius / q->chain->scale) == 1;
-    ric_cycle_free(cycle);
+    ric_shooting_fly(q->chain, u);
+    ric_periodic *cycle = ric_periodic_from_chain(q->chain, u);
+    bool result = cycle && ric_periodic_find_symmetries(q->chain->model, cycle, 0.01 * q->radius / q->chain->scale) == 1;
+    ric_periodic_free(cycle);
     return result;
 }
 
@@ -509,7 +509,7 @@ out:
 
 /* ----------------------------------------------------------------- interface */
 
-ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain,
+ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_shooting **chain,
                            double **u0, double **t0)
 {
     ring q;
@@ -537,16 +537,16 @@ ric_status ric_ring_depart(const ric_model *m, const ric_node *node, unsigned ch
 }
 
 /* Angle in the plane of the node of an orbit that starts where the node does. */
-static double angle_of(const ric_model *m, const ring *q, const ric_cycle *home)
+static double angle_of(const ric_model *m, const ring *q, const ric_periodic *home)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL, z[2] = {NAN, NAN};
-    if (!ric_cycle_to_chain(m, home, &chain, &u) && chain->n_unknown == q->size) {
+    if (!ric_periodic_to_chain(m, home, &chain, &u) && chain->n_unknown == q->size) {
         memset(z, 0, sizeof z);
         for (int i = 0; i < q->size; i++)
             for (int j = 0; j < 2; j++) z[j] += q->dual[j * q->size + i] * (u[i] - q->u0[i]);
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     return atan2(z[1], z[0]);
 }
@@ -554,32 +554,32 @@ static double angle_of(const ric_model *m, const ring *q, const ric_cycle *home)
 /* Smallest differences of the angles of `near`, shifted by any number of periods, from the two roots; false if it is no
  * neighbour. The shift turns the plane by whole sectors only in the limit of small circles: one of the images is the
  * orbit that was found, exactly. */
-static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_cycle *near, double off[2])
+static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_periodic *near, double off[2])
 {
-    ric_cycle *repeated = ric_cycle_repeat(node->cycle, node->multiple),
-              *home = repeated ? ric_cycle_nearest(m, repeated, near, NEIGHBOUR) : NULL;
+    ric_periodic *repeated = ric_periodic_repeat(node->cycle, node->multiple),
+              *home = repeated ? ric_periodic_nearest(m, repeated, near, NEIGHBOUR) : NULL;
     bool turned = q->order > node->multiple; /* each shift is half a period, joined with x -> -x */
     off[0] = off[1] = HUGE_VAL;
     for (int k = 0; home && k < q->order; k++) {
-        ric_cycle *image = ric_cycle_transform(m, home, k * home->N / q->order, false, turned && k % 2);
-        if (image && m->smooth) ric_cycle_shift(m, repeated, 0, image);
+        ric_periodic *image = ric_periodic_transform(m, home, k * home->N / q->order, false, turned && k % 2);
+        if (image && m->smooth) ric_periodic_shift(m, repeated, 0, image);
         double angle = image ? angle_of(m, q, image) : NAN;
         for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], TWO_PI)));
-        ric_cycle_free(image);
+        ric_periodic_free(image);
     }
-    ric_cycle_free(repeated);
-    ric_cycle_free(home);
+    ric_periodic_free(repeated);
+    ric_periodic_free(home);
     return off[0] < HUGE_VAL;
 }
 
-ric_status ric_ring_class(const ric_model *m, const ric_node *node, const ric_cycle *near, unsigned *choice, int *side)
+ric_status ric_multiplication_class(const ric_model *m, const ric_node *node, const ric_periodic *near, unsigned *choice, int *side)
 {
     ring q;
     double off[2];
     ric_status status = solve(m, node, &q);
     if (status) return status;
     if (compare(m, node, &q, near, off)) {
-        bool second = off[1] < off[0], passes = ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]);
+        bool second = off[1] < off[0], passes = ric_symmetry_passes(node->cycle, node->rotation[0], node->rotation[1]);
         *choice = second && !passes ? RIC_OTHER_SIDE : RIC_SIDE;
         *side = second && passes ? -1 : 1;
     } else status = ric_fail(RIC_E_NUMERIC, "the orbit does not lie beside the multiplication");

@@ -29,11 +29,11 @@ static void expected(const ric_node *node, int *a, int *b)
     bool half = node->cycle->half, extremum = node->kind == RIC_KIND_EXTREMUM;
     *b = extremum ? 1 : 2;
     /* with one flight its time fraction is fixed */
-    *a = half || (extremum && ric_cycle_letters(node->cycle) < 2) ? 3 : 2;
+    *a = half || (extremum && ric_periodic_letters(node->cycle) < 2) ? 3 : 2;
     if (node->kind != RIC_KIND_MULTIPLICATION) return;
     bool doubling = node->multiple == 2 && !half;
     *b = doubling ? 2 : 3;
-    *a = doubling && ric_cycle_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight,
+    *a = doubling && ric_periodic_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight,
                                                                   * too */
 }
 
@@ -91,7 +91,7 @@ static bool read_border(ric_border *q, double *x, reading *out)
 /* All that the measure of one junction needs. */
 typedef struct {
     const ric_model *model;
-    ric_chain *chain;
+    ric_shooting *chain;
     double *u, *at, *x;       /* unknowns of the chain, moved ones; workspace */
     ric_border *base, *moved;
     double rounding;          /* of the flights */
@@ -100,10 +100,10 @@ typedef struct {
 } gauge;
 
 /* The orbit of the junction gone through as often as it is multiplied, in the general form. */
-static ric_status unfold(const ric_model *m, const ric_cycle *cycle, int multiple, ric_cycle **out)
+static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int multiple, ric_periodic **out)
 {
     int n = m->n, N = cycle->N * multiple;
-    ric_cycle *whole = m->smooth ? ric_cycle_repeat(cycle, multiple) : ric_cycle_create(n, N);
+    ric_periodic *whole = m->smooth ? ric_periodic_repeat(cycle, multiple) : ric_periodic_create(n, N);
     *out = whole;
     if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
     for (int i = 0; i < N && !m->smooth; i++) {
@@ -116,22 +116,22 @@ static ric_status unfold(const ric_model *m, const ric_cycle *cycle, int multipl
     return RIC_OK;
 }
 
-/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle turned (chain.c). */
-static double rounding_of(const ric_model *m, const ric_cycle *whole)
+/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle turned (shooting.c). */
+static double rounding_of(const ric_model *m, const ric_periodic *whole)
 {
     int n = 2 * m->n;
     double rate[n];
     if (!m->smooth) return ROUNDING;
     ric_flight_rate(m, 0, whole->w, rate);
     double turned = sqrt(ric_dot(n, rate, rate) / (1 + ric_dot(n, whole->w, whole->w)));
-    return ROUNDING * (1 + ric_cycle_period(whole) * turned);
+    return ROUNDING * (1 + ric_periodic_period(whole) * turned);
 }
 
 static void gauge_free(gauge *t)
 {
     ric_border_free(t->base);
     ric_border_free(t->moved);
-    ric_chain_free(t->chain);
+    ric_shooting_free(t->chain);
     free(t->u);
     free(t->at);
     free(t->x);
@@ -139,10 +139,10 @@ static void gauge_free(gauge *t)
 
 static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
 {
-    ric_cycle *whole;
+    ric_periodic *whole;
     ric_status status = unfold(m, node->cycle, node->multiple, &whole);
     t->model = m;
-    if (!status) status = ric_cycle_to_chain(m, whole, &t->chain, &t->u);
+    if (!status) status = ric_periodic_to_chain(m, whole, &t->chain, &t->u);
     if (!status) {
         t->rounding = rounding_of(m, whole);
         t->chain->plain = true; /* the article's equations, of which the multiplicities are */
@@ -154,7 +154,7 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
         if (!t->at || !t->x || !t->base || !t->moved)
             status = ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
     }
-    ric_cycle_free(whole);
+    ric_periodic_free(whole);
     return status;
 }
 
@@ -173,7 +173,7 @@ static void along_branch(gauge *t, int b, double *du)
     double energy[MOST_B], period[MOST_B], sum[2] = {0, 0};
     for (int i = 0; i < b; i++) {
         ric_border_kernel(t->base, i, du);
-        energy[i] = ric_chain_energy_slope(t->chain, du) / (t->base->size * t->base->size);
+        energy[i] = ric_shooting_energy_slope(t->chain, du) / (t->base->size * t->base->size);
         period[i] = 0;
         for (int k = 2 * t->base->n; k < unknowns; k++) period[i] += du[k] / t->base->T;
         sum[0] += energy[i] * energy[i];
@@ -191,7 +191,7 @@ static void along_branch(gauge *t, int b, double *du)
 static bool read_at(gauge *t, int b, double step, const double *du, reading *out)
 {
     for (int i = 0; i < t->chain->n_unknown; i++) t->at[i] = t->u[i] + step * du[i];
-    ric_chain_fly(t->chain, t->at);
+    ric_shooting_fly(t->chain, t->at);
     return read_moved(t, b, 0, 0, out);
 }
 
@@ -203,7 +203,7 @@ static bool read_all(gauge *t, int b, reading *value, reading *slope)
     unsigned bits = 1;
     reading left, right;
     double du[unknowns];
-    ric_chain_fly(t->chain, t->u);
+    ric_shooting_fly(t->chain, t->u);
     double least = fmax(ROUNDING, t->chain->residual);
     if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b) ||
         !read_border(t->base, t->x, &value[0]))
@@ -211,7 +211,7 @@ static bool read_all(gauge *t, int b, reading *value, reading *slope)
     along_branch(t, b, du);
     for (int k = 1; k <= READINGS; k++) {
         for (int i = 0; i < unknowns; i++) t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
-        ric_chain_fly(t->chain, t->at);
+        ric_shooting_fly(t->chain, t->at);
         if (!read_moved(t, b, t->rounding, bits, &value[k])) return false;
     }
     if (!read_at(t, b, STEP, du, &right) || !read_at(t, b, -STEP, du, &left)) return false;

@@ -20,7 +20,7 @@
 void ric_node_free(ric_node *node)
 {
     if (!node) return;
-    ric_cycle_free(node->cycle);
+    ric_periodic_free(node->cycle);
     for (int i = 0; i < node->n_departure; i++) free(node->departures[i].why);
     free(node->departures);
     free(node);
@@ -31,7 +31,7 @@ ric_node *ric_node_copy(const ric_node *node)
     ric_node *copy = malloc(sizeof *copy);
     if (!copy) return NULL;
     *copy = *node;
-    copy->cycle = ric_cycle_copy(node->cycle);
+    copy->cycle = ric_periodic_copy(node->cycle);
     copy->departures = malloc((size_t)(node->n_departure + 1) * sizeof *copy->departures);
     copy->n_departure = copy->departures ? node->n_departure : 0;
     for (int i = 0; i < copy->n_departure; i++)
@@ -48,7 +48,7 @@ const char *ric_budget_text(ric_budget budget)
     return budget >= 0 && budget < RIC_N_BUDGET ? texts[budget] : "";
 }
 
-const char *ric_refusal_text(ric_refusal refusal)
+const char *ric_node_refusal_text(ric_refusal refusal)
 {
     switch (refusal) {
     case RIC_REFUSAL_TOUCHES: return "more touches at once than are enumerated";
@@ -63,11 +63,11 @@ const char *ric_refusal_text(ric_refusal refusal)
     return "";
 }
 
-static ric_node *node_create(const ric_model *m, ric_kind kind, ric_cycle *cycle)
+static ric_node *node_create(const ric_model *m, ric_kind kind, ric_periodic *cycle)
 {
     ric_node *node = cycle ? calloc(1, sizeof *node) : NULL;
     if (!node) {
-        ric_cycle_free(cycle);
+        ric_periodic_free(cycle);
         return NULL;
     }
     node->kind = kind;
@@ -76,9 +76,9 @@ static ric_node *node_create(const ric_model *m, ric_kind kind, ric_cycle *cycle
     node->test = -1;
     node->multiple = 1;
     node->mode = -1;
-    node->springs = ric_cycle_springs(m);
-    node->energy = ric_cycle_energy(m, cycle);
-    node->period = ric_cycle_period(cycle);
+    node->springs = ric_periodic_springs(m);
+    node->energy = ric_periodic_energy(m, cycle);
+    node->period = ric_periodic_period(cycle);
     return node;
 }
 
@@ -89,7 +89,7 @@ static ric_status no_memory(void)
 
 /* ----------------------------------------------------------------- grazings */
 
-static double impact_speed(const ric_model *m, const ric_cycle *c, const double *W, int i)
+static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
     const ric_face *f = &m->face[c->face[i]];
     return -f->side * ric_dot(c->n, f->c, W + 2 * c->n * i + c->n);
@@ -97,11 +97,11 @@ static double impact_speed(const ric_model *m, const ric_cycle *c, const double 
 
 static bool list_touches(const ric_model *m, ric_node *node)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     double *W = calloc((size_t)c->N * 2 * c->n, sizeof *W);
     bool fits = true;
     if (!W) return false;
-    ric_cycle_states(m, c, W);
+    ric_periodic_states(m, c, W);
     for (int i = 0; i < c->N; i++) {
         bool spring = m->face[c->face[i]].spring > 0, pair = spring && c->face[(i + 1) % c->N] == c->face[i];
         if (spring ? !pair || fabs(c->tau[i]) > NO_SPEED : fabs(impact_speed(m, c, W, i)) > NO_SPEED) continue;
@@ -116,7 +116,7 @@ static bool list_touches(const ric_model *m, ric_node *node)
 /* The linear mode that a grazing orbit without impacts is, wherever it was met; -1 if it is none. */
 static int linear_mode(const ric_node *node)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     int most = 0;
     double rest = 0;
     int events = 0;
@@ -129,7 +129,7 @@ static int linear_mode(const ric_node *node)
     return rest < SAME * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
 }
 
-static ric_status finish_grazing(const ric_model *m, ric_cycle *full, int multiple, ric_node **out)
+static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
     if (!node) return no_memory();
@@ -143,20 +143,20 @@ static ric_status finish_grazing(const ric_model *m, ric_cycle *full, int multip
     return RIC_OK;
 }
 
-ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node **out)
+ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
-    ric_cycle *full = ric_subset_touches(m, cycle, NULL), *solved = NULL;
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL), *solved = NULL;
     *out = NULL;
     if (!full) return no_memory();
-    int q = ric_cycle_find_symmetries(m, full, SAME);
+    int q = ric_periodic_find_symmetries(m, full, SAME);
     if (q > 1) { /* a duplicate of a grazing of fewer impacts */
-        ric_cycle *shorter = ric_cycle_shorten(full, q);
-        ric_cycle_free(full);
+        ric_periodic *shorter = ric_periodic_shorten(full, q);
+        ric_periodic_free(full);
         if (!(full = shorter)) return no_memory();
-        ric_cycle_find_symmetries(m, full, SAME);
+        ric_periodic_find_symmetries(m, full, SAME);
     }
-    solved = ric_locate(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
-    ric_cycle_free(full);
+    solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
+    ric_periodic_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     ric_status status = finish_grazing(m, solved, q, out);
     if (status || (*out)->n_touch || (*out)->refusal) return status;
@@ -168,7 +168,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_cycle *cycle, ric_node
 ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple, ric_node **out)
 {
     *out = NULL;
-    return finish_grazing(m, ric_cycle_copy(node->cycle), multiple, out);
+    return finish_grazing(m, ric_periodic_copy(node->cycle), multiple, out);
 }
 
 /* A linear mode with the amplitude at which it touches: all its contacts are touches, the cycle starts at the first. */
@@ -186,7 +186,7 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
         }
     }
     double sign = m->face[first].gap / m->face[first].g[mode] > 0 ? 1 : -1;
-    ric_cycle *c = ric_cycle_create(n, 2 * m->n_face);
+    ric_periodic *c = ric_periodic_create(n, 2 * m->n_face);
     if (!c) return no_memory();
     c->w[mode] = sign * amplitude;
     double last = 0;
@@ -203,33 +203,33 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     c->N = count;
     c->closed = ric_flight_toggle(m, 0, c->face[0]);
     c->tau[count - 1] = 2 * 3.14159265358979323846 / omega - last;
-    ric_cycle_find_symmetries(m, c, SAME);
-    ric_cycle *canonical = ric_cycle_canonical(m, c);
-    ric_cycle_free(c);
+    ric_periodic_find_symmetries(m, c, SAME);
+    ric_periodic *canonical = ric_periodic_canonical(m, c);
+    ric_periodic_free(c);
     if (!canonical) return no_memory();
     return finish_grazing(m, canonical, 1, out);
 }
 
-bool ric_node_coincident(const ric_model *m, const ric_cycle *cycle)
+bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_cycle *full = ric_subset_touches(m, cycle, NULL);
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     bool found = false;
     for (int i = 0; full && i < full->N; i++)
         found |= full->tau[i] < RIC_COINCIDENT &&
                  m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
-    ric_cycle_free(full);
+    ric_periodic_free(full);
     return found;
 }
 
 /* With orthogonal normals the reflections commute: each pair of impacts at one instant may go on in either order, and
  * every choice of orders is a way out. */
-static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int n_pair, const int *pairs,
+static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, int n_pair, const int *pairs,
                                 ric_node **out)
 {
-    ric_cycle *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
+    ric_periodic *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
     if (!least) return no_memory();
-    solved = ric_locate(m, least, (ric_criterion){.test = RIC_TEST_FLIGHT}, NULL);
-    ric_cycle_free(least);
+    solved = ric_node_solve(m, least, (ric_criterion){.test = RIC_TEST_FLIGHT}, NULL);
+    ric_periodic_free(least);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
     if (!node) return no_memory();
@@ -242,18 +242,18 @@ static ric_status finish_corner(const ric_model *m, const ric_cycle *cycle, int 
     return RIC_OK;
 }
 
-ric_status ric_node_corner(const ric_model *m, const ric_cycle *cycle, ric_node **out)
+ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
     int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
-    ric_cycle *full = ric_subset_touches(m, cycle, NULL);
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     *out = NULL;
     if (!full) return no_memory();
     n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
     if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, FIXED)))
         n_pair = RIC_CORNER_TOGETHER;
-    ric_cycle_free(full);
+    ric_periodic_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
-    ric_node *node = node_create(m, RIC_KIND_CORNER, ric_cycle_canonical(m, cycle));
+    ric_node *node = node_create(m, RIC_KIND_CORNER, ric_periodic_canonical(m, cycle));
     if (!node) return no_memory();
     node->refusal = n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE;
     *out = node;
@@ -272,19 +272,19 @@ static bool add_departures(ric_node *node, int count)
     return true;
 }
 
-ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int test, ric_node **out)
+ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int test, ric_node **out)
 {
     ric_kind kind = test == RIC_TEST_SLOPE    ? RIC_KIND_EXTREMUM
                     : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM
                                               : RIC_KIND_BRANCH_POINT;
     *out = NULL;
     bool moved = false;
-    ric_cycle *solved = ric_locate(m, cycle, (ric_criterion){.test = test}, &moved);
+    ric_periodic *solved = ric_node_solve(m, cycle, (ric_criterion){.test = test}, &moved);
     /* on a branch of one energy, or of one period, an extremum that goes elsewhere, or is nowhere sharp, is rounding */
-    if (!solved && kind != RIC_KIND_BRANCH_POINT && (moved || !ric_locate_sharp(m, cycle, test))) return RIC_OK;
+    if (!solved && kind != RIC_KIND_BRANCH_POINT && (moved || !ric_node_solve_sharp(m, cycle, test))) return RIC_OK;
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge", cycle->N);
-    if (kind != RIC_KIND_BRANCH_POINT && !ric_locate_sharp(m, solved, test)) {
-        ric_cycle_free(solved);
+    if (kind != RIC_KIND_BRANCH_POINT && !ric_node_solve_sharp(m, solved, test)) {
+        ric_periodic_free(solved);
         return RIC_OK;
     }
     ric_node *node = node_create(m, kind, solved);
@@ -298,10 +298,10 @@ ric_status ric_node_interior(const ric_model *m, const ric_cycle *cycle, int tes
     return RIC_OK;
 }
 
-ric_status ric_node_user(const ric_model *m, const ric_cycle *cycle, const ric_asked *asked, ric_node **out)
+ric_status ric_node_user(const ric_model *m, const ric_periodic *cycle, const ric_user_point *asked, ric_node **out)
 {
     *out = NULL;
-    ric_cycle *solved = ric_locate(m, cycle, (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked}, NULL);
+    ric_periodic *solved = ric_node_solve(m, cycle, (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked}, NULL);
     if (!solved)
         return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_USER, solved);
@@ -311,9 +311,9 @@ ric_status ric_node_user(const ric_model *m, const ric_cycle *cycle, const ric_a
     return RIC_OK;
 }
 
-ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node **out)
+ric_status ric_node_start(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
-    ric_node *node = node_create(m, RIC_KIND_START, ric_cycle_canonical(m, cycle));
+    ric_node *node = node_create(m, RIC_KIND_START, ric_periodic_canonical(m, cycle));
     *out = NULL;
     if (!node || !add_departures(node, 1)) {
         ric_node_free(node);
@@ -324,17 +324,17 @@ ric_status ric_node_start(const ric_model *m, const ric_cycle *cycle, ric_node *
 }
 
 /* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch arrives on a sharp turn
- * rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no other is near, and ric_locate tells whether
+ * rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no other is near, and ric_node_solve tells whether
  * it is met. rho alone does not tell p from q - p unless it is that of half a period: then the smaller one. */
-static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
+static int rotation_of(const ric_model *m, const ric_periodic *cycle, int q)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     ric_floquet floquet = {0};
     double *u = NULL, best = HUGE_VAL, other = HUGE_VAL;
     int p = 0, nearest = 0;
-    if (!ric_cycle_to_chain(m, cycle, &chain, &u) && !ric_floquet_create(m->n, &floquet)) {
-        bool half = ric_chain_halves(chain);
-        ric_chain_evaluate(chain, u);
+    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && !ric_floquet_create(m->n, &floquet)) {
+        bool half = ric_shooting_halves(chain);
+        ric_shooting_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
             /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same
              * one, has q - p */
@@ -342,7 +342,7 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
             for (int k = 1; p == 0 && k <= (half ? q - 1 : q / 2); k++) {
                 double off = HUGE_VAL;
                 for (int i = 0; i < floquet.n_pair; i++)
-                    off = fmin(off, hypot(floquet.own[2 * i] - ric_problem_rho(half, k, q), floquet.own[2 * i + 1]));
+                    off = fmin(off, hypot(floquet.own[2 * i] - ric_symmetry_rho(half, k, q), floquet.own[2 * i + 1]));
                 other = fmin(other, fmax(off, best));
                 if (off < best) {
                     best = off;
@@ -352,7 +352,7 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
             if (p == 0 && best < ALONE * other) p = nearest;
         }
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     ric_floquet_release(&floquet);
     free(u);
     return p;
@@ -363,17 +363,17 @@ static int rotation_of(const ric_model *m, const ric_cycle *cycle, int q)
  * without this symmetry has, takes each to itself. For even q they are two curves, for odd q the halves of one. */
 static bool has_image(const ric_node *node)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     return !node->mirrors && c->half && c->pure >= 0 && node->rotation[0] % 2;
 }
 
-ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, int p, int q, ric_node **out)
+ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle, int p, int q, ric_node **out)
 {
     ric_criterion what = {.test = RIC_TEST_ROTATION, .rotation = {p, q}};
-    ric_problem problems[2];
-    int count = ric_problem_multiplying(cycle, p, q, problems), order = ric_problem_order(cycle, p, q);
+    ric_symmetry problems[2];
+    int count = ric_symmetry_multiplying(cycle, p, q, problems), order = ric_symmetry_order(cycle, p, q);
     *out = NULL;
-    ric_cycle *solved = ric_locate(m, cycle, what, NULL);
+    ric_periodic *solved = ric_node_solve(m, cycle, what, NULL);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
     ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
     if (!node || !add_departures(node, 4)) {
@@ -386,45 +386,45 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_cycle *cycle, i
     node->rotation[0] = p;
     node->rotation[1] = q;
     if (order == 2) { /* the canonical orbit may start elsewhere: mirror points are counted anew */
-        ric_problem_multiplying(solved, p, q, problems);
-        node->departures[1].choice = RIC_SIDE + (unsigned)(count == 2 ? ric_problem_singular(m, solved, problems) : 0);
+        ric_symmetry_multiplying(solved, p, q, problems);
+        node->departures[1].choice = RIC_SIDE + (unsigned)(count == 2 ? ric_symmetry_singular(m, solved, problems) : 0);
         node->n_departure = 2;
-    } else node->n_departure = ric_problem_passes(solved, p, q) ? 2 : has_image(node) && q % 2 == 0 ? 4 : 3;
+    } else node->n_departure = ric_symmetry_passes(solved, p, q) ? 2 : has_image(node) && q % 2 == 0 ? 4 : 3;
     *out = node;
     return RIC_OK;
 }
 
 /* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part` arrives: what is lost
  * tells. */
-static int broken_test(const ric_cycle *whole, const ric_cycle *part)
+static int broken_test(const ric_periodic *whole, const ric_periodic *part)
 {
     if (!(whole->half && whole->pure >= 0)) return whole->pure >= 0 || whole->flip >= 0 ? RIC_TEST_B : RIC_TEST_A;
     return part->half ? RIC_TEST_B : part->flip >= 0 ? RIC_TEST_A : RIC_TEST_D;
 }
 
-ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node **out)
+ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
-    ric_cycle *sym = ric_cycle_copy(cycle);
+    ric_periodic *sym = ric_periodic_copy(cycle);
     *out = NULL;
     if (!sym) return no_memory();
-    int q = ric_cycle_find_symmetries(m, sym, 1e-5);
+    int q = ric_periodic_find_symmetries(m, sym, 1e-5);
     if (q > 1) {
-        ric_cycle *shorter = ric_cycle_shorten(sym, q);
-        ric_cycle_free(sym);
+        ric_periodic *shorter = ric_periodic_shorten(sym, q);
+        ric_periodic_free(sym);
         if (!(sym = shorter)) return no_memory();
-        ric_cycle_find_symmetries(m, sym, 1e-5);
+        ric_periodic_find_symmetries(m, sym, 1e-5);
         int p = rotation_of(m, sym, q);
         ric_status status = p > 0 ? ric_node_multiplication(m, sym, p, q, out)
                                   : ric_fail(RIC_E_NUMERIC,
                                              "an orbit gone through %d times has no multiplier of that order", q);
-        ric_cycle_free(sym);
+        ric_periodic_free(sym);
         return status;
     }
     ric_status status = ric_node_interior(m, sym, broken_test(sym, cycle), out);
     if (status == RIC_E_NUMERIC && sym->half && sym->pure >= 0) {
         /* two branch points so close that the orbit of one seems to have the symmetry of the other: one symmetry is
          * gained at a time */
-        ric_cycle less = *sym;
+        ric_periodic less = *sym;
         for (int i = 0; i < 3 && status == RIC_E_NUMERIC; i++) {
             less.half = i == 0;
             less.pure = i == 1 ? sym->pure : -1;
@@ -433,8 +433,8 @@ ric_status ric_node_arrival(const ric_model *m, const ric_cycle *cycle, ric_node
             status = ric_node_interior(m, &less, broken_test(&less, cycle), out);
         }
     }
-    ric_cycle_free(sym);
-    if (!status && *out && ric_cycle_repeats(m, (*out)->cycle, SAME)) {
+    ric_periodic_free(sym);
+    if (!status && *out && ric_periodic_repeats(m, (*out)->cycle, SAME)) {
         /* read off, the orbit was too far from the repeated one to be known for it; solved, it is */
         ric_node *repeated = *out;
         status = ric_node_arrival(m, repeated->cycle, out);
@@ -464,28 +464,28 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
     if (fabs(a->energy - b->energy) > RIC_NODE_NEAR * (1e-3 + fabs(a->energy)) ||
         fabs(a->period - b->period) > RIC_NODE_NEAR * a->period)
         return false;
-    return ric_cycle_same(m, a->cycle, b->cycle, 10 * SAME);
+    return ric_periodic_same(m, a->cycle, b->cycle, 10 * SAME);
 }
 
-unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cycle *cycle)
+unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
     unsigned result = RIC_SIDE;
     int shift;
     bool reverse, mirror;
-    ric_cycle *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_cycle_repeat(node->cycle, node->multiple)
+    ric_periodic *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_periodic_repeat(node->cycle, node->multiple)
                                                                       : NULL,
               *home = NULL;
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
-    ric_cycle *here = ric_cycle_copy(cycle);
-    bool found = here && (!m->smooth || ric_cycle_mark(here, repeated->N));
-    found = found && ric_cycle_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
+    ric_periodic *here = ric_periodic_copy(cycle);
+    bool found = here && (!m->smooth || ric_periodic_mark(here, repeated->N));
+    found = found && ric_periodic_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
     if (here && !found && m->smooth) { /* one starts at a rest, the other at a centre */
-        ric_cycle_half_mark(m, here);
-        found = ric_cycle_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
+        ric_periodic_half_mark(m, here);
+        found = ric_periodic_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
     }
-    if (found) home = ric_cycle_transform(m, here, shift, reverse, mirror);
-    ric_cycle_free(here);
-    ric_problem other = ric_node_problem(node, RIC_OTHER_SIDE);
+    if (found) home = ric_periodic_transform(m, here, shift, reverse, mirror);
+    ric_periodic_free(here);
+    ric_symmetry other = ric_node_problem(node, RIC_OTHER_SIDE);
     /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those a period
      * (2N half positions) apart are the same, those half a period apart are not */
     int r = !home ? -1 : home->pure >= 0 ? home->pure : home->flip, other_r = other.pure >= 0 ? other.pure : other.flip;
@@ -493,21 +493,21 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_cy
     if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0)) result = RIC_OTHER_SIDE;
     if (home && result == RIC_SIDE && node->n_departure > 3 && (r - node->cycle->pure) / node->cycle->N % 2)
         result = RIC_IMAGE_SIDE;
-    ric_cycle_free(repeated);
-    ric_cycle_free(home);
+    ric_periodic_free(repeated);
+    ric_periodic_free(home);
     return result;
 }
 
 /* ------------------------------------------------------------- the ways out */
 
-ric_cycle *ric_node_regular(const ric_model *m, const ric_node *node)
+ric_periodic *ric_node_regular(const ric_model *m, const ric_node *node)
 {
-    return node->kind == RIC_KIND_GRAZING ? ric_subset_cycle(m, node, 0) : ric_cycle_copy(node->cycle);
+    return node->kind == RIC_KIND_GRAZING ? ric_grazing_words_cycle(m, node, 0) : ric_periodic_copy(node->cycle);
 }
 
 int ric_node_impacts(const ric_node *node, unsigned choice)
 {
-    int count = ric_cycle_impacts(node->springs, node->cycle), missing = 0;
+    int count = ric_periodic_impacts(node->springs, node->cycle), missing = 0;
     if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH) return count * node->multiple;
     if (node->kind != RIC_KIND_GRAZING) return count;
     for (int i = 0; i < node->n_touch * node->multiple; i++) missing += !(choice & 1u << i);
@@ -516,9 +516,9 @@ int ric_node_impacts(const ric_node *node, unsigned choice)
 
 bool ric_node_half(const ric_model *m, const ric_node *node, unsigned choice)
 {
-    ric_cycle *c = ric_node_chooses(node) ? ric_subset_cycle(m, node, choice) : ric_cycle_copy(node->cycle);
+    ric_periodic *c = ric_node_chooses(node) ? ric_grazing_words_cycle(m, node, choice) : ric_periodic_copy(node->cycle);
     bool half = c && c->half && !ric_node_leaves(node, choice);
-    ric_cycle_free(c);
+    ric_periodic_free(c);
     return ric_node_leaves(node, choice) ? ric_node_problem(node, choice).half : half;
 }
 
@@ -527,32 +527,32 @@ bool ric_node_leaves(const ric_node *node, unsigned choice)
     return !ric_node_chooses(node) && choice != RIC_THROUGH;
 }
 
-ric_problem ric_node_problem(const ric_node *node, unsigned choice)
+ric_symmetry ric_node_problem(const ric_node *node, unsigned choice)
 {
-    const ric_cycle *c = node->cycle;
-    ric_problem problems[2] = {{.copies = 1, .half = c->half, .pure = c->pure, .flip = c->flip}};
+    const ric_periodic *c = node->cycle;
+    ric_symmetry problems[2] = {{.copies = 1, .half = c->half, .pure = c->pure, .flip = c->flip}};
     if (node->kind == RIC_KIND_MULTIPLICATION) {
-        ric_problem_multiplying(c, node->rotation[0], node->rotation[1], problems);
+        ric_symmetry_multiplying(c, node->rotation[0], node->rotation[1], problems);
         if (choice == RIC_IMAGE_SIDE) problems[0].pure = (c->pure + c->N) % (c->N * node->multiple);
         return problems[choice == RIC_OTHER_SIDE];
     }
-    return node->test == RIC_TEST_DET ? problems[0] : ric_problem_breaking(c, node->test);
+    return node->test == RIC_TEST_DET ? problems[0] : ric_symmetry_breaking(c, node->test);
 }
 
 /* Whether the two halves of a side branch are mirror images in x -> -x and nothing else takes one to the other: in a
  * structure that lacks this symmetry they are different motions, and the branch is one curve through both. */
 static bool splits(const ric_node *node)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     return !node->mirrors && (c->half || c->flip >= 0) &&
-           (c->pure < 0 || ric_problem_breaking(c, node->test).pure >= 0);
+           (c->pure < 0 || ric_symmetry_breaking(c, node->test).pure >= 0);
 }
 
 bool ric_node_passes(const ric_node *node, unsigned choice)
 {
     if (!ric_node_leaves(node, choice)) return !ric_node_chooses(node);
     if (node->kind == RIC_KIND_MULTIPLICATION)
-        return ric_problem_passes(node->cycle, node->rotation[0], node->rotation[1]) ||
+        return ric_symmetry_passes(node->cycle, node->rotation[0], node->rotation[1]) ||
                (choice == RIC_SIDE && has_image(node) && node->multiple % 2);
     return node->test == RIC_TEST_DET || splits(node);
 }

@@ -34,11 +34,11 @@ typedef struct {
 
 /* Why no branch leaves a junction at all. */
 typedef enum { RIC_REFUSAL_NONE, RIC_REFUSAL_TOUCHES, RIC_REFUSAL_TOGETHER, RIC_REFUSAL_OBLIQUE } ric_refusal;
-const char *ric_refusal_text(ric_refusal refusal);
+const char *ric_node_refusal_text(ric_refusal refusal);
 
 typedef struct {
     ric_kind kind;
-    ric_cycle *cycle;    /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a
+    ric_periodic *cycle;    /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a
                           * spring with no time between */
     uint64_t springs;    /* faces that are springs */
     int n_touch;
@@ -48,10 +48,10 @@ typedef struct {
     int multiple, rotation[2];
     int a, b;
     double energy, period; /* internal units, of the original orbit */
-    int n_departure;     /* of a grazing or a corner only when ric_subset_list has listed them */
+    int n_departure;     /* of a grazing or a corner only when ric_grazing_words_list has listed them */
     ric_departure *departures;
     ric_refusal refusal;
-    ric_asked asked;     /* of kind user */
+    ric_user_point asked;     /* of kind user */
     int mode;            /* linear mode that grazes here, from 0; -1 */
     int depth;
     bool expanded;       /* its duplicates are listed */
@@ -68,42 +68,42 @@ ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
 ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int multiple, ric_node **out);
 /* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure
  * there that the branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
-ric_status ric_node_grazing(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+ric_status ric_node_grazing(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* Whether gaps of different contacts touch at one instant of a grazing orbit. */
-bool ric_node_coincident(const ric_model *model, const ric_cycle *cycle);
-ric_status ric_node_corner(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+bool ric_node_coincident(const ric_model *model, const ric_periodic *cycle);
+ric_status ric_node_corner(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
-ric_status ric_node_interior(const ric_model *model, const ric_cycle *cycle, int test, ric_node **out);
+ric_status ric_node_interior(const ric_model *model, const ric_periodic *cycle, int test, ric_node **out);
 /* A point of a branch where an energy or a frequency is what was asked for. */
-ric_status ric_node_user(const ric_model *model, const ric_cycle *cycle, const ric_asked *asked, ric_node **out);
+ric_status ric_node_user(const ric_model *model, const ric_periodic *cycle, const ric_user_point *asked, ric_node **out);
 /* A regular orbit to start from. */
-ric_status ric_node_start(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+ric_status ric_node_start(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* The symmetric orbit that a branch arrives at. */
-ric_status ric_node_arrival(const ric_model *model, const ric_cycle *cycle, ric_node **out);
+ric_status ric_node_arrival(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 
 /* Whether a touch is that of a spring, two switches in the cycle. */
 bool ric_node_soft(const ric_node *node, int touch);
 /* Whether the ways out are subsets: of touches, or of pairs of impacts. */
 bool ric_node_chooses(const ric_node *node);
 /* Where the rotation number of the orbit passes p / q. */
-ric_status ric_node_multiplication(const ric_model *model, const ric_cycle *cycle, int p, int q, ric_node **out);
+ric_status ric_node_multiplication(const ric_model *model, const ric_periodic *cycle, int p, int q, ric_node **out);
 
 /* Whether the way out leads away from the branch that passes; the problem it is solved in; and whether it goes on on
  * the other side. */
 bool ric_node_leaves(const ric_node *node, unsigned choice);
-ric_problem ric_node_problem(const ric_node *node, unsigned choice);
+ric_symmetry ric_node_problem(const ric_node *node, unsigned choice);
 bool ric_node_passes(const ric_node *node, unsigned choice);
 
 #define RIC_NODE_NEAR 1e-6 /* relative: nodes farther apart in energy or period are not the same */
 /* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
 bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
 /* Which way out of a branch point or multiplication a branch is that arrives with `cycle`. */
-unsigned ric_node_arrived(const ric_model *model, const ric_node *node, const ric_cycle *cycle);
+unsigned ric_node_arrived(const ric_model *model, const ric_node *node, const ric_periodic *cycle);
 /* Impacts of the branch that leaves by `choice`. */
 int ric_node_impacts(const ric_node *node, unsigned choice);
 /* Whether that branch has z(t+T/2) = -z(t). */
 bool ric_node_half(const ric_model *model, const ric_node *node, unsigned choice);
 /* Regular orbit of a node: a grazing without its touches (NULL with no impact left). */
-ric_cycle *ric_node_regular(const ric_model *model, const ric_node *node);
+ric_periodic *ric_node_regular(const ric_model *model, const ric_node *node);
 
 #endif

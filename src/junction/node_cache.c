@@ -10,7 +10,7 @@
 
 enum { HEAD = 7 };
 
-static size_t cycle_size(const ric_cycle *c)
+static size_t cycle_size(const ric_periodic *c)
 {
     size_t states = c->opposite ? 2 : 1;
     return HEAD * sizeof(int32_t) + sizeof c->closed + (size_t)c->N * (sizeof(int32_t) + sizeof(double)) +
@@ -23,7 +23,7 @@ static void put(char **to, const void *from, size_t size)
     *to += size;
 }
 
-static void put_cycle(char **to, const ric_cycle *c)
+static void put_cycle(char **to, const ric_periodic *c)
 {
     int32_t head[HEAD] = {c->n, c->N, c->half, c->pure, c->flip, c->parts, c->opposite != NULL};
     put(to, head, sizeof head);
@@ -52,14 +52,14 @@ static void get(source *s, void *to, size_t size)
     s->left -= size;
 }
 
-static ric_cycle *get_cycle(const ric_model *m, source *s)
+static ric_periodic *get_cycle(const ric_model *m, source *s)
 {
     int32_t head[HEAD] = {0};
     get(s, head, sizeof head);
     if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0 ||
         head[5] > RIC_PARTS_MOST)
         return NULL;
-    ric_cycle *c = ric_cycle_create(head[0], head[1]);
+    ric_periodic *c = ric_periodic_create(head[0], head[1]);
     if (!c) return NULL;
     c->half = head[2];
     c->pure = head[3];
@@ -77,8 +77,8 @@ static ric_cycle *get_cycle(const ric_model *m, source *s)
     if (head[6]) {
         double w[2 * c->n];
         get(s, w, sizeof w);
-        if (s->short_of || ric_cycle_oppose(c, w)) return c;
-        ric_cycle_free(c);
+        if (s->short_of || ric_periodic_oppose(c, w)) return c;
+        ric_periodic_free(c);
         return NULL;
     }
     return c;
@@ -137,10 +137,10 @@ ric_status ric_node_unpack(const ric_model *m, const void *bytes, size_t size, r
     node->energy = h.energy;
     node->period = h.period;
     node->refusal = (ric_refusal)h.refusal;
-    node->asked = (ric_asked){h.frequency, h.asked};
+    node->asked = (ric_user_point){h.frequency, h.asked};
     node->mode = h.mode;
     node->mirrors = h.mirrors;
-    node->springs = ric_cycle_springs(m);
+    node->springs = ric_periodic_springs(m);
     *out = node;
     return RIC_OK;
 damaged:
@@ -150,21 +150,21 @@ damaged:
 
 /* -------------------------------------------------------------------- solving */
 
-static ric_status compute(const ric_model *m, const ric_solve *solve, const ric_cycle *cycle, ric_node **out)
+static ric_status compute(const ric_model *m, const ric_defining *solve, const ric_periodic *cycle, ric_node **out)
 {
     switch (solve->kind) {
-    case RIC_SOLVE_ARRIVAL: return ric_node_arrival(m, cycle, out);
-    case RIC_SOLVE_CORNER: return ric_node_corner(m, cycle, out);
-    case RIC_SOLVE_GRAZING: return ric_node_grazing(m, cycle, out);
-    case RIC_SOLVE_INTERIOR: return ric_node_interior(m, cycle, solve->test, out);
-    case RIC_SOLVE_MULTIPLICATION: return ric_node_multiplication(m, cycle, solve->p, solve->q, out);
-    case RIC_SOLVE_USER: return ric_node_user(m, cycle, &solve->asked, out);
+    case RIC_DEFINING_ARRIVAL: return ric_node_arrival(m, cycle, out);
+    case RIC_DEFINING_CORNER: return ric_node_corner(m, cycle, out);
+    case RIC_DEFINING_GRAZING: return ric_node_grazing(m, cycle, out);
+    case RIC_DEFINING_INTERIOR: return ric_node_interior(m, cycle, solve->test, out);
+    case RIC_DEFINING_MULTIPLICATION: return ric_node_multiplication(m, cycle, solve->p, solve->q, out);
+    case RIC_DEFINING_USER: return ric_node_user(m, cycle, &solve->asked, out);
     }
     return ric_fail(RIC_E_INPUT, "no such junction");
 }
 
 /* Everything that the junction depends on; NULL without memory. */
-static char *make_key(const ric_solve *solve, const ric_cycle *cycle, size_t *size)
+static char *make_key(const ric_defining *solve, const ric_periodic *cycle, size_t *size)
 {
     int32_t head[] = {'N', (int32_t)solve->kind, solve->test, solve->p, solve->q, solve->asked.frequency};
     *size = sizeof head + sizeof solve->asked.value + cycle_size(cycle);
@@ -177,21 +177,21 @@ static char *make_key(const ric_solve *solve, const ric_cycle *cycle, size_t *si
 }
 
 /* A junction that does not converge is kept as no bytes, one that is none as one. */
-static void keep(ric_memo *memo, const char *key, size_t key_size, ric_status status, const ric_node *node)
+static void keep(ric_cache *memo, const char *key, size_t key_size, ric_status status, const ric_node *node)
 {
     void *bytes = NULL;
     size_t size = 0;
-    if (status == RIC_E_NUMERIC || (!status && !node)) ric_memo_put(memo, key, key_size, "", status ? 0 : 1);
-    else if (!status && !ric_node_pack(node, &bytes, &size)) ric_memo_put(memo, key, key_size, bytes, size);
+    if (status == RIC_E_NUMERIC || (!status && !node)) ric_cache_put(memo, key, key_size, "", status ? 0 : 1);
+    else if (!status && !ric_node_pack(node, &bytes, &size)) ric_cache_put(memo, key, key_size, bytes, size);
     free(bytes);
 }
 
-ric_status ric_solve_node(const ric_model *m, ric_recall recall, ric_solve solve, const ric_cycle *cycle,
+ric_status ric_node_cache_solve(const ric_model *m, ric_node_cache recall, ric_defining solve, const ric_periodic *cycle,
                           ric_node **out)
 {
     size_t key_size = 0, size = 0;
     char *key = recall.memo ? make_key(&solve, cycle, &key_size) : NULL;
-    void *bytes = key && !recall.worker ? ric_memo_take(recall.memo, key, key_size, &size) : NULL;
+    void *bytes = key && !recall.worker ? ric_cache_take(recall.memo, key, key_size, &size) : NULL;
     ric_status status;
     *out = NULL;
     if (bytes && size <= 1) status = size ? RIC_OK : ric_fail(RIC_E_NUMERIC, "a junction does not converge");

@@ -7,28 +7,28 @@
 #include "node.h"
 
 typedef struct {
-    ric_memo *memo; /* NULL: everything is computed */
+    ric_cache *memo; /* NULL: everything is computed */
     bool worker;    /* puts results in; else takes them out */
-} ric_recall;
+} ric_node_cache;
 
 typedef enum {
-    RIC_SOLVE_ARRIVAL,
-    RIC_SOLVE_CORNER,
-    RIC_SOLVE_GRAZING,
-    RIC_SOLVE_INTERIOR,
-    RIC_SOLVE_MULTIPLICATION,
-    RIC_SOLVE_USER
-} ric_solve_kind;
+    RIC_DEFINING_ARRIVAL,
+    RIC_DEFINING_CORNER,
+    RIC_DEFINING_GRAZING,
+    RIC_DEFINING_INTERIOR,
+    RIC_DEFINING_MULTIPLICATION,
+    RIC_DEFINING_USER
+} ric_defining_kind;
 
 /* Which of the functions of node.h, and its arguments. */
 typedef struct {
-    ric_solve_kind kind;
+    ric_defining_kind kind;
     int test;         /* of an interior point */
     int p, q;         /* of a multiplication */
-    ric_asked asked;  /* of kind user */
-} ric_solve;
+    ric_user_point asked;  /* of kind user */
+} ric_defining;
 
-ric_status ric_solve_node(const ric_model *model, ric_recall recall, ric_solve solve, const ric_cycle *cycle,
+ric_status ric_node_cache_solve(const ric_model *model, ric_node_cache recall, ric_defining solve, const ric_periodic *cycle,
                           ric_node **out);
 
 /* A node with its departures (none of the reasons), and back; bytes of one machine type and version. */

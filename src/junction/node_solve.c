@@ -32,14 +32,14 @@
 
 /* What vanishes at a junction, as a function of the point on the curve. */
 typedef struct {
-    ric_chain *chain;
+    ric_shooting *chain;
     ric_floquet floquet;
     int test;
     int place;     /* in the chain, of the impact or flight in question */
     bool soft;     /* at a grazing: a flight between two switches of a spring, and no impact */
     const double *u;
     int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
-    const ric_asked *asked;
+    const ric_user_point *asked;
     bool last;     /* from a canonical orbit: what is found is kept */
     double noise;  /* rounding in the determinant of the larger problem, beside its zero */
     double aside;  /* imaginary part of the pair nearest to that of a multiplication */
@@ -47,13 +47,13 @@ typedef struct {
 } criterion;
 
 /* The problem with fewer symmetries whose determinant vanishes at the junction. */
-static ric_problem smaller_problem(criterion *q, const ric_cycle *cycle)
+static ric_symmetry smaller_problem(criterion *q, const ric_periodic *cycle)
 {
-    ric_problem problems[2];
-    if (q->test != RIC_TEST_ROTATION) return ric_problem_breaking(cycle, q->test);
-    int count = ric_problem_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
+    ric_symmetry problems[2];
+    if (q->test != RIC_TEST_ROTATION) return ric_symmetry_breaking(cycle, q->test);
+    int count = ric_symmetry_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
     /* which is which depends on where the cycle starts: decided once, on the first one seen */
-    if (q->choice == UNDECIDED) q->choice = count == 2 && ric_problem_singular(q->chain->model, cycle, problems);
+    if (q->choice == UNDECIDED) q->choice = count == 2 && ric_symmetry_singular(q->chain->model, cycle, problems);
     return problems[q->choice];
 }
 
@@ -62,24 +62,24 @@ static ric_problem smaller_problem(criterion *q, const ric_cycle *cycle)
  * keeps its digits however unstable the orbit is. */
 static double larger_determinant(criterion *q, const double *u)
 {
-    ric_chain *large = NULL;
+    ric_shooting *large = NULL;
     double *v = NULL, value = NAN;
-    ric_cycle *here = ric_cycle_from_chain(q->chain, u), *cycle = NULL;
+    ric_periodic *here = ric_periodic_from_chain(q->chain, u), *cycle = NULL;
     if (here) {
-        ric_problem problem = smaller_problem(q, here);
-        cycle = ric_problem_cycle(here, &problem);
+        ric_symmetry problem = smaller_problem(q, here);
+        cycle = ric_symmetry_cycle(here, &problem);
     }
-    if (cycle && !ric_cycle_to_chain(q->chain->model, cycle, &large, &v)) {
+    if (cycle && !ric_periodic_to_chain(q->chain->model, cycle, &large, &v)) {
         double t[large->n_unknown];
-        ric_chain_evaluate(large, v);
-        double sign = ric_trace_tangent(large, q->along, t);
+        ric_shooting_evaluate(large, v);
+        double sign = ric_continuation_tangent(large, q->along, t);
         value = sign * large->end_det;
-        q->noise = ric_trace_tolerance(large) * fabs(large->end_det / large->smallest);
+        q->noise = ric_continuation_tolerance(large) * fabs(large->end_det / large->smallest);
         if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
     }
-    ric_chain_free(large);
-    ric_cycle_free(here);
-    ric_cycle_free(cycle);
+    ric_shooting_free(large);
+    ric_periodic_free(here);
+    ric_periodic_free(cycle);
     free(v);
     return value;
 }
@@ -88,10 +88,10 @@ static double larger_determinant(criterion *q, const double *u)
  * period is its square, that of the period only touches -2. q->aside: its imaginary part. */
 static double off_rotation(criterion *q)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     q->aside = HUGE_VAL;
     if (ric_floquet_compute(c, &q->floquet)) return NAN;
-    double nearest = HUGE_VAL, target = ric_problem_rho(ric_chain_halves(c), q->rotation[0], q->rotation[1]);
+    double nearest = HUGE_VAL, target = ric_symmetry_rho(ric_shooting_halves(c), q->rotation[0], q->rotation[1]);
     for (int i = 0; i < q->floquet.n_pair; i++) {
         double off = q->floquet.own[2 * i] - target, aside = fabs(q->floquet.own[2 * i + 1]);
         if (!(hypot(off, aside) < hypot(nearest, q->aside))) continue;
@@ -106,22 +106,22 @@ static double off_rotation(criterion *q)
  * mirror points two directions are lost at once, and it only touches zero. */
 static bool by_larger(const criterion *q)
 {
-    return q->chain->start != RIC_MIRROR_NONE || (q->rotation[1] == 2 && !ric_chain_halves(q->chain));
+    return q->chain->start != RIC_MIRROR_NONE || (q->rotation[1] == 2 && !ric_shooting_halves(q->chain));
 }
 
 static double off_asked(const criterion *q, const double *u)
 {
     const ric_model *m = q->chain->model;
-    return ric_asked_off(q->asked, ric_chain_energy(q->chain) * m->energy_unit,
-                         TWO_PI / ric_chain_time(q->chain, u) * m->omega_ref);
+    return ric_user_point_off(q->asked, ric_shooting_energy(q->chain) * m->energy_unit,
+                         TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
 }
 
 static double evaluate(criterion *q, const double *u, const double *t, double orientation)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     switch (q->test) {
     case RIC_TEST_APPROACH: return q->soft ? q->u[c->n_start + q->place] : c->approach[q->place];
-    case RIC_TEST_SLOPE: return ric_chain_energy_slope(c, t) / c->scale;
+    case RIC_TEST_SLOPE: return ric_shooting_energy_slope(c, t) / c->scale;
     case RIC_TEST_DET: return orientation * c->end_det;
     case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
     case RIC_TEST_PERIOD: {
@@ -143,25 +143,25 @@ static bool breaks_symmetry(int test)
 /* The same zero where rounding hides it: sought in quadruple precision from u on, an orbit beside it. */
 static bool solve_finely(criterion *q, double *u)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     double t[c->n_unknown];
-    ric_trace_tangent(c, NULL, t);
-    if (!ric_fine_branch_point(c, q->test, t, u)) return false;
-    ric_chain_evaluate(c, u);
-    return c->residual <= 4 * ric_trace_tolerance(c);
+    ric_continuation_tangent(c, NULL, t);
+    if (!ric_node_solve_quad(c, q->test, t, u)) return false;
+    ric_shooting_evaluate(c, u);
+    return c->residual <= 4 * ric_continuation_tolerance(c);
 }
 
 /* Whether the function is a line through zero within h of u on either side. */
 static bool passes(criterion *q, const double *u, const double *normal, double h)
 {
     static const double place[] = {-1, -0.5, 0.5, 1};
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double v[size], du[size], t[size], f[4], slope = 0, off = 0, noise = 0;
     for (int i = 0; i < 4; i++) {
         for (int j = 0; j < size; j++) v[j] = u[j] + place[i] * h * normal[j];
-        if (!ric_trace_correct(c, v, u, normal, place[i] * h, du, &iterations)) return false;
-        double sign = ric_trace_tangent(c, normal, t);
+        if (!ric_continuation_correct(c, v, u, normal, place[i] * h, du, &iterations)) return false;
+        double sign = ric_continuation_tangent(c, normal, t);
         f[i] = evaluate(q, v, t, sign);
         if (isfinite(q->noise)) noise = fmax(noise, q->noise);
         slope += place[i] * f[i] / 2.5;
@@ -175,15 +175,15 @@ static bool passes(criterion *q, const double *u, const double *normal, double h
  * it tell little. The chain is left at u. */
 static bool stands_out(criterion *q, const double *u)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     double normal[c->n_unknown];
     bool found = false;
-    ric_chain_evaluate(c, u);
-    ric_trace_tangent(c, NULL, normal);
+    ric_shooting_evaluate(c, u);
+    ric_continuation_tangent(c, NULL, normal);
     for (double h = PLACED; h >= NARROWEST && !found; h /= 10) /* deep in a cascade branches are no longer than that */
         found = passes(q, u, normal, h * c->scale);
     for (double h = 10 * PLACED; h <= 1.5 * BESIDE && !found; h *= 10) found = passes(q, u, normal, h * c->scale);
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     return found;
 }
 
@@ -191,8 +191,8 @@ static bool stands_out(criterion *q, const double *u)
  * curve. */
 static double root_error(const criterion *q, double slope)
 {
-    const ric_chain *c = q->chain;
-    return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_trace_tolerance(c) * c->scale;
+    const ric_shooting *c = q->chain;
+    return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_continuation_tolerance(c) * c->scale;
 }
 
 /* How far lambda + 1/lambda scatters over orbits that are not told apart from that at u, where the chain has been
@@ -201,17 +201,17 @@ static double scatter_of_root(criterion *q, const double *u, const double *norma
 {
     enum { ALONG = 4, ALL = ALONG + RIC_TRACE_WAYS };
     static const int place[ALONG] = {-2, -1, 1, 2};
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
-    double v[ALL * size], du[size], scatter = 0, grain = ric_trace_tolerance(c) * c->scale;
+    double v[ALL * size], du[size], scatter = 0, grain = ric_continuation_tolerance(c) * c->scale;
     for (int i = 0; i < ALONG; i++)
         for (int j = 0; j < size; j++) v[i * size + j] = u[j] + place[i] * grain * normal[j];
     for (int i = 0; i < RIC_TRACE_WAYS; i++)
-        if (!ric_trace_move(c, u, i + 1, v + (ALONG + i) * size)) return HUGE_VAL;
+        if (!ric_continuation_move(c, u, i + 1, v + (ALONG + i) * size)) return HUGE_VAL;
     for (int i = 0; i < ALL; i++) {
         double *at = v + i * size;
-        if (i >= ALONG) ric_chain_fly(c, at);
-        else if (!ric_trace_correct(c, at, u, normal, place[i] * grain, du, &iterations)) continue;
+        if (i >= ALONG) ric_shooting_fly(c, at);
+        else if (!ric_continuation_correct(c, at, u, normal, place[i] * grain, du, &iterations)) continue;
         double f = off_rotation(q);
         if (isfinite(f)) scatter = fmax(scatter, fabs(f - f0));
     }
@@ -224,19 +224,19 @@ static double scatter_of_root(criterion *q, const double *u, const double *norma
  * if it comes nearer. False: it is known that no multiplier has the root. */
 static bool solve_root(criterion *q, double *u)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     double f0 = off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
     if (!isfinite(least) || least <= AT_ROOT + error) return true; /* lost, or there */
-    ric_trace_tangent(c, NULL, normal);
+    ric_continuation_tangent(c, NULL, normal);
     double scatter = 4 * scatter_of_root(q, u, normal, f0);
     memcpy(origin, u, sizeof origin);
     memcpy(best, u, sizeof best);
     for (int i = 0; i < 20 && fabs(x1) <= AT_ZERO * c->scale; i++) {
         for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
-        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) break;
+        if (!ric_continuation_correct(c, u, origin, normal, x1, du, &iterations)) break;
         double f1 = off_rotation(q), distance = hypot(f1, q->aside);
         if (!isfinite(distance)) break;
         if (distance < least) {
@@ -252,21 +252,21 @@ static bool solve_root(criterion *q, double *u)
         x1 = next;
     }
     memcpy(u, best, sizeof best);
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     return least <= fmin(NEAR_ROOT, AT_ROOT + error + scatter);
 }
 
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
 static bool solve_criterion(criterion *q, double *u)
 {
-    ric_chain *c = q->chain;
+    ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double du[size], origin[size], normal[size], t[size], best[size];
     double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = 1e-6;
     q->u = u;
-    if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
+    if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
-    ric_trace_tangent(c, NULL, normal);
+    ric_continuation_tangent(c, NULL, normal);
     f1 = evaluate(q, u, normal, 1);
     for (int i = 0; i < 30; i++) {
         if (fabs(x1 - x0) > 1e-3 * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
@@ -281,19 +281,19 @@ static bool solve_criterion(criterion *q, double *u)
         f0 = f1;
         x1 = x2;
         for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
-        if (!ric_trace_correct(c, u, origin, normal, x1, du, &iterations)) {
+        if (!ric_continuation_correct(c, u, origin, normal, x1, du, &iterations)) {
             if (i > 0 || first < 1e-8) return false;
             first /= 10; /* deep in a cascade a branch is no longer than that */
             x1 = 0;
             i = -1;
             continue;
         }
-        double sign = ric_trace_tangent(c, normal, t);
+        double sign = ric_continuation_tangent(c, normal, t);
         f1 = evaluate(q, u, t, sign);
         if (x1 == x0) break;
     }
     memcpy(u, best, sizeof best);
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     if (q->test == RIC_TEST_ASKED) return least <= MET;
     bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
                           (q->test == RIC_TEST_ROTATION && by_larger(q));
@@ -308,7 +308,7 @@ static bool solve_criterion(criterion *q, double *u)
 
 /* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is
  * shortest. */
-static int slowest(const ric_chain *c, const double *u, bool *soft)
+static int slowest(const ric_shooting *c, const double *u, bool *soft)
 {
     int best = -1;
     double least = HUGE_VAL;
@@ -319,7 +319,7 @@ static int slowest(const ric_chain *c, const double *u, bool *soft)
             best = k;
         }
     for (int k = 0; c->model->springs && k < c->n_flight; k++)
-        if (ric_chain_touches(c, k) && fabs(u[c->n_start + k]) < least) {
+        if (ric_shooting_touches(c, k) && fabs(u[c->n_start + k]) < least) {
             least = fabs(u[c->n_start + k]);
             best = k;
             *soft = true;
@@ -328,7 +328,7 @@ static int slowest(const ric_chain *c, const double *u, bool *soft)
 }
 
 /* Flight of the chain between different contacts that is shortest. */
-static int shortest(const ric_chain *c, const double *u)
+static int shortest(const ric_shooting *c, const double *u)
 {
     const ric_model *m = c->model;
     int best = -1;
@@ -355,9 +355,9 @@ static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
 
 /* Where an unknown lies between two grains, one source of a junction rounds it up and another down, and what is found
  * differs in its last bits: it is rounded and solved again until it does not change. */
-ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion what, bool *moved)
+ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_criterion what, bool *moved)
 {
-    ric_cycle *canonical = NULL, *out = NULL, *before = NULL;
+    ric_periodic *canonical = NULL, *out = NULL, *before = NULL;
     double *grid = NULL;
     int n_grid = 0;
     bool done = false;
@@ -366,25 +366,25 @@ ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion 
         criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked,
                        .last = pass > 0, .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
         double *u = NULL;
-        ric_cycle *source = pass ? canonical : ric_cycle_copy(cycle);
-        bool good = source && !ric_cycle_to_chain(m, source, &q.chain, &u);
+        ric_periodic *source = pass ? canonical : ric_periodic_copy(cycle);
+        bool good = source && !ric_periodic_to_chain(m, source, &q.chain, &u);
         done = good && pass && settled(q.chain->n_unknown, grain, u, &n_grid, &grid);
         if (good && !done && !ric_floquet_create(m->n, &q.floquet)) {
-            ric_chain_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
+            ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
                                              * unknowns */
             if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
             if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             good = good && solve_criterion(&q, u);
-            out = good ? ric_cycle_from_chain(q.chain, u) : NULL;
+            out = good ? ric_periodic_from_chain(q.chain, u) : NULL;
         } else out = done ? before : NULL;
-        if (!done) ric_cycle_free(before);
-        ric_cycle_free(source);
-        ric_chain_free(q.chain);
+        if (!done) ric_periodic_free(before);
+        ric_periodic_free(source);
+        ric_shooting_free(q.chain);
         ric_floquet_release(&q.floquet);
         free(q.along);
         free(u);
         before = out;
-        canonical = out && !done && pass + 1 < PASSES ? ric_cycle_canonical(m, out) : NULL;
+        canonical = out && !done && pass + 1 < PASSES ? ric_periodic_canonical(m, out) : NULL;
         if (!out || (!canonical && !done && pass + 1 < PASSES)) break;
     }
     free(grid);
@@ -392,34 +392,34 @@ ric_cycle *ric_locate(const ric_model *m, const ric_cycle *cycle, ric_criterion 
     /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
     /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
     double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
-    bool near = ric_cycle_same(m, cycle, out, far);
-    canonical = near ? ric_cycle_canonical(m, out) : NULL;
+    bool near = ric_periodic_same(m, cycle, out, far);
+    canonical = near ? ric_periodic_canonical(m, out) : NULL;
     if (moved) *moved = !near;
-    ric_cycle_free(out);
+    ric_periodic_free(out);
     return canonical;
 }
 
-bool ric_locate_sharp(const ric_model *m, const ric_cycle *cycle, int test)
+bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int test)
 {
     criterion q = {.test = test};
     double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
-    if (!ric_cycle_to_chain(m, cycle, &q.chain, &u)) {
-        ric_chain *c = q.chain;
+    if (!ric_periodic_to_chain(m, cycle, &q.chain, &u)) {
+        ric_shooting *c = q.chain;
         int size = c->n_unknown, iterations;
         double v[size], du[size], normal[size], t[size];
-        ric_chain_evaluate(c, u);
-        ric_trace_tangent(c, NULL, normal);
-        blur = ric_trace_blur(c, test);
+        ric_shooting_evaluate(c, u);
+        ric_continuation_tangent(c, NULL, normal);
+        blur = ric_continuation_blur(c, test);
         h = BESIDE * c->scale;
         for (int side = -1; side <= 1; side += 2) {
             for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
-            if (!ric_trace_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
-            double sign = ric_trace_tangent(c, normal, t);
+            if (!ric_continuation_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
+            double sign = ric_continuation_tangent(c, normal, t);
             change += side * evaluate(&q, v, t, sign);
         }
         h /= c->scale;
     }
-    ric_chain_free(q.chain);
+    ric_shooting_free(q.chain);
     free(u);
     return PLACED * fabs(change) > 2 * h * blur;
 }

@@ -11,16 +11,16 @@ enum {
 };
 
 typedef struct {
-    int test;               /* of trace.h, or one of these */
+    int test;               /* of continuation.h, or one of these */
     int rotation[2];        /* p / q of a multiplication */
-    const ric_asked *asked;
+    const ric_user_point *asked;
 } ric_criterion;
 
 /* Re-solves `cycle` (with its symmetries) on its defining equation: canonical start, unknowns rounded, solved again, so
  * that nothing is left of where it came from. NULL where there is none near; *moved (may be NULL): because it went
  * elsewhere. */
-ric_cycle *ric_locate(const ric_model *model, const ric_cycle *cycle, ric_criterion what, bool *moved);
+ric_periodic *ric_node_solve(const ric_model *model, const ric_periodic *cycle, ric_criterion what, bool *moved);
 /* Whether rounding leaves an extremum its place: dE/ds or dT/ds passes zero there fast enough. */
-bool ric_locate_sharp(const ric_model *model, const ric_cycle *cycle, int test);
+bool ric_node_solve_sharp(const ric_model *model, const ric_periodic *cycle, int test);
 
 #endif

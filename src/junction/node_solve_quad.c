@@ -25,7 +25,7 @@
 enum { CORRECTIONS = 12, SECANTS = 20 };
 
 typedef struct {
-    const ric_chain *chain;
+    const ric_shooting *chain;
     const ric_model *m;
     int kind, n, rows;
     double scale;
@@ -59,7 +59,7 @@ static void lift(fine *q, const real *u, bool neighbours)
  * components a stride apart. */
 static real off_end(const fine *q, int row, const real *end, int stride, real start)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     if (c->end == RIC_MIRROR_REST) return end[(q->n + row) * stride];
     if (c->end == RIC_MIRROR_CENTRE) return end[row * stride];
     return end[row * stride] - c->sigma * start;
@@ -157,7 +157,7 @@ static real determinant(int size, real *A)
  * turned round in half a period. */
 static bool test(fine *q, real *value)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     int n = q->n, n2 = 2 * n, mirrored = c->start != RIC_MIRROR_NONE, count = mirrored ? n : n2;
     /* where what keeps a mirror point stands */
     int own = c->start == RIC_MIRROR_CENTRE ? n : 0, at_end = c->end == RIC_MIRROR_CENTRE ? n : 0;
@@ -196,7 +196,7 @@ static bool look(fine *q, const double *u0, const double *t, real x, real *value
     return place(q, u0, t, x) && test(q, value);
 }
 
-static bool create(fine *q, const ric_chain *c, int kind)
+static bool create(fine *q, const ric_shooting *c, int kind)
 {
     size_t n2 = 2 * (size_t)c->n;
     *q = (fine){.chain = c, .m = c->model, .kind = kind, .n = c->n, .columns = c->n_start + 1, .scale = c->scale};
@@ -222,19 +222,19 @@ static void release(fine *q)
 /* The orbit in doubles, with the nodes that it has in more digits. */
 static bool write_back(fine *q, double *u)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     double node[2 * q->n];
     for (int i = 0; i < q->columns; i++) u[i] = (double)q->u[i];
     lift(q, q->u, false);
     for (int j = 1; j < c->parts; j++) {
         if (!fly(q, q->u[c->n_start] / c->parts, 0)) return false;
         for (int i = 0; i < 2 * q->n; i++) node[i] = (double)q->w[i];
-        ric_nodes_put(c, j, node, u);
+        ric_shooting_nodes_put(c, j, node, u);
     }
     return true;
 }
 
-bool ric_fine_branch_point(const ric_chain *c, int kind, const double *t, double *u)
+bool ric_node_solve_quad(const ric_shooting *c, int kind, const double *t, double *u)
 {
     fine q;
     real x0 = 0, x1 = FIRST * c->scale, f0, f1;

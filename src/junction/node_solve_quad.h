@@ -8,6 +8,6 @@
  * (RIC_TEST_A, _B or _D) vanishes; chains without mirror points over half a period have kind A only. False, with u as
  * it was: there is none close by, or no memory. Cost: a dozen flights, each some hundred times as long as in double
  * precision. */
-bool ric_fine_branch_point(const ric_chain *chain, int kind, const double *t, double *u);
+bool ric_node_solve_quad(const ric_shooting *chain, int kind, const double *t, double *u);
 
 #endif

@@ -23,7 +23,7 @@
 #define SECOND 1e-6     /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
 
 /* Two contacts of a kept word that close at one instant. */
-static const char *together(const ric_model *m, const ric_cycle *c)
+static const char *together(const ric_model *m, const ric_periodic *c)
 {
     for (int i = 0; i < c->N; i++) {
         const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[(i + 1) % c->N]];
@@ -38,36 +38,36 @@ static const char *together(const ric_model *m, const ric_cycle *c)
 
 /* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact has no speed but
  * rounding. */
-static int admissible(ric_chain *c, const double *u0, const double *t, double h)
+static int admissible(ric_shooting *c, const double *u0, const double *t, double h)
 {
     int size = c->n_unknown, iterations;
     double u[size], du[size];
     for (int i = 0; i < size; i++) u[i] = u0[i] + h * t[i];
-    if (!ric_trace_correct(c, u, u0, t, h, du, &iterations)) return -1;
-    double lost = 4 * ric_trace_tolerance(c) * c->scale * (1 + 1 / c->smallest);
+    if (!ric_continuation_correct(c, u, u0, t, h, du, &iterations)) return -1;
+    double lost = 4 * ric_continuation_tolerance(c) * c->scale * (1 + 1 / c->smallest);
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] < 0 || c->model->face[c->face[k]].spring > 0) continue;
         else if (fabs(c->approach[k]) <= lost) return -1;
         else if (c->approach[k] < 0) return 0;
     for (int k = 0; k < c->n_flight; k++)
-        if (c->model->springs && ric_chain_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
+        if (c->model->springs && ric_shooting_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
         else if (!(u[c->n_start + k] > 0)) return 0;
     return ric_reach(c, u, NULL) < 1;
 }
 
 /* The side of the kernel vector on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
-static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
+static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
 {
     double t[c->n_unknown];
     int iterations;
     *found = 0;
-    if (!ric_trace_correct(c, u0, NULL, NULL, 0, t, &iterations))
+    if (!ric_continuation_correct(c, u0, NULL, NULL, 0, t, &iterations))
         return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
     if (c->smallest < 1e-9)
         return ric_fail(RIC_E_NUMERIC,
                         "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
                         "together there and no single branch leaves");
-    ric_trace_tangent(c, NULL, t);
+    ric_continuation_tangent(c, NULL, t);
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;
         int first = 0, second = 1;
@@ -85,9 +85,9 @@ static ric_status find_side(ric_chain *c, double *u0, double *t0, int *found)
     return RIC_OK;
 }
 
-static void drop(ric_chain **chain, double **u0, double **t0)
+static void drop(ric_shooting **chain, double **u0, double **t0)
 {
-    ric_chain_free(*chain);
+    ric_shooting_free(*chain);
     free(*u0);
     free(*t0);
     *chain = NULL;
@@ -95,19 +95,19 @@ static void drop(ric_chain **chain, double **u0, double **t0)
 }
 
 /* From a grazing or a corner. */
-static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain,
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
                                 double **u0, double **t0, bool *singular)
 {
-    ric_cycle *cycle = ric_subset_cycle(m, node, choice);
+    ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
     int found = 0;
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
     const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
-    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_cycle_to_chain(m, cycle, chain, u0);
-    ric_cycle_free(cycle);
+    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_periodic_to_chain(m, cycle, chain, u0);
+    ric_periodic_free(cycle);
     if (status) return status;
-    if (ric_soft_applies(node)) {
+    if (ric_grazing_spring_applies(node)) {
         drop(chain, u0, t0);
-        status = ric_soft_depart(m, node, choice, chain, u0, t0, singular);
+        status = ric_grazing_spring_depart(m, node, choice, chain, u0, t0, singular);
         if (status) drop(chain, u0, t0);
         return status;
     }
@@ -119,15 +119,15 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
 
 /* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is
  * that of a flight time, hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
-static bool dense_plane(ric_chain *c, const double *u, double *kernel)
+static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
 {
-    int size = c->n_unknown, rows = ric_chain_rows(c), k = rows < size ? rows : size;
+    int size = c->n_unknown, rows = ric_shooting_rows(c), k = rows < size ? rows : size;
     double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s),
            *super = calloc((size_t)k, sizeof *super);
     double *V = calloc((size_t)size * size, sizeof *V);
     bool found = false;
     if (J && s && super && V) {
-        int equations = ric_chain_jacobian(c, u, J);
+        int equations = ric_shooting_jacobian(c, u, J);
         if (!ric_lapack(
                 LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
             double second = size - 2 < equations ? s[size - 2] : 0;
@@ -142,37 +142,37 @@ static bool dense_plane(ric_chain *c, const double *u, double *kernel)
     return found;
 }
 
-static bool plane(ric_chain *c, const double *u, double *kernel)
+static bool plane(ric_shooting *c, const double *u, double *kernel)
 {
     double second;
     if (c->n_unknown <= LARGE) return dense_plane(c, u, kernel);
-    ric_chain_evaluate(c, u);
-    return ric_chain_plane(c, kernel, &second) && second <= SECOND;
+    ric_shooting_evaluate(c, u);
+    return ric_shooting_plane(c, kernel, &second) && second <= SECOND;
 }
 
 /* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one
  * leaves. */
-static ric_status neighbour(const ric_model *m, ric_chain *form, const double *v, const double *t, double h,
-                            const ric_turn *turn, const ric_problem *problem, double **u)
+static ric_status neighbour(const ric_model *m, ric_shooting *form, const double *v, const double *t, double h,
+                            const ric_turn *turn, const ric_symmetry *problem, double **u)
 {
     double point[form->n_unknown];
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     ric_status status;
     for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
-    ric_cycle *home = ric_turn_cycle(m, form, point, turn), *repeated = home ? ric_problem_cycle(home, problem) : NULL;
-    status = repeated ? ric_cycle_to_chain(m, repeated, &chain, u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
-    ric_chain_free(chain);
-    ric_cycle_free(home);
-    ric_cycle_free(repeated);
+    ric_periodic *home = ric_turn_cycle(m, form, point, turn), *repeated = home ? ric_symmetry_cycle(home, problem) : NULL;
+    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_shooting_free(chain);
+    ric_periodic_free(home);
+    ric_periodic_free(repeated);
     return status;
 }
 
 /* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component positive. */
-static ric_status side_direction(ric_chain *c, const double *u0, const double *before, const double *after, double *t0)
+static ric_status side_direction(ric_shooting *c, const double *u0, const double *before, const double *after, double *t0)
 {
     int size = c->n_unknown, largest = 0;
     double kernel[2 * size], p = 0, q = 0;
-    ric_chain_fly(c, u0);
+    ric_shooting_fly(c, u0);
     if (!plane(c, u0, kernel)) return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     for (int i = 0; i < size; i++) {
         p += kernel[i] * (after[i] - before[i]);
@@ -188,14 +188,14 @@ static ric_status side_direction(ric_chain *c, const double *u0, const double *b
 
 /* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that
  * of a point on it. The symmetric branch has no point in the plane that is solved in. */
-static bool secant_direction(ric_chain *c, const double *u0, double *t0)
+static bool secant_direction(ric_shooting *c, const double *u0, double *t0)
 {
     int size = c->n_unknown, iterations;
     double u[size], du[size], h = SECANT * c->scale;
     for (int pass = 0; pass < 2; pass++) {
         double norm = 0;
         for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
-        if (!ric_trace_correct(c, u, u0, t0, h, du, &iterations)) return false;
+        if (!ric_continuation_correct(c, u, u0, t0, h, du, &iterations)) return false;
         for (int i = 0; i < size; i++) norm += (u[i] - u0[i]) * (u[i] - u0[i]);
         for (int i = 0; i < size; i++) t0[i] = (u[i] - u0[i]) / sqrt(norm);
     }
@@ -203,14 +203,14 @@ static bool secant_direction(ric_chain *c, const double *u0, double *t0)
 }
 
 /* Unknowns of the chain of an image of a cycle; allocated, NULL without memory. */
-static double *image_unknowns(const ric_model *m, const ric_cycle *cycle, int shift, bool mirror)
+static double *image_unknowns(const ric_model *m, const ric_periodic *cycle, int shift, bool mirror)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL;
-    ric_cycle *image = ric_cycle_transform(m, cycle, shift, false, mirror);
-    if (image && ric_cycle_to_chain(m, image, &chain, &u)) u = NULL;
-    ric_chain_free(chain);
-    ric_cycle_free(image);
+    ric_periodic *image = ric_periodic_transform(m, cycle, shift, false, mirror);
+    if (image && ric_periodic_to_chain(m, image, &chain, &u)) u = NULL;
+    ric_shooting_free(chain);
+    ric_periodic_free(image);
     return u;
 }
 
@@ -226,16 +226,16 @@ static double largest_difference(int size, const double *a, const double *b)
  * deep in a cascade other orbits lie about. A cycle may be read from either of its mirror points, which the shift
  * exchanges, and on S orbits the other one shows the mirror image: of the two sets of unknowns one must be that of the
  * chain itself. */
-static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_chain *c, const double *u0, double *t0)
+static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_shooting *c, const double *u0, double *t0)
 {
     int size = c->n_unknown;
     double point[size], norm = 0, sign = 0;
     bool found = false, turned = node->cycle->half && node->multiple % 2;
     for (int i = 0; i < size; i++) point[i] = u0[i] + NEAR * c->scale * t0[i];
-    ric_chain_fly(c, point);
-    ric_cycle *here = ric_cycle_from_chain(c, point);
+    ric_shooting_fly(c, point);
+    ric_periodic *here = ric_periodic_from_chain(c, point);
     if (!here) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
-    for (int mirror = 0; mirror <= ric_cycle_mirrors(m, here) && !found; mirror++) {
+    for (int mirror = 0; mirror <= ric_periodic_mirrors(m, here) && !found; mirror++) {
         double *v = image_unknowns(m, here, 0, mirror), *w = image_unknowns(m, here, here->N / 2, mirror != turned);
         double a = v && w ? largest_difference(size, v, point) : 0, b = v && w ? largest_difference(size, w, point) : 0;
         found = fmin(a, b) < ITSELF * fmax(a, b);
@@ -247,36 +247,36 @@ static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_ch
         free(v);
         free(w);
     }
-    ric_cycle_free(here);
+    ric_periodic_free(here);
     return found && norm > 0 ? RIC_OK : ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 }
 
 static bool turns_round(const ric_node *node)
 {
     return node->kind == RIC_KIND_MULTIPLICATION &&
-           ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
+           ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
 }
 
-static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_chain **chain, double **u0,
+static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain, double **u0,
                               double **t0)
 {
-    ric_problem problem = ric_node_problem(node, choice);
-    ric_chain *form = NULL;
+    ric_symmetry problem = ric_node_problem(node, choice);
+    ric_shooting *form = NULL;
     double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
     ric_turn turn;
-    ric_cycle *cycle = ric_problem_cycle(node->cycle, &problem);
-    ric_status status = cycle ? ric_cycle_to_chain(m, node->cycle, &form, &v)
+    ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
+    ric_status status = cycle ? ric_periodic_to_chain(m, node->cycle, &form, &v)
                               : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     if (status) goto out;
-    if ((status = ric_cycle_to_chain(m, cycle, chain, u0))) goto out;
+    if ((status = ric_periodic_to_chain(m, cycle, chain, u0))) goto out;
     *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
     t = calloc((size_t)form->n_unknown, sizeof *t);
     if (!*t0 || !t) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
         goto out;
     }
-    ric_chain_evaluate(form, v);
-    ric_trace_tangent(form, NULL, t);
+    ric_shooting_evaluate(form, v);
+    ric_continuation_tangent(form, NULL, t);
     /* the cycle of a chain may start elsewhere than the canonical one */
     if (!ric_turn_find(m, form, v, node->cycle, &turn)) {
         status = ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
@@ -290,8 +290,8 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned
         status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 out:
     if (status) drop(chain, u0, t0);
-    ric_chain_free(form);
-    ric_cycle_free(cycle);
+    ric_shooting_free(form);
+    ric_periodic_free(cycle);
     free(v);
     free(before);
     free(after);
@@ -299,19 +299,19 @@ out:
     return status;
 }
 
-static ric_status depart_through(const ric_model *m, const ric_node *node, ric_chain **chain, double **u0, double **t0)
+static ric_status depart_through(const ric_model *m, const ric_node *node, ric_shooting **chain, double **u0, double **t0)
 {
-    ric_status status = ric_cycle_to_chain(m, node->cycle, chain, u0);
+    ric_status status = ric_periodic_to_chain(m, node->cycle, chain, u0);
     if (status) return status;
     if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0)))
         return ric_fail(RIC_E_NOMEM, "no memory for a departure");
-    ric_chain_evaluate(*chain, *u0);
-    ric_trace_tangent(*chain, NULL, *t0);
+    ric_shooting_evaluate(*chain, *u0);
+    ric_continuation_tangent(*chain, NULL, *t0);
     return RIC_OK;
 }
 
 /* Along t0, or for side = -1 against it; the start may be singular: its first step is the length of t0. */
-static void orient(const ric_chain *c, int side, double length, double *t0)
+static void orient(const ric_shooting *c, int side, double length, double *t0)
 {
     for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
 }
@@ -325,7 +325,7 @@ static bool keeps_soft(const ric_node *node, unsigned choice)
     return false;
 }
 
-ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_chain **chain,
+ric_status ric_switching_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_shooting **chain,
                            double **u0, double **t0, unsigned *ignore)
 {
     const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
@@ -346,7 +346,7 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
     *ignore = breaks | 1u << RIC_TEST_DET;
     if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) {
         *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-        ric_status status = ric_crossing_depart(m, node, choice, chain, u0, t0);
+        ric_status status = ric_branch_point_depart(m, node, choice, chain, u0, t0);
         if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
         return status;
     }
@@ -356,7 +356,7 @@ ric_status ric_node_depart(const ric_model *m, const ric_node *node, unsigned ch
         return status;
     }
     *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-    if (ric_ring_applies(node, choice)) return ric_ring_depart(m, node, choice, side, chain, u0, t0);
+    if (ric_multiplication_applies(node, choice)) return ric_multiplication_depart(m, node, choice, side, chain, u0, t0);
     ric_status status = depart_side(m, node, choice, chain, u0, t0);
     if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
     return status;

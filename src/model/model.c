@@ -131,7 +131,7 @@ out:
 
 /* ------------------------------------------------------------ scaled frame */
 
-void ric_complement(int n, const double *h, double *E)
+void ric_model_complement(int n, const double *h, double *E)
 {
     double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
     for (int i = 1; i < n; i++)
@@ -226,7 +226,7 @@ static void make_faces(ric_model *m)
     m->symmetric = true;
     for (int f = 0; f < m->n_contact; f++) {
         double *E = m->E + (size_t)f * (n - 1) * n;
-        ric_complement(n, m->c + f * n, E);
+        ric_model_complement(n, m->c + f * n, E);
         if (m->contact[f].law == RIC_LAW_POWER) continue;
         bool both = m->contact[f].sides == RIC_SIDES_BOTH;
         if (!both) m->symmetric = false;
@@ -317,7 +317,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
     if ((status = allocate_scaled(m))) goto out;
     scale_modes(m);
     make_faces(m);
-    if ((status = ric_phases_create(m))) goto out;
+    if ((status = ric_regimes_create(m))) goto out;
     *out = m;
     m = NULL;
 out:
@@ -333,7 +333,7 @@ void ric_model_free(ric_model *m)
                      m->Phi,   m->normal, m->seen, m->mode,    m->omega,  m->omega_low, m->kappa,
                      m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
-    ric_phases_free(m);
+    ric_regimes_free(m);
     free(m);
 }
 
@@ -477,7 +477,7 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
         status = ric_fail(RIC_E_NOMEM, "no memory for the locked frequencies");
         goto out;
     }
-    ric_complement(n, m->normal + contact * n, E);
+    ric_model_complement(n, m->normal + contact * n, E);
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++)
             for (int k = 0; k < n; k++)

@@ -60,7 +60,7 @@ struct ric_model {
                            * low: there they leave the linear modes */
     double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d, q by L */
     double *to_space;   /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
-    struct ric_phases *phases; /* phase.h: what contacts of law bilinear make of the modes while they are closed */
+    struct ric_phases *phases; /* regime.h: what contacts of law bilinear make of the modes while they are closed */
 };
 
 /* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */
@@ -69,7 +69,7 @@ bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
 /* Orthonormal rows E [(n-1) * n] perpendicular to h [n], with det [h; E] > 0: the basis turns continuously with h as
  * far as its orientation goes, so determinants taken in it do not jump. Rows 1.. of the Householder reflection that
  * takes h to a multiple of e_0. */
-void ric_complement(int n, const double *h, double *E);
+void ric_model_complement(int n, const double *h, double *E);
 
 /* Energy coordinates [2n] <-> scaled public state x, v [n_dof each]; v per second. Unseen modes are at rest. */
 void ric_model_to_state(const ric_model *model, const double *w, double *x, double *v);

@@ -15,12 +15,12 @@
 struct ric_phases {
     int n_set;
     int *place;                         /* [n_face] 3^k of the contact, 0 if rigid */
-    _Atomic(ric_phase *) *table;        /* [n_set] */
+    _Atomic(ric_regime *) *table;        /* [n_set] */
 };
 
 /* --------------------------------------------------------------------- sets */
 
-ric_status ric_phases_create(ric_model *m)
+ric_status ric_regimes_create(ric_model *m)
 {
     struct ric_phases *p = calloc(1, sizeof *p);
     int count = 0;
@@ -43,12 +43,12 @@ ric_status ric_phases_create(ric_model *m)
             p->place[f] = p->place[f - 1];
             continue;
         }
-        if (++count > RIC_PHASE_CONTACTS)
+        if (++count > RIC_REGIME_CONTACTS)
             return ric_fail(
                 RIC_E_INPUT,
                 "more than %d contacts have law bilinear; this version takes that many, as each set of closed ones has "
                 "modes of its own; make some of them rigid",
-                RIC_PHASE_CONTACTS);
+                RIC_REGIME_CONTACTS);
         p->place[f] = p->n_set;
         p->n_set *= 3;
     }
@@ -57,7 +57,7 @@ ric_status ric_phases_create(ric_model *m)
     return RIC_OK;
 }
 
-static void phase_free(ric_phase *phase)
+static void phase_free(ric_regime *phase)
 {
     if (!phase) return;
     free(phase->omega); /* all doubles lie behind it */
@@ -65,7 +65,7 @@ static void phase_free(ric_phase *phase)
     free(phase);
 }
 
-void ric_phases_free(ric_model *m)
+void ric_regimes_free(ric_model *m)
 {
     struct ric_phases *p = m->phases;
     if (!p) return;
@@ -76,7 +76,7 @@ void ric_phases_free(ric_model *m)
     m->phases = NULL;
 }
 
-bool ric_phase_exists(const ric_model *m, uint64_t closed)
+bool ric_regime_exists(const ric_model *m, uint64_t closed)
 {
     for (int f = 0; closed >> f; f++) {
         if (!(closed >> f & 1)) continue;
@@ -151,7 +151,7 @@ static void assemble(const ric_model *m, uint64_t closed, long double *K, long d
     }
 }
 
-static bool allocate(ric_phase *p, int n, int n_contact)
+static bool allocate(ric_regime *p, int n, int n_contact)
 {
     size_t k = (size_t)n, c = (size_t)n_contact;
     if (!(p->omega = calloc(4 * k + 3 * k * k + c * (k + 1), sizeof(double)))) return false;
@@ -168,7 +168,7 @@ static bool allocate(ric_phase *p, int n, int n_contact)
 }
 
 /* From eigenvalues `square` (stride n + 1), eigenvectors in the rows of V, and force f. */
-static void fill(const ric_model *m, ric_phase *p, const long double *square, const long double *V,
+static void fill(const ric_model *m, ric_regime *p, const long double *square, const long double *V,
                  const long double *f)
 {
     int n = p->n;
@@ -203,12 +203,12 @@ static void fill(const ric_model *m, ric_phase *p, const long double *square, co
     }
 }
 
-static ric_status phase_create(const ric_model *m, uint64_t closed, ric_phase **out)
+static ric_status phase_create(const ric_model *m, uint64_t closed, ric_regime **out)
 {
     ric_status status = RIC_OK;
     int n = m->n;
     size_t nn = (size_t)n * (size_t)n;
-    ric_phase *p = calloc(1, sizeof *p);
+    ric_regime *p = calloc(1, sizeof *p);
     long double *K = calloc(3 * nn + (size_t)n, sizeof *K), *A = K + nn, *V = A + nn, *f = V + nn;
     *out = NULL;
     if (!p || !K || !allocate(p, n, m->n_contact)) {
@@ -232,13 +232,13 @@ out:
     return status;
 }
 
-ric_status ric_phase_get(const ric_model *m, uint64_t closed, const ric_phase **out)
+ric_status ric_regime_get(const ric_model *m, uint64_t closed, const ric_regime **out)
 {
     *out = NULL;
-    if (!ric_phase_exists(m, closed))
+    if (!ric_regime_exists(m, closed))
         return ric_fail(RIC_E_NUMERIC, "both faces of a contact cannot be closed at one time");
-    _Atomic(ric_phase *) *slot = &m->phases->table[index_of(m, closed)];
-    ric_phase *known = atomic_load(slot), *made = NULL;
+    _Atomic(ric_regime *) *slot = &m->phases->table[index_of(m, closed)];
+    ric_regime *known = atomic_load(slot), *made = NULL;
     if (!known) {
         ric_status status = phase_create(m, closed, &made);
         if (status) return status;
@@ -254,7 +254,7 @@ ric_status ric_phase_get(const ric_model *m, uint64_t closed, const ric_phase **
 /* A = omega (r - rest) is the difference of displacements a thousand times the depth of a contact: taken in doubles it
  * loses as many digits, and they are missing in the velocity that a stiff spring gives back. */
 
-void ric_phase_enter(const ric_phase *p, const double *w, double *z)
+void ric_regime_enter(const ric_regime *p, const double *w, double *z)
 {
     int n = p->n;
     const long double *into = p->exact, *U = into + 2 * n * n, *shift = U + n * n;
@@ -272,12 +272,12 @@ void ric_phase_enter(const ric_phase *p, const double *w, double *z)
 }
 
 /* From the face that closes there: displacements at the clearance to the last digit of extended precision. */
-static void enter_at(const ric_phase *p, const ric_face *closing, const double *w, double *z)
+static void enter_at(const ric_regime *p, const ric_face *closing, const double *w, double *z)
 {
     int n = p->n;
     const long double *into = p->exact, *shift = p->exact + 3 * n * n;
     long double off = 0, size = 0;
-    ric_phase_enter(p, w, z);
+    ric_regime_enter(p, w, z);
     if (!closing) return;
     for (int i = 0; i < n; i++) {
         off += (long double)closing->g[i] * w[i];
@@ -291,7 +291,7 @@ static void enter_at(const ric_phase *p, const ric_face *closing, const double *
     }
 }
 
-void ric_phase_onto(int n, const ric_face *closing, int ld, double *X)
+void ric_regime_onto(int n, const ric_face *closing, int ld, double *X)
 {
     double size = ric_dot(n, closing->g, closing->g);
     for (int j = 0; j < ld; j++) {
@@ -301,7 +301,7 @@ void ric_phase_onto(int n, const ric_face *closing, int ld, double *X)
     }
 }
 
-void ric_phase_leave(const ric_phase *p, const double *z, double *w)
+void ric_regime_leave(const ric_regime *p, const double *z, double *w)
 {
     int n = p->n;
     const long double *from = p->exact + n * n, *U = from + n * n, *shift = U + n * n;
@@ -319,7 +319,7 @@ void ric_phase_leave(const ric_phase *p, const double *z, double *w)
 }
 
 /* cos and sin of omega tau, with what rounding took from the phase. */
-static void turn(const ric_phase *p, int i, double tau, double *co, double *si)
+static void turn(const ric_regime *p, int i, double tau, double *co, double *si)
 {
     double y = p->omega[i] * tau, low = fma(p->omega[i], tau, -y) + p->omega_low[i] * tau, c, s;
     sincos(y, &s, &c);
@@ -327,7 +327,7 @@ static void turn(const ric_phase *p, int i, double tau, double *co, double *si)
     *si = s + low * c;
 }
 
-void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, const double *w, double *after,
+void ric_regime_fly(const ric_regime *p, const ric_face *closing, double tau, const double *w, double *after,
                    double *pull)
 {
     int n = p->n;
@@ -339,14 +339,14 @@ void ric_phase_fly(const ric_phase *p, const ric_face *closing, double tau, cons
         z[i] = p->omega[i] > 0 ? co * A + si * P : A + tau * P;
         z[n + i] = p->omega[i] > 0 ? co * P - si * A : P;
     }
-    ric_phase_leave(p, z, after);
+    ric_regime_leave(p, z, after);
     for (int i = 0; pull && i < n; i++) {
         pull[i] = 0;
         for (int j = 0; j < n; j++) pull[i] -= p->U[i * n + j] * p->omega[j] * z[j];
     }
 }
 
-void ric_phase_matrix(const ric_phase *p, double tau, double *D)
+void ric_regime_matrix(const ric_regime *p, double tau, double *D)
 {
     int n = p->n, ld = 2 * n;
     double co[n], s1[n], s2[n];
@@ -394,7 +394,7 @@ static void ratios(double y, double *h1, double *h2, double *d1, double *d2)
     *d2 = (c - *h2) / y;
 }
 
-double ric_phase_chord(const ric_phase *p, const ric_face *closing, int contact, double tau, const double *w,
+double ric_regime_chord(const ric_regime *p, const ric_face *closing, int contact, double tau, const double *w,
                        double *by_w, double *by_tau)
 {
     int n = p->n;

@@ -12,7 +12,7 @@
 
 #include "modal.h"
 
-#define RIC_PHASE_CONTACTS 10 /* bilinear contacts of a model: 3^10 sets */
+#define RIC_REGIME_CONTACTS 10 /* bilinear contacts of a model: 3^10 sets */
 
 typedef struct {
     int n;
@@ -26,40 +26,40 @@ typedef struct {
     double *U;                 /* [n * n] q = U r, P = U' p */
     double *G;                 /* [n_contact * n] s = rest + G . A */
     double *rest;              /* [n_contact] gap coordinates in equilibrium */
-} ric_phase;
+} ric_regime;
 
 /* Makes room for the phases of a model; none is computed before it is asked for. RIC_E_INPUT: too many bilinear
  * contacts. */
-ric_status ric_phases_create(ric_model *model);
-void ric_phases_free(ric_model *model);
+ric_status ric_regimes_create(ric_model *model);
+void ric_regimes_free(ric_model *model);
 
 /* Whether the faces can be closed together: they are springs, and no two of one contact. */
-bool ric_phase_exists(const ric_model *model, uint64_t closed);
+bool ric_regime_exists(const ric_model *model, uint64_t closed);
 
 /* Borrowed from the model; computed when it is first asked for, by any thread. */
-ric_status ric_phase_get(const ric_model *model, uint64_t closed, const ric_phase **out);
+ric_status ric_regime_get(const ric_model *model, uint64_t closed, const ric_regime **out);
 
 /* z [2n] = (A, P) of a state w, and back. O(n^2). */
-void ric_phase_enter(const ric_phase *phase, const double *w, double *z);
-void ric_phase_leave(const ric_phase *phase, const double *z, double *w);
+void ric_regime_enter(const ric_regime *phase, const double *w, double *z);
+void ric_regime_leave(const ric_regime *phase, const double *z, double *w);
 /* The face whose closing starts a flight, NULL if none: there s = gap by definition, and the state is first moved onto
  * it, a <- a - (g.a - gap) g / (g.g). On an orbit that changes nothing; off it the flight no longer depends on how far
  * the state is off the face, and rounding of its displacements is not multiplied by the stiffness of the spring. */
 /* The state after the time tau, of either sign; may work in place. pull [n], unless NULL: the acceleration there, from
  * the distance to equilibrium; formed of the state, whose displacements are rounded, it would be off by the stiffness
  * times as much. O(n^2). */
-void ric_phase_fly(const ric_phase *phase, const ric_face *closing, double tau, const double *w, double *after,
+void ric_regime_fly(const ric_regime *phase, const ric_face *closing, double tau, const double *w, double *after,
                    double *pull);
 /* Its derivative by w, D [2n * 2n] by rows, of a flight that does not start with a closing. O(n^3). */
-void ric_phase_matrix(const ric_phase *phase, double tau, double *D);
+void ric_regime_matrix(const ric_regime *phase, double tau, double *D);
 
 /* Deviations X [2n * ld] at a closing moved onto the face, like the state. */
-void ric_phase_onto(int n, const ric_face *closing, int ld, double *X);
+void ric_regime_onto(int n, const ric_face *closing, int ld, double *X);
 
 /* (s(tau) - s(0)) / tau of the gap coordinate of a contact along a flight from w, regular through tau = 0, where it is
  * ds/dt, and for either sign of tau; by_w [2n] and *by_tau, its derivatives, may be NULL; by_w is that of a flight that
  * does not start with a closing. O(n^2). */
-double ric_phase_chord(const ric_phase *phase, const ric_face *closing, int contact, double tau, const double *w,
+double ric_regime_chord(const ric_regime *phase, const ric_face *closing, int contact, double tau, const double *w,
                        double *by_w, double *by_tau);
 
 #endif

@@ -57,7 +57,7 @@ void ric_floquet_release(ric_floquet *f)
 
 /* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre,
  * the normal at an impact. Written in canonical coordinates (q, p). */
-static void section(const ric_chain *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
+static void section(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
 {
     int n = c->n;
     double h[n];
@@ -71,7 +71,7 @@ static void section(const ric_chain *c, ric_mirror mirror, uint64_t closed, cons
         memcpy(E, c->model->face[face].E, (size_t)(n - 1) * n * sizeof *E);
         return;
     }
-    ric_complement(n, h, E);
+    ric_model_complement(n, h, E);
 }
 
 /* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept,
@@ -83,7 +83,7 @@ static double not_zero(double speed)
 
 /* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the
  * normal velocity follows from dE = 0. */
-static void section_columns(const ric_chain *c, ric_mirror mirror, const double *w, int face, const double *E,
+static void section_columns(const ric_shooting *c, ric_mirror mirror, const double *w, int face, const double *E,
                             double *V)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
@@ -107,7 +107,7 @@ static void section_columns(const ric_chain *c, ric_mirror mirror, const double 
 
 /* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side
  * that V is on. */
-static void project(const ric_chain *c, bool on_face, const double *w, int face, const double *E, double *V, double *P)
+static void project(const ric_shooting *c, bool on_face, const double *w, int face, const double *E, double *V, double *P)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
@@ -174,7 +174,7 @@ static int rescale(int count, double *V, double *largest)
 
 /* Takes V through the flights from .. to - 1; *exponent collects the scaling, *growth the largest entry met (scaled
  * likewise). */
-static void propagate(const ric_chain *c, int from, int to, double *V, int *exponent, double *growth)
+static void propagate(const ric_shooting *c, int from, int to, double *V, int *exponent, double *growth)
 {
     int n = c->n, ld = 2 * (n - 1);
     const ric_model *m = c->model;
@@ -241,7 +241,7 @@ static void square(double *r)
 }
 
 /* Blocks from P; a centre exchanges the roles of q and p, (Q, P) = (dp, -dq), so that P stays symplectic. */
-static void blocks(const ric_chain *c, const double *P, double *a, double *b, double *cc, double *d)
+static void blocks(const ric_shooting *c, const double *P, double *a, double *b, double *cc, double *d)
 {
     int k = c->n - 1, ld = 2 * k;
     bool start = c->start == RIC_MIRROR_CENTRE, end = c->end == RIC_MIRROR_CENTRE;
@@ -319,7 +319,7 @@ static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
 }
 
 /* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
-static double roundings(const ric_chain *c)
+static double roundings(const ric_shooting *c)
 {
     return c->model->smooth ? SMOOTH_STEPS : c->n_flight + 2;
 }
@@ -362,7 +362,7 @@ static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent
 /* ------------------------------------------------------ extended precision */
 
 /* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
-static bool made_fine(const ric_chain *c, ric_floquet *f, const double *start, const double *end, double *size)
+static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end, double *size)
 {
     double least = HUGE_VAL;
     for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
@@ -381,13 +381,13 @@ static void split(int count, const ric_fine_real *P, double *high, double *low)
 }
 
 /* Rounding of a map of this size in extended precision. */
-static double fine_rounding(const ric_chain *c, double size)
+static double fine_rounding(const ric_shooting *c, double size)
 {
     return ROUNDING * (double)LDBL_EPSILON * roundings(c) * size;
 }
 
 /* The reversible form: work [8 k^2] and f->work beside it are free, E0 and E1 are not. */
-static void reversible_fine(const ric_chain *c, ric_floquet *f, const double *E0, const double *E1, double *work)
+static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double *E0, const double *E1, double *work)
 {
     int k = c->n - 1, kk = k * k;
     double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0, errors[k];
@@ -423,7 +423,7 @@ static void reversible_fine(const ric_chain *c, ric_floquet *f, const double *E0
     if (found) judge_pairs(f, quarter, errors);
 }
 
-static ric_status reversible(const ric_chain *c, ric_floquet *f)
+static ric_status reversible(const ric_shooting *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
     double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k;
@@ -493,7 +493,7 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
 /* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into
  * the flow; a unitary basis of the complement of the gradient is a symplectic basis of what is perpendicular to both,
  * real parts first. V [2n * ld] as states, and with `dual` scaled such that inner products with it are coordinates. */
-static void smooth_section(const ric_chain *c, bool dual, double *V)
+static void smooth_section(const ric_shooting *c, bool dual, double *V)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
@@ -521,7 +521,7 @@ static void smooth_section(const ric_chain *c, bool dual, double *V)
 }
 
 /* P [ld * ld] of the return map on the section. */
-static void return_map(const ric_chain *c, double *V, double *P, int *exponent, double *growth)
+static void return_map(const ric_shooting *c, double *V, double *P, int *exponent, double *growth)
 {
     int n = c->n, ld = 2 * (n - 1);
     if (!c->model->smooth) {
@@ -569,7 +569,7 @@ static void pair_up(int k, const double *all, double *rho, double *apart)
 
 /* The impact between two halves of about the same growth, which is that of 1 / speed; not one of the slow ones. 0:
  * there is none. */
-static int middle_impact(const ric_chain *c)
+static int middle_impact(const ric_shooting *c)
 {
     int best = 0;
     double fastest = 0, all = 0, half = 0, off = HUGE_VAL;
@@ -601,7 +601,7 @@ static void add_inverse(int k, const double *A, int sigma, const double *B, doub
 
 /* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1 + sigma P2^-1): the
  * factors have the square root of the size of M. work [28 k^2]. False: it cannot be done. */
-static bool rho_of_halves(const ric_chain *c, ric_floquet *f, double *work, double *errors)
+static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, double *errors)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
     if (c->model->springs || c->model->smooth || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
@@ -651,7 +651,7 @@ static bool rho_of_period(int k, const double *M, double *A, double *rho)
 }
 
 /* The general form; f->work is free. */
-static void whole_fine(const ric_chain *c, ric_floquet *f)
+static void whole_fine(const ric_shooting *c, ric_floquet *f)
 {
     int k = c->n - 1, ld = 2 * k, count = ld * ld;
     double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0, errors[k];
@@ -682,7 +682,7 @@ static void whole_fine(const ric_chain *c, ric_floquet *f)
     judge_pairs(f, c->sigma < 0, errors);
 }
 
-static ric_status whole(const ric_chain *c, ric_floquet *f)
+static ric_status whole(const ric_shooting *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
     double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld, *tmp = A + ld * ld, growth;
@@ -737,7 +737,7 @@ static ric_status whole(const ric_chain *c, ric_floquet *f)
     return RIC_OK;
 }
 
-ric_status ric_floquet_compute(const ric_chain *c, ric_floquet *f)
+ric_status ric_floquet_compute(const ric_shooting *c, ric_floquet *f)
 {
     if (c->n == 1) {
         /* one seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally) stable */

@@ -12,7 +12,7 @@ typedef ric_fine_real real;
 typedef long double _Complex complex_t;
 
 typedef struct {
-    const ric_chain *c;
+    const ric_shooting *c;
     int n, k, ld;
     real *P, *V, *E, *w; /* [ld * ld], [2n * ld], [k * n], [2n] the state on the way */
     real size;
@@ -24,7 +24,7 @@ size_t ric_floquet_fine_size(int n)
     return ld * ld + 2 * nn * ld + k * nn + 2 * nn;
 }
 
-bool ric_floquet_fine_fits(const ric_chain *c)
+bool ric_floquet_fine_fits(const ric_shooting *c)
 {
     return !c->model->springs && !c->model->smooth && c->n > 1;
 }
@@ -245,7 +245,7 @@ static void around(course *q, const complex_t *e, bool start)
 
 static void flights(course *q)
 {
-    const ric_chain *c = q->c;
+    const ric_shooting *c = q->c;
     for (int f = 0; f < c->n_flight; f++) {
         fly(q, c->tau[f]);
         if (c->face[f + 1] >= 0 && !(f + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT))
@@ -268,7 +268,7 @@ static void return_map(course *q)
     for (int i = 0; i < q->ld * q->ld; i++) q->size = fmaxl(q->size, fabsl(q->P[i]));
 }
 
-bool ric_floquet_fine_map(const ric_chain *c, const double *start, const double *end, ric_fine_real *store,
+bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const double *end, ric_fine_real *store,
                           double *size)
 {
     int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;

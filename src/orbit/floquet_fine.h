@@ -14,12 +14,12 @@ typedef long double ric_fine_real;
 /* Numbers that the map takes: `store` of ric_floquet_fine_map. */
 size_t ric_floquet_fine_size(int n);
 /* Whether a chain has such a map. */
-bool ric_floquet_fine_fits(const ric_chain *chain);
+bool ric_floquet_fine_fits(const ric_shooting *chain);
 /* P [2k * 2k], k = n - 1, at the start of `store`: coordinates in the section of the start mirror to those in that of
  * the end mirror, whose bases `start` and `end` [k * n] are given in double; in the general form, which needs none, of
  * the return to what is perpendicular to flow and gradient (without sigma). *size: largest entry met. False: it is not
  * finite. */
-bool ric_floquet_fine_map(const ric_chain *chain, const double *start, const double *end, ric_fine_real *store,
+bool ric_floquet_fine_map(const ric_shooting *chain, const double *start, const double *end, ric_fine_real *store,
                           double *size);
 
 #endif

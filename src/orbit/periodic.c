@@ -13,9 +13,9 @@ static int modulo(int i, int N)
     return i < 0 ? i + N : i;
 }
 
-ric_cycle *ric_cycle_create(int n, int N)
+ric_periodic *ric_periodic_create(int n, int N)
 {
-    ric_cycle *c = calloc(1, sizeof *c);
+    ric_periodic *c = calloc(1, sizeof *c);
     if (!c) return NULL;
     c->n = n;
     c->N = N;
@@ -24,11 +24,11 @@ ric_cycle *ric_cycle_create(int n, int N)
     c->tau = calloc((size_t)N + 1, sizeof *c->tau);
     c->w = calloc(2 * (size_t)n, sizeof *c->w);
     if (c->face && c->tau && c->w) return c;
-    ric_cycle_free(c);
+    ric_periodic_free(c);
     return NULL;
 }
 
-void ric_cycle_free(ric_cycle *c)
+void ric_periodic_free(ric_periodic *c)
 {
     if (!c) return;
     free(c->face);
@@ -38,9 +38,9 @@ void ric_cycle_free(ric_cycle *c)
     free(c);
 }
 
-ric_cycle *ric_cycle_copy(const ric_cycle *c)
+ric_periodic *ric_periodic_copy(const ric_periodic *c)
 {
-    ric_cycle *copy = ric_cycle_create(c->n, c->N);
+    ric_periodic *copy = ric_periodic_create(c->n, c->N);
     if (!copy) return NULL;
     memcpy(copy->face, c->face, (size_t)c->N * sizeof *c->face);
     memcpy(copy->tau, c->tau, (size_t)c->N * sizeof *c->tau);
@@ -50,8 +50,8 @@ ric_cycle *ric_cycle_copy(const ric_cycle *c)
     copy->pure = c->pure;
     copy->flip = c->flip;
     copy->parts = c->parts;
-    if (!c->opposite || ric_cycle_oppose(copy, c->opposite)) return copy;
-    ric_cycle_free(copy);
+    if (!c->opposite || ric_periodic_oppose(copy, c->opposite)) return copy;
+    ric_periodic_free(copy);
     return NULL;
 }
 
@@ -59,7 +59,7 @@ ric_cycle *ric_cycle_copy(const ric_cycle *c)
 
 /* Appends one flight that ends on `face` (-1: in flight) to a cycle under construction; `open` is flight time not yet
  * closed. */
-static void append(ric_cycle *c, double *open, double tau, int face)
+static void append(ric_periodic *c, double *open, double tau, int face)
 {
     *open += tau;
     if (face < 0) return;
@@ -76,7 +76,7 @@ static int mirrored(const ric_model *m, int face, bool mirror)
 }
 
 /* One way from the start to the end mirror and back; the way back shows the mirror image if the end is a centre. */
-static void walk(ric_cycle *c, const ric_chain *chain, const double *tau, bool mirror, double *open)
+static void walk(ric_periodic *c, const ric_shooting *chain, const double *tau, bool mirror, double *open)
 {
     const ric_model *m = chain->model;
     int last = chain->n_flight;
@@ -85,10 +85,10 @@ static void walk(ric_cycle *c, const ric_chain *chain, const double *tau, bool m
     for (int k = last - 1; k >= 0; k--) append(c, open, tau[k], mirrored(m, chain->face[k], back));
 }
 
-static ric_cycle *from_general(const ric_chain *chain, const double *u)
+static ric_periodic *from_general(const ric_shooting *chain, const double *u)
 {
     int n = chain->n, N = chain->n_flight, copies = chain->sigma < 0 ? 2 : 1;
-    ric_cycle *c = ric_cycle_create(n, copies * N);
+    ric_periodic *c = ric_periodic_create(n, copies * N);
     if (!c) return NULL;
     for (int i = 0; i < copies * N; i++) {
         c->face[i] = mirrored(chain->model, chain->face[i % N], i >= N);
@@ -100,13 +100,13 @@ static ric_cycle *from_general(const ric_chain *chain, const double *u)
     return c;
 }
 
-ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
+ric_periodic *ric_periodic_from_chain(const ric_shooting *chain, const double *u)
 {
     const ric_model *m = chain->model;
     int n = chain->n, nf = chain->n_flight;
-    if (m->smooth) return ric_cycle_from_smooth(chain, u);
+    if (m->smooth) return ric_periodic_from_smooth(chain, u);
     if (chain->start == RIC_MIRROR_NONE) return from_general(chain, u);
-    ric_cycle *c = ric_cycle_create(n, 4 * nf + 2);
+    ric_periodic *c = ric_periodic_create(n, 4 * nf + 2);
     double open = 0, before_first = 0;
     const double *tau = u + chain->n_start;
     bool quarter = chain->multiple == 4, on_impact = chain->start == RIC_MIRROR_IMPACT;
@@ -137,7 +137,7 @@ ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u)
 
 /* Flight i of the cycle, with `closed` during it, and the event at its end: w from right after event i to right after
  * the next. */
-static void advance(const ric_model *m, const ric_cycle *c, int i, uint64_t *closed, const double *w, double *after)
+static void advance(const ric_model *m, const ric_periodic *c, int i, uint64_t *closed, const double *w, double *after)
 {
     int face = c->face[(i + 1) % c->N];
     ric_flight_go(m, *closed, c->face[i], c->tau[i], w, after);
@@ -146,7 +146,7 @@ static void advance(const ric_model *m, const ric_cycle *c, int i, uint64_t *clo
     *closed = ric_flight_toggle(m, *closed, face);
 }
 
-void ric_cycle_states(const ric_model *m, const ric_cycle *c, double *W)
+void ric_periodic_states(const ric_model *m, const ric_periodic *c, double *W)
 {
     int n = c->n;
     uint64_t closed = c->closed;
@@ -154,7 +154,7 @@ void ric_cycle_states(const ric_model *m, const ric_cycle *c, double *W)
     for (int i = 1; i < c->N; i++) advance(m, c, i - 1, &closed, W + 2 * n * (i - 1), W + 2 * n * i);
 }
 
-uint64_t ric_cycle_springs(const ric_model *m)
+uint64_t ric_periodic_springs(const ric_model *m)
 {
     uint64_t springs = 0;
     for (int f = 0; f < m->n_face && f < RIC_FACES_MAX; f++)
@@ -162,26 +162,26 @@ uint64_t ric_cycle_springs(const ric_model *m)
     return springs;
 }
 
-int ric_cycle_impacts(uint64_t springs, const ric_cycle *c)
+int ric_periodic_impacts(uint64_t springs, const ric_periodic *c)
 {
     int switches = 0;
-    if (ric_cycle_letters(c) == 0) return 0;
+    if (ric_periodic_letters(c) == 0) return 0;
     for (int i = 0; springs && i < c->N; i++) switches += springs >> c->face[i] & 1;
     return c->N - switches / 2;
 }
 
-uint64_t ric_cycle_closed(const ric_model *m, const ric_cycle *c, int i)
+uint64_t ric_periodic_closed(const ric_model *m, const ric_periodic *c, int i)
 {
     uint64_t closed = c->closed;
     for (int k = 1; k <= i; k++) closed = ric_flight_toggle(m, closed, c->face[k]);
     return closed;
 }
 
-void ric_cycle_at_time(const ric_model *m, const ric_cycle *c, double t, double *w)
+void ric_periodic_at_time(const ric_model *m, const ric_periodic *c, double t, double *w)
 {
     int n = c->n, k = 0;
     uint64_t closed = c->closed;
-    double period = ric_cycle_period(c);
+    double period = ric_periodic_period(c);
     memcpy(w, c->w, 2 * (size_t)n * sizeof *w);
     t = fmod(t, period);
     if (t < 0) t += period;
@@ -192,21 +192,21 @@ void ric_cycle_at_time(const ric_model *m, const ric_cycle *c, double t, double 
     ric_flight_go(m, closed, c->face[k], t, w, w);
 }
 
-double ric_cycle_period(const ric_cycle *c)
+double ric_periodic_period(const ric_periodic *c)
 {
     double sum = 0;
     for (int i = 0; i < c->N; i++) sum += c->tau[i];
     return sum;
 }
 
-double ric_cycle_energy(const ric_model *m, const ric_cycle *c)
+double ric_periodic_energy(const ric_model *m, const ric_periodic *c)
 {
     return ric_flight_energy(m, c->closed, c->w);
 }
 
 /* Where a chain of the general form may start: the condition there stands for itself, so not behind a flight between
  * two switches of one spring, if there is another event. */
-int ric_cycle_start(const ric_model *m, const ric_cycle *c)
+int ric_periodic_start(const ric_model *m, const ric_periodic *c)
 {
     if (!m->springs) return 0;
     uint64_t closed = c->closed;
@@ -220,29 +220,29 @@ int ric_cycle_start(const ric_model *m, const ric_cycle *c)
     return closing < 0 ? 0 : closing;
 }
 
-static ric_status to_general(const ric_model *m, const ric_cycle *cycle, ric_chain **chain, double **u);
+static ric_status to_general(const ric_model *m, const ric_periodic *cycle, ric_shooting **chain, double **u);
 
-static ric_status from_event(const ric_model *m, const ric_cycle *c, int first, ric_chain **chain, double **u)
+static ric_status from_event(const ric_model *m, const ric_periodic *c, int first, ric_shooting **chain, double **u)
 {
-    ric_cycle *turned = ric_cycle_transform(m, c, first, false, false);
+    ric_periodic *turned = ric_periodic_transform(m, c, first, false, false);
     if (!turned) return ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", c->N);
     ric_status status = to_general(m, turned, chain, u);
-    ric_cycle_free(turned);
+    ric_periodic_free(turned);
     return status;
 }
 
-static ric_status to_general(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
+static ric_status to_general(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
 {
-    int first = ric_cycle_start(m, c);
+    int first = ric_periodic_start(m, c);
     if (first > 0) return from_event(m, c, first, chain, u);
     int n = c->n, nf = c->half ? c->N / 2 : c->N, face[nf + 1];
     for (int i = 0; i < nf; i++) face[i] = c->face[i];
     face[nf] = c->half ? m->face[c->face[0]].mirror : c->face[0];
-    ric_status status = ric_chain_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, c->half ? -1 : 1, nf, face, chain);
+    ric_status status = ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, c->half ? -1 : 1, nf, face, chain);
     if (status) return status;
-    ric_chain_close(*chain, c->closed);
+    ric_shooting_close(*chain, c->closed);
     if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
-        ric_chain_free(*chain);
+        ric_shooting_free(*chain);
         *chain = NULL;
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", c->N);
     }
@@ -252,8 +252,8 @@ static ric_status to_general(const ric_model *m, const ric_cycle *c, ric_chain *
 }
 
 /* Chain from half position x0 to x1. */
-static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1, ric_mirror in_flight0,
-                          ric_mirror in_flight1, ric_chain **chain, double **out)
+static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int x1, ric_mirror in_flight0,
+                          ric_mirror in_flight1, ric_shooting **chain, double **out)
 {
     ric_status status = RIC_OK;
     int n = c->n, N = c->N, nf = 0;
@@ -267,7 +267,7 @@ static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
     }
-    ric_cycle_states(m, c, W);
+    ric_periodic_states(m, c, W);
     int first = x0 / 2; /* impact at or before the start */
     face[0] = hit0 ? c->face[modulo(first, N)] : -1;
     for (int x = x0; x < x1;) {
@@ -283,8 +283,8 @@ static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1
         x = end;
     }
     ric_mirror start = hit0 ? RIC_MIRROR_IMPACT : in_flight0, end = hit1 ? RIC_MIRROR_IMPACT : in_flight1;
-    if ((status = ric_chain_create(m, start, end, 1, nf, face, chain))) goto out;
-    ric_chain_close(*chain, ric_cycle_closed(m, c, modulo(first, N)));
+    if ((status = ric_shooting_create(m, start, end, 1, nf, face, chain))) goto out;
+    ric_shooting_close(*chain, ric_periodic_closed(m, c, modulo(first, N)));
     if (!(u = calloc((size_t)(*chain)->n_unknown, sizeof *u))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
@@ -302,7 +302,7 @@ static ric_status between(const ric_model *m, const ric_cycle *c, int x0, int x1
     u = NULL;
 out:
     if (status) {
-        ric_chain_free(*chain);
+        ric_shooting_free(*chain);
         *chain = NULL;
     }
     free(u);
@@ -312,10 +312,10 @@ out:
     return status;
 }
 
-ric_status ric_cycle_to_chain(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
+ric_status ric_periodic_to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
 {
     int N = c->N;
-    if (m->smooth) return ric_cycle_to_smooth(m, c, chain, u);
+    if (m->smooth) return ric_periodic_to_smooth(m, c, chain, u);
     if (c->half && c->pure >= 0) {
         int x0 = modulo(c->pure + N / 2, N); /* a centre lies N / 2 half positions from every rest or impact mirror */
         return between(m, c, x0, x0 + N / 2, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, chain, u);
@@ -327,12 +327,12 @@ ric_status ric_cycle_to_chain(const ric_model *m, const ric_cycle *c, ric_chain 
 
 /* ------------------------------------------------------------- operations */
 
-static bool rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle *out)
+static bool rotate(const ric_model *m, const ric_periodic *c, int shift, ric_periodic *out)
 {
     int n = c->n, N = c->N;
     bool over = c->opposite && 2 * shift == N, known = c->opposite && (over || shift == 0);
     memcpy(out->w, over ? c->opposite : c->w, 2 * (size_t)n * sizeof *c->w);
-    if (known && !ric_cycle_oppose(out, over ? c->w : c->opposite)) return false;
+    if (known && !ric_periodic_oppose(out, over ? c->w : c->opposite)) return false;
     out->closed = c->closed;
     for (int i = 0; i < shift && !over; i++) advance(m, c, i, &out->closed, out->w, out->w);
     for (int i = 0; i < N; i++) {
@@ -346,7 +346,7 @@ static bool rotate(const ric_model *m, const ric_cycle *c, int shift, ric_cycle 
     return true;
 }
 
-static void reverse_time(const ric_model *m, ric_cycle *c)
+static void reverse_time(const ric_model *m, ric_periodic *c)
 {
     int n = c->n, N = c->N;
     if (c->face[0] >= 0) ric_flight_strike(n, &m->face[c->face[0]], c->w + n);
@@ -367,12 +367,12 @@ static void reverse_time(const ric_model *m, ric_cycle *c)
     if (c->flip >= 0) c->flip = modulo(-c->flip, N);
 }
 
-ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift, bool reverse, bool mirror)
+ric_periodic *ric_periodic_transform(const ric_model *m, const ric_periodic *c, int shift, bool reverse, bool mirror)
 {
-    if (mirror && !ric_cycle_mirrors(m, c)) return NULL;
-    ric_cycle *out = ric_cycle_create(c->n, c->N);
+    if (mirror && !ric_periodic_mirrors(m, c)) return NULL;
+    ric_periodic *out = ric_periodic_create(c->n, c->N);
     if (!out || !rotate(m, c, modulo(shift, c->N), out)) {
-        ric_cycle_free(out);
+        ric_periodic_free(out);
         return NULL;
     }
     if (reverse) reverse_time(m, out);
@@ -385,7 +385,7 @@ ric_cycle *ric_cycle_transform(const ric_model *m, const ric_cycle *c, int shift
     return out;
 }
 
-bool ric_cycle_mirrors(const ric_model *m, const ric_cycle *c)
+bool ric_periodic_mirrors(const ric_model *m, const ric_periodic *c)
 {
     for (int i = 0; i < c->N; i++)
         if (c->face[i] >= 0 && m->face[c->face[i]].mirror < 0) return false;
@@ -394,7 +394,7 @@ bool ric_cycle_mirrors(const ric_model *m, const ric_cycle *c)
     return true;
 }
 
-int ric_cycle_operations(const ric_model *m)
+int ric_periodic_operations(const ric_model *m)
 {
     return m->symmetric ? 4 : 2;
 }
@@ -417,21 +417,21 @@ static int kept_reversal(const bool *keep, int N, int r, int kept)
     return -1;
 }
 
-ric_cycle *ric_cycle_keep(const ric_model *m, const ric_cycle *c, const bool *keep)
+ric_periodic *ric_periodic_keep(const ric_model *m, const ric_periodic *c, const bool *keep)
 {
     int n = c->n, N = c->N, kept = 0, first = 0;
     for (int i = 0; i < N; i++) kept += keep[i];
     while (first < N && !keep[first]) first++;
-    ric_cycle *out = ric_cycle_create(n, kept);
+    ric_periodic *out = ric_periodic_create(n, kept);
     double *W = calloc((size_t)N * 2 * n, sizeof *W);
     if (!out || !W) {
-        ric_cycle_free(out);
+        ric_periodic_free(out);
         free(W);
         return NULL;
     }
-    ric_cycle_states(m, c, W);
+    ric_periodic_states(m, c, W);
     memcpy(out->w, W + 2 * n * first, 2 * (size_t)n * sizeof *W);
-    out->closed = ric_cycle_closed(m, c, first);
+    out->closed = ric_periodic_closed(m, c, first);
     for (int i = first, j = -1; i < first + N; i++) {
         if (keep[i % N]) out->face[++j] = c->face[i % N];
         out->tau[j] += c->tau[i % N];
@@ -444,10 +444,10 @@ ric_cycle *ric_cycle_keep(const ric_model *m, const ric_cycle *c, const bool *ke
     return out;
 }
 
-ric_cycle *ric_cycle_shorten(const ric_cycle *c, int q)
+ric_periodic *ric_periodic_shorten(const ric_periodic *c, int q)
 {
     int N = c->N / q;
-    ric_cycle *out = ric_cycle_copy(c);
+    ric_periodic *out = ric_periodic_copy(c);
     if (!out) return NULL;
     out->N = N;
     for (int i = 0; i < N; i++) {
@@ -457,19 +457,19 @@ ric_cycle *ric_cycle_shorten(const ric_cycle *c, int q)
     if (out->pure >= 0) out->pure = modulo(out->pure, N);
     if (out->flip >= 0) out->flip = modulo(out->flip, N);
     out->half = false;
-    ric_cycle_oppose(out, NULL);
+    ric_periodic_oppose(out, NULL);
     out->parts = (c->parts + q - 1) / q;
     return out;
 }
 
-int ric_cycle_letters(const ric_cycle *c)
+int ric_periodic_letters(const ric_periodic *c)
 {
     return c->N && c->face[0] < 0 ? 0 : c->N;
 }
 
-ric_cycle *ric_cycle_repeat(const ric_cycle *c, int q)
+ric_periodic *ric_periodic_repeat(const ric_periodic *c, int q)
 {
-    ric_cycle *out = ric_cycle_create(c->n, c->N * q);
+    ric_periodic *out = ric_periodic_create(c->n, c->N * q);
     if (!out) return NULL;
     memcpy(out->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
     out->closed = c->closed;
@@ -483,12 +483,12 @@ ric_cycle *ric_cycle_repeat(const ric_cycle *c, int q)
 
 /* ------------------------------------------------------------- comparison */
 
-static double size_of(const ric_cycle *c)
+static double size_of(const ric_periodic *c)
 {
     return 1 + sqrt(ric_dot(2 * c->n, c->w, c->w));
 }
 
-double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b)
+double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b)
 {
     double sum = 0, size = size_of(a);
     if (a->N != b->N || a->closed != b->closed || memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face))
@@ -498,7 +498,7 @@ double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b)
     return sum;
 }
 
-static bool same_word(const ric_model *m, const ric_cycle *a, const ric_cycle *b, int shift, bool reverse, bool mirror)
+static bool same_word(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse, bool mirror)
 {
     int N = a->N;
     for (int i = 0; i < N; i++) {
@@ -510,7 +510,7 @@ static bool same_word(const ric_model *m, const ric_cycle *a, const ric_cycle *b
 }
 
 /* Distance of the image of b under an operation from a; infinity when the words differ. */
-static double image_distance(const ric_model *m, const ric_cycle *a, const ric_cycle *b, int shift, bool reverse,
+static double image_distance(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse,
                              bool mirror)
 {
     if (!same_word(m, a, b, shift, reverse, mirror)) return HUGE_VAL;
@@ -519,26 +519,26 @@ static double image_distance(const ric_model *m, const ric_cycle *a, const ric_c
         int j = reverse ? modulo(shift - i - 1, a->N) : modulo(shift + i, a->N);
         if (fabs(a->tau[i] - b->tau[j]) > 1e-2) return HUGE_VAL;
     }
-    ric_cycle *image = ric_cycle_transform(m, b, shift, reverse, mirror);
-    double distance = image ? ric_cycle_distance(a, image) : HUGE_VAL;
-    ric_cycle_free(image);
+    ric_periodic *image = ric_periodic_transform(m, b, shift, reverse, mirror);
+    double distance = image ? ric_periodic_distance(a, image) : HUGE_VAL;
+    ric_periodic_free(image);
     return distance;
 }
 
-bool ric_cycle_alike(const ric_model *m, const ric_cycle *a, const ric_cycle *b)
+bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_periodic *b)
 {
     bool found = false;
-    for (int op = 0; a->N == b->N && op < ric_cycle_operations(m); op++)
+    for (int op = 0; a->N == b->N && op < ric_periodic_operations(m); op++)
         for (int s = 0; s < a->N && !found; s++) found = same_word(m, a, b, s, op & 1, op & 2);
     return found;
 }
 
-bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift,
+bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance, int *shift,
                      bool *reverse, bool *mirror)
 {
     double nearest = HUGE_VAL;
     if (a->N != b->N) return false;
-    for (int op = 0; op < ric_cycle_operations(m); op++)
+    for (int op = 0; op < ric_periodic_operations(m); op++)
         for (int s = 0; s < a->N; s++) {
             double distance = image_distance(m, a, b, s, op & 1, op & 2);
             if (distance > tolerance || distance >= nearest) continue;
@@ -552,54 +552,54 @@ bool ric_cycle_match(const ric_model *m, const ric_cycle *a, const ric_cycle *b,
     return nearest < HUGE_VAL;
 }
 
-bool ric_cycle_same(const ric_model *m, const ric_cycle *a, const ric_cycle *b, double tolerance)
+bool ric_periodic_same(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance)
 {
     int shift;
     bool reverse, mirror;
-    if (ric_cycle_match(m, a, b, tolerance, &shift, &reverse, &mirror)) return true;
+    if (ric_periodic_match(m, a, b, tolerance, &shift, &reverse, &mirror)) return true;
     if (!m->smooth || a->N != b->N || a->pure >= 0 || a->flip >= 0) return false;
-    ric_cycle *image = ric_cycle_nearest_phase(m, a, b, tolerance);
+    ric_periodic *image = ric_periodic_nearest_phase(m, a, b, tolerance);
     bool found = image;
-    ric_cycle_free(image);
+    ric_periodic_free(image);
     return found;
 }
 
-bool ric_cycle_repeats(const ric_model *m, const ric_cycle *c, double tolerance)
+bool ric_periodic_repeats(const ric_model *m, const ric_periodic *c, double tolerance)
 {
-    if (m->smooth) return ric_cycle_copies(m, c, tolerance) > 1;
+    if (m->smooth) return ric_periodic_copies(m, c, tolerance) > 1;
     for (int s = 1; s < c->N; s++)
         if (c->N % s == 0 && image_distance(m, c, c, s, false, false) <= tolerance) return true;
     return false;
 }
 
-ric_cycle *ric_cycle_nearest(const ric_model *m, const ric_cycle *orbit, const ric_cycle *near, double limit)
+ric_periodic *ric_periodic_nearest(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near, double limit)
 {
-    ric_cycle *best = NULL;
+    ric_periodic *best = NULL;
     double least = limit;
-    if (m->smooth && orbit->pure < 0 && orbit->flip < 0) return ric_cycle_nearest_phase(m, orbit, near, limit);
-    for (int op = 0; op < ric_cycle_operations(m); op++)
+    if (m->smooth && orbit->pure < 0 && orbit->flip < 0) return ric_periodic_nearest_phase(m, orbit, near, limit);
+    for (int op = 0; op < ric_periodic_operations(m); op++)
         for (int k = 0; k < near->N; k++) {
-            ric_cycle *image = ric_cycle_transform(m, near, k, op & 1, op & 2);
-            double distance = image ? ric_cycle_distance(orbit, image) : HUGE_VAL;
+            ric_periodic *image = ric_periodic_transform(m, near, k, op & 1, op & 2);
+            double distance = image ? ric_periodic_distance(orbit, image) : HUGE_VAL;
             if (distance < least) {
-                ric_cycle *last = best;
+                ric_periodic *last = best;
                 best = image;
                 image = last;
                 least = distance;
             }
-            ric_cycle_free(image);
+            ric_periodic_free(image);
         }
     return best;
 }
 
-int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance)
+int ric_periodic_find_symmetries(const ric_model *m, ric_periodic *c, double tolerance)
 {
     int N = c->N, q = 1;
     c->half = false;
     c->pure = c->flip = -1;
     if (m->smooth) {
-        q = ric_cycle_copies(m, c, tolerance);
-        if (!ric_cycle_mark(c, N = 2 * q)) return 1;
+        q = ric_periodic_copies(m, c, tolerance);
+        if (!ric_periodic_mark(c, N = 2 * q)) return 1;
     }
     for (int s = 1; s < N; s++)
         if (N % s == 0 && image_distance(m, c, c, s, false, false) <= tolerance) {
@@ -614,23 +614,23 @@ int ric_cycle_find_symmetries(const ric_model *m, ric_cycle *c, double tolerance
         if (c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
     }
     /* the other reversal a quarter on */
-    if (m->smooth && c->pure < 0 && c->flip < 0 && ric_cycle_find_mirrors(m, c, q, tolerance) && c->half)
+    if (m->smooth && c->pure < 0 && c->flip < 0 && ric_periodic_find_mirrors(m, c, q, tolerance) && c->half)
         *(c->pure < 0 ? &c->pure : &c->flip) = 1;
     /* smooth orbits with all symmetries start at a centre */
-    if (m->smooth && c->half && c->pure == 0) ric_cycle_half_mark(m, c);
+    if (m->smooth && c->half && c->pure == 0) ric_periodic_half_mark(m, c);
     return q;
 }
 
-void ric_cycle_word(const ric_model *m, const ric_cycle *c, int *word)
+void ric_periodic_word(const ric_model *m, const ric_periodic *c, int *word)
 {
     uint64_t closed = c->closed;
-    for (int i = 0; i < ric_cycle_letters(c); i++) {
+    for (int i = 0; i < ric_periodic_letters(c); i++) {
         if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
         word[i] = m->face[c->face[i]].spring > 0 && !(closed >> c->face[i] & 1) ? m->n_face + c->face[i] : c->face[i];
     }
 }
 
-void ric_cycle_spell(const ric_model *m, ric_cycle *c, const int *word)
+void ric_periodic_spell(const ric_model *m, ric_periodic *c, const int *word)
 {
     uint64_t met = 0;
     c->closed = 0;
@@ -648,7 +648,7 @@ static uint64_t bit_of(int face)
     return face < 0 ? 0 : (uint64_t)1 << (face % RIC_FACES_MAX);
 }
 
-int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b)
+int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_periodic *b)
 {
     uint64_t x = a->closed, y = b->closed;
     double size = size_of(a);
@@ -668,18 +668,18 @@ int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b)
     return 0;
 }
 
-ric_cycle *ric_cycle_canonical(const ric_model *m, const ric_cycle *c)
+ric_periodic *ric_periodic_canonical(const ric_model *m, const ric_periodic *c)
 {
-    ric_cycle *best = ric_cycle_copy(c);
-    for (int op = 0; best && op < ric_cycle_operations(m); op++)
+    ric_periodic *best = ric_periodic_copy(c);
+    for (int op = 0; best && op < ric_periodic_operations(m); op++)
         for (int s = 0; s < c->N; s++) {
-            ric_cycle *image = ric_cycle_transform(m, c, s, op & 1, op & 2);
-            if (image && ric_cycle_compare(ric_cycle_springs(m), image, best) < 0) {
-                ric_cycle *swap = best;
+            ric_periodic *image = ric_periodic_transform(m, c, s, op & 1, op & 2);
+            if (image && ric_periodic_compare(ric_periodic_springs(m), image, best) < 0) {
+                ric_periodic *swap = best;
                 best = image;
                 image = swap;
             }
-            ric_cycle_free(image);
+            ric_periodic_free(image);
         }
     return best;
 }

@@ -1,5 +1,5 @@
 /* One period of an orbit as a closed list of events: impacts, and the closings and openings of springs, and what maps
- * it to itself. Chains (chain.h) are made from it and turned back.
+ * it to itself. Chains (shooting.h) are made from it and turned back.
  *
  * Impact i is followed by flight i. The group that acts: time shifts (the first impact changes), time reversal, and x
  * -> -x where the structure allows it. On the circle of 2N half positions, 2i is impact i and 2i + 1 the middle of
@@ -20,101 +20,101 @@ typedef struct {
     bool half;     /* z(t+T/2) = -z(t) */
     int pure;      /* reversal i -> pure - i keeps the orbit; -1: none */
     int flip;      /* the same joined with x -> -x; -1: none */
-    int parts;     /* law power: of the period, between nodes at which chains let it start anew (nodes.h), at least; 0:
+    int parts;     /* law power: of the period, between nodes at which chains let it start anew (shooting_nodes.h), at least; 0:
                     * chains have none */
-} ric_cycle;
+} ric_periodic;
 
-ric_cycle *ric_cycle_create(int n, int N);
-ric_cycle *ric_cycle_copy(const ric_cycle *cycle);
-void ric_cycle_free(ric_cycle *cycle);
+ric_periodic *ric_periodic_create(int n, int N);
+ric_periodic *ric_periodic_copy(const ric_periodic *cycle);
+void ric_periodic_free(ric_periodic *cycle);
 
 /* The orbit of a chain at u (evaluated or flown there); symmetries are those of the chain's form. NULL: no memory. */
-ric_cycle *ric_cycle_from_chain(const ric_chain *chain, const double *u);
+ric_periodic *ric_periodic_from_chain(const ric_shooting *chain, const double *u);
 /* The event from which a chain of the general form starts. */
-int ric_cycle_start(const ric_model *model, const ric_cycle *cycle);
+int ric_periodic_start(const ric_model *model, const ric_periodic *cycle);
 /* The chain of the form that the cycle's symmetries allow, and its unknowns, *u allocated. */
-ric_status ric_cycle_to_chain(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
+ric_status ric_periodic_to_chain(const ric_model *model, const ric_periodic *cycle, ric_shooting **chain, double **u);
 
 /* Springs of a model: bits, one per face. */
-uint64_t ric_cycle_springs(const ric_model *model);
+uint64_t ric_periodic_springs(const ric_model *model);
 /* Impacts of a cycle, a contact of a spring from closing to opening counted as one. */
-int ric_cycle_impacts(uint64_t springs, const ric_cycle *cycle);
+int ric_periodic_impacts(uint64_t springs, const ric_periodic *cycle);
 /* Its letters as they leave the library, [N], or none without impacts: n_face + face where a spring opens. And back:
  * faces, and the springs that are closed. */
-void ric_cycle_word(const ric_model *model, const ric_cycle *cycle, int *word);
-void ric_cycle_spell(const ric_model *model, ric_cycle *cycle, const int *word);
+void ric_periodic_word(const ric_model *model, const ric_periodic *cycle, int *word);
+void ric_periodic_spell(const ric_model *model, ric_periodic *cycle, const int *word);
 /* The springs that are closed in flight i. */
-uint64_t ric_cycle_closed(const ric_model *model, const ric_cycle *cycle, int i);
+uint64_t ric_periodic_closed(const ric_model *model, const ric_periodic *cycle, int i);
 
 /* States after every impact [N * 2n]. */
-void ric_cycle_states(const ric_model *model, const ric_cycle *cycle, double *W);
+void ric_periodic_states(const ric_model *model, const ric_periodic *cycle, double *W);
 /* State at time t after impact 0, taken modulo the period, w [2n]. */
-void ric_cycle_at_time(const ric_model *model, const ric_cycle *cycle, double t, double *w);
-double ric_cycle_period(const ric_cycle *cycle);
-double ric_cycle_energy(const ric_model *model, const ric_cycle *cycle);
+void ric_periodic_at_time(const ric_model *model, const ric_periodic *cycle, double t, double *w);
+double ric_periodic_period(const ric_periodic *cycle);
+double ric_periodic_energy(const ric_model *model, const ric_periodic *cycle);
 
 /* Operations that take every motion of the structure to one: below this number, bit 0 for time reversal and bit 1 for
  * x -> -x. A motion that only meets contacts with both sides may have a mirror image, and be its own, in a structure
  * where others have none. */
-int ric_cycle_operations(const ric_model *model);
+int ric_periodic_operations(const ric_model *model);
 /* The same orbit started at impact `shift`, then run backwards (impact 0 stays first), then mirrored. NULL: no memory,
  * or a face that it meets has no opposite. */
-ric_cycle *ric_cycle_transform(const ric_model *model, const ric_cycle *cycle, int shift, bool reverse, bool mirror);
+ric_periodic *ric_periodic_transform(const ric_model *model, const ric_periodic *cycle, int shift, bool reverse, bool mirror);
 /* Whether x -> -x takes every face of the orbit to a face. */
-bool ric_cycle_mirrors(const ric_model *model, const ric_cycle *cycle);
+bool ric_periodic_mirrors(const ric_model *model, const ric_periodic *cycle);
 /* Only the impacts with keep[i]; the others, of no speed, are flown through. At least one is kept. Symmetries that the
  * choice breaks go. */
-ric_cycle *ric_cycle_keep(const ric_model *model, const ric_cycle *cycle, const bool *keep);
+ric_periodic *ric_periodic_keep(const ric_model *model, const ric_periodic *cycle, const bool *keep);
 /* The first N/q impacts of a cycle that repeats itself q times. */
-ric_cycle *ric_cycle_shorten(const ric_cycle *cycle, int q);
+ric_periodic *ric_periodic_shorten(const ric_periodic *cycle, int q);
 
 /* The cycle gone through q times; no symmetries are set. */
-ric_cycle *ric_cycle_repeat(const ric_cycle *cycle, int q);
+ric_periodic *ric_periodic_repeat(const ric_periodic *cycle, int q);
 
 /* Relative distance of two cycles as they stand (same faces needed, else infinity). */
-double ric_cycle_distance(const ric_cycle *a, const ric_cycle *b);
+double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b);
 /* Whether some image of b has the same word as a: without that no operation takes the one to the other. */
-bool ric_cycle_alike(const ric_model *model, const ric_cycle *a, const ric_cycle *b);
+bool ric_periodic_alike(const ric_model *model, const ric_periodic *a, const ric_periodic *b);
 /* The operation that takes b nearest to a, within `tolerance`: found or not. */
-bool ric_cycle_match(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance, int *shift,
+bool ric_periodic_match(const ric_model *model, const ric_periodic *a, const ric_periodic *b, double tolerance, int *shift,
                      bool *reverse, bool *mirror);
 /* Whether there is one, however it reads. */
-bool ric_cycle_same(const ric_model *model, const ric_cycle *a, const ric_cycle *b, double tolerance);
+bool ric_periodic_same(const ric_model *model, const ric_periodic *a, const ric_periodic *b, double tolerance);
 /* Whether the cycle is one of fewer impacts gone through several times. */
-bool ric_cycle_repeats(const ric_model *model, const ric_cycle *cycle, double tolerance);
+bool ric_periodic_repeats(const ric_model *model, const ric_periodic *cycle, double tolerance);
 /* The image of `near` under the group that is nearest to `orbit`. NULL: none within `limit`, or no memory. */
-ric_cycle *ric_cycle_nearest(const ric_model *model, const ric_cycle *orbit, const ric_cycle *near, double limit);
+ric_periodic *ric_periodic_nearest(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near, double limit);
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
-int ric_cycle_find_symmetries(const ric_model *model, ric_cycle *cycle, double tolerance);
+int ric_periodic_find_symmetries(const ric_model *model, ric_periodic *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */
-int ric_cycle_compare(uint64_t springs, const ric_cycle *a, const ric_cycle *b);
+int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_periodic *b);
 /* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as
  * equal). */
-ric_cycle *ric_cycle_canonical(const ric_model *model, const ric_cycle *cycle);
+ric_periodic *ric_periodic_canonical(const ric_model *model, const ric_periodic *cycle);
 
 
 /* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no
  * memory. */
-bool ric_cycle_mark(ric_cycle *cycle, int marks);
+bool ric_periodic_mark(ric_periodic *cycle, int marks);
 /* Sets the state half a period on, w [2n], or forgets it, NULL; false: no memory. */
-bool ric_cycle_oppose(ric_cycle *cycle, const double *w);
-ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u);
-ric_status ric_cycle_to_smooth(const ric_model *model, const ric_cycle *cycle, ric_chain **chain, double **u);
+bool ric_periodic_oppose(ric_periodic *cycle, const double *w);
+ric_periodic *ric_periodic_from_smooth(const ric_shooting *chain, const double *u);
+ric_status ric_periodic_to_smooth(const ric_model *model, const ric_periodic *cycle, ric_shooting **chain, double **u);
 /* Orbits without mirror points may start at any time. Moves the start of `near` to where it is nearest to that of
  * `orbit`, across the flow there; returns the time that takes. Or by a given time, and across the flow from there. */
-double ric_cycle_phase(const ric_model *model, const ric_cycle *orbit, ric_cycle *near);
-void ric_cycle_shift(const ric_model *model, const ric_cycle *orbit, double time, ric_cycle *near);
-/* ric_cycle_nearest of such orbits. */
-ric_cycle *ric_cycle_nearest_phase(const ric_model *model, const ric_cycle *orbit, const ric_cycle *near, double limit);
+double ric_periodic_phase(const ric_model *model, const ric_periodic *orbit, ric_periodic *near);
+void ric_periodic_shift(const ric_model *model, const ric_periodic *orbit, double time, ric_periodic *near);
+/* ric_periodic_nearest of such orbits. */
+ric_periodic *ric_periodic_nearest_phase(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near, double limit);
 /* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts at one of them
  * afterwards. */
-bool ric_cycle_find_mirrors(const ric_model *model, ric_cycle *cycle, int copies, double tolerance);
+bool ric_periodic_find_mirrors(const ric_model *model, ric_periodic *cycle, int copies, double tolerance);
 /* The same orbit started half a mark later. */
-void ric_cycle_half_mark(const ric_model *model, ric_cycle *cycle);
+void ric_periodic_half_mark(const ric_model *model, ric_periodic *cycle);
 /* How often a shorter orbit is gone through, up to RIC_COPIES times. */
 enum { RIC_COPIES = 24 };
-int ric_cycle_copies(const ric_model *model, const ric_cycle *cycle, double tolerance);
+int ric_periodic_copies(const ric_model *model, const ric_periodic *cycle, double tolerance);
 /* Letters of its word: N, or none where there are only marks. */
-int ric_cycle_letters(const ric_cycle *cycle);
+int ric_periodic_letters(const ric_periodic *cycle);
 
 #endif

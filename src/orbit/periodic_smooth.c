@@ -1,5 +1,5 @@
 /* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face -1 and without
- * effect, to which the operations of cycle.h refer. An orbit with mirror points starts at one of them; one without at
+ * effect, to which the operations of periodic.h refer. An orbit with mirror points starts at one of them; one without at
  * the instant of largest |s| of the first contact, which every symmetry respects (docs/theory.md section 10). */
 #include <stdlib.h>
 #include <string.h>
@@ -14,9 +14,9 @@
 #define SHORTEST 1e-6    /* a piece shorter than this part of the longest is none: the flow cannot be followed */
 #define NEWTON_STEPS 8
 
-bool ric_cycle_mark(ric_cycle *c, int marks)
+bool ric_periodic_mark(ric_periodic *c, int marks)
 {
-    double period = ric_cycle_period(c);
+    double period = ric_periodic_period(c);
     int *face = realloc(c->face, ((size_t)marks + 1) * sizeof *face);
     if (face) c->face = face;
     double *tau = realloc(c->tau, ((size_t)marks + 1) * sizeof *tau);
@@ -30,7 +30,7 @@ bool ric_cycle_mark(ric_cycle *c, int marks)
     return true;
 }
 
-bool ric_cycle_oppose(ric_cycle *c, const double *w)
+bool ric_periodic_oppose(ric_periodic *c, const double *w)
 {
     size_t bytes = 2 * (size_t)c->n * sizeof *w;
     if (!w) {
@@ -44,15 +44,15 @@ bool ric_cycle_oppose(ric_cycle *c, const double *w)
 }
 
 /* Moves the start by a time along the orbit. */
-static void move(const ric_model *m, ric_cycle *c, double time)
+static void move(const ric_model *m, ric_periodic *c, double time)
 {
     ric_flight_go(m, 0, -1, time, c->w, c->w);
-    ric_cycle_oppose(c, NULL);
+    ric_periodic_oppose(c, NULL);
 }
 
-void ric_cycle_half_mark(const ric_model *m, ric_cycle *c)
+void ric_periodic_half_mark(const ric_model *m, ric_periodic *c)
 {
-    move(m, c, ric_cycle_period(c) / (2 * c->N));
+    move(m, c, ric_periodic_period(c) / (2 * c->N));
     if (c->pure >= 0) c->pure = (c->pure + c->N - 1) % c->N;
     if (c->flip >= 0) c->flip = (c->flip + c->N - 1) % c->N;
 }
@@ -173,51 +173,51 @@ static double to_neighbour(const ric_model *m, double period, const double *to, 
     return result;
 }
 
-double ric_cycle_phase(const ric_model *m, const ric_cycle *orbit, ric_cycle *near)
+double ric_periodic_phase(const ric_model *m, const ric_periodic *orbit, ric_periodic *near)
 {
-    ric_cycle_oppose(near, NULL);
-    return ric_cycle_mark(near, orbit->N) ? to_neighbour(m, ric_cycle_period(near), orbit->w, near->w) : 0;
+    ric_periodic_oppose(near, NULL);
+    return ric_periodic_mark(near, orbit->N) ? to_neighbour(m, ric_periodic_period(near), orbit->w, near->w) : 0;
 }
 
-void ric_cycle_shift(const ric_model *m, const ric_cycle *orbit, double time, ric_cycle *near)
+void ric_periodic_shift(const ric_model *m, const ric_periodic *orbit, double time, ric_periodic *near)
 {
     move(m, near, time);
-    onto_plane(m, orbit->w, piece(m, ric_cycle_period(near), orbit->w), near->w, &(double){0});
+    onto_plane(m, orbit->w, piece(m, ric_periodic_period(near), orbit->w), near->w, &(double){0});
 }
 
-ric_cycle *ric_cycle_nearest_phase(const ric_model *m, const ric_cycle *orbit, const ric_cycle *near, double limit)
+ric_periodic *ric_periodic_nearest_phase(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near, double limit)
 {
-    ric_cycle *best = NULL;
+    ric_periodic *best = NULL;
     double least = limit;
-    for (int op = 0; op < ric_cycle_operations(m); op++) {
-        ric_cycle *image = ric_cycle_transform(m, near, 0, op & 1, op & 2);
+    for (int op = 0; op < ric_periodic_operations(m); op++) {
+        ric_periodic *image = ric_periodic_transform(m, near, 0, op & 1, op & 2);
         if (!image) continue;
-        ric_cycle_phase(m, orbit, image);
-        double off = ric_cycle_distance(orbit, image);
+        ric_periodic_phase(m, orbit, image);
+        double off = ric_periodic_distance(orbit, image);
         if (off < least) {
-            ric_cycle *last = best;
+            ric_periodic *last = best;
             best = image;
             image = last;
             least = off;
         }
-        ric_cycle_free(image);
+        ric_periodic_free(image);
     }
     return best;
 }
 
 /* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of that behind w, and
  * half a period on. */
-bool ric_cycle_find_mirrors(const ric_model *m, ric_cycle *c, int copies, double tolerance)
+bool ric_periodic_find_mirrors(const ric_model *m, ric_periodic *c, int copies, double tolerance)
 {
-    double period = ric_cycle_period(c) / copies;
-    for (int flip = 0; flip < ric_cycle_operations(m) / 2; flip++) {
-        ric_cycle *image = ric_cycle_transform(m, c, 0, true, flip), *once = image ? ric_cycle_copy(c) : NULL;
-        bool found = once && ric_cycle_mark(image, 2) && ric_cycle_mark(once, 2);
+    double period = ric_periodic_period(c) / copies;
+    for (int flip = 0; flip < ric_periodic_operations(m) / 2; flip++) {
+        ric_periodic *image = ric_periodic_transform(m, c, 0, true, flip), *once = image ? ric_periodic_copy(c) : NULL;
+        bool found = once && ric_periodic_mark(image, 2) && ric_periodic_mark(once, 2);
         for (int i = 0; found && i < 2; i++) once->tau[i] = image->tau[i] = period / 2;
-        double time = found ? ric_cycle_phase(m, once, image) : 0;
-        found = found && ric_cycle_distance(once, image) <= tolerance;
-        ric_cycle_free(image);
-        ric_cycle_free(once);
+        double time = found ? ric_periodic_phase(m, once, image) : 0;
+        found = found && ric_periodic_distance(once, image) <= tolerance;
+        ric_periodic_free(image);
+        ric_periodic_free(once);
         if (!found) continue;
         move(m, c, -time / 2);
         *(flip ? &c->flip : &c->pure) = 0;
@@ -226,11 +226,11 @@ bool ric_cycle_find_mirrors(const ric_model *m, ric_cycle *c, int copies, double
     return false;
 }
 
-ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u)
+ric_periodic *ric_periodic_from_smooth(const ric_shooting *chain, const double *u)
 {
-    ric_cycle *c = ric_cycle_create(chain->n, 2);
+    ric_periodic *c = ric_periodic_create(chain->n, 2);
     if (!c) return NULL;
-    double period = ric_chain_time(chain, u);
+    double period = ric_shooting_time(chain, u);
     c->face[0] = c->face[1] = -1;
     c->tau[0] = c->tau[1] = period / 2;
     c->parts = chain->parts > 1 ? chain->parts * chain->multiple : 0;
@@ -251,17 +251,17 @@ ric_cycle *ric_cycle_from_smooth(const ric_chain *chain, const double *u)
     const double *end = chain->w + 2 * chain->n;
     bool rest = chain->end == RIC_MIRROR_REST;
     for (int i = 0; i < 2 * chain->n; i++) far[i] = c->half ? -c->w[i] : (i < chain->n) == rest ? end[i] : 0;
-    if (ric_cycle_oppose(c, far)) return c;
-    ric_cycle_free(c);
+    if (ric_periodic_oppose(c, far)) return c;
+    ric_periodic_free(c);
     return NULL;
 }
 
-ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain **chain, double **u)
+ric_status ric_periodic_to_smooth(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
 {
     static const int face[] = {-1, -1};
     int n = c->n, N = c->N, from = 0;
     ric_mirror start = RIC_MIRROR_NONE, end = RIC_MIRROR_NONE;
-    double period = ric_cycle_period(c), w[2 * n];
+    double period = ric_periodic_period(c), w[2 * n];
     if (c->pure >= 0) {
         start = c->half ? RIC_MIRROR_CENTRE : RIC_MIRROR_REST;
         end = RIC_MIRROR_REST;
@@ -270,18 +270,18 @@ ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain
         start = end = RIC_MIRROR_CENTRE;
         from = c->flip;
     }
-    ric_status status = ric_chain_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face, chain);
+    ric_status status = ric_shooting_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face, chain);
     *u = NULL;
     if (status) return status;
     int parts = (c->parts + (*chain)->multiple - 1) / (*chain)->multiple;
     if (parts > RIC_PARTS_MOST) parts = RIC_PARTS_MOST;
-    if (parts > 1 && (status = ric_nodes_divide(*chain, parts))) {
-        ric_chain_free(*chain);
+    if (parts > 1 && (status = ric_shooting_nodes_divide(*chain, parts))) {
+        ric_shooting_free(*chain);
         *chain = NULL;
         return status;
     }
     if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
-        ric_chain_free(*chain);
+        ric_shooting_free(*chain);
         *chain = NULL;
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
     }
@@ -289,14 +289,14 @@ ric_status ric_cycle_to_smooth(const ric_model *m, const ric_cycle *c, ric_chain
     if (from) ric_flight_go(m, 0, -1, from * period / (2 * N), w, w);
     memcpy(*u, start == RIC_MIRROR_CENTRE ? w + n : w, (size_t)(*chain)->n_start * sizeof **u);
     (*u)[(*chain)->n_start] = period / (*chain)->multiple;
-    ric_nodes_spread(*chain, *u);
+    ric_shooting_nodes_spread(*chain, *u);
     return RIC_OK;
 }
 
-int ric_cycle_copies(const ric_model *m, const ric_cycle *c, double tolerance)
+int ric_periodic_copies(const ric_model *m, const ric_periodic *c, double tolerance)
 {
     int n = c->n;
-    double w[2 * n], period = ric_cycle_period(c), size = 1 + sqrt(ric_dot(2 * n, c->w, c->w));
+    double w[2 * n], period = ric_periodic_period(c), size = 1 + sqrt(ric_dot(2 * n, c->w, c->w));
     for (int q = RIC_COPIES; q > 1; q--) {
         double off = 0;
         ric_flight_go(m, 0, -1, period / q, c->w, w);

@@ -27,9 +27,9 @@ typedef struct {
 } sample;
 
 typedef struct {
-    const ric_chain *chain;
+    const ric_shooting *chain;
     int flight, contact, n;
-    const ric_phase *phase; /* NULL while all springs are open */
+    const ric_regime *phase; /* NULL while all springs are open */
     double *start, *end; /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
     const double *omega, *kappa, *g; /* [n] of the phase; g of the contact */
     double rest; /* of the gap coordinate */
@@ -208,7 +208,7 @@ static bool is_bounded(const search *q, sample l, sample r)
 
 static void search_contact(search *q)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
     int n = q->n, k = q->flight, last = c->n_flight - 1;
     const double *w = q->start, *e = q->end,
@@ -254,7 +254,7 @@ static void search_contact(search *q)
 /* The ends of the present flight in coordinates of its phase; false where it has none. */
 static bool enter_flight(search *q)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
     int n = q->n, k = q->flight;
     memcpy(q->start, c->w + 2 * n * k, 2 * (size_t)n * sizeof *q->start);
@@ -264,11 +264,11 @@ static bool enter_flight(search *q)
     q->omega = m->omega;
     q->kappa = m->kappa;
     if (!c->closed[k]) return true;
-    if (ric_phase_get(m, c->closed[k], &q->phase)) return false;
+    if (ric_regime_get(m, c->closed[k], &q->phase)) return false;
     q->omega = q->phase->omega;
     q->kappa = q->phase->kappa;
-    ric_phase_enter(q->phase, q->start, q->start);
-    ric_phase_enter(q->phase, q->end, q->end);
+    ric_regime_enter(q->phase, q->start, q->start);
+    ric_regime_enter(q->phase, q->end, q->end);
     return true;
 }
 
@@ -294,11 +294,11 @@ static void choose_faces(search *q, int first)
  * stationary, and neither flight beside it has that point inside. */
 static void search_rest(search *q)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
     int k = q->flight, last = c->n_flight - 1;
     bool first = k == 0 && c->start == RIC_MIRROR_REST;
-    if (!ric_chain_touches(c, k) || fabs(q->tau) >= NO_TIME) return;
+    if (!ric_shooting_touches(c, k) || fabs(q->tau) >= NO_TIME) return;
     if (!first && (k != last || c->end != RIC_MIRROR_REST)) return;
     int own = m->face[c->face[first ? 1 : k]].contact;
     for (int f = 0; f < m->n_face; f += m->face[f].mirror >= 0 ? 2 : 1) {
@@ -310,7 +310,7 @@ static void search_rest(search *q)
 
 static void search_all(search *q, const double *u)
 {
-    const ric_chain *c = q->chain;
+    const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
     double ends[4 * q->n];
     q->start = ends;
@@ -333,12 +333,12 @@ static void search_all(search *q, const double *u)
     }
 }
 
-static bool shows_image(const ric_chain *c)
+static bool shows_image(const ric_shooting *c)
 {
-    return ric_chain_halves(c) || c->start == RIC_MIRROR_CENTRE;
+    return ric_shooting_halves(c) || c->start == RIC_MIRROR_CENTRE;
 }
 
-double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
+double ric_reach(const ric_shooting *chain, const double *u, ric_touch *where)
 {
     search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain)};
     if (chain->model->smooth) { /* nothing to touch */
@@ -353,7 +353,7 @@ double ric_reach(const ric_chain *chain, const double *u, ric_touch *where)
     return q.best;
 }
 
-int ric_reach_all(const ric_chain *chain, const double *u, double threshold, int capacity, ric_touch *touches)
+int ric_reach_all(const ric_shooting *chain, const double *u, double threshold, int capacity, ric_touch *touches)
 {
     search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain), .threshold = threshold,
                 .capacity = capacity, .touches = touches};

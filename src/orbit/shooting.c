@@ -7,7 +7,7 @@
 
 #include "base/room.h"
 
-#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (smooth.h): of 600 flights 599 keep within
+#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (power_flow.h): of 600 flights 599 keep within
                            * it */
 
 static int count_start(const ric_model *m, ric_mirror start)
@@ -26,11 +26,11 @@ static int count_periods(ric_mirror start, ric_mirror end, int sigma)
     return (start == RIC_MIRROR_CENTRE) != (end == RIC_MIRROR_CENTRE) ? 4 : 2;
 }
 
-ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
-                            const int *face, ric_chain **out)
+ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
+                            const int *face, ric_shooting **out)
 {
     int n = model->n;
-    ric_chain *c = calloc(1, sizeof *c);
+    ric_shooting *c = calloc(1, sizeof *c);
     *out = NULL;
     if (!c) return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem");
     c->model = model;
@@ -62,16 +62,16 @@ ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror
     c->flown = calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
     if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv ||
         !c->beta || !c->zeta || !c->X || !c->flown) {
-        ric_chain_free(c);
+        ric_shooting_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
     memcpy(c->face, face, (flights + 1) * sizeof *face);
-    ric_chain_close(c, 0);
+    ric_shooting_close(c, 0);
     *out = c;
     return RIC_OK;
 }
 
-void ric_chain_close(ric_chain *c, uint64_t closed)
+void ric_shooting_close(ric_shooting *c, uint64_t closed)
 {
     double fastest = 0;
     c->closed[0] = closed;
@@ -80,18 +80,18 @@ void ric_chain_close(ric_chain *c, uint64_t closed)
     c->fastest = fastest;
 }
 
-ric_chain *ric_chain_copy(const ric_chain *c)
+ric_shooting *ric_shooting_copy(const ric_shooting *c)
 {
-    ric_chain *copy = NULL;
-    ric_chain_create(c->model, c->start, c->end, c->sigma, c->n_flight, c->face, &copy);
+    ric_shooting *copy = NULL;
+    ric_shooting_create(c->model, c->start, c->end, c->sigma, c->n_flight, c->face, &copy);
     if (!copy) return NULL;
-    ric_chain_close(copy, c->closed[0]);
-    if (c->parts == 1 || !ric_nodes_divide(copy, c->parts)) return copy;
-    ric_chain_free(copy);
+    ric_shooting_close(copy, c->closed[0]);
+    if (c->parts == 1 || !ric_shooting_nodes_divide(copy, c->parts)) return copy;
+    ric_shooting_free(copy);
     return NULL;
 }
 
-void ric_chain_free(ric_chain *c)
+void ric_shooting_free(ric_shooting *c)
 {
     if (!c) return;
     free(c->face);
@@ -114,7 +114,7 @@ void ric_chain_free(ric_chain *c)
 /* ---------------------------------------------------------------- states */
 
 /* Start state from the start block; returns the gap residual at an impact start (0 elsewhere). */
-static double start_state(ric_chain *c, const double *u)
+static double start_state(ric_shooting *c, const double *u)
 {
     int n = c->n;
     double *w = c->w;
@@ -141,16 +141,16 @@ static double start_state(ric_chain *c, const double *u)
 }
 
 /* `u` from the time of flight k on. Returns what the flight leaves of the condition at its end. */
-static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n, int k, const double *u)
+static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int n, int k, const double *u)
 {
     const ric_model *m = c->model;
     double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1), tau = *u;
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
     c->tau[k] = tau;
     if (m->smooth) {
-        if (!ric_nodes_fly(c, k, u)) return 0;
+        if (!ric_shooting_nodes_fly(c, k, u)) return 0;
     } else if (ric_flight_dense(m, c->closed[k]))
-        ric_flight_map(m, c->closed[k], ric_chain_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
+        ric_flight_map(m, c->closed[k], ric_shooting_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
     else {
         ric_flight_trig(m, n, tau, map);
         ric_flight(n, map, c->w + 2 * n * k, w);
@@ -171,7 +171,7 @@ static inline __attribute__((always_inline)) double fly_one(ric_chain *c, int n,
 
 /* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E
  * p. */
-static double end_residual(const ric_chain *c, int i)
+static double end_residual(const ric_shooting *c, int i)
 {
     int n = c->n;
     const double *w = c->w + 2 * n * c->n_flight;
@@ -183,14 +183,14 @@ static double end_residual(const ric_chain *c, int i)
     }
 }
 
-static void set_residual(ric_chain *c, const double *u, double largest)
+static void set_residual(ric_shooting *c, const double *u, double largest)
 {
     int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
     double sum = 0;
     for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
     for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
     c->scale = 1 + sqrt(sum);
-    largest = fmax(largest, ric_nodes_gap(c, u));
+    largest = fmax(largest, ric_shooting_nodes_gap(c, u));
     double longest = 0, fastest = 0;
     const double *end = c->w + 2 * n * c->n_flight;
     for (int k = 0; k < c->n_flight; k++) longest = fmax(longest, u[c->n_start + k]);
@@ -205,7 +205,7 @@ static void set_residual(ric_chain *c, const double *u, double largest)
 }
 
 /* Nothing is known of the orbit any more. */
-static bool halted(ric_chain *c)
+static bool halted(ric_shooting *c)
 {
     if (!ric_halt((double)c->n_flight * c->n * (8 + c->n))) return false;
     c->residual = HUGE_VAL;
@@ -213,7 +213,7 @@ static bool halted(ric_chain *c)
     return true;
 }
 
-void ric_chain_fly(ric_chain *c, const double *u)
+void ric_shooting_fly(ric_shooting *c, const double *u)
 {
     if (halted(c)) return;
     double largest = fabs(start_state(c, u));
@@ -228,7 +228,7 @@ void ric_chain_fly(ric_chain *c, const double *u)
 /* ---------------------------------------------------------- factorisation */
 
 /* Columns of d(start state)/d(start block). */
-static inline __attribute__((always_inline)) void start_columns(ric_chain *c, int n, int rows, int ld)
+static inline __attribute__((always_inline)) void start_columns(ric_shooting *c, int n, int rows, int ld)
 {
     double *X = c->X;
     memset(X, 0, (size_t)rows * ld * sizeof *X);
@@ -251,13 +251,13 @@ static inline __attribute__((always_inline)) void start_columns(ric_chain *c, in
 }
 
 /* State at the end of flight k, before the impact there. */
-static inline void arriving(const ric_chain *c, int n, int k, double *w)
+static inline void arriving(const ric_shooting *c, int n, int k, double *w)
 {
     memcpy(w, c->w + 2 * n * (k + 1), (size_t)n * sizeof *w);
     memcpy(w + n, c->before + n * k, (size_t)n * sizeof *w);
 }
 
-static inline __attribute__((always_inline)) void carry_dense(ric_chain *c, int n, int nz, int k, int ld)
+static inline __attribute__((always_inline)) void carry_dense(ric_shooting *c, int n, int nz, int k, int ld)
 {
     const double *rate = c->rate + 2 * n * k;
     for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = 0; /* was the column of the last time, pinned by now */
@@ -267,7 +267,7 @@ static inline __attribute__((always_inline)) void carry_dense(ric_chain *c, int 
 
 /* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are
  * still at its start; the derivative by its time is returned. */
-static inline __attribute__((always_inline)) double chord_row(const ric_chain *c, int n, int nz, int k, int ld,
+static inline __attribute__((always_inline)) double chord_row(const ric_shooting *c, int n, int nz, int k, int ld,
                                                               double *g, double *offset)
 {
     double by_w[2 * n], by_tau, tau = c->tau[k];
@@ -282,14 +282,14 @@ static inline __attribute__((always_inline)) double chord_row(const ric_chain *c
 }
 
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
-static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, int nz, int k, double gap, bool pinned,
+static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n, int nz, int k, double gap, bool pinned,
                                                           int rows, int ld)
 {
     const ric_model *m = c->model;
     const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
     double *X = c->X, rho = 1, g[ld], offset = 0, by_tau = 0;
-    bool chord = ric_chain_between(c, k) && pinned;
-    if (c->closed[k]) ric_flight_onto(m, c->closed[k], ric_chain_event(c, k), ld, X);
+    bool chord = ric_shooting_between(c, k) && pinned;
+    if (c->closed[k]) ric_flight_onto(m, c->closed[k], ric_shooting_event(c, k), ld, X);
     if (chord) by_tau = chord_row(c, n, nz, k, ld, g, &offset);
     if (ric_flight_dense(m, c->closed[k])) carry_dense(c, n, nz, k, ld);
     else
@@ -336,7 +336,7 @@ static inline __attribute__((always_inline)) double carry(ric_chain *c, int n, i
 
 /* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the
  * inhomogeneous column. */
-static double end_rows_general(ric_chain *c, int columns)
+static double end_rows_general(ric_shooting *c, int columns)
 {
     int n = c->n, ld = c->ld;
     const double *wN = c->w + 2 * n * c->n_flight;
@@ -365,7 +365,7 @@ static double end_rows_general(ric_chain *c, int columns)
     return sign;
 }
 
-static void end_rows_reversible(ric_chain *c)
+static void end_rows_reversible(ric_shooting *c)
 {
     int n = c->n, ld = c->ld;
     double *X = c->X;
@@ -384,7 +384,7 @@ static void end_rows_reversible(ric_chain *c)
 }
 
 /* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the kernel. */
-static void eliminate_end(ric_chain *c, int columns, double sign)
+static void eliminate_end(ric_shooting *c, int columns, double sign)
 {
     int ld = c->ld, first = 1 + c->n_flight;
     c->smallest = HUGE_VAL;
@@ -398,7 +398,7 @@ static void eliminate_end(ric_chain *c, int columns, double sign)
     c->end_det = sign;
 }
 
-static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const double *u, int n, bool whole, bool nodes)
+static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, const double *u, int n, bool whole, bool nodes)
 {
     int rows = whole ? 4 * n : 2 * n, ld = nodes ? c->ld : whole ? 2 * n + 1 : n + 2, nz = c->n_start;
     double gap = start_state(c, u), largest = fabs(gap), sign = 1;
@@ -417,7 +417,7 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
     for (int k = 0; k < c->n_flight; k++) {
         bool pinned = c->face[k + 1] >= 0 && !(whole && k + 1 == c->n_flight);
         gap = fly_one(c, n, k, u + c->n_start + k);
-        if (nodes) sign *= ric_nodes_eliminate(c, u, free_columns, rows);
+        if (nodes) sign *= ric_shooting_nodes_eliminate(c, u, free_columns, rows);
         else if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
         if (pinned) largest = fmax(largest, fabs(gap));
     }
@@ -428,7 +428,7 @@ static inline __attribute__((always_inline)) void evaluate(ric_chain *c, const d
     set_residual(c, u, largest);
 }
 
-void ric_chain_evaluate(ric_chain *c, const double *u)
+void ric_shooting_evaluate(ric_shooting *c, const double *u)
 {
     bool whole = ric_general(c);
     if (halted(c)) return;
@@ -449,13 +449,13 @@ void ric_chain_evaluate(ric_chain *c, const double *u)
 
 /* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows
  * pinned, the first row's first. */
-static void unwind(const ric_chain *c, bool newton, double first, const double *end, double *du)
+static void unwind(const ric_shooting *c, bool newton, double first, const double *end, double *du)
 {
     int m = 1, free_columns = ric_general(c) ? 2 * c->n - 1 : c->n;
     double z[c->ld];
     z[0] = first;
     for (int r = c->n_end - 1; r >= 0; r--) ric_unpin(c, 1 + c->n_flight + r, ++m, end[r], z);
-    ric_nodes_unwind(c, newton, m, z, du);
+    ric_shooting_nodes_unwind(c, newton, m, z, du);
     for (int k = c->n_flight - 1; k >= 0; k--) {
         bool pinned = c->face[k + 1] >= 0 && !(ric_general(c) && k + 1 == c->n_flight);
         if (pinned) ric_unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
@@ -465,7 +465,7 @@ static void unwind(const ric_chain *c, bool newton, double first, const double *
     memcpy(du, z, (size_t)c->n_start * sizeof *du);
 }
 
-void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
+void ric_shooting_step(const ric_shooting *c, bool newton, double alpha, double *du)
 {
     double end[c->n_end + 1];
     for (int r = 0; r < c->n_end; r++) end[r] = newton ? c->zeta[1 + c->n_flight + r] : 0;
@@ -474,7 +474,7 @@ void ric_chain_step(const ric_chain *c, bool newton, double alpha, double *du)
 
 /* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal
  * maps: its kernel is the kernel of the whole, and its singular vectors are carried back like a step. */
-bool ric_chain_plane(const ric_chain *c, double *kernel, double *second)
+bool ric_shooting_plane(const ric_shooting *c, double *kernel, double *second)
 {
     int rows = c->n_end, columns = rows + 1;
     double L[rows * columns], V[columns * columns], values[rows], super[rows + 1];
@@ -495,19 +495,19 @@ bool ric_chain_plane(const ric_chain *c, double *kernel, double *second)
 
 /* ----------------------------------------------------------------- scalars */
 
-double ric_chain_time(const ric_chain *c, const double *u)
+double ric_shooting_time(const ric_shooting *c, const double *u)
 {
     double sum = 0;
     for (int k = 0; k < c->n_flight; k++) sum += u[c->n_start + k];
     return c->multiple * sum;
 }
 
-double ric_chain_energy(const ric_chain *c)
+double ric_shooting_energy(const ric_shooting *c)
 {
     return ric_flight_energy(c->model, c->closed[0], c->w);
 }
 
-double ric_chain_energy_slope(const ric_chain *c, const double *du)
+double ric_shooting_energy_slope(const ric_shooting *c, const double *du)
 {
     int n = c->n;
     double h[2 * n];
@@ -521,7 +521,7 @@ double ric_chain_energy_slope(const ric_chain *c, const double *du)
 
 /* ------------------------------------------------------------ dense (tests) */
 
-int ric_chain_residuals(ric_chain *c, const double *u, double *r)
+int ric_shooting_residuals(ric_shooting *c, const double *u, double *r)
 {
     int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
     double gap = start_state(c, u);
@@ -530,13 +530,13 @@ int ric_chain_residuals(ric_chain *c, const double *u, double *r)
         gap = fly_one(c, n, i, u + c->n_start + i);
         if (c->face[i + 1] >= 0 && !(ric_general(c) && i + 1 == c->n_flight)) r[k++] = gap;
     }
-    k += ric_nodes_residuals(c, u, r + k);
+    k += ric_shooting_nodes_residuals(c, u, r + k);
     for (int i = 0; i < rows; i++) r[k++] = end_residual(c, i);
     return k;
 }
 
-/* Pushes du through the chain after a ric_chain_fly; writes column j of J (n_unknown columns). */
-static void push(const ric_chain *c, const double *du, double *column)
+/* Pushes du through the chain after a ric_shooting_fly; writes column j of J (n_unknown columns). */
+static void push(const ric_shooting *c, const double *du, double *column)
 {
     int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
     const ric_model *m = c->model;
@@ -558,11 +558,11 @@ static void push(const ric_chain *c, const double *du, double *column)
         const double *map = c->map + c->stride * (size_t)i;
         double by_w[2 * n], by_tau = 0, chord = 0;
         if (c->parts > 1) {
-            k += ric_nodes_push(c, du, dw, column + k);
+            k += ric_shooting_nodes_push(c, du, dw, column + k);
             continue;
         }
-        if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_chain_event(c, i), 1, dw);
-        if (ric_chain_between(c, i)) {
+        if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_shooting_event(c, i), 1, dw);
+        if (ric_shooting_between(c, i)) {
             ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i], c->w + 2 * n * i, by_w, &by_tau);
             chord = ric_dot(2 * n, by_w, dw) + by_tau * du[c->n_start + i];
         }
@@ -578,7 +578,7 @@ static void push(const ric_chain *c, const double *du, double *column)
         if (c->face[i + 1] < 0) continue;
         const ric_face *face = &m->face[c->face[i + 1]];
         if (!(ric_general(c) && i + 1 == c->n_flight))
-            column[k++] = ric_chain_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
+            column[k++] = ric_shooting_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
         if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
     }
     for (int i = 0; i < rows; i++) {
@@ -591,15 +591,15 @@ static void push(const ric_chain *c, const double *du, double *column)
     }
 }
 
-int ric_chain_jacobian(ric_chain *c, const double *u, double *J)
+int ric_shooting_jacobian(ric_shooting *c, const double *u, double *J)
 {
-    int unknowns = c->n_unknown, equations = ric_chain_rows(c);
+    int unknowns = c->n_unknown, equations = ric_shooting_rows(c);
     double *du = calloc((size_t)unknowns, sizeof *du), *column = calloc((size_t)equations, sizeof *column);
     if (!du || !column) {
         equations = 0;
         goto out;
     }
-    equations = ric_chain_residuals(c, u, column);
+    equations = ric_shooting_residuals(c, u, column);
     for (int j = 0; j < unknowns; j++) {
         du[j] = 1;
         push(c, du, column);

@@ -4,7 +4,7 @@
  * reversible   mirror point -> mirror point: half a period, or a quarter when one is a centre and the other is not
  *
  * Unknowns u [n_unknown]: the start block, every flight time, and under a power law the states at inner nodes
- * (nodes.h), none unless asked for. One more unknown than equations: solutions form curves.
+ * (shooting_nodes.h), none unless asked for. One more unknown than equations: solutions form curves.
  * The Jacobian is never stored. Its columns travel with the flights; each impact condition is removed at once by one
  * Householder reflection from the right, so that at most 2 n columns are alive: an LQ factorisation that costs O(n^2)
  * an impact, is backward stable whatever the multipliers are, and never divides by an impact speed
@@ -33,7 +33,7 @@ typedef struct {
     int parts;             /* law power: of the flight, equally long, between inner nodes; 1: it has none */
     int n_unknown;         /* n_start + n_flight + 2n (parts - 1) */
 
-    /* set by ric_chain_evaluate */
+    /* set by ric_shooting_evaluate */
     double *w;             /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if
                             * there is one, but before it at an impact that is the end mirror) */
     double *tau;           /* [n_flight] */
@@ -63,19 +63,19 @@ typedef struct {
     double *flown;         /* law power: [2n + 1 + 2n (parts - 1)] start, time and nodes that `w`, `map` and `lost`
                             * belong to */
     double lost;           /* law power: rounding along the flight, of the part that loses most, over epsilon
-                            * (smooth.h) */
+                            * (power_flow.h) */
     double *part;          /* with inner nodes [parts * (4n^2 + 4n)]: of each part its map, its end, and dw/dt there */
     int ld;
-} ric_chain;
+} ric_shooting;
 
 /* Rows that a dense Jacobian takes at most. */
-static inline int ric_chain_rows(const ric_chain *c)
+static inline int ric_shooting_rows(const ric_shooting *c)
 {
     return c->n_flight + 2 * c->n * c->parts + 2;
 }
 
 /* Whether the chain's own map is that of half a period, joined with x -> -x. */
-static inline bool ric_chain_halves(const ric_chain *chain)
+static inline bool ric_shooting_halves(const ric_shooting *chain)
 {
     return chain->multiple == 4 || chain->sigma < 0;
 }
@@ -83,57 +83,57 @@ static inline bool ric_chain_halves(const ric_chain *chain)
 /* Whether flight k lies between two switches of one spring: it closes at its start and opens at its end, or the other
  * way round. Where such a flight vanishes its two conditions become one, and that at its end is replaced by their
  * divided difference (docs/theory.md section 10). */
-static inline bool ric_chain_between(const ric_chain *c, int k)
+static inline bool ric_shooting_between(const ric_shooting *c, int k)
 {
     return c->face[k + 1] >= 0 && c->face[k] == c->face[k + 1] && c->model->face[c->face[k]].spring > 0;
 }
 
 /* The event at the start of flight k as a flight takes it. */
-static inline int ric_chain_event(const ric_chain *c, int k)
+static inline int ric_shooting_event(const ric_shooting *c, int k)
 {
     return c->plain ? -1 : c->face[k];
 }
 
 /* Whether flight k is one, or half of one that has its mirror point of rest in the middle. */
-static inline bool ric_chain_touches(const ric_chain *c, int k)
+static inline bool ric_shooting_touches(const ric_shooting *c, int k)
 {
     int f = c->face[k], g = c->face[k + 1];
-    if (f >= 0 && g >= 0) return ric_chain_between(c, k);
+    if (f >= 0 && g >= 0) return ric_shooting_between(c, k);
     return (k == 0 && f < 0 && c->start == RIC_MIRROR_REST && g >= 0 && c->model->face[g].spring > 0) ||
            (k + 1 == c->n_flight && g < 0 && c->end == RIC_MIRROR_REST && f >= 0 && c->model->face[f].spring > 0);
 }
 
 /* A chain over `face` [n_flight + 1]; sigma counts only in the general form. */
-ric_status ric_chain_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
-                            const int *face, ric_chain **out);
+ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
+                            const int *face, ric_shooting **out);
 /* The springs that are closed in the first flight; those in the others follow from the faces. None at creation. */
-void ric_chain_close(ric_chain *chain, uint64_t closed);
-ric_chain *ric_chain_copy(const ric_chain *chain);
-void ric_chain_free(ric_chain *chain);
+void ric_shooting_close(ric_shooting *chain, uint64_t closed);
+ric_shooting *ric_shooting_copy(const ric_shooting *chain);
+void ric_shooting_free(ric_shooting *chain);
 
 /* Flies the chain at u, sets everything above and factorises the Jacobian. Cost O(n_flight n^2), no allocation. */
-void ric_chain_evaluate(ric_chain *chain, const double *u);
+void ric_shooting_evaluate(ric_shooting *chain, const double *u);
 /* Residuals only: states, approach, residual, trig; O(n_flight n). */
-void ric_chain_fly(ric_chain *chain, const double *u);
+void ric_shooting_fly(ric_shooting *chain, const double *u);
 
 /* From the last evaluation: the minimum-norm Newton step plus alpha times the kernel vector (newton = true), or the
  * kernel vector times alpha (newton = false); du [n_unknown]. The kernel vector has unit norm. */
-void ric_chain_step(const ric_chain *chain, bool newton, double alpha, double *du);
+void ric_shooting_step(const ric_shooting *chain, bool newton, double alpha, double *du);
 
 /* From the last evaluation: the two directions that the Jacobian carries to the least, orthonormal, kernel
  * [2 * n_unknown]: the second spans the kernel, the first joins it where its singular value *second is 0. Cost
  * O(n_flight n). False: LAPACK failed. */
-bool ric_chain_plane(const ric_chain *chain, double *kernel, double *second);
+bool ric_shooting_plane(const ric_shooting *chain, double *kernel, double *second);
 
 /* Period and energy (scaled frame) of the last evaluation, and the derivative of the energy along du. */
-double ric_chain_time(const ric_chain *chain, const double *u);
-double ric_chain_energy(const ric_chain *chain);
-double ric_chain_energy_slope(const ric_chain *chain, const double *du);
+double ric_shooting_time(const ric_shooting *chain, const double *u);
+double ric_shooting_energy(const ric_shooting *chain);
+double ric_shooting_energy_slope(const ric_shooting *chain, const double *du);
 
 /* Dense Jacobian of all residuals [n_equation * n_unknown] by propagating one unknown at a time: for tests and
  * junctions only. In the general form the 2n closure rows are unprojected. Returns the number of equations. */
-int ric_chain_jacobian(ric_chain *chain, const double *u, double *J);
+int ric_shooting_jacobian(ric_shooting *chain, const double *u, double *J);
 /* The residuals in the same order. */
-int ric_chain_residuals(ric_chain *chain, const double *u, double *r);
+int ric_shooting_residuals(ric_shooting *chain, const double *u, double *r);
 
 #endif

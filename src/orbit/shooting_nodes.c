@@ -6,39 +6,39 @@
 
 /* ---------------------------------------------------------------- the parts */
 
-static double *map_of(const ric_chain *c, int part)
+static double *map_of(const ric_shooting *c, int part)
 {
     size_t n = (size_t)c->n;
     return c->part + (size_t)part * (4 * n * n + 4 * n);
 }
 
-static double *end_of(const ric_chain *c, int part)
+static double *end_of(const ric_shooting *c, int part)
 {
     return map_of(c, part) + 4 * c->n * c->n;
 }
 
-static double *rate_of(const ric_chain *c, int part)
+static double *rate_of(const ric_shooting *c, int part)
 {
     return end_of(c, part) + 2 * c->n;
 }
 
 /* Place of node j in unknowns, from 1, and what they are to be multiplied by. */
-static int node_at(const ric_chain *c, int j)
+static int node_at(const ric_shooting *c, int j)
 {
     return c->n_start + c->n_flight + 2 * c->n * (j - 1);
 }
 
-static double unit(const ric_chain *c)
+static double unit(const ric_shooting *c)
 {
     return sqrt(c->parts);
 }
 
-void ric_nodes_put(const ric_chain *c, int j, const double *w, double *u)
+void ric_shooting_nodes_put(const ric_shooting *c, int j, const double *w, double *u)
 {
     for (int i = 0; i < 2 * c->n; i++) u[node_at(c, j) + i] = w[i] / unit(c);
 }
 
-ric_status ric_nodes_divide(ric_chain *c, int parts)
+ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
 {
     size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1), live = ric_general(c) ? 2 * n : n + 1;
     size_t ld = live + 2 * n + 1, vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
@@ -57,7 +57,7 @@ ric_status ric_nodes_divide(ric_chain *c, int parts)
 }
 
 /* Whether the flight is the last one over again; it costs more than all that is done with it. */
-static bool again(ric_chain *c, const double *from, const double *u)
+static bool again(ric_shooting *c, const double *from, const double *u)
 {
     size_t n2 = 2 * (size_t)c->n, state = n2 * sizeof *u, rest = (1 + n2 * (size_t)(c->parts - 1)) * sizeof *u;
     if (!memcmp(c->flown + n2, u, rest) && !memcmp(c->flown, from, state)) return true;
@@ -67,12 +67,12 @@ static bool again(ric_chain *c, const double *from, const double *u)
 }
 
 /* A flight that was broken off is none that is known. */
-static void forget(ric_chain *c)
+static void forget(ric_shooting *c)
 {
     if (ric_halted()) memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
 }
 
-bool ric_nodes_fly(ric_chain *c, int k, const double *u)
+bool ric_shooting_nodes_fly(ric_shooting *c, int k, const double *u)
 {
     const ric_model *m = c->model;
     int n2 = 2 * c->n;
@@ -101,12 +101,12 @@ bool ric_nodes_fly(ric_chain *c, int k, const double *u)
 }
 
 /* What the part before node j leaves of its component i. */
-static double gap_at(const ric_chain *c, const double *u, int j, int i)
+static double gap_at(const ric_shooting *c, const double *u, int j, int i)
 {
     return end_of(c, j - 1)[i] - unit(c) * u[node_at(c, j) + i];
 }
 
-double ric_nodes_gap(const ric_chain *c, const double *u)
+double ric_shooting_nodes_gap(const ric_shooting *c, const double *u)
 {
     double most = 0;
     for (int j = 1; j < c->parts; j++)
@@ -116,43 +116,43 @@ double ric_nodes_gap(const ric_chain *c, const double *u)
 
 /* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a rest, at a centre,
  * or anywhere. */
-static void start_of(const ric_chain *c, const double *u, double *w)
+static void start_of(const ric_shooting *c, const double *u, double *w)
 {
     memset(w, 0, 2 * (size_t)c->n * sizeof *w);
     memcpy(c->start == RIC_MIRROR_CENTRE ? w + c->n : w, u, (size_t)c->n_start * sizeof *w);
 }
 
-void ric_nodes_spread(const ric_chain *c, double *u)
+void ric_shooting_nodes_spread(const ric_shooting *c, double *u)
 {
     double w[2 * c->n];
     start_of(c, u, w);
     for (int j = 1; j < c->parts; j++) {
         ric_flight_go(c->model, 0, -1, u[c->n_start] / c->parts, w, w);
-        ric_nodes_put(c, j, w, u);
+        ric_shooting_nodes_put(c, j, w, u);
     }
 }
 
 /* dw [2n], a neighbour at the start of a part, at its end, where the time of the flight is longer by dtau. */
-static void carry_along(const ric_chain *c, int part, double dtau, double *dw)
+static void carry_along(const ric_shooting *c, int part, double dtau, double *dw)
 {
     ric_flight_carry(c->n, map_of(c, part), 1, 1, dw);
     for (int i = 0; i < 2 * c->n; i++) dw[i] += rate_of(c, part)[i] * dtau / c->parts;
 }
 
-void ric_nodes_along(const ric_chain *c, double *du)
+void ric_shooting_nodes_along(const ric_shooting *c, double *du)
 {
     double dw[2 * c->n];
     start_of(c, du, dw);
     for (int j = 1; j < c->parts; j++) {
         carry_along(c, j - 1, du[c->n_start], dw);
-        ric_nodes_put(c, j, dw, du);
+        ric_shooting_nodes_put(c, j, dw, du);
     }
 }
 
 /* ----------------------------------------------------------- factorisation */
 
 /* The first Householder vector of node j. */
-static int vector_at(const ric_chain *c, int j)
+static int vector_at(const ric_shooting *c, int j)
 {
     return 1 + c->n_flight + c->n_end + 2 * c->n * (j - 1);
 }
@@ -160,7 +160,7 @@ static int vector_at(const ric_chain *c, int j)
 /* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is pinned like an impact.
  * X: rows of the state, what `rows` counts beyond them, one of the time of the flight, and 2n of z_j, which become
  * those of the state. */
-static double eliminate_node(ric_chain *c, const double *u, int j, int live, int rows)
+static double eliminate_node(ric_shooting *c, const double *u, int j, int live, int rows)
 {
     int n2 = 2 * c->n, ld = c->ld, first = vector_at(c, j);
     double *X = c->X, *Z = X + (rows + 1) * ld, sign = 1, g[ld];
@@ -179,7 +179,7 @@ static double eliminate_node(ric_chain *c, const double *u, int j, int live, int
     return sign;
 }
 
-double ric_nodes_eliminate(ric_chain *c, const double *u, int free_columns, int rows)
+double ric_shooting_nodes_eliminate(ric_shooting *c, const double *u, int free_columns, int rows)
 {
     int n2 = 2 * c->n, ld = c->ld, live = free_columns + 1;
     double *X = c->X, *time = X + rows * ld, sign = 1;
@@ -195,7 +195,7 @@ double ric_nodes_eliminate(ric_chain *c, const double *u, int free_columns, int 
     return sign;
 }
 
-void ric_nodes_unwind(const ric_chain *c, bool newton, int m, double *z, double *du)
+void ric_shooting_nodes_unwind(const ric_shooting *c, bool newton, int m, double *z, double *du)
 {
     int n2 = 2 * c->n;
     for (int j = c->parts - 1; j > 0; j--) {
@@ -207,7 +207,7 @@ void ric_nodes_unwind(const ric_chain *c, bool newton, int m, double *z, double 
 
 /* -------------------------------------------------------------------- dense */
 
-int ric_nodes_residuals(const ric_chain *c, const double *u, double *r)
+int ric_shooting_nodes_residuals(const ric_shooting *c, const double *u, double *r)
 {
     int n2 = 2 * c->n;
     for (int j = 1; j < c->parts; j++)
@@ -215,7 +215,7 @@ int ric_nodes_residuals(const ric_chain *c, const double *u, double *r)
     return n2 * (c->parts - 1);
 }
 
-int ric_nodes_push(const ric_chain *c, const double *du, double *dw, double *column)
+int ric_shooting_nodes_push(const ric_shooting *c, const double *du, double *dw, double *column)
 {
     int n2 = 2 * c->n;
     double dtau = du[c->n_start];

@@ -10,7 +10,7 @@
  *
  * The factor makes all nodes together count about as much as the start does in lengths along a branch. Where neighbours
  * grow by G along the whole flight they grow by G^(1/parts) along a part of it, if they do so evenly.
- * What only chain.c and nodes.c share is declared here, too. */
+ * What only shooting.c and shooting_nodes.c share is declared here, too. */
 #ifndef RIC_ORBIT_SHOOTING_NODES_H
 #define RIC_ORBIT_SHOOTING_NODES_H
 
@@ -19,30 +19,30 @@
 enum { RIC_PARTS_MOST = 256 };
 /* Divides the one flight of a chain into `parts`, at most RIC_PARTS_MOST; the chain has not been flown yet. Without
  * memory it can only be freed. */
-ric_status ric_nodes_divide(ric_chain *chain, int parts);
+ric_status ric_shooting_nodes_divide(ric_shooting *chain, int parts);
 /* Node j of u, from 1: the state w [2n]. */
-void ric_nodes_put(const ric_chain *chain, int j, const double *w, double *u);
+void ric_shooting_nodes_put(const ric_shooting *chain, int j, const double *w, double *u);
 /* Fills in the nodes of u: those of one flight from its start. */
-void ric_nodes_spread(const ric_chain *chain, double *u);
+void ric_shooting_nodes_spread(const ric_shooting *chain, double *u);
 /* The same of a direction du, along the flight evaluated last. */
-void ric_nodes_along(const ric_chain *chain, double *du);
+void ric_shooting_nodes_along(const ric_shooting *chain, double *du);
 /* Largest difference between a node of u and the end of the part before it, at the last flight. */
-double ric_nodes_gap(const ric_chain *chain, const double *u);
+double ric_shooting_nodes_gap(const ric_shooting *chain, const double *u);
 
 /* Flies all parts of flight k, the only one where there is more than one part, and sets its end, rate and map, and
  * `lost`. False: they have just been flown. `u` from the time of the flight on. */
-bool ric_nodes_fly(ric_chain *chain, int k, const double *u);
+bool ric_shooting_nodes_fly(ric_shooting *chain, int k, const double *u);
 /* Takes the live columns, `free_columns` of them, through all parts, and eliminates the nodes; the time of the flight
  * is the last live column afterwards. Returns the sign of the pivots. */
-double ric_nodes_eliminate(ric_chain *chain, const double *u, int free_columns, int rows);
+double ric_shooting_nodes_eliminate(ric_shooting *chain, const double *u, int free_columns, int rows);
 /* Undoes that on z, of *m coordinates: the steps of the nodes go into du. */
-void ric_nodes_unwind(const ric_chain *chain, bool newton, int m, double *z, double *du);
+void ric_shooting_nodes_unwind(const ric_shooting *chain, bool newton, int m, double *z, double *du);
 /* The rows of the nodes in the dense form: residuals, and the product of the derivative with du for a neighbour dw
  * [2n], taken to the end of the flight. Both return their number. */
-int ric_nodes_residuals(const ric_chain *chain, const double *u, double *r);
-int ric_nodes_push(const ric_chain *chain, const double *du, double *dw, double *column);
+int ric_shooting_nodes_residuals(const ric_shooting *chain, const double *u, double *r);
+int ric_shooting_nodes_push(const ric_shooting *chain, const double *du, double *dw, double *column);
 
-static inline bool ric_general(const ric_chain *c)
+static inline bool ric_general(const ric_shooting *c)
 {
     return c->start == RIC_MIRROR_NONE;
 }
@@ -50,7 +50,7 @@ static inline bool ric_general(const ric_chain *c)
 /* Householder vector that turns the row g [m] into (0, .., 0, rho); the constraint g.z + offset = -residual then pins
  * the last coordinate. Applies it to `rows` rows of X and moves the pinned part into the last column of X
  * (the inhomogeneous one). */
-static inline __attribute__((always_inline)) double ric_pin(ric_chain *c, int vector, int m, const double *g,
+static inline __attribute__((always_inline)) double ric_pin(ric_shooting *c, int vector, int m, const double *g,
                                                             double rhs, int rows, int ld)
 {
     double *v = c->hv + (size_t)vector * ld, *X = c->X;
@@ -79,7 +79,7 @@ static inline __attribute__((always_inline)) double ric_pin(ric_chain *c, int ve
 }
 
 /* Undoes one Householder reflection on z [m], whose last coordinate was pinned at `pinned`. */
-static inline void ric_unpin(const ric_chain *c, int vector, int m, double pinned, double *z)
+static inline void ric_unpin(const ric_shooting *c, int vector, int m, double pinned, double *z)
 {
     const double *v = c->hv + (size_t)vector * c->ld;
     double s = 0;

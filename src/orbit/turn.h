@@ -7,11 +7,11 @@
 /* The operation that takes the orbit of a chain to the start and direction in which its branch is stored. */
 typedef struct { int shift; bool reverse, mirror; } ric_turn;
 
-bool ric_turn_find(const ric_model *model, ric_chain *chain, const double *u, const ric_cycle *like, ric_turn *out);
+bool ric_turn_find(const ric_model *model, ric_shooting *chain, const double *u, const ric_periodic *like, ric_turn *out);
 /* The orbit of the chain at u, turned. NULL: no memory. */
-ric_cycle *ric_turn_cycle(const ric_model *model, ric_chain *chain, const double *u, const ric_turn *turn);
+ric_periodic *ric_turn_cycle(const ric_model *model, ric_shooting *chain, const double *u, const ric_turn *turn);
 /* The same as it is stored: x and v [n_dof each] and the flights [N], in seconds; any of them NULL. */
-ric_status ric_turn_write(const ric_model *model, ric_chain *chain, const double *u, const ric_turn *turn, double *x,
+ric_status ric_turn_write(const ric_model *model, ric_shooting *chain, const double *u, const ric_turn *turn, double *x,
                           double *v, double *flights);
 
 #endif

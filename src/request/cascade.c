@@ -23,8 +23,8 @@
 /* One multiplication, or the end. */
 typedef struct {
     ric_node *node;       /* NULL at an end that is no junction */
-    ric_cycle *orbit;     /* without touches */
-    ric_trace *trace;     /* of the family followed to it; NULL for the first */
+    ric_periodic *orbit;     /* without touches */
+    ric_continuation *trace;     /* of the family followed to it; NULL for the first */
     int n_point;          /* of the trace, up to here */
     int multiple, p, grazings;
     ric_stop stop;
@@ -52,8 +52,8 @@ static ric_status no_memory(void)
 static void stage_clear(stage *s)
 {
     ric_node_free(s->node);
-    ric_cycle_free(s->orbit);
-    ric_trace_free(s->trace);
+    ric_periodic_free(s->orbit);
+    ric_continuation_free(s->trace);
     free(s->state);
     free(s->flights);
     free(s->word);
@@ -81,7 +81,7 @@ static double state_distance(int size, const double *a, const double *b)
 }
 
 /* Under a power law there are no impacts on the way. */
-static ric_status integrate(const ric_model *m, const ric_cycle *orbit, const double *state, double *error)
+static ric_status integrate(const ric_model *m, const ric_periodic *orbit, const double *state, double *error)
 {
     ric_simulator *sim = NULL;
     ric_impact impact;
@@ -90,7 +90,7 @@ static ric_status integrate(const ric_model *m, const ric_cycle *orbit, const do
     double back[2 * n];
     ric_status status = ric_simulator_create(m, &sim);
     if (!status) status = ric_simulator_start(sim, state, state + n);
-    if (!status) status = ric_simulator_advance(sim, ric_cycle_period(orbit) / m->omega_ref, &hit, &impact);
+    if (!status) status = ric_simulator_advance(sim, ric_periodic_period(orbit) / m->omega_ref, &hit, &impact);
     if (!status) {
         ric_simulator_state(sim, NULL, back, back + n);
         *error = state_distance(2 * n, back, state);
@@ -101,17 +101,17 @@ static ric_status integrate(const ric_model *m, const ric_cycle *orbit, const do
 
 /* One period on the simulator, which knows nothing of the word: how far the state is from the start; NaN where the
  * faces differ. */
-static ric_status simulate(const ric_model *m, const ric_cycle *orbit, const double *state, double *error)
+static ric_status simulate(const ric_model *m, const ric_periodic *orbit, const double *state, double *error)
 {
     ric_simulator *sim = NULL;
     ric_impact impact;
     int n = m->n_dof, found = 0;
-    double back[2 * n], period = ric_cycle_period(orbit) / m->omega_ref, margin = 1e-7 * period / orbit->N;
+    double back[2 * n], period = ric_periodic_period(orbit) / m->omega_ref, margin = 1e-7 * period / orbit->N;
     ric_status status = ric_simulator_create(m, &sim);
     bool hit = true, agree = true;
     if (!status) status = ric_simulator_start(sim, state, state + n);
     /* a little longer than the period: the last impact is the first one again */
-    uint64_t closed = orbit->closed, springs = ric_cycle_springs(m);
+    uint64_t closed = orbit->closed, springs = ric_periodic_springs(m);
     while (!status && hit && agree && found < orbit->N) {
         if ((status = ric_simulator_advance(sim, period + margin, &hit, &impact)) || !hit) break;
         /* the state lies on the face of event 0, which may be met again at once */
@@ -131,50 +131,50 @@ static ric_status simulate(const ric_model *m, const ric_cycle *orbit, const dou
 
 static ric_status measure(const ric_model *m, stage *s)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL;
     int N = s->orbit->N;
     s->state = calloc(2 * (size_t)m->n_dof, sizeof *s->state);
     s->flights = calloc((size_t)N + 1, sizeof *s->flights);
     s->word = calloc((size_t)N + 1, sizeof *s->word);
     if (!s->state || !s->flights || !s->word) return no_memory();
-    if (!m->smooth) ric_cycle_word(m, s->orbit, s->word);
+    if (!m->smooth) ric_periodic_word(m, s->orbit, s->word);
     ric_model_to_state(m, s->orbit->w, s->state, s->state + m->n_dof);
     for (int k = 0; k < N; k++) s->flights[k] = s->orbit->tau[k] / m->omega_ref;
-    if (m->smooth) s->flights[0] = ric_cycle_period(s->orbit) / m->omega_ref;
-    s->energy = ric_cycle_energy(m, s->orbit) * m->energy_unit;
-    s->frequency = TWO_PI / ric_cycle_period(s->orbit) * m->omega_ref;
-    ric_status status = ric_cycle_to_chain(m, s->orbit, &chain, &u);
+    if (m->smooth) s->flights[0] = ric_periodic_period(s->orbit) / m->omega_ref;
+    s->energy = ric_periodic_energy(m, s->orbit) * m->energy_unit;
+    s->frequency = TWO_PI / ric_periodic_period(s->orbit) * m->omega_ref;
+    ric_status status = ric_periodic_to_chain(m, s->orbit, &chain, &u);
     if (!status) {
-        ric_chain_fly(chain, u);
+        ric_shooting_fly(chain, u);
         s->residual = chain->residual;
         status = m->smooth ? integrate(m, s->orbit, s->state, &s->return_error)
                            : simulate(m, s->orbit, s->state, &s->return_error);
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     return status;
 }
 
 /* ---------------------------------------------------------------- the family */
 
-static bool stopped(const ric_cascade *c, const ric_trace *tr)
+static bool stopped(const ric_cascade *c, const ric_continuation *tr)
 {
     int impacts = tr->chain->n_flight * tr->chain->multiple;
     return c->options->progress && c->options->progress(c->n, impacts, tr->n_point, c->options->user);
 }
 
-static bool wanted(const ric_cascade *c, int level, const ric_trace *tr, int event)
+static bool wanted(const ric_cascade *c, int level, const ric_continuation *tr, int event)
 {
-    const ric_resonance *r = ric_trace_resonance(tr, tr->events[event].test);
+    const ric_resonance *r = ric_continuation_resonance(tr, tr->events[event].test);
     if (level >= c->options->n || !r) return false;
     int q = c->options->multiple[level], p = c->options->rotation ? c->options->rotation[level] : 0;
     /* over half a period p and q - p differ, over a period they are one */
-    return r->q == q && (p == 0 || r->p == p || (!ric_chain_halves(tr->chain) && r->p == q - p));
+    return r->q == q && (p == 0 || r->p == p || (!ric_shooting_halves(tr->chain) && r->p == q - p));
 }
 
 /* Steps until an event of the next multiplicity (*event, from `first` on), or the end (*event = -1). */
-static ric_status advance(ric_cascade *c, ric_trace *tr, int level, int first, bool *done, int *event)
+static ric_status advance(ric_cascade *c, ric_continuation *tr, int level, int first, bool *done, int *event)
 {
     ric_status status = RIC_OK;
     *event = -1;
@@ -183,13 +183,13 @@ static ric_status advance(ric_cascade *c, ric_trace *tr, int level, int first, b
             if (wanted(c, level, tr, looked)) *event = looked;
         if (*event >= 0 || *done) return RIC_OK;
         if (stopped(c, tr)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
-        if ((status = ric_trace_advance(tr, done))) return status;
+        if ((status = ric_continuation_advance(tr, done))) return status;
         c->limits.max_step = fmin(c->study_step, GROWTH * c->limits.max_step);
     }
 }
 
 /* Points of the trace up to the event. */
-static int points_until(const ric_trace *tr, double s)
+static int points_until(const ric_continuation *tr, double s)
 {
     int n = 0;
     while (n < tr->n_point && ((const ric_point *)(tr->points + (size_t)n * tr->stride))->arclength <= s) n++;
@@ -197,32 +197,32 @@ static int points_until(const ric_trace *tr, double s)
 }
 
 /* The multiplication at an event of a trace, as the next stage; *found = false where it does not converge. */
-static ric_status add_multiplication(ric_cascade *c, const ric_trace *tr, int event, bool *found)
+static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr, int event, bool *found)
 {
-    const ric_resonance *r = ric_trace_resonance(tr, tr->events[event].test);
-    ric_cycle *cycle = ric_trace_cycle(tr, tr->events[event].u);
+    const ric_resonance *r = ric_continuation_resonance(tr, tr->events[event].test);
+    ric_periodic *cycle = ric_continuation_cycle(tr, tr->events[event].u);
     ric_node *node = NULL;
     if (!cycle) return no_memory();
     ric_status status = ric_node_multiplication(c->model, cycle, r->p, r->q, &node);
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     *found = !status;
     if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
     stage *s = &c->stages[c->n++];
-    *s = (stage){.node = node, .orbit = ric_cycle_copy(node->cycle), .multiple = r->q, .p = node->rotation[0],
+    *s = (stage){.node = node, .orbit = ric_periodic_copy(node->cycle), .multiple = r->q, .p = node->rotation[0],
                  .ratio = NAN};
     return s->orbit ? measure(c->model, s) : no_memory();
 }
 
 /* Where the last family ends. */
-static ric_status add_end(ric_cascade *c, ric_trace *tr)
+static ric_status add_end(ric_cascade *c, ric_continuation *tr)
 {
-    ric_cycle *cycle = NULL;
+    ric_periodic *cycle = NULL;
     ric_node *node = NULL;
     ric_status status = RIC_OK;
     stage *s = &c->stages[c->n];
     *s = (stage){.multiple = 1, .stop = tr->stop, .ratio = NAN};
     c->n++;
-    if (!(cycle = ric_trace_cycle(tr, tr->end.u ? tr->end.u : tr->now.u))) return no_memory();
+    if (!(cycle = ric_continuation_cycle(tr, tr->end.u ? tr->end.u : tr->now.u))) return no_memory();
     if (tr->stop == RIC_STOP_JUNCTION && tr->end.u && !tr->arrival && tr->end.test != RIC_TEST_FLIGHT) {
         status = ric_node_grazing(c->model, cycle, &node);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
@@ -230,7 +230,7 @@ static ric_status add_end(ric_cascade *c, ric_trace *tr)
     s->node = node;
     s->grazings = node ? node->n_touch * node->multiple : 0;
     s->orbit = node ? ric_node_regular(c->model, node) : cycle;
-    if (node) ric_cycle_free(cycle);
+    if (node) ric_periodic_free(cycle);
     return status ? status : s->orbit ? measure(c->model, s) : no_memory();
 }
 
@@ -238,16 +238,16 @@ static ric_status add_end(ric_cascade *c, ric_trace *tr)
 
 static ric_status descend(ric_cascade *c, bool *found);
 
-static void remember(ric_cascade *c, const ric_trace *tr)
+static void remember(ric_cascade *c, const ric_continuation *tr)
 {
     if (c->n < c->deepest) return;
     c->deepest = c->n;
     snprintf(c->where, sizeof c->where, "the families that leave there were followed to their ends (the last: %s%s%s)",
-             ric_stop_text(tr->stop), tr->why ? ", " : "", ric_why_text(tr->why));
+             ric_stop_text(tr->stop), tr->why ? ", " : "", ric_continuation_why_text(tr->why));
 }
 
 /* Takes over `tr`, which goes to the stage that completes; every multiplication on the way is tried. */
-static ric_status search_along(ric_cascade *c, ric_trace *tr, bool keep, bool *found)
+static ric_status search_along(ric_cascade *c, ric_continuation *tr, bool keep, bool *found)
 {
     ric_status status = RIC_OK;
     int level = c->n, event = -1;
@@ -274,12 +274,12 @@ static ric_status search_along(ric_cascade *c, ric_trace *tr, bool keep, bool *f
         else if (c->n > level) stage_clear(&c->stages[--c->n]);
     }
     if (!*found) remember(c, tr);
-    ric_trace_free(tr);
+    ric_continuation_free(tr);
     return status == RIC_E_NUMERIC ? RIC_OK : status;
 }
 
 /* The first step, along t0, is no longer than any other. */
-static void shorten(const ric_chain *chain, double max_step, double *t0)
+static void shorten(const ric_shooting *chain, double max_step, double *t0)
 {
     double norm = sqrt(ric_dot(chain->n_unknown, t0, t0)), most = max_step * chain->scale;
     for (int i = 0; norm > most && i < chain->n_unknown; i++) t0[i] *= most / norm;
@@ -289,13 +289,13 @@ static void shorten(const ric_chain *chain, double max_step, double *t0)
 static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool *found)
 {
     const ric_node *node = c->stages[c->n - 1].node;
-    ric_chain *chain = NULL;
-    ric_trace *tr = NULL;
+    ric_shooting *chain = NULL;
+    ric_continuation *tr = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore;
-    ric_status status = ric_node_depart(c->model, node, choice, side, &chain, &u0, &t0, &ignore);
-    if (!status && chain && !ric_ring_applies(node, choice)) shorten(chain, c->limits.max_step, t0);
-    if (!status && chain) status = ric_trace_create(chain, u0, t0, ignore, &c->limits, &tr);
+    ric_status status = ric_switching_depart(c->model, node, choice, side, &chain, &u0, &t0, &ignore);
+    if (!status && chain && !ric_multiplication_applies(node, choice)) shorten(chain, c->limits.max_step, t0);
+    if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, &c->limits, &tr);
     if (status && c->n >= c->deepest) {
         c->deepest = c->n;
         snprintf(c->where, sizeof c->where, "%.150s", ric_detail());
@@ -331,29 +331,29 @@ static ric_status descend(ric_cascade *c, bool *found)
 /* The branch of the atlas, from the middle of its stored points both ways. */
 static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_branch *b, bool *found)
 {
-    ric_cycle *cycle = NULL;
+    ric_periodic *cycle = NULL;
     ric_point point;
     ric_status status = ric_stored_cycle(a, b, b->n_point / 2, &point, &cycle);
     if (!status) ric_stored_symmetries(c->model, b, cycle);
     for (int side = 1; side >= -1 && !status && !*found; side -= 2) {
-        ric_chain *chain = NULL;
-        ric_trace *tr = NULL;
+        ric_shooting *chain = NULL;
+        ric_continuation *tr = NULL;
         double *u = NULL, *t = NULL;
-        status = ric_cycle_to_chain(c->model, cycle, &chain, &u);
+        status = ric_periodic_to_chain(c->model, cycle, &chain, &u);
         if (!status && !(t = calloc((size_t)chain->n_unknown, sizeof *t))) status = no_memory();
         if (!status) {
-            ric_chain_evaluate(chain, u);
-            ric_trace_tangent(chain, NULL, t);
+            ric_shooting_evaluate(chain, u);
+            ric_continuation_tangent(chain, NULL, t);
             for (int i = 0; side < 0 && i < chain->n_unknown; i++) t[i] = -t[i];
-            status = ric_trace_create(chain, u, t, 0, &c->limits, &tr);
+            status = ric_continuation_create(chain, u, t, 0, &c->limits, &tr);
             chain = NULL;
         }
         if (!status) status = search_along(c, tr, false, found);
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
         free(u);
         free(t);
     }
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     return status;
 }
 
@@ -402,7 +402,7 @@ ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_
     c->model = ric_atlas_model(a);
     c->options = o;
     c->study_step = e->max_step;
-    c->limits = ric_trace_limits(c->model, e->energy, (double[]){0, e->frequency[1]}, e->max_step, MAX_POINTS);
+    c->limits = ric_continuation_limits(c->model, e->energy, (double[]){0, e->frequency[1]}, e->max_step, MAX_POINTS);
     c->limits.multiply = largest;
     status = search_branch(c, a, &b, &found);
     if (!status && !found)
@@ -439,8 +439,8 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     if (status) return status;
     const stage *s = &c->stages[step];
     *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0},
-                              .impacts = ric_cycle_impacts(ric_cycle_springs(c->model), s->orbit),
-                              .letters = ric_cycle_letters(s->orbit), .word = s->word,
+                              .impacts = ric_periodic_impacts(ric_periodic_springs(c->model), s->orbit),
+                              .letters = ric_periodic_letters(s->orbit), .word = s->word,
                               .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop,
                               .energy = s->energy, .frequency = s->frequency, .residual = s->residual,
                               .return_error = s->return_error, .ratio = s->ratio, .state = s->state,
@@ -460,10 +460,10 @@ int ric_cascade_impacts(const ric_cascade *c, int step)
 {
     if (step < 0 || step >= c->n || !c->stages[step].trace) return 0;
     if (c->model->smooth) return periods_to(c, step);
-    ric_trace *tr = c->stages[step].trace;
-    ric_cycle *cycle = ric_trace_cycle(tr, (const double *)((const ric_point *)tr->points + 1));
+    ric_continuation *tr = c->stages[step].trace;
+    ric_periodic *cycle = ric_continuation_cycle(tr, (const double *)((const ric_point *)tr->points + 1));
     int N = cycle ? cycle->N : 0;
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     return N;
 }
 
@@ -478,19 +478,19 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (point) *point = *p;
     if (!x) return RIC_OK;
     int n = c->model->n_dof;
-    ric_cycle *cycle = ric_trace_cycle(s->trace, (const double *)(p + 1));
-    if (cycle && c->model->smooth && !ric_cycle_mark(cycle, periods_to(c, step))) {
-        ric_cycle_free(cycle);
+    ric_periodic *cycle = ric_continuation_cycle(s->trace, (const double *)(p + 1));
+    if (cycle && c->model->smooth && !ric_periodic_mark(cycle, periods_to(c, step))) {
+        ric_periodic_free(cycle);
         cycle = NULL;
     }
     double *W = cycle ? calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
     if (W) {
-        ric_cycle_states(c->model, cycle, W);
+        ric_periodic_states(c->model, cycle, W);
         for (int k = 0; k < cycle->N; k++)
             ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * n, v);
     } else status = no_memory();
     free(W);
-    ric_cycle_free(cycle);
+    ric_periodic_free(cycle);
     return status;
 }
 
@@ -498,6 +498,6 @@ void ric_cascade_at_time(const ric_cascade *c, int step, double t, double *x, do
 {
     const ric_model *m = c->model;
     double w[2 * m->n];
-    ric_cycle_at_time(m, c->stages[step].orbit, t * m->omega_ref, w);
+    ric_periodic_at_time(m, c->stages[step].orbit, t * m->omega_ref, w);
     ric_model_to_state(m, w, x, v);
 }

@@ -21,7 +21,7 @@
 struct ric_ghost {
     const ric_model *model; /* borrowed from the atlas */
     ric_limits limits;
-    ric_trace *trace;
+    ric_continuation *trace;
     ric_turn turn;
     double origin;          /* arclength of the end */
     ric_ghost_data data;
@@ -35,7 +35,7 @@ static ric_status no_memory(void)
 static void ghost_free(ric_ghost *g)
 {
     if (!g) return;
-    ric_trace_free(g->trace);
+    ric_continuation_free(g->trace);
     free(g);
 }
 
@@ -90,12 +90,12 @@ static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_en
 }
 
 /* The chain of the branch, its unknowns at the end and the direction that leads out, both allocated. */
-static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g, ric_chain **chain,
+static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g, ric_shooting **chain,
                                double **u, double **t)
 {
     const ric_model *m = g->model;
-    ric_cycle *tip = NULL, *near = NULL;
-    ric_chain *other = NULL;
+    ric_periodic *tip = NULL, *near = NULL;
+    ric_shooting *other = NULL;
     ric_point at, beside;
     int neighbour;
     ric_status status = find_neighbour(a, b, end, &neighbour);
@@ -107,15 +107,15 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
     tip->half = near->half;
     tip->pure = near->pure;
     tip->flip = near->flip;
-    if ((status = ric_cycle_to_chain(m, near, &other, t)) || (status = ric_cycle_to_chain(m, tip, chain, u))) goto out;
+    if ((status = ric_periodic_to_chain(m, near, &other, t)) || (status = ric_periodic_to_chain(m, tip, chain, u))) goto out;
     if (!ric_turn_find(m, other, *t, near, &g->turn))
         status = ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
     for (int i = 0; i < (*chain)->n_unknown; i++) (*t)[i] = (*u)[i] - (*t)[i];
     g->origin = at.arclength;
 out:
-    ric_chain_free(other);
-    ric_cycle_free(tip);
-    ric_cycle_free(near);
+    ric_shooting_free(other);
+    ric_periodic_free(tip);
+    ric_periodic_free(near);
     return status;
 }
 
@@ -129,9 +129,9 @@ static const ric_point *row(const ric_ghost *g, int i)
 /* What the tracer says of branches, said of a ghost. */
 static void describe(ric_ghost *g, ric_end end)
 {
-    const ric_trace *tr = g->trace;
+    const ric_continuation *tr = g->trace;
     g->data = (ric_ghost_data){.end = end, .n_point = tr->n_point, .again = -1, .stop = tr->stop,
-                              .why = ric_why_text(tr->why)};
+                              .why = ric_continuation_why_text(tr->why)};
     if (tr->arrival) {
         g->data.why = "it meets its own mirror image";
         g->data.n_point--; /* the last one is read off beside a branch point, not solved; no junction is solved there */
@@ -149,29 +149,29 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
     /* what is zero at the very end, or has a pole there, is no event of the first step */
     const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | 1u << RIC_TEST_A |
                             1u << RIC_TEST_B | 1u << RIC_TEST_D;
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u = NULL, *t = NULL;
     ric_ghost *g = calloc(1, sizeof *g);
     *out = NULL;
     if (!g) return no_memory();
     g->model = ric_atlas_model(a);
-    g->limits = ric_trace_limits(g->model, limits->energy, limits->frequency,
+    g->limits = ric_continuation_limits(g->model, limits->energy, limits->frequency,
                                  ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
     g->limits.ghost = true;
     g->limits.multiply = limits->multiply;
     ric_status status = start_at_end(a, b, end, g, &chain, &u, &t);
     if (!status) {
-        status = ric_trace_create(chain, u, t, ignore, &g->limits, &g->trace);
+        status = ric_continuation_create(chain, u, t, ignore, &g->limits, &g->trace);
         chain = NULL;
     }
     /* at a corner the time between two impacts may be zero already */
-    if (!status && g->trace->now.test[RIC_TEST_FLIGHT] > 0) status = ric_trace_run(g->trace);
+    if (!status && g->trace->now.test[RIC_TEST_FLIGHT] > 0) status = ric_continuation_run(g->trace);
     if (!status) {
         describe(g, end);
         *out = g;
         g = NULL;
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     free(t);
     ghost_free(g);
@@ -236,11 +236,11 @@ ric_status ric_ghost_point(const ric_ghost *g, int i, ric_point *point, double *
  * through a pole. */
 static bool resonates(const ric_ghost *g, const ric_event *event)
 {
-    const ric_resonance *resonance = ric_trace_resonance(g->trace, event->test);
+    const ric_resonance *resonance = ric_continuation_resonance(g->trace, event->test);
     ric_floquet *f = &g->trace->floquet;
     bool found = false;
     if (!resonance) return false;
-    ric_chain_evaluate(g->trace->chain, event->u);
+    ric_shooting_evaluate(g->trace->chain, event->u);
     if (ric_floquet_compute(g->trace->chain, f)) return false;
     for (int i = 0; i < f->n_pair; i++) found |= hypot(f->own[2 * i] - resonance->rho, f->own[2 * i + 1]) < RESONATES;
     return found;
@@ -263,20 +263,20 @@ int ric_ghost_n_multiplication(const ric_ghost *g)
 ric_status ric_ghost_multiplication_at(const ric_ghost *g, int i, ric_ghost_multiplication *out)
 {
     const ric_event *event = i < 0 ? NULL : resonance_event(g, i);
-    ric_chain *c = g->trace->chain;
+    ric_shooting *c = g->trace->chain;
     if (!event)
         return ric_fail(RIC_E_RANGE, "no multiplication %d on the ghost: there are %d", i,
                         ric_ghost_n_multiplication(g));
-    const ric_resonance *resonance = ric_trace_resonance(g->trace, event->test);
+    const ric_resonance *resonance = ric_continuation_resonance(g->trace, event->test);
     double least = HUGE_VAL;
-    ric_chain_fly(c, event->u);
+    ric_shooting_fly(c, event->u);
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] >= 0) least = fmin(least, c->approach[k]);
     ric_point p = {.reach = ric_reach(c, event->u, NULL), .approach = least};
     *out = (ric_ghost_multiplication){.rotation = {resonance->p, resonance->q},
                                       .arclength = g->origin + (g->data.end == RIC_END_FROM ? -1 : 1) * event->s,
-                                      .energy = ric_chain_energy(c) * g->model->energy_unit,
-                                      .frequency = TWO_PI / ric_chain_time(c, event->u) * g->model->omega_ref,
+                                      .energy = ric_shooting_energy(c) * g->model->energy_unit,
+                                      .frequency = TWO_PI / ric_shooting_time(c, event->u) * g->model->omega_ref,
                                       .admissible = ric_point_admissible(&p)};
     return RIC_OK;
 }
@@ -285,7 +285,7 @@ ric_status ric_ghost_multipliers(const ric_ghost *g, int i, double *out)
 {
     ric_status status = check_point(g, i);
     if (status) return status;
-    ric_chain_evaluate(g->trace->chain, (const double *)(row(g, i) + 1));
+    ric_shooting_evaluate(g->trace->chain, (const double *)(row(g, i) + 1));
     if (!(status = ric_floquet_compute(g->trace->chain, &g->trace->floquet)))
         ric_floquet_multipliers(&g->trace->floquet, out);
     return status;

@@ -14,7 +14,7 @@
 
 struct ric_orbit {
     const ric_model *model; /* borrowed from the atlas */
-    ric_cycle *cycle;       /* NULL for a linear mode */
+    ric_periodic *cycle;       /* NULL for a linear mode */
     ric_point point;
     double *state, *flights;
     double *multipliers;    /* 2 (n - 1) complex */
@@ -25,7 +25,7 @@ struct ric_orbit {
 static void orbit_free(ric_orbit *o)
 {
     if (!o) return;
-    ric_cycle_free(o->cycle);
+    ric_periodic_free(o->cycle);
     free(o->state);
     free(o->flights);
     free(o->multipliers);
@@ -46,7 +46,7 @@ static ric_status no_memory(void)
 /* -------------------------------------------------------------- one orbit */
 
 /* Everything that leaves, from a converged chain. */
-static ric_status finish(const ric_model *m, ric_chain *c, const double *u, const ric_turn *t, const ric_point *stored,
+static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, const ric_turn *t, const ric_point *stored,
                          ric_orbit **out)
 {
     ric_status status = RIC_OK;
@@ -56,9 +56,9 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     *out = NULL;
     if (!o) return no_memory();
     if ((status = ric_floquet_create(n, &floquet))) goto out;
-    ric_chain_evaluate(c, u);
-    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_trace_judge(c, u, &floquet)) ||
-        (status = ric_trace_bound(c, u, &floquet)))
+    ric_shooting_evaluate(c, u);
+    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_continuation_judge(c, u, &floquet)) ||
+        (status = ric_continuation_bound(c, u, &floquet)))
         goto out;
     o->cycle = ric_turn_cycle(m, c, u, t);
     int N = o->cycle ? o->cycle->N : 0;
@@ -72,7 +72,7 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     o->model = m;
     ric_model_to_state(m, o->cycle->w, o->state, o->state + m->n_dof);
     for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
-    if (m->smooth) o->flights[0] = ric_cycle_period(o->cycle) / m->omega_ref;
+    if (m->smooth) o->flights[0] = ric_periodic_period(o->cycle) / m->omega_ref;
     ric_floquet_multipliers(&floquet, o->multipliers);
     o->error = floquet.error;
     o->stable = floquet.stable;
@@ -80,8 +80,8 @@ static ric_status finish(const ric_model *m, ric_chain *c, const double *u, cons
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] >= 0)
             approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
-    o->point = (ric_point){.arclength = stored->arclength, .energy = ric_chain_energy(c) * m->energy_unit,
-                           .frequency = TWO_PI / ric_chain_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
+    o->point = (ric_point){.arclength = stored->arclength, .energy = ric_shooting_energy(c) * m->energy_unit,
+                           .frequency = TWO_PI / ric_shooting_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
                            .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN,
                            .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
                            .residual = (float)c->residual, .stable = floquet.stable};
@@ -103,36 +103,36 @@ static ric_status unfit(const ric_branch *b)
 static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
-    ric_cycle *cycle;
-    ric_chain *chain = NULL;
+    ric_periodic *cycle;
+    ric_shooting *chain = NULL;
     ric_point point;
     double *u = NULL;
     *out = NULL;
     ric_status status = ric_stored_cycle(a, b, i, &point, &cycle);
     if (!status) {
         ric_stored_symmetries(m, b, cycle);
-        status = ric_cycle_to_chain(m, cycle, &chain, &u);
+        status = ric_periodic_to_chain(m, cycle, &chain, &u);
     }
     ric_turn t;
     if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
     if (!status) status = finish(m, chain, u, &t, &point, out);
     /* as it is stored: the same numbers, not merely equal ones */
     if (!status) status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
-    ric_chain_free(chain);
-    ric_cycle_free(cycle);
+    ric_shooting_free(chain);
+    ric_periodic_free(cycle);
     free(u);
     return status;
 }
 
 /* ------------------------------------------------------------- in between */
 
-static double quantity(const ric_model *m, const ric_chain *c, const double *u, ric_at at)
+static double quantity(const ric_model *m, const ric_shooting *c, const double *u, ric_at at)
 {
-    return at == RIC_AT_ENERGY ? ric_chain_energy(c) * m->energy_unit : TWO_PI / ric_chain_time(c, u) * m->omega_ref;
+    return at == RIC_AT_ENERGY ? ric_shooting_energy(c) * m->energy_unit : TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
 }
 
 /* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. */
-static bool solve_between(const ric_model *m, ric_chain *c, const double *ua, const double *ub, double fa, double fb,
+static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua, const double *ub, double fa, double fb,
                           ric_at at, double value, double *u)
 {
     int size = c->n_unknown, iterations;
@@ -147,7 +147,7 @@ static bool solve_between(const ric_model *m, ric_chain *c, const double *ua, co
     for (int k = 0; k < 80; k++) {
         double x = k && k % 3 == 0 ? (xa + xb) / 2 : xa + (xb - xa) * fa / (fa - fb);
         for (int i = 0; i < size; i++) u[i] = ua[i] + x / full * (ub[i] - ua[i]);
-        if (!ric_trace_correct(c, u, ua, normal, x, du, &iterations)) return false;
+        if (!ric_continuation_correct(c, u, ua, normal, x, du, &iterations)) return false;
         double f = quantity(m, c, u, at) - value;
         if (fabs(f) <= 4e-16 * fabs(value) || fabs(xb - xa) < 1e-15 * full) return true;
         if (fa * f < 0) {
@@ -165,8 +165,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
                                  double fb, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
-    ric_cycle *from = NULL, *to = NULL;
-    ric_chain *chain = NULL, *other = NULL;
+    ric_periodic *from = NULL, *to = NULL;
+    ric_shooting *chain = NULL, *other = NULL;
     double *ua = NULL, *ub = NULL, *u = NULL;
     ric_point point, far;
     *out = NULL;
@@ -177,7 +177,7 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     to->half = from->half;
     to->pure = from->pure;
     to->flip = from->flip;
-    if ((status = ric_cycle_to_chain(m, from, &chain, &ua)) || (status = ric_cycle_to_chain(m, to, &other, &ub)))
+    if ((status = ric_periodic_to_chain(m, from, &chain, &ua)) || (status = ric_periodic_to_chain(m, to, &other, &ub)))
         goto out;
     if (!(u = calloc((size_t)chain->n_unknown, sizeof *u))) {
         status = no_memory();
@@ -193,10 +193,10 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
         status = finish(m, chain, u, &t, &point, out);
     }
 out:
-    ric_chain_free(chain);
-    ric_chain_free(other);
-    ric_cycle_free(from);
-    ric_cycle_free(to);
+    ric_shooting_free(chain);
+    ric_shooting_free(other);
+    ric_periodic_free(from);
+    ric_periodic_free(to);
     free(ua);
     free(ub);
     free(u);
@@ -296,12 +296,12 @@ const ric_model *ric_orbit_model(const ric_orbit *o)
 
 int ric_orbit_impacts(const ric_orbit *o)
 {
-    return o->cycle ? ric_cycle_impacts(ric_cycle_springs(o->model), o->cycle) : 0;
+    return o->cycle ? ric_periodic_impacts(ric_periodic_springs(o->model), o->cycle) : 0;
 }
 
 int ric_orbit_letters(const ric_orbit *o)
 {
-    return o->cycle ? ric_cycle_letters(o->cycle) : 0;
+    return o->cycle ? ric_periodic_letters(o->cycle) : 0;
 }
 
 void ric_orbit_data(const ric_orbit *o, ric_point *point, double *state, double *flights, int *word)
@@ -310,7 +310,7 @@ void ric_orbit_data(const ric_orbit *o, ric_point *point, double *state, double 
     if (point) *point = o->point;
     if (state) memcpy(state, o->state, 2 * (size_t)o->model->n_dof * sizeof *state);
     if (flights) memcpy(flights, o->flights, (size_t)(N ? N : 1) * sizeof *flights);
-    if (word && N) ric_cycle_word(o->model, o->cycle, word);
+    if (word && N) ric_periodic_word(o->model, o->cycle, word);
 }
 
 ric_status ric_orbit_multipliers(const ric_orbit *o, double *out)
@@ -342,6 +342,6 @@ void ric_orbit_at_time(const ric_orbit *o, double t, double *x, double *v)
         return;
     }
     double w[2 * m->n];
-    ric_cycle_at_time(m, o->cycle, t * m->omega_ref, w);
+    ric_periodic_at_time(m, o->cycle, t * m->omega_ref, w);
     ric_model_to_state(m, w, x, v);
 }

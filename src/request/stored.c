@@ -10,7 +10,7 @@ static ric_status no_memory(void)
     return ric_fail(RIC_E_NOMEM, "no memory for a stored orbit");
 }
 
-ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_point *point, ric_cycle **out)
+ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_point *point, ric_periodic **out)
 {
     const ric_model *m = ric_atlas_model(a);
     int n = m->n_dof, N = b->letters;
@@ -18,13 +18,13 @@ ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_
     ric_status status = state && flights ? ric_atlas_point(a, b->id, i, point, state, flights) : no_memory();
     *out = NULL;
     int marks = m->smooth ? 2 : N;
-    if (!status && !(*out = ric_cycle_create(m->n, marks))) status = no_memory();
+    if (!status && !(*out = ric_periodic_create(m->n, marks))) status = no_memory();
     if (!status && m->smooth) {
         (*out)->tau[0] = flights[0] * m->omega_ref;
-        if (!ric_cycle_mark(*out, marks)) status = no_memory();
+        if (!ric_periodic_mark(*out, marks)) status = no_memory();
         ric_model_from_state(m, state, state + n, (*out)->w);
     } else if (!status) {
-        ric_cycle_spell(m, *out, b->word);
+        ric_periodic_spell(m, *out, b->word);
         for (int k = 0; k < N; k++) (*out)->tau[k] = flights[k] * m->omega_ref;
         ric_model_from_state(m, state, state + n, (*out)->w);
     }
@@ -33,7 +33,7 @@ ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_
     return status;
 }
 
-void ric_stored_symmetries(const ric_model *m, const ric_branch *b, ric_cycle *c)
+void ric_stored_symmetries(const ric_model *m, const ric_branch *b, ric_periodic *c)
 {
     bool centre = strstr(b->mirror, "centre"), other = strstr(b->mirror, "rest") || strstr(b->mirror, "impact");
     if (m->smooth) { /* they start at the mirror point that the chain starts at */
@@ -42,7 +42,7 @@ void ric_stored_symmetries(const ric_model *m, const ric_branch *b, ric_cycle *c
         c->pure = !b->reversible || !other ? -1 : centre;
         return;
     }
-    ric_cycle_find_symmetries(m, c, 1e-8);
+    ric_periodic_find_symmetries(m, c, 1e-8);
     if (!b->symmetric) c->half = false;
     if (!b->reversible || !other) c->pure = -1;
     if (!b->reversible || !centre) c->flip = -1;

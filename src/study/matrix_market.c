@@ -143,7 +143,7 @@ static ric_status next_integer(scanner *s, const char *what, long max, long *out
         return too_long(s, word);
     if (!word[0])
         return bad(s, "the file ends where %s should be", what);
-    if (!ric_text_integer(word, out) || *out < 1 || *out > max)
+    if (!ric_option_text_integer(word, out) || *out < 1 || *out > max)
         return bad(s, "%s is '%s'; it must be a whole number from 1 to %ld", what, word, max);
     return RIC_OK;
 }
@@ -155,7 +155,7 @@ static ric_status next_real(scanner *s, long row, long column, double *out)
         return too_long(s, word);
     if (!word[0])
         return bad(s, "the file ends where the entry of row %ld, column %ld should be", row, column);
-    switch (ric_text_real(word, out)) {
+    switch (ric_option_text_real(word, out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
     case RIC_TEXT_NOT_FINITE:
         return bad(s, "the entry of row %ld, column %ld is '%s'; entries must be finite", row, column, word);

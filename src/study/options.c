@@ -142,7 +142,7 @@ static bool names_no_finite(const char *text)
 
 enum { FORTRAN_MAX = 64 }; /* characters of a number whose exponent is a d; 25 name every double */
 
-ric_text_kind ric_text_real(const char *text, double *out)
+ric_text_kind ric_option_text_real(const char *text, double *out)
 {
     char copy[FORTRAN_MAX];
     if (!is_decimal(text))
@@ -159,7 +159,7 @@ ric_text_kind ric_text_real(const char *text, double *out)
     return isfinite(*out) ? RIC_TEXT_NUMBER : RIC_TEXT_NOT_FINITE;
 }
 
-bool ric_text_integer(const char *text, long *out)
+bool ric_option_text_integer(const char *text, long *out)
 {
     const char *first = text + (*text == '-' || *text == '+');
     if (!isdigit((unsigned char)*first) || *digits(first))
@@ -169,7 +169,7 @@ bool ric_text_integer(const char *text, long *out)
     return errno == 0;
 }
 
-void ric_text_write(double value, FILE *out)
+void ric_option_text_write(double value, FILE *out)
 {
     char text[40];
     locale_t before = ric_c_locale_enter();
@@ -193,12 +193,12 @@ static ric_status read_number(const ric_option *option, const char *text, double
 {
     char range[64];
     long whole = 0;
-    ric_text_kind kind = ric_text_real(text, out);
+    ric_text_kind kind = ric_option_text_real(text, out);
     describe_range(option, sizeof range, range);
     if (kind == RIC_TEXT_NOT_FINITE)
         return ric_fail(RIC_E_INPUT, "'%.40s' is not finite; give a number in %s", text, range);
     bool integer = option->type == RIC_OPTION_INTEGER || option->type == RIC_OPTION_MODES;
-    if (kind != RIC_TEXT_NUMBER || (integer && !ric_text_integer(text, &whole)))
+    if (kind != RIC_TEXT_NUMBER || (integer && !ric_option_text_integer(text, &whole)))
         return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text, integer ? " whole" : "", range);
     if (*out < option->min || *out > option->max || (option->above && *out == option->min))
         return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text, integer ? " whole" : "",
@@ -341,7 +341,7 @@ static void write_numbers(int n, const double *values, FILE *out)
     for (int i = 0; i < n; i++) {
         if (i)
             fputs(", ", out);
-        ric_text_write(values[i], out);
+        ric_option_text_write(values[i], out);
     }
     fputc(']', out);
 }
@@ -359,7 +359,7 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
     const void *where = const_field(option, options);
     const double *real = where;
     switch (option->type) {
-    case RIC_OPTION_REAL: ric_text_write(*real, out); break;
+    case RIC_OPTION_REAL: ric_option_text_write(*real, out); break;
     case RIC_OPTION_INTEGER: fprintf(out, "%d", *(const int *)where); break;
     case RIC_OPTION_SWITCH: fputs(*(const bool *)where ? "true" : "false", out); break;
     case RIC_OPTION_WINDOW:

@@ -51,9 +51,9 @@ void ric_options_document(FILE *out);
  * marked by the d of Fortran. The locale's decimal point
  * does not matter. */
 typedef enum { RIC_TEXT_NUMBER, RIC_TEXT_NOT_FINITE, RIC_TEXT_NO_NUMBER } ric_text_kind;
-ric_text_kind ric_text_real(const char *text, double *out);
-bool ric_text_integer(const char *text, long *out);
+ric_text_kind ric_option_text_real(const char *text, double *out);
+bool ric_option_text_integer(const char *text, long *out);
 /* Shortest of 15 to 17 digits that reads back bit for bit. */
-void ric_text_write(double value, FILE *out);
+void ric_option_text_write(double value, FILE *out);
 
 #endif

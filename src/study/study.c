@@ -370,9 +370,9 @@ static void write_names(const ric_study *study, FILE *out)
         fputs("  - {name: ", out);
         ric_yaml_write(study->names[i].name, out);
         fprintf(out, ", kind: %s, energy: ", study->names[i].kind);
-        ric_text_write(study->names[i].energy, out);
+        ric_option_text_write(study->names[i].energy, out);
         fputs(", frequency: ", out);
-        ric_text_write(study->names[i].frequency, out);
+        ric_option_text_write(study->names[i].frequency, out);
         fputs("}\n", out);
     }
 }
@@ -389,7 +389,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
         fputs("title: ", out);
         ric_yaml_write(study->title, out);
         fputc('\n', out);
-        ric_raw_model_write(raw, out);
+        ric_study_model_write(raw, out);
     } else
         fwrite(study->text, 1, study->explore_at, out);
     ric_buffer_sync(&written);
@@ -456,7 +456,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
-    if ((status = ric_raw_model_read(r, &slots[S_MODEL], raw, &study->model)))
+    if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model)))
         return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
@@ -487,7 +487,7 @@ static ric_status parse(const char *text, size_t size, const char *label, const 
     study = NULL;
 out:
     ric_study_free(study);
-    ric_raw_model_free(&raw);
+    ric_study_model_free(&raw);
     if (loaded)
         ric_yaml_unload(&r);
     if (plain) {

@@ -395,7 +395,7 @@ static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, con
 enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_RESTITUTION, M_COUNT };
 static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution"};
 
-void ric_raw_model_free(ric_raw_model *raw)
+void ric_study_model_free(ric_raw_model *raw)
 {
     for (int i = 0; i < raw->n_contact; i++) {
         free((void *)(uintptr_t)raw->contacts[i].name);
@@ -423,7 +423,7 @@ static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, cons
     return ric_yaml_wrong(r, key, "model", "%s", why);
 }
 
-ric_status ric_raw_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out)
+ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out)
 {
     ric_yaml_slot slots[M_COUNT];
     int n = 0;
@@ -460,7 +460,7 @@ static void write_list(int n, const double *values, FILE *out)
 {
     for (int i = 0; i < n; i++) {
         fputs(i ? ", " : "[", out);
-        ric_text_write(values[i], out);
+        ric_option_text_write(values[i], out);
     }
     fputs("]\n", out);
 }
@@ -477,7 +477,7 @@ static void write_matrix(const char *key, int n, const double *A, FILE *out)
 static void write_number(const char *key, double value, FILE *out)
 {
     fprintf(out, "      %s: ", key);
-    ric_text_write(value, out);
+    ric_option_text_write(value, out);
     fputc('\n', out);
 }
 
@@ -496,13 +496,13 @@ static void write_law(const ric_contact *contact, FILE *out)
     }
 }
 
-void ric_raw_model_write(const ric_raw_model *raw, FILE *out)
+void ric_study_model_write(const ric_raw_model *raw, FILE *out)
 {
     fputs("model:\n", out);
     write_matrix("mass", raw->n, raw->mass, out);
     write_matrix("stiffness", raw->n, raw->stiffness, out);
     fputs("  restitution: ", out);
-    ric_text_write(raw->restitution, out);
+    ric_option_text_write(raw->restitution, out);
     fputs("\n  contacts:\n", out);
     for (int i = 0; i < raw->n_contact; i++) {
         const ric_contact *contact = &raw->contacts[i];

@@ -10,7 +10,7 @@
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
-/* -------------------------------------------------------------- study_yaml.c */
+/* -------------------------------------------------------------- yaml.c */
 
 enum { RIC_KEY_MAX = 96 }; /* "model.contacts[12].clearance" */
 
@@ -67,9 +67,9 @@ void ric_yaml_write(const char *text, FILE *out);
 
 /* The one of n keys that people mean by another word, the sentence for what no key is for, and what to write for a
  * value that is none; NULL: nothing is known. */
-const char *ric_word_of_key(const char *found, int n, const char *const *keys);
-const char *ric_word_of_nothing(const char *found);
-const char *ric_word_of_value(const char *found);
+const char *ric_study_word_of_key(const char *found, int n, const char *const *keys);
+const char *ric_study_word_of_nothing(const char *found);
+const char *ric_study_word_of_value(const char *found);
 
 /* ------------------------------------------------------------- study_model.c */
 
@@ -83,8 +83,8 @@ typedef struct {
 } ric_raw_model;
 
 /* Fills `raw`, to be freed also on failure, and makes the model of it. */
-ric_status ric_raw_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out);
-void ric_raw_model_free(ric_raw_model *raw);
-void ric_raw_model_write(const ric_raw_model *raw, FILE *out);
+ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out);
+void ric_study_model_free(ric_raw_model *raw);
+void ric_study_model_write(const ric_raw_model *raw, FILE *out);
 
 #endif

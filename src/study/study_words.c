@@ -40,7 +40,7 @@ static const word NOTHING[] = {
     {"preload", "there is no preload: measure x from the true equilibrium and give a small positive clearance"},
 };
 
-const char *ric_word_of_key(const char *found, int n, const char *const *keys)
+const char *ric_study_word_of_key(const char *found, int n, const char *const *keys)
 {
     for (int i = 0; i < COUNT(WORDS); i++)
         for (int k = 0; k < n && !strcmp(WORDS[i].found, found); k++)
@@ -48,7 +48,7 @@ const char *ric_word_of_key(const char *found, int n, const char *const *keys)
     return NULL;
 }
 
-const char *ric_word_of_nothing(const char *found)
+const char *ric_study_word_of_nothing(const char *found)
 {
     for (int i = 0; i < COUNT(NOTHING); i++)
         if (!strcmp(NOTHING[i].found, found)) return NOTHING[i].meant;
@@ -66,7 +66,7 @@ static const word VALUES[] = {
     {"two", "sides: both"}, {"double", "sides: both"}, {"symmetric", "sides: both"},
 };
 
-const char *ric_word_of_value(const char *found)
+const char *ric_study_word_of_value(const char *found)
 {
     for (int i = 0; i < COUNT(VALUES); i++)
         if (!strcmp(VALUES[i].found, found)) return VALUES[i].meant;

@@ -293,9 +293,9 @@ enum { STEM = 4 }; /* letters at the beginning that make two words forms of one 
 /* The key that is meant: by another word, with a slip of the pen in less than half of it, or in another form. */
 static const char *meant_key(const char *found, int n, const char *const *keys)
 {
-    const char *meant = ric_word_of_key(found, n, keys);
+    const char *meant = ric_study_word_of_key(found, n, keys);
     int distance = 3;
-    for (int i = 0; i < n && !ric_word_of_key(found, n, keys); i++) {
+    for (int i = 0; i < n && !ric_study_word_of_key(found, n, keys); i++) {
         int d = edit_distance(found, keys[i]);
         if (d < distance && 2 * d < (int)strlen(found)) {
             distance = d;
@@ -311,7 +311,7 @@ static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const
                               const char *const *keys)
 {
     char full[RIC_KEY_MAX], all[300] = "";
-    const char *closest = meant_key(ric_yaml_text(key), n, keys), *none = ric_word_of_nothing(ric_yaml_text(key));
+    const char *closest = meant_key(ric_yaml_text(key), n, keys), *none = ric_study_word_of_nothing(ric_yaml_text(key));
     for (int i = 0; i < n; i++) {
         size_t used = strlen(all);
         snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", keys[i]);
@@ -360,7 +360,7 @@ ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const ch
     if (!ric_yaml_is_plain(value))
         return ric_yaml_wrong(r, value, key, "expected a number, found the quoted text '%.40s'; remove the quotes",
                               ric_yaml_text(value));
-    switch (ric_text_real(ric_yaml_text(value), out)) {
+    switch (ric_option_text_real(ric_yaml_text(value), out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
     case RIC_TEXT_NOT_FINITE: return ric_yaml_wrong(r, value, key,
                                                     "'%.40s' is not finite; NaN and infinities have no meaning here, "
@@ -402,7 +402,7 @@ ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const c
     if (!ric_yaml_is_scalar(from->value))
         return ric_yaml_wrong(r, from->value, key, "expected a word, found %s; write %s", ric_yaml_kind(from->value),
                               all);
-    const char *meant = ric_word_of_value(ric_yaml_text(from->value));
+    const char *meant = ric_study_word_of_value(ric_yaml_text(from->value));
     return ric_yaml_wrong(r, from->value, key, "'%.40s' is not known; write %s%s%s", ric_yaml_text(from->value), all,
                           meant ? "; you may mean " : "", meant ? meant : "");
 }

@@ -80,7 +80,7 @@ static ric_atlas *explore(const ric_study *study, double max_step, ric_graph **g
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
     if (max_step > 0) g->limits.max_step = max_step;
     if (ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
-    if (ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
+    if (ric_rows_make(g, study, true, &atlas)) fail_msg("%s", ric_detail());
     if (graph) *graph = g;
     else ric_graph_free(g);
     return atlas;

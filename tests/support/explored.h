@@ -14,7 +14,7 @@ static inline ric_atlas *explore_text_with(const char *text, ric_store *store, d
     if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
     assert_int_equal(ric_graph_create(study, store, &graph), RIC_OK);
     if (max_step > 0) graph->limits.max_step = max_step;
-    if (ric_graph_explore(graph, NULL) || ric_chart(graph, study, true, &atlas)) fail_msg("%s", ric_detail());
+    if (ric_graph_explore(graph, NULL) || ric_rows_make(graph, study, true, &atlas)) fail_msg("%s", ric_detail());
     ric_graph_free(graph);
     ric_study_free(study);
     return atlas;

@@ -53,11 +53,11 @@ static inline void random_word(const ric_model *m, int form, int n_flight, int *
 }
 
 /* A chain over such a word, with random unknowns; those of the start block up to `size`. */
-static inline ric_chain *random_chain_over(const ric_model *m, int form, int n_flight, const int *face, double size,
+static inline ric_shooting *random_chain_over(const ric_model *m, int form, int n_flight, const int *face, double size,
                                            double *u)
 {
-    ric_chain *chain = NULL;
-    assert_int_equal(ric_chain_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face, &chain),
+    ric_shooting *chain = NULL;
+    assert_int_equal(ric_shooting_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face, &chain),
                      RIC_OK);
     for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-size, size);
     for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
@@ -66,30 +66,30 @@ static inline ric_chain *random_chain_over(const ric_model *m, int form, int n_f
 
 /* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here.
  * NULL: none found. */
-static inline ric_chain *random_orbit(const ric_model *m, int form, int n_flight, double *u)
+static inline ric_shooting *random_orbit(const ric_model *m, int form, int n_flight, double *u)
 {
     int face[n_flight + 1], iterations;
     random_word(m, form, n_flight, face);
     for (int attempt = 0; attempt < 200; attempt++) {
-        ric_chain *chain = random_chain_over(m, form, n_flight, face, 3, u);
+        ric_shooting *chain = random_chain_over(m, form, n_flight, face, 3, u);
         double du[chain->n_unknown];
-        bool found = ric_trace_correct(chain, u, NULL, NULL, 0, du, &iterations);
+        bool found = ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
         for (int i = 0; i < chain->n_unknown; i++)
             found = found && fabs(u[i]) < 20 && (i < chain->n_start || u[i] > 0.05);
-        ric_chain_fly(chain, u);
+        ric_shooting_fly(chain, u);
         if (found) return chain;
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
     }
     return NULL;
 }
 
 /* Repetitions of a shorter orbit have several names for one symmetry. */
-static inline bool primitive(const ric_model *m, const ric_cycle *cycle)
+static inline bool primitive(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_cycle *copy = ric_cycle_copy(cycle);
+    ric_periodic *copy = ric_periodic_copy(cycle);
     assert_non_null(copy);
-    int q = ric_cycle_find_symmetries(m, copy, 1e-6);
-    ric_cycle_free(copy);
+    int q = ric_periodic_find_symmetries(m, copy, 1e-6);
+    ric_periodic_free(copy);
     return q == 1;
 }
 

@@ -100,7 +100,7 @@ static inline void fill_points(ric_branch_record *branch, const ric_model *model
 {
     int n_dof = ric_model_n_dof(model), n_flight = branch->row.letters ? branch->row.letters : 1;
     double arclength = 0;
-    branch->stride = ric_point_stride(n_dof, branch->row.letters);
+    branch->stride = ric_atlas_point_stride(n_dof, branch->row.letters);
     branch->points = calloc((size_t)branch->row.n_point + 1, branch->stride * sizeof(double));
     for (int i = 0; i < branch->row.n_point; i++) {
         double *at = branch->points + (size_t)i * branch->stride, *state = at + sizeof(ric_point) / sizeof *at, energy,

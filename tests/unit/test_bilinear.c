@@ -45,7 +45,7 @@ static void random_coordinates(int size, double *w)
 static uint64_t next_set(const ric_model *m, uint64_t set)
 {
     for (set++; set < (uint64_t)1 << m->n_face; set++)
-        if (ric_phase_exists(m, set)) return set;
+        if (ric_regime_exists(m, set)) return set;
     return 0;
 }
 
@@ -105,15 +105,15 @@ static void flights(void **state)
         int n = 1 + (int)seed % 5;
         ric_model *m = make_soft(seed, n, 1 + (int)seed % 3, 0, 3);
         for (uint64_t set = 0, done = 0; !done; done = !(set = next_set(m, set))) {
-            const ric_phase *phase;
+            const ric_regime *phase;
             double w[MAX_W], after[MAX_W], z[MAX_W], back[MAX_W], D[MAX_W * MAX_W], tau = uniform(-1.5, 1.5);
             long double A[MAX_A];
-            assert_int_equal(ric_phase_get(m, set, &phase), RIC_OK);
+            assert_int_equal(ric_regime_get(m, set, &phase), RIC_OK);
             random_coordinates(2 * m->n, w);
-            ric_phase_enter(phase, w, z);
-            ric_phase_leave(phase, z, back);
-            ric_phase_fly(phase, NULL, tau, w, after, NULL);
-            ric_phase_matrix(phase, tau, D);
+            ric_regime_enter(phase, w, z);
+            ric_regime_leave(phase, z, back);
+            ric_regime_fly(phase, NULL, tau, w, after, NULL);
+            ric_regime_matrix(phase, tau, D);
             generator(m, set, A);
             exponential(2 * m->n + 1, tau, A);
             double fast = 1, size = 1 + norm_of(2 * m->n, w);
@@ -161,12 +161,12 @@ static void energies(void **state)
     for (unsigned seed = 1; seed <= 40; seed += (unsigned)every()) {
         ric_model *m = make_soft(100 + seed, 1 + (int)seed % 5, 1 + (int)seed % 3, 0, 6);
         for (uint64_t set = 0, done = 0; !done; done = !(set = next_set(m, set))) {
-            const ric_phase *phase;
+            const ric_regime *phase;
             int size = 2 * m->n;
             double w[MAX_W], after[MAX_W], g[MAX_W], f[MAX_W];
-            assert_int_equal(ric_phase_get(m, set, &phase), RIC_OK);
+            assert_int_equal(ric_regime_get(m, set, &phase), RIC_OK);
             random_coordinates(size, w);
-            ric_phase_fly(phase, NULL, uniform(-3, 3), w, after, NULL);
+            ric_regime_fly(phase, NULL, uniform(-3, 3), w, after, NULL);
             check_close(ric_flight_energy(m, set, after), ric_flight_energy(m, set, w), 1e-11, "energy of a flight");
             ric_flight_secant(m, set, w, w, g);
             ric_flight_rate(m, set, w, f);
@@ -195,31 +195,31 @@ static void chords(void **state)
         ric_model *m = make_soft(200 + seed, 2 + (int)seed % 4, 1 + (int)seed % 3, 0, 4);
         int size = 2 * m->n;
         for (uint64_t set = 0, done = 0; !done; done = !(set = next_set(m, set))) {
-            const ric_phase *phase;
+            const ric_regime *phase;
             double w[MAX_W], f[MAX_W], after[MAX_W], row[MAX_W], slope, fast = 1;
-            assert_int_equal(ric_phase_get(m, set, &phase), RIC_OK);
+            assert_int_equal(ric_regime_get(m, set, &phase), RIC_OK);
             for (int i = 0; i < m->n; i++) fast = fmax(fast, phase->omega[i]);
             random_coordinates(size, w);
             ric_flight_rate(m, set, w, f);
             const ric_face *face = &m->face[m->n_face - 1];
             double largest = norm_of(m->n, face->g) * norm_of(size, w) * fast;
-            assert_true(fabs(ric_phase_chord(phase, NULL, face->contact, 0, w, NULL, NULL) - ric_gap(m->n, face, f)) <=
+            assert_true(fabs(ric_regime_chord(phase, NULL, face->contact, 0, w, NULL, NULL) - ric_gap(m->n, face, f)) <=
                         1e-13 * largest);
             for (int i = 0; i < 60; i++) {
                 double tau = (i % 2 ? -1 : 1) * pow(10, -9 + i / 6.0) / fast,
-                       value = ric_phase_chord(phase, NULL, face->contact, tau, w, row, &slope);
-                ric_phase_fly(phase, NULL, tau, w, after, NULL);
+                       value = ric_regime_chord(phase, NULL, face->contact, tau, w, row, &slope);
+                ric_regime_fly(phase, NULL, tau, w, after, NULL);
                 double plain = (ric_gap(m->n, face, after) - ric_gap(m->n, face, w)) / tau;
                 if (fabs(tau) * fast > 0.01 && fabs(plain - value) > 1e-11 * largest)
                     fail_msg("seed %u tau %g: %g against %g", seed, tau, value, plain);
-                double h = 1e-5 / fast, d = ric_phase_chord(phase, NULL, face->contact, tau + h, w, NULL, NULL) -
-                                            ric_phase_chord(phase, NULL, face->contact, tau - h, w, NULL, NULL);
+                double h = 1e-5 / fast, d = ric_regime_chord(phase, NULL, face->contact, tau + h, w, NULL, NULL) -
+                                            ric_regime_chord(phase, NULL, face->contact, tau - h, w, NULL, NULL);
                 assert_true(fabs(d / (2 * h) - slope) <= 1e-7 * largest * fast);
                 for (int j = 0; j < size; j++) { /* affine in w */
                     double moved[MAX_W];
                     memcpy(moved, w, sizeof moved);
                     moved[j] += 0.5;
-                    assert_true(fabs(ric_phase_chord(phase, NULL, face->contact, tau, moved, NULL, NULL) - value -
+                    assert_true(fabs(ric_regime_chord(phase, NULL, face->contact, tau, moved, NULL, NULL) - value -
                                      row[j] / 2) <= 1e-12 * largest);
                 }
             }
@@ -233,10 +233,10 @@ static void sets(void **state)
     (void)state;
     ric_model *m = make_soft(7, 3, 3, 1, 2); /* faces 0 1 rigid, 2 3 soft, 4 soft with one side */
     assert_int_equal(m->n_face, 5);
-    const ric_phase *phase;
-    assert_true(ric_phase_exists(m, 0) && ric_phase_exists(m, 1 << 2 | 1 << 4) && ric_phase_exists(m, 1 << 3));
-    assert_false(ric_phase_exists(m, 1 << 2 | 1 << 3) || ric_phase_exists(m, 1) || ric_phase_exists(m, 1 << 5));
-    assert_int_equal(ric_phase_get(m, 3 << 2, &phase), RIC_E_NUMERIC);
+    const ric_regime *phase;
+    assert_true(ric_regime_exists(m, 0) && ric_regime_exists(m, 1 << 2 | 1 << 4) && ric_regime_exists(m, 1 << 3));
+    assert_false(ric_regime_exists(m, 1 << 2 | 1 << 3) || ric_regime_exists(m, 1) || ric_regime_exists(m, 1 << 5));
+    assert_int_equal(ric_regime_get(m, 3 << 2, &phase), RIC_E_NUMERIC);
     assert_null(phase);
     ric_model_free(m);
 }
@@ -262,13 +262,13 @@ static void replay(void **state)
         start(sim, x, v);
         uint64_t set = 0;
         for (int event = 0; event < 60; event++) {
-            const ric_phase *phase;
+            const ric_regime *phase;
             ric_impact impact;
             bool hit = advance(sim, 1e3, &impact);
             assert_true(hit);
             const ric_face *face = &m->face[impact.face];
-            assert_int_equal(ric_phase_get(m, set, &phase), RIC_OK);
-            ric_phase_fly(phase, NULL, (impact.time - time) * m->omega_ref, w, w, NULL);
+            assert_int_equal(ric_regime_get(m, set, &phase), RIC_OK);
+            ric_regime_fly(phase, NULL, (impact.time - time) * m->omega_ref, w, w, NULL);
             if (fabs(ric_gap(n, face, w) - face->gap) > 1e-9)
                 fail_msg("seed %u event %d: %g off the face", 300 + seed, event, ric_gap(n, face, w) - face->gap);
             double speed = face->side * ric_dot(n, face->c, w + n) * m->omega_ref;
@@ -308,11 +308,11 @@ static void accelerations(void **state)
         double one = 1, ks = pow(10, i), W = sqrt(1 + ks), v = 1e-8, pull, after[2];
         ric_contact contact = {.normal = &one, .clearance = 1, .law = RIC_LAW_BILINEAR, .stiffness = ks};
         ric_model *m = make(1, &one, &one, 1, &contact, 1);
-        const ric_phase *phase;
-        assert_int_equal(ric_phase_get(m, 1, &phase), RIC_OK);
+        const ric_regime *phase;
+        assert_int_equal(ric_regime_get(m, 1, &phase), RIC_OK);
         double w[2] = {m->face[0].gap / m->face[0].g[0], v};
         for (double tau = 0; tau < 1.5 / W; tau += 0.1 / W) {
-            ric_phase_fly(phase, &m->face[0], tau, w, after, &pull);
+            ric_regime_fly(phase, &m->face[0], tau, w, after, &pull);
             double off = pull + cos(W * tau) + W * v * sin(W * tau);
             if (fabs(off) > 1e-14 + 2 * LDBL_EPSILON * ks) fail_msg("ks = 1e%d, phase %g: off by %g", i, W * tau, off);
         }
@@ -430,18 +430,18 @@ static void reach_of_a_short_rest(void **state)
 /* lambda + 1/lambda nearest to that of the multiplication, whose place it is, minus it. */
 static double off_root(const ric_model *m, const ric_node *node)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     ric_floquet floquet;
     double *u = NULL, off = HUGE_VAL;
-    assert_int_equal(ric_cycle_to_chain(m, node->cycle, &chain, &u), RIC_OK);
+    assert_int_equal(ric_periodic_to_chain(m, node->cycle, &chain, &u), RIC_OK);
     assert_int_equal(ric_floquet_create(chain->n, &floquet), RIC_OK);
-    ric_chain_fly(chain, u);
+    ric_shooting_fly(chain, u);
     assert_int_equal(ric_floquet_compute(chain, &floquet), RIC_OK);
-    double rho = ric_problem_rho(ric_chain_halves(chain), node->rotation[0], node->rotation[1]);
+    double rho = ric_symmetry_rho(ric_shooting_halves(chain), node->rotation[0], node->rotation[1]);
     for (int i = 0; i < floquet.n_pair; i++)
         off = fmin(off, hypot(floquet.own[2 * i] - rho, floquet.own[2 * i + 1]));
     ric_floquet_release(&floquet);
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     return off;
 }

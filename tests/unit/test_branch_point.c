@@ -27,10 +27,10 @@ static const char study_text[] =
     "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n";
 
 /* Left and right exchanged: x1 -> -x2, x2 -> -x1, and the walls. */
-static ric_cycle *exchanged(const ric_model *m, const ric_cycle *cycle)
+static ric_periodic *exchanged(const ric_model *m, const ric_periodic *cycle)
 {
     double x[2], v[2], y[2], z[2];
-    ric_cycle *out = ric_cycle_copy(cycle);
+    ric_periodic *out = ric_periodic_copy(cycle);
     ric_model_to_state(m, cycle->w, x, v);
     for (int i = 0; i < 2; i++) {
         y[i] = -x[1 - i];
@@ -41,38 +41,38 @@ static ric_cycle *exchanged(const ric_model *m, const ric_cycle *cycle)
     return out;
 }
 
-static bool own_image(const ric_model *m, const ric_cycle *cycle)
+static bool own_image(const ric_model *m, const ric_periodic *cycle)
 {
     int shift;
     bool reverse, mirror;
-    ric_cycle *image = exchanged(m, cycle);
-    bool same = ric_cycle_match(m, cycle, image, 1e-7, &shift, &reverse, &mirror);
-    ric_cycle_free(image);
+    ric_periodic *image = exchanged(m, cycle);
+    bool same = ric_periodic_match(m, cycle, image, 1e-7, &shift, &reverse, &mirror);
+    ric_periodic_free(image);
     return same;
 }
 
 /* Point `at` of the branch that leaves by `choice` on `side`; its class seen from the node, and the energy there. */
-static ric_cycle *leave(const ric_graph *g, const ric_node *node, unsigned choice, int side, int at, double *energy)
+static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned choice, int side, int at, double *energy)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0, seen;
-    ric_trace *tr = NULL;
+    ric_continuation *tr = NULL;
     ric_limits limits = g->limits;
     limits.max_points = at + 1;
-    if (ric_node_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore) ||
-        ric_trace_create(chain, u0, t0, ignore, &limits, &tr) || ric_trace_run(tr))
+    if (ric_switching_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore) ||
+        ric_continuation_create(chain, u0, t0, ignore, &limits, &tr) || ric_continuation_run(tr))
         fail_msg("choice %u, side %d at E %.9g: %s", choice, side, node->energy, ric_detail());
     assert_true(tr->n_point > at);
     const double *point = tr->points + (size_t)at * tr->stride, *u = point + sizeof(ric_point) / sizeof(double);
-    ric_chain_fly(tr->chain, u);
-    assert_true(tr->chain->residual <= ric_trace_tolerance(tr->chain));
+    ric_shooting_fly(tr->chain, u);
+    assert_true(tr->chain->residual <= ric_continuation_tolerance(tr->chain));
     *energy = ((const ric_point *)point)->energy;
-    ric_cycle *cycle = ric_cycle_from_chain(tr->chain, u), *turned = ric_cycle_canonical(g->model, cycle);
-    if (ric_crossing_choice(g->model, node, turned, &seen)) fail_msg("%s", ric_detail());
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, u), *turned = ric_periodic_canonical(g->model, cycle);
+    if (ric_branch_point_choice(g->model, node, turned, &seen)) fail_msg("%s", ric_detail());
     if (seen != choice) fail_msg("choice %u at E %.9g is taken for %u", choice, node->energy, seen);
-    ric_cycle_free(turned);
-    ric_trace_free(tr);
+    ric_periodic_free(turned);
+    ric_continuation_free(tr);
     free(u0);
     free(t0);
     return cycle;
@@ -88,9 +88,9 @@ static bool check_node(const ric_graph *g, const ric_node *node)
     for (unsigned choice = RIC_THROUGH; choice <= RIC_SIDE; choice++) {
         bool image = true;
         for (int i = 0; i < 2; i++) {
-            ric_cycle *cycle = leave(g, node, choice, i ? -1 : 1, 1, &energy[i]);
+            ric_periodic *cycle = leave(g, node, choice, i ? -1 : 1, 1, &energy[i]);
             image = own_image(g->model, cycle) && image;
-            ric_cycle_free(cycle);
+            ric_periodic_free(cycle);
         }
         if (image != (choice == RIC_THROUGH))
             fail_msg("THROUGH is not the branch along which the energy changes at E %.9g", node->energy);
@@ -153,19 +153,19 @@ static void left_and_right(void **state)
 }
 
 /* The orbit at a crossing, carried over to another structure of the same words. */
-static double gap_in(const ric_model *m, const ric_cycle *cycle, const ric_model *other)
+static double gap_in(const ric_model *m, const ric_periodic *cycle, const ric_model *other)
 {
     double x[2], v[2], *u = NULL;
-    ric_chain *chain = NULL;
-    ric_cycle *moved = ric_cycle_copy(cycle);
+    ric_shooting *chain = NULL;
+    ric_periodic *moved = ric_periodic_copy(cycle);
     ric_model_to_state(m, cycle->w, x, v);
     ric_model_from_state(other, x, v, moved->w);
     for (int i = 0; i < moved->N; i++) moved->tau[i] *= other->omega_ref / m->omega_ref;
-    assert_int_equal(ric_cycle_to_chain(other, moved, &chain, &u), RIC_OK);
-    ric_chain_evaluate(chain, u);
-    double gap = ric_crossing_gap(chain, u);
-    ric_chain_free(chain);
-    ric_cycle_free(moved);
+    assert_int_equal(ric_periodic_to_chain(other, moved, &chain, &u), RIC_OK);
+    ric_shooting_evaluate(chain, u);
+    double gap = ric_branch_point_gap(chain, u);
+    ric_shooting_free(chain);
+    ric_periodic_free(moved);
     free(u);
     return gap;
 }

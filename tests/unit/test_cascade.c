@@ -314,25 +314,25 @@ static void kernels_agree(void **state)
     ric_cascade *cascade = follow(atlas, "S2-[01]", 3, q, p, false);
     for (int i = 0; i < 3; i++) {
         ric_cascade_step s = step_of(cascade, i);
-        ric_cycle *orbit = ric_cycle_create(m->n, s.impacts);
-        ric_problem problems[2];
+        ric_periodic *orbit = ric_periodic_create(m->n, s.impacts);
+        ric_symmetry problems[2];
         memcpy(orbit->face, s.word, (size_t)s.impacts * sizeof *s.word);
         for (int k = 0; k < s.impacts; k++) orbit->tau[k] = s.flights[k] * m->omega_ref;
         ric_model_from_state(m, s.state, s.state + m->n_dof, orbit->w);
-        ric_cycle_find_symmetries(m, orbit, 1e-8);
-        int count = ric_problem_multiplying(orbit, s.rotation[0], s.rotation[1], problems);
+        ric_periodic_find_symmetries(m, orbit, 1e-8);
+        int count = ric_symmetry_multiplying(orbit, s.rotation[0], s.rotation[1], problems);
         for (int k = 0; k < count; k++) {
-            ric_chain *c = NULL;
+            ric_shooting *c = NULL;
             double *u = NULL, second;
-            ric_cycle *repeated = ric_problem_cycle(orbit, &problems[k]);
-            assert_int_equal(ric_cycle_to_chain(m, repeated, &c, &u), RIC_OK);
+            ric_periodic *repeated = ric_symmetry_cycle(orbit, &problems[k]);
+            assert_int_equal(ric_periodic_to_chain(m, repeated, &c, &u), RIC_OK);
             int size = c->n_unknown;
             double *J = calloc((size_t)(c->n_flight + 2 * c->n + 2) * size, sizeof *J),
                    *plane = calloc(2 * (size_t)size, sizeof *plane);
-            ric_chain_evaluate(c, u);
-            assert_true(ric_chain_plane(c, plane, &second));
+            ric_shooting_evaluate(c, u);
+            assert_true(ric_shooting_plane(c, plane, &second));
             if (!(second < 1e-7)) fail_msg("step %d, problem %d: second singular value %g", i, k, second);
-            int rows = ric_chain_jacobian(c, u, J);
+            int rows = ric_shooting_jacobian(c, u, J);
             for (int v = 0; v < 2; v++)
                 for (int r = 0; r < rows; r++) {
                     double sum = 0;
@@ -350,10 +350,10 @@ static void kernels_agree(void **state)
             free(J);
             free(plane);
             free(u);
-            ric_chain_free(c);
-            ric_cycle_free(repeated);
+            ric_shooting_free(c);
+            ric_periodic_free(repeated);
         }
-        ric_cycle_free(orbit);
+        ric_periodic_free(orbit);
     }
     ric_cascade_free(cascade);
     ric_atlas_free(atlas);

@@ -28,19 +28,19 @@ enum { MAX_BITS = 16, MAX_GROUP = 4096, MAX_TEXT = 1024 };
  * run backwards, mirrored or not. Found by carrying each out, not from the symmetries that the program has noted. */
 typedef struct { int shift; bool reverse; } operation;
 
-static int group_of(const ric_model *m, const ric_cycle *c, operation *group)
+static int group_of(const ric_model *m, const ric_periodic *c, operation *group)
 {
     int n = 0;
     for (int mirror = 0; mirror <= m->symmetric; mirror++)
         for (int reverse = 0; reverse < 2; reverse++)
             for (int shift = 0; shift < c->N; shift++) {
-                ric_cycle *image = ric_cycle_transform(m, c, shift, reverse, mirror);
+                ric_periodic *image = ric_periodic_transform(m, c, shift, reverse, mirror);
                 assert_non_null(image);
-                if (ric_cycle_distance(c, image) < FIXED) {
+                if (ric_periodic_distance(c, image) < FIXED) {
                     assert_true(n < MAX_GROUP);
                     group[n++] = (operation){shift, reverse};
                 }
-                ric_cycle_free(image);
+                ric_periodic_free(image);
             }
     return n;
 }
@@ -52,7 +52,7 @@ static int count_subsets(const ric_model *m, const ric_node *node)
     static operation group[MAX_GROUP];
     static bool seen[1 << MAX_BITS];
     int k = node->multiple, N = node->cycle->N, bits = node->n_touch * k, count = 0, place[MAX_BITS], bit_at[1024];
-    ric_cycle *whole = ric_cycle_repeat(node->cycle, k);
+    ric_periodic *whole = ric_periodic_repeat(node->cycle, k);
     assert_true(bits <= MAX_BITS && whole->N < 1024);
     int n = group_of(m, whole, group);
     for (int i = 0; i < whole->N; i++) bit_at[i] = -1;
@@ -74,7 +74,7 @@ static int count_subsets(const ric_model *m, const ric_node *node)
         }
         count += !repeated;
     }
-    ric_cycle_free(whole);
+    ric_periodic_free(whole);
     return count;
 }
 
@@ -82,7 +82,7 @@ static int count_subsets(const ric_model *m, const ric_node *node)
  * symmetry x -> -x of the orbit, two families that would be images of each other are two. */
 static int count_families(const ric_model *m, const ric_node *node)
 {
-    const ric_cycle *c = node->cycle;
+    const ric_periodic *c = node->cycle;
     int p = node->rotation[0], q = node->rotation[1], order = c->half && p % 2 ? 2 * q : q;
     bool reversible = c->pure >= 0 || c->flip >= 0;
     if (order == 2) return 1;
@@ -124,16 +124,16 @@ static int count_ends(const ric_graph *g, int node, unsigned choice)
 /* Branches that pass a junction as the orbit there, or aside: with q times its period or less of its symmetry. */
 static int count_passing(const ric_graph *g, int node, bool aside)
 {
-    const ric_cycle *c = g->nodes[node]->cycle;
+    const ric_periodic *c = g->nodes[node]->cycle;
     int n = 0;
     for (int i = 0; i < g->n_edge; i++)
         for (int k = 0; k < g->edges[i].n_inner; k++) {
             if (g->edges[i].inner[k].node != node) continue;
-            ric_cycle *cycle = ric_trace_cycle(g->edges[i].trace,
+            ric_periodic *cycle = ric_continuation_cycle(g->edges[i].trace,
                                                g->edges[i].trace->points + sizeof(ric_point) / sizeof(double));
             bool less = (c->half && !cycle->half) || (c->flip >= 0 && cycle->flip < 0);
             n += (cycle->N > c->N || less) == aside;
-            ric_cycle_free(cycle);
+            ric_periodic_free(cycle);
         }
     return n;
 }
@@ -234,18 +234,18 @@ static void check_modes(const ric_graph *g, const ric_atlas *atlas, const char *
  * several times. */
 static void check_orbits(const ric_graph *g, const ric_edge *e, const char *name)
 {
-    const ric_trace *tr = e->trace;
-    bool said[2] = {ric_chain_halves(tr->chain), tr->chain->start != RIC_MIRROR_NONE}, all[2] = {true, true};
+    const ric_continuation *tr = e->trace;
+    bool said[2] = {ric_shooting_halves(tr->chain), tr->chain->start != RIC_MIRROR_NONE}, all[2] = {true, true};
     for (int i = 1; i + 1 < tr->n_point; i++) {
         const double *point = tr->points + tr->stride * (size_t)i;
-        ric_cycle *orbit = ric_trace_cycle(tr, point + sizeof(ric_point) / sizeof(double));
-        int copies = ric_cycle_find_symmetries(g->model, orbit, EXACT);
+        ric_periodic *orbit = ric_continuation_cycle(tr, point + sizeof(ric_point) / sizeof(double));
+        int copies = ric_periodic_find_symmetries(g->model, orbit, EXACT);
         if (copies > 1)
             fail_msg("%s: point %d of %d of a branch of %d impacts at E %.10g is an orbit gone through %d times", name,
                      i, tr->n_point, orbit->N, e->energy[0] * g->model->energy_unit, copies);
         all[0] &= orbit->half;
         all[1] &= orbit->pure >= 0 || orbit->flip >= 0;
-        ric_cycle_free(orbit);
+        ric_periodic_free(orbit);
     }
     for (int k = 0; k < 2 && tr->n_point > FEW; k++)
         if (all[k] && !said[k])
@@ -257,16 +257,16 @@ static void check_orbits(const ric_graph *g, const ric_edge *e, const char *name
 static void check_classes(const ric_graph *g, int i, const char *name)
 {
     const ric_node *node = g->nodes[i];
-    ric_cycle *orbit[node->n_departure + 1];
+    ric_periodic *orbit[node->n_departure + 1];
     if (node->kind != RIC_KIND_GRAZING || node->refusal) return;
-    for (int k = 0; k < node->n_departure; k++) orbit[k] = ric_subset_cycle(g->model, node, node->departures[k].choice);
+    for (int k = 0; k < node->n_departure; k++) orbit[k] = ric_grazing_words_cycle(g->model, node, node->departures[k].choice);
     for (int k = 0; k < node->n_departure; k++)
         for (int j = 0; j < k; j++)
             if (orbit[j] && orbit[k] && there(&node->departures[j]) && there(&node->departures[k]) &&
-                ric_cycle_same(g->model, orbit[j], orbit[k], FIXED))
+                ric_periodic_same(g->model, orbit[j], orbit[k], FIXED))
                 report(g, i, name, "is the departure", node->departures[k].choice, (int)node->departures[k].choice,
                        (int)node->departures[j].choice);
-    for (int k = 0; k < node->n_departure; k++) ric_cycle_free(orbit[k]);
+    for (int k = 0; k < node->n_departure; k++) ric_periodic_free(orbit[k]);
 }
 
 /* Both ends of a branch are one way out of one junction: it has passed an arrival and come back as its own image. */
@@ -282,7 +282,7 @@ static void check_study(const ric_study *study, const char *name)
     ric_graph *g = NULL;
     ric_atlas *atlas = NULL;
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
-    if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
+    if (ric_graph_explore(g, NULL) || ric_rows_make(g, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
     for (int i = 0; i < g->n_node; i++) check_node(g, i, name);
     for (int i = 0; i < g->n_node; i++) check_classes(g, i, name);
     for (int i = 0; i < g->n_edge; i++) {

@@ -22,7 +22,7 @@ static const double PI = 3.14159265358979323846;
 
 /* ------------------------------------------------------------ two forms agree */
 
-static double slowest(const ric_chain *c)
+static double slowest(const ric_shooting *c)
 {
     double least = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
@@ -30,11 +30,11 @@ static double slowest(const ric_chain *c)
     return least;
 }
 
-static ric_floquet multipliers(ric_chain *chain, const double *u)
+static ric_floquet multipliers(ric_shooting *chain, const double *u)
 {
     ric_floquet out;
     assert_int_equal(ric_floquet_create(chain->n, &out), RIC_OK);
-    ric_chain_evaluate(chain, u);
+    ric_shooting_evaluate(chain, u);
     if (ric_floquet_compute(chain, &out)) fail_msg("%s", ric_detail());
     return out;
 }
@@ -54,15 +54,15 @@ static void coefficients(const ric_floquet *f, double *e)
 }
 
 /* The same orbit over the whole or half a period without use of reversibility. */
-static ric_chain *general_form(const ric_model *m, const ric_cycle *cycle, bool half, double **u)
+static ric_shooting *general_form(const ric_model *m, const ric_periodic *cycle, bool half, double **u)
 {
-    ric_cycle *copy = ric_cycle_copy(cycle);
-    ric_chain *chain = NULL;
+    ric_periodic *copy = ric_periodic_copy(cycle);
+    ric_shooting *chain = NULL;
     assert_non_null(copy);
     copy->half = half;
     copy->pure = copy->flip = -1;
-    assert_int_equal(ric_cycle_to_chain(m, copy, &chain, u), RIC_OK);
-    ric_cycle_free(copy);
+    assert_int_equal(ric_periodic_to_chain(m, copy, &chain, u), RIC_OK);
+    ric_periodic_free(copy);
     return chain;
 }
 
@@ -114,7 +114,7 @@ static void compare(const ric_floquet *a, const ric_floquet *b, const char *wher
 }
 
 /* The determinants of the struct against rho: only a symplectic map joins them like this. */
-static void check_determinants(const ric_chain *chain, const ric_floquet *f, const char *where)
+static void check_determinants(const ric_shooting *chain, const ric_floquet *f, const char *where)
 {
     int k = f->n_pair;
     bool reversible = chain->start != RIC_MIRROR_NONE;
@@ -148,32 +148,32 @@ static void forms_agree(void **state)
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 ric_model *m = random_structure_of(seed, n, 1 + trial % 2, trial % 8 == 7, false);
                 /* at least one impact in every form */
-                ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
-                ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
+                ric_shooting *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
+                ric_periodic *cycle = chain ? ric_periodic_from_chain(chain, u) : NULL;
                 if (cycle && slowest(chain) > 1e-3 && primitive(m, cycle)) {
                     snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
                              form, chain->n_flight);
-                    ric_chain *general = general_form(m, cycle, false, &v);
+                    ric_shooting *general = general_form(m, cycle, false, &v);
                     ric_floquet a = multipliers(chain, u), b = multipliers(general, v);
                     compare(&a, &b, where);
                     if (size_of(&a) < 1e5) check_determinants(chain, &a, where);
                     stable += a.stable == RIC_STABLE_YES;
                     if (cycle->half && form > 1) {
-                        ric_chain *half = general_form(m, cycle, true, &w);
+                        ric_shooting *half = general_form(m, cycle, true, &w);
                         ric_floquet c = multipliers(half, w);
                         compare(&a, &c, where);
                         if (size_of(&c) < 1e5) check_determinants(half, &c, where);
                         ric_floquet_release(&c);
-                        ric_chain_free(half);
+                        ric_shooting_free(half);
                         free(w);
                     }
                     ric_floquet_release(&a);
                     ric_floquet_release(&b);
-                    ric_chain_free(general);
+                    ric_shooting_free(general);
                     free(v);
                 }
-                ric_cycle_free(cycle);
-                ric_chain_free(chain);
+                ric_periodic_free(cycle);
+                ric_shooting_free(chain);
                 ric_model_free(m);
             }
     print_message("# %d comparisons, %d stable orbits\n", compared, stable);
@@ -207,7 +207,7 @@ static void simulate(ric_simulator *sim, int n, double time, double *x, double *
 
 /* Derivative of the state (x, v) after one period with respect to the state in the middle of the longest flight:
  * differences of fourth order in h. M [2n * 2n]. */
-static void differenced_monodromy(const ric_model *m, const ric_cycle *cycle, double h, double *M)
+static void differenced_monodromy(const ric_model *m, const ric_periodic *cycle, double h, double *M)
 {
     static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
     int n = m->n_dof, longest = 0;
@@ -215,7 +215,7 @@ static void differenced_monodromy(const ric_model *m, const ric_cycle *cycle, do
     ric_simulator *sim = NULL;
     for (int i = 1; i < cycle->N; i++)
         if (cycle->tau[i] > cycle->tau[longest]) longest = i;
-    ric_cycle *moved = ric_cycle_transform(m, cycle, longest, false, false);
+    ric_periodic *moved = ric_periodic_transform(m, cycle, longest, false, false);
     ric_flight_go(m, moved->closed, moved->face[0], moved->tau[0] / 2, moved->w, w);
     ric_model_to_state(m, w, z, z + n);
     assert_int_equal(ric_simulator_create(m, &sim), RIC_OK);
@@ -224,11 +224,11 @@ static void differenced_monodromy(const ric_model *m, const ric_cycle *cycle, do
         for (int k = 0; k < 4; k++) {
             memcpy(y, z, sizeof z);
             y[j] += offset[k] * h;
-            simulate(sim, n, ric_cycle_period(cycle) / m->omega_ref, y, y + n);
+            simulate(sim, n, ric_periodic_period(cycle) / m->omega_ref, y, y + n);
             for (int i = 0; i < 2 * n; i++) M[i * 2 * n + j] += weight[k] * y[i] / h;
         }
     ric_simulator_free(sim);
-    ric_cycle_free(moved);
+    ric_periodic_free(moved);
 }
 
 static void multiply(int n, const double *A, const double *B, double *C)
@@ -260,7 +260,7 @@ static double symplectic_error(const ric_model *m, const double *M)
 }
 
 /* Traces of M, M^2, M^3: two trivial multipliers 1, and rho, rho^2 - 2, rho^3 - 3 rho for each pair. */
-static bool check_monodromy(const ric_model *m, const ric_cycle *cycle, const ric_floquet *f, const char *where)
+static bool check_monodromy(const ric_model *m, const ric_periodic *cycle, const ric_floquet *f, const char *where)
 {
     int n = m->n_dof;
     double M[4 * MAX_N * MAX_N], P[4 * MAX_N * MAX_N], Q[4 * MAX_N * MAX_N], top = 1, off = 0;
@@ -294,7 +294,7 @@ typedef struct {
     int closed;                       /* those that meet a stop while a spring is closed */
 } tally;
 
-static void count_impacts(const ric_chain *c, tally *t)
+static void count_impacts(const ric_shooting *c, tally *t)
 {
     for (int k = 1; k < c->n_flight; k++) {
         bool stop = c->face[k] >= 0 && c->model->face[c->face[k]].spring == 0;
@@ -303,18 +303,18 @@ static void count_impacts(const ric_chain *c, tally *t)
     }
 }
 
-static void check_point(const ric_trace *trace, const double *u, const char *where, tally *t)
+static void check_point(const ric_continuation *trace, const double *u, const char *where, tally *t)
 {
     const ric_model *m = trace->chain->model;
     ric_floquet f = multipliers(trace->chain, u);
     if (f.stable == RIC_STABLE_YES || (comparable(&f) && size_of(&f) < 1000)) {
-        ric_cycle *cycle = ric_cycle_from_chain(trace->chain, u);
+        ric_periodic *cycle = ric_periodic_from_chain(trace->chain, u);
         if (check_monodromy(m, cycle, &f, where)) {
             t->done++;
             t->stable += f.stable == RIC_STABLE_YES;
             count_impacts(trace->chain, t);
         } else t->skipped++;
-        ric_cycle_free(cycle);
+        ric_periodic_free(cycle);
     }
     ric_floquet_release(&f);
 }
@@ -330,7 +330,7 @@ static void check_study(const char *text, const char *name, tally *t)
     const ric_model *m = graph->model;
     assert_int_equal(m->n, m->n_dof);
     for (int e = 0; e < graph->n_edge; e++) {
-        const ric_trace *trace = graph->edges[e].trace;
+        const ric_continuation *trace = graph->edges[e].trace;
         for (int i = 0; trace && i < trace->n_point; i += 3) {
             const double *at = trace->points + (size_t)i * trace->stride;
             const ric_point *row = (const ric_point *)at;
@@ -420,14 +420,14 @@ static bool near(double a, double b, double scale)
 
 /* Everything that is stored of a point belongs to the orbit that is stored, at the ends too, which are read off cubics
  * or replaced by the orbit of a junction; and that orbit is solved. */
-static void check_rows(ric_trace *trace, const char *where)
+static void check_rows(ric_continuation *trace, const char *where)
 {
     double *u = malloc((size_t)trace->chain->n_unknown * sizeof *u);
     for (int i = 0; i < trace->n_point; i++) {
         const ric_point *row = (const ric_point *)(trace->points + (size_t)i * trace->stride);
         ric_station p = {.u = u};
         memcpy(u, row + 1, (size_t)trace->chain->n_unknown * sizeof *u);
-        assert_int_equal(ric_trace_fill(trace, row->arclength, &p), RIC_OK);
+        assert_int_equal(ric_continuation_fill(trace, row->arclength, &p), RIC_OK);
         if (!p.solved) fail_msg("%s, point %d of %d: residual %.3g", where, i, trace->n_point, p.row.residual);
         if (!near(row->energy, p.row.energy, 1 + row->energy) ||
             !near(row->frequency, p.row.frequency, row->frequency) || !near(row->reach, p.row.reach, 1) ||
@@ -468,16 +468,16 @@ static void rows_belong_to_orbits(void **state)
 
 /* Stability at u, and at states that are the same orbit but for rounding. With `judge`, as
  * it is stored. */
-static ric_stability flag_at(ric_chain *c, const double *u, bool judge)
+static ric_stability flag_at(ric_shooting *c, const double *u, bool judge)
 {
     ric_floquet f = multipliers(c, u);
-    if (judge) assert_int_equal(ric_trace_judge(c, u, &f), RIC_OK);
+    if (judge) assert_int_equal(ric_continuation_judge(c, u, &f), RIC_OK);
     ric_stability stable = f.stable;
     ric_floquet_release(&f);
     return stable;
 }
 
-static bool contradicts(ric_chain *c, const double *u, bool judge)
+static bool contradicts(ric_shooting *c, const double *u, bool judge)
 {
     double v[c->n_unknown], du[c->n_unknown];
     bool yes = false, no = false;
@@ -485,7 +485,7 @@ static bool contradicts(ric_chain *c, const double *u, bool judge)
         int steps;
         ric_stability flag = RIC_STABLE_UNDECIDED;
         for (int i = 0; i < c->n_unknown; i++) v[i] = u[i] * (1 + 1e-15 * k * uniform(-1, 1));
-        if (ric_trace_correct(c, v, NULL, NULL, 0, du, &steps)) flag = flag_at(c, v, judge);
+        if (ric_continuation_correct(c, v, NULL, NULL, 0, du, &steps)) flag = flag_at(c, v, judge);
         yes |= flag == RIC_STABLE_YES;
         no |= flag == RIC_STABLE_NO;
     }
@@ -508,9 +508,9 @@ static void flags_agree(void **state)
         assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
         assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
         for (int e = 0; e < graph->n_edge; e++) {
-            const ric_trace *trace = graph->edges[e].trace;
+            const ric_continuation *trace = graph->edges[e].trace;
             for (int i = 0; trace && i + 1 < trace->n_point; i++) {
-                ric_chain *c = trace->chain;
+                ric_shooting *c = trace->chain;
                 int size = c->n_unknown, steps;
                 const ric_point *p = (const ric_point *)(trace->points + (size_t)i * trace->stride),
                                 *q = (const ric_point *)((const double *)p + trace->stride);
@@ -521,7 +521,7 @@ static void flags_agree(void **state)
                 for (double x = 0.3; x > 1e-12; x /= 1.7) {
                     double y = p->stable == RIC_STABLE_UNDECIDED ? x : 1 - x;
                     for (int k = 0; k < size; k++) u[k] = a[k] + y * (b[k] - a[k]);
-                    if (!ric_trace_correct(c, u, NULL, NULL, 0, du, &steps)) break;
+                    if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &steps)) break;
                     raw += contradicts(c, u, false);
                     if (contradicts(c, u, true))
                         fail_msg("%s, branch %d, beside point %d: stable, and not, by rounding", files[s], e, i);
@@ -547,18 +547,18 @@ static int count_bits(unsigned x)
 
 /* From the stored end of a branch inwards: tau2 grows like one over the speed to the power of the touches kept as
  * impacts. */
-static bool check_growth(const ric_trace *trace, bool far, int power, const char *where)
+static bool check_growth(const ric_continuation *trace, bool far, int power, const char *where)
 {
-    ric_chain *c = ric_chain_copy(trace->chain);
+    ric_shooting *c = ric_shooting_copy(trace->chain);
     int size = c->n_unknown, last = trace->n_point - 1, steps;
     const double *end = trace->points + (size_t)(far ? last : 0) * trace->stride + sizeof(ric_point) / sizeof(double);
     const double *next = trace->points + (size_t)(far ? last - 1 : 1) * trace->stride +
                          sizeof(ric_point) / sizeof(double);
     double t[size], u[size], du[size], before[2] = {0, 0};
     for (int i = 0; i < size; i++) t[i] = next[i] - end[i];
-    ric_chain_evaluate(c, end);
+    ric_shooting_evaluate(c, end);
     memcpy(u, t, sizeof u);
-    ric_trace_tangent(c, u, t);
+    ric_continuation_tangent(c, u, t);
     ric_floquet at = multipliers(c, end); /* the very end: speeds at rounding level */
     if (isnan(at.trace_asinh))
         fail_msg("%s: the trace is NaN at the grazing itself, speed %.3g, form %d-%d", where, slowest(c), c->start,
@@ -568,7 +568,7 @@ static bool check_growth(const ric_trace *trace, bool far, int power, const char
     for (int k = 3; k <= 7; k++) {
         double s = pow(10, -k);
         for (int i = 0; i < size; i++) u[i] = end[i] + s * t[i];
-        if (!ric_trace_correct(c, u, end, t, s, du, &steps)) fail_msg("%s: no orbit at distance %.1g", where, s);
+        if (!ric_continuation_correct(c, u, end, t, s, du, &steps)) fail_msg("%s: no orbit at distance %.1g", where, s);
         double v = log(slowest(c));
         ric_floquet f = multipliers(c, u);
         double slope = (fabs(f.trace_asinh) - before[1]) / (v - before[0]);
@@ -580,7 +580,7 @@ static bool check_growth(const ric_trace *trace, bool far, int power, const char
         before[1] = fabs(f.trace_asinh);
         ric_floquet_release(&f);
     }
-    ric_chain_free(c);
+    ric_shooting_free(c);
     return true;
 }
 
@@ -669,12 +669,12 @@ static void lost_or_right(void **state)
     assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
     assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
     for (int e = 0; e < graph->n_edge; e++) {
-        const ric_trace *trace = graph->edges[e].trace;
+        const ric_continuation *trace = graph->edges[e].trace;
         for (int i = 1; trace->chain->start != RIC_MIRROR_NONE && i + 1 < trace->n_point; i += every()) {
             const double *u = trace->points + (size_t)i * trace->stride + sizeof(ric_point) / sizeof(double);
             double *v = NULL;
-            ric_cycle *cycle = ric_trace_cycle(trace, u);
-            ric_chain *whole = general_form(graph->model, cycle, false, &v);
+            ric_periodic *cycle = ric_continuation_cycle(trace, u);
+            ric_shooting *whole = general_form(graph->model, cycle, false, &v);
             ric_floquet own = multipliers(trace->chain, u), other = multipliers(whole, v);
             for (int k = 0; k < 2; k++) {
                 double best = HUGE_VAL, *r = other.rho + 2 * k, size = 1 + hypot(r[0], r[1]);
@@ -687,8 +687,8 @@ static void lost_or_right(void **state)
             }
             ric_floquet_release(&own);
             ric_floquet_release(&other);
-            ric_chain_free(whole);
-            ric_cycle_free(cycle);
+            ric_shooting_free(whole);
+            ric_periodic_free(cycle);
             free(v);
         }
     }
@@ -706,21 +706,21 @@ static void no_overflow(void **state)
     int done = 0;
     for (uint64_t seed = 1; seed <= 40; seed += (uint64_t)every()) {
         ric_model *m = random_structure_of(seed, 2, 1, false, false);
-        ric_chain *chain = random_orbit(m, 0, 3, u);
-        ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
+        ric_shooting *chain = random_orbit(m, 0, 3, u);
+        ric_periodic *cycle = chain ? ric_periodic_from_chain(chain, u) : NULL;
         if (cycle) {
-            ric_chain *one = general_form(m, cycle, false, &v);
+            ric_shooting *one = general_form(m, cycle, false, &v);
             ric_floquet a = multipliers(one, v);
             if (comparable(&a) && fabs(a.rho[0]) > 5) {
                 int k = 3001;
-                ric_cycle *longer = ric_cycle_create(m->n, k * cycle->N);
+                ric_periodic *longer = ric_periodic_create(m->n, k * cycle->N);
                 assert_non_null(longer);
                 for (int i = 0; i < k * cycle->N; i++) {
                     longer->face[i] = cycle->face[i % cycle->N];
                     longer->tau[i] = cycle->tau[i % cycle->N];
                 }
                 memcpy(longer->w, cycle->w, 2 * (size_t)m->n * sizeof *cycle->w);
-                ric_chain *many = general_form(m, longer, false, &w);
+                ric_shooting *many = general_form(m, longer, false, &w);
                 ric_floquet b = multipliers(many, w);
                 double expected = k * acosh(fabs(a.rho[0]) / 2), relative = a.error / fabs(a.rho[0]) + 1e-9;
                 if (!(fabs(fabs(b.trace_asinh) - expected) <= 1e-6 * expected + 4 * k * relative) ||
@@ -730,16 +730,16 @@ static void no_overflow(void **state)
                 assert_int_equal(b.stable, RIC_STABLE_NO);
                 done++;
                 ric_floquet_release(&b);
-                ric_chain_free(many);
-                ric_cycle_free(longer);
+                ric_shooting_free(many);
+                ric_periodic_free(longer);
                 free(w);
             }
             ric_floquet_release(&a);
-            ric_chain_free(one);
+            ric_shooting_free(one);
             free(v);
         }
-        ric_cycle_free(cycle);
-        ric_chain_free(chain);
+        ric_periodic_free(cycle);
+        ric_shooting_free(chain);
         ric_model_free(m);
     }
     print_message("# %d orbits taken 3001 times around\n", done);

@@ -39,22 +39,22 @@ static ric_study *parse(const char *text)
 /* ---------------------------------------------------------------------- map */
 
 /* A motion that has just left a face, away from grazing. */
-static bool random_hit(const ric_section *s, ric_hit *hit)
+static bool random_hit(const ric_impact_map *s, ric_hit *hit)
 {
     int f = (int)(uniform(0, 1) * s->n_face);
     if (s->face[f].radius[0] == 0) return false;
     *hit = (ric_hit){f, s->face[f].middle + uniform(-0.9, 0.9) * s->face[f].radius[0], uniform(-1.4, 1.4), 0};
     double w[4];
-    return ric_section_state(s, hit, w) && ric_section_inside(s, w, f);
+    return ric_impact_map_state(s, hit, w) && ric_impact_map_inside(s, w, f);
 }
 
-static bool follow(const ric_section *s, ric_hit *a, ric_hit *b)
+static bool follow(const ric_impact_map *s, ric_hit *a, ric_hit *b)
 {
     double w[4], after[4];
-    return ric_section_state(s, a, w) && ric_section_next(s, w, a->face, 50, &a->tau, b, after);
+    return ric_impact_map_state(s, a, w) && ric_impact_map_next(s, w, a->face, 50, &a->tau, b, after);
 }
 
-static void map_is_the_simulators(const ric_section *s)
+static void map_is_the_simulators(const ric_impact_map *s)
 {
     int flown = 0;
     for (int i = 0; i < 400; i++) {
@@ -64,7 +64,7 @@ static void map_is_the_simulators(const ric_section *s)
         ric_impact impact;
         bool hit;
         if (!random_hit(s, &pair[0]) || !follow(s, &pair[0], &pair[1]) || fabs(pair[1].angle) > 1.5) continue;
-        ric_section_write(s, &pair[0], x, v);
+        ric_impact_map_write(s, &pair[0], x, v);
         assert_float_equal(ric_model_energy(s->model, x, v), s->energy, 1e-12 * s->energy);
         assert_int_equal(ric_simulator_start(sim, x, v), RIC_OK);
         if (ric_simulator_advance(sim, 60, &hit, &impact)) continue; /* two stops met together */
@@ -72,7 +72,7 @@ static void map_is_the_simulators(const ric_section *s)
         assert_int_equal(impact.face, pair[1].face);
         assert_float_equal(impact.time, pair[0].tau, 1e-11);
         ric_simulator_state(sim, &time, x, v);
-        ric_section_read(s, impact.face, x, v, &pair[0]);
+        ric_impact_map_read(s, impact.face, x, v, &pair[0]);
         assert_float_equal(pair[0].y, pair[1].y, 1e-10);
         assert_float_equal(pair[0].angle, pair[1].angle, 1e-10);
         flown++;
@@ -80,13 +80,13 @@ static void map_is_the_simulators(const ric_section *s)
     assert_true(flown > 100);
 }
 
-static double across(const ric_section *s, const ric_hit *hit)
+static double across(const ric_impact_map *s, const ric_hit *hit)
 {
-    return ric_section_speed(s, hit->face, hit->y) * cos(hit->angle);
+    return ric_impact_map_speed(s, hit->face, hit->y) * cos(hit->angle);
 }
 
 /* Derivatives against central differences of the map itself; dy d(P sin(angle)) is kept. */
-static void map_has_its_slopes(const ric_section *s)
+static void map_has_its_slopes(const ric_impact_map *s)
 {
     const double h = 1e-5;
     int flown = 0;
@@ -94,7 +94,7 @@ static void map_has_its_slopes(const ric_section *s)
         ric_hit a, b, ends[2];
         double D[4];
         if (!random_hit(s, &a) || !follow(s, &a, &b) || fabs(b.angle) > 1.2) continue;
-        assert_true(ric_section_slope(s, &a, &b, D));
+        assert_true(ric_impact_map_slope(s, &a, &b, D));
         assert_float_equal((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1,
                            1e-9 * (1 + fabs(D[0] * D[3])));
         for (int k = 0; k < 2; k++) {
@@ -123,11 +123,11 @@ static void test_map(void **state)
     for (int i = 0; i < 3; i++)
         for (int e = 0; e < 3; e++) {
             ric_study *study = parse(texts[i]);
-            ric_section *s = NULL;
-            assert_int_equal(ric_section_create(ric_study_model(study), energies[e], &s), RIC_OK);
+            ric_impact_map *s = NULL;
+            assert_int_equal(ric_impact_map_create(ric_study_model(study), energies[e], &s), RIC_OK);
             map_is_the_simulators(s);
             map_has_its_slopes(s);
-            ric_section_free(s);
+            ric_impact_map_free(s);
             ric_study_free(study);
         }
 }
@@ -159,8 +159,8 @@ static void test_refusals(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ric_study *study = parse(cases[i].text);
-        ric_section *s = NULL;
-        assert_int_equal(ric_section_create(ric_study_model(study), 1, &s), RIC_E_INPUT);
+        ric_impact_map *s = NULL;
+        assert_int_equal(ric_impact_map_create(ric_study_model(study), 1, &s), RIC_E_INPUT);
         assert_null(s);
         assert_non_null(strstr(ric_detail(), cases[i].message));
         ric_study_free(study);
@@ -186,7 +186,7 @@ static ric_hunt *hunt(const ric_model *model, double energy, int impacts, double
 }
 
 /* Theory, section 11: E of S2[01] from the period, and of A1[0]. */
-static double closed_form(const ric_section *s, const ric_prey *p)
+static double closed_form(const ric_impact_map *s, const ric_prey *p)
 {
     double over = 0, under = 0, t = p->N == 2 ? p->period / 4 : p->period / 2;
     for (int i = 0; i < 2; i++) {

@@ -183,7 +183,7 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
     int simulated = 0, branches = 0;
     assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
     if (ric_graph_explore(graph, NULL)) fail_msg("%s: %s", name, ric_detail());
-    if (ric_chart(graph, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
+    if (ric_rows_make(graph, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
     modes m = modes_of(ric_study_model(study));
     checked = 0;
     worst = 0;

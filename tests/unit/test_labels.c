@@ -17,29 +17,29 @@
 enum { LARGEST = 64, WANTED = 8 };
 
 /* The orbit of a node as often as it is multiplied, in the general form and plain. */
-static ric_chain *chain_of(const ric_model *m, const ric_cycle *cycle, int multiple, double **u)
+static ric_shooting *chain_of(const ric_model *m, const ric_periodic *cycle, int multiple, double **u)
 {
-    ric_chain *chain = NULL;
-    ric_cycle *whole = ric_cycle_repeat(cycle, multiple);
+    ric_shooting *chain = NULL;
+    ric_periodic *whole = ric_periodic_repeat(cycle, multiple);
     assert_non_null(whole);
     whole->half = false;
     whole->pure = whole->flip = -1;
     whole->parts = 0;
-    assert_int_equal(ric_cycle_to_chain(m, whole, &chain, u), RIC_OK);
+    assert_int_equal(ric_periodic_to_chain(m, whole, &chain, u), RIC_OK);
     chain->plain = true;
-    ric_chain_fly(chain, *u);
-    ric_cycle_free(whole);
+    ric_shooting_fly(chain, *u);
+    ric_periodic_free(whole);
     return chain;
 }
 
 /* J of eq. 29 [size * size], column by column; returns its size. */
-static int dense(ric_chain *chain, const double *u, double **out)
+static int dense(ric_shooting *chain, const double *u, double **out)
 {
     int n = chain->n, N = chain->n_flight, unknowns = 2 * n + N, size = unknowns + 1;
-    double *G = calloc((size_t)ric_chain_rows(chain) * (size_t)unknowns, sizeof *G), T = 0;
+    double *G = calloc((size_t)ric_shooting_rows(chain) * (size_t)unknowns, sizeof *G), T = 0;
     double *J = calloc((size_t)size * size, sizeof *J);
     assert_true(G && J);
-    assert_int_equal(ric_chain_jacobian(chain, u, G), unknowns);
+    assert_int_equal(ric_shooting_jacobian(chain, u, G), unknowns);
     for (int k = 0; k < N; k++) T += u[2 * n + k];
     for (int r = 0; r < unknowns; r++) {
         const double *g = G + (size_t)(r < 2 * n ? N + r : r - 2 * n) * unknowns; /* G: conditions, then closure */
@@ -124,7 +124,7 @@ static bool check_dense(const ric_model *m, const ric_node *node, int a, int b)
 {
     double *u, *J, root[WANTED];
     long double p[WANTED + 1];
-    ric_chain *chain = chain_of(m, node->cycle, node->multiple, &u);
+    ric_shooting *chain = chain_of(m, node->cycle, node->multiple, &u);
     int size = dense(chain, u, &J);
     characteristic(size, J, p);
     least_roots(p, root);
@@ -134,7 +134,7 @@ static bool check_dense(const ric_model *m, const ric_node *node, int a, int b)
                  root[2], root[3], root[4]);
     free(J);
     free(u);
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     return root[a] - root[a - 1] > 2;
 }
 
@@ -256,7 +256,7 @@ static void random_structures(void **state)
 }
 
 /* Some orbit with impacts of a small study. */
-static ric_chain *sample_chain(int multiple, ric_graph **graph, ric_study **study, double **u)
+static ric_shooting *sample_chain(int multiple, ric_graph **graph, ric_study **study, double **u)
 {
     assert_int_equal(ric_study_parse(TWO_MASSES "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, "
                                                 "depth: 1}\n", "test", ".", study), RIC_OK);
@@ -276,7 +276,7 @@ static void solves(void **state)
     ric_graph *graph;
     ric_study *study;
     double *u, *J, g[2], s[2] = {0.3, -0.7};
-    ric_chain *chain = sample_chain(3, &graph, &study, &u);
+    ric_shooting *chain = sample_chain(3, &graph, &study, &u);
     int size = dense(chain, u, &J), m = 2 * chain->n;
     double r[size], x[size], largest = 0, kept;
     ric_border *border = ric_border_create(chain);
@@ -300,7 +300,7 @@ static void solves(void **state)
     }
     if (!(largest < 1e-11)) fail_msg("bordered solve leaves %.3g", largest);
     ric_border_free(border);
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     free(J);
     ric_graph_free(graph);
@@ -312,7 +312,7 @@ static long operations(int multiple)
     ric_graph *graph;
     ric_study *study;
     double *u, g[2], s[2] = {1, 0};
-    ric_chain *chain = sample_chain(multiple, &graph, &study, &u);
+    ric_shooting *chain = sample_chain(multiple, &graph, &study, &u);
     ric_border *border = ric_border_create(chain);
     double *x = calloc(2 * (size_t)chain->n_unknown + 2, sizeof *x);
     assert_true(border && x);
@@ -320,7 +320,7 @@ static long operations(int multiple)
     assert_true(ric_border_solve(border, x + chain->n_unknown + 1, s, x, g));
     long count = border->operations;
     ric_border_free(border);
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     free(x);
     ric_graph_free(graph);

@@ -42,7 +42,7 @@ static void numbers_keep_their_points(void **state)
     ric_starts_release(&starts);
     free(line);
     double number = 0;
-    assert_int_equal(ric_text_real("2.5e-1", &number), RIC_TEXT_NUMBER);
+    assert_int_equal(ric_option_text_real("2.5e-1", &number), RIC_TEXT_NUMBER);
     assert_true(number == 0.25);
     snprintf(plain, sizeof plain, "%g", 0.5);
     assert_string_equal(plain, "0,5"); /* the caller's locale is left as it was */

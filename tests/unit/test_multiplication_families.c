@@ -364,17 +364,17 @@ static void larger_orders(void **state)
  * along the branch that is looked at, their order tells which pair is which. */
 static void pairs_of(const ric_model *m, const ric_junction *j, double rho[2])
 {
-    ric_cycle *orbit = ric_cycle_create(m->n, j->impacts);
-    ric_chain *chain = NULL;
+    ric_periodic *orbit = ric_periodic_create(m->n, j->impacts);
+    ric_shooting *chain = NULL;
     ric_floquet f;
     double *u = NULL;
     memcpy(orbit->face, j->word, (size_t)j->impacts * sizeof *j->word);
     for (int k = 0; k < j->impacts; k++) orbit->tau[k] = j->flights[k] * m->omega_ref;
     ric_model_from_state(m, j->state, j->state + m->n_dof, orbit->w);
-    assert_int_equal(ric_cycle_find_symmetries(m, orbit, 1e-8), 1);
-    assert_int_equal(ric_cycle_to_chain(m, orbit, &chain, &u), RIC_OK);
-    assert_true(ric_chain_halves(chain));
-    ric_chain_evaluate(chain, u);
+    assert_int_equal(ric_periodic_find_symmetries(m, orbit, 1e-8), 1);
+    assert_int_equal(ric_periodic_to_chain(m, orbit, &chain, &u), RIC_OK);
+    assert_true(ric_shooting_halves(chain));
+    ric_shooting_evaluate(chain, u);
     assert_int_equal(ric_floquet_create(m->n, &f), RIC_OK);
     assert_int_equal(ric_floquet_compute(chain, &f), RIC_OK);
     assert_int_equal(f.n_pair, 2);
@@ -382,8 +382,8 @@ static void pairs_of(const ric_model *m, const ric_junction *j, double rho[2])
     rho[0] = fmin(f.own[0], f.own[2]);
     rho[1] = fmax(f.own[0], f.own[2]);
     ric_floquet_release(&f);
-    ric_chain_free(chain);
-    ric_cycle_free(orbit);
+    ric_shooting_free(chain);
+    ric_periodic_free(orbit);
     free(u);
 }
 

@@ -54,12 +54,12 @@ static const char *const studies[] = {
 
 /* Smallest distance of lambda + 1/lambda of the chain's own map from a value, over real pairs; its error
  * (may be NULL). */
-static double off_by(ric_chain *c, const double *u, double value, double *error)
+static double off_by(ric_shooting *c, const double *u, double value, double *error)
 {
     ric_floquet f;
     double best = HUGE_VAL;
     assert_int_equal(ric_floquet_create(c->n, &f), RIC_OK);
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     if (ric_floquet_compute(c, &f)) fail_msg("%s", ric_detail());
     for (int i = 0; i < f.n_pair; i++)
         if (fabs(f.own[2 * i + 1]) < 1e-9 && fabs(f.own[2 * i] - value) < fabs(best)) best = f.own[2 * i] - value;
@@ -68,15 +68,15 @@ static double off_by(ric_chain *c, const double *u, double value, double *error)
     return best;
 }
 
-static const double *unknowns(const ric_trace *tr, int i)
+static const double *unknowns(const ric_continuation *tr, int i)
 {
     return tr->points + (size_t)i * tr->stride + sizeof(ric_point) / sizeof(double);
 }
 
 /* Bisection between points i and i + 1 of a branch for the rotation p / q. */
-static bool locate(ric_trace *tr, int i, double target, double *u)
+static bool locate(ric_continuation *tr, int i, double target, double *u)
 {
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const double *a = unknowns(tr, i), *b = unknowns(tr, i + 1);
     int size = c->n_unknown, iterations;
     double normal[MAX_SIZE], du[MAX_SIZE], lo = 0, hi = 1, length = 0, fa = off_by(c, a, target, NULL),
@@ -89,7 +89,7 @@ static bool locate(ric_trace *tr, int i, double target, double *u)
     for (int k = 0; k < 45; k++) {
         double x = (lo + hi) / 2;
         for (int j = 0; j < size; j++) u[j] = a[j] + x * normal[j];
-        if (!ric_trace_correct(c, u, a, normal, x * length, du, &iterations)) return false;
+        if (!ric_continuation_correct(c, u, a, normal, x * length, du, &iterations)) return false;
         f = off_by(c, u, target, NULL);
         if (f * fa > 0) lo = x;
         else hi = x;
@@ -97,12 +97,12 @@ static bool locate(ric_trace *tr, int i, double target, double *u)
     return fabs(f) < 1e-6;
 }
 
-static double return_tolerance(ric_chain *c, const double *u)
+static double return_tolerance(ric_shooting *c, const double *u)
 {
     ric_floquet f;
     double largest = 1;
     assert_int_equal(ric_floquet_create(c->n, &f), RIC_OK);
-    ric_chain_evaluate(c, u);
+    ric_shooting_evaluate(c, u);
     assert_int_equal(ric_floquet_compute(c, &f), RIC_OK);
     for (int i = 0; i < f.n_pair; i++) largest = fmax(largest, hypot(f.rho[2 * i], f.rho[2 * i + 1]));
     ric_floquet_release(&f);
@@ -111,7 +111,7 @@ static double return_tolerance(ric_chain *c, const double *u)
 }
 
 /* CVODE comes back after the full period, as far as it is sure of itself. */
-static void integrate(const ric_model *m, const ric_cycle *cycle, double tolerance, const char *where)
+static void integrate(const ric_model *m, const ric_periodic *cycle, double tolerance, const char *where)
 {
     int n = m->n_dof;
     double x[n], v[n], x1[n], v1[n], off = 0, size = 0;
@@ -121,7 +121,7 @@ static void integrate(const ric_model *m, const ric_cycle *cycle, double toleran
     memcpy(x1, x, sizeof x);
     memcpy(v1, v, sizeof v);
     double sure = cvode_fly(m, n, ric_model_mass(m), ric_model_stiffness(m), 1, &contact,
-                            ric_cycle_period(cycle) / m->omega_ref, x1, v1);
+                            ric_periodic_period(cycle) / m->omega_ref, x1, v1);
     for (int i = 0; i < n; i++) {
         off = fmax(off, fmax(fabs(x1[i] - x[i]), fabs(v1[i] - v[i])));
         size = fmax(size, fmax(fabs(x[i]), fabs(v[i])));
@@ -131,7 +131,7 @@ static void integrate(const ric_model *m, const ric_cycle *cycle, double toleran
 }
 
 /* The simulator, which shares no code with the solver, meets the same faces and comes back after the full period. */
-static void replay(const ric_model *m, const ric_cycle *cycle, double tolerance, const char *where)
+static void replay(const ric_model *m, const ric_periodic *cycle, double tolerance, const char *where)
 {
     if (m->smooth) {
         integrate(m, cycle, tolerance, where);
@@ -139,7 +139,7 @@ static void replay(const ric_model *m, const ric_cycle *cycle, double tolerance,
     }
     ric_simulator *sim = NULL;
     int n = m->n_dof;
-    double x[n], v[n], x1[n], v1[n], end = ric_cycle_period(cycle) / m->omega_ref, off = 0, size = 1;
+    double x[n], v[n], x1[n], v1[n], end = ric_periodic_period(cycle) / m->omega_ref, off = 0, size = 1;
     assert_int_equal(ric_simulator_create(m, &sim), RIC_OK);
     ric_model_to_state(m, cycle->w, x, v);
     if (ric_simulator_start(sim, x, v)) fail_msg("%s: %s", where, ric_detail());
@@ -167,17 +167,17 @@ static void replay(const ric_model *m, const ric_cycle *cycle, double tolerance,
 
 typedef struct {
     double energy, off, error; /* off: the pair that came from the multiplier, minus 2 */
-    ric_cycle *cycle;
+    ric_periodic *cycle;
 } family;
 
 /* One way out: a solved orbit of exactly q periods beside the node, known to the simulator. */
 static family leave(const ric_model *m, const ric_node *node, unsigned choice, int side, const char *where)
 {
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL, u[MAX_SIZE], distance = 0, period;
     unsigned ignore = 0, choice2;
     int side2;
-    if (ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore)) fail_msg("%s: %s", where, ric_detail());
+    if (ric_switching_depart(m, node, choice, side, &chain, &u0, &t0, &ignore)) fail_msg("%s: %s", where, ric_detail());
     for (int i = 0; i < chain->n_unknown; i++) {
         u[i] = u0[i] + t0[i];
         distance += t0[i] * t0[i];
@@ -185,21 +185,21 @@ static family leave(const ric_model *m, const ric_node *node, unsigned choice, i
     distance = sqrt(distance) / chain->scale;
     family out = {0};
     out.off = off_by(chain, u, 2, &out.error);
-    out.energy = ric_chain_energy(chain); /* of the evaluation there */
-    if (chain->residual > ric_trace_tolerance(chain))
-        fail_msg("%s: residual %.3g, %.3g allowed", where, chain->residual, ric_trace_tolerance(chain));
-    period = ric_chain_time(chain, u);
+    out.energy = ric_shooting_energy(chain); /* of the evaluation there */
+    if (chain->residual > ric_continuation_tolerance(chain))
+        fail_msg("%s: residual %.3g, %.3g allowed", where, chain->residual, ric_continuation_tolerance(chain));
+    period = ric_shooting_time(chain, u);
     if (fabs(period / (node->multiple * node->period) - 1) > 10 * distance)
         fail_msg("%s: period %.12g, not near %d times %.12g", where, period, node->multiple, node->period);
-    out.cycle = ric_cycle_from_chain(chain, u);
-    if (ric_cycle_find_symmetries(m, out.cycle, 1e-3 * distance) != 1)
+    out.cycle = ric_periodic_from_chain(chain, u);
+    if (ric_periodic_find_symmetries(m, out.cycle, 1e-3 * distance) != 1)
         fail_msg("%s: a repeated orbit at distance %.3g", where, distance);
     replay(m, out.cycle, return_tolerance(chain, u), where);
-    ric_cycle *turned = ric_cycle_canonical(m, out.cycle);
-    if (ric_ring_class(m, node, turned, &choice2, &side2)) fail_msg("%s: %s", where, ric_detail());
+    ric_periodic *turned = ric_periodic_canonical(m, out.cycle);
+    if (ric_multiplication_class(m, node, turned, &choice2, &side2)) fail_msg("%s: %s", where, ric_detail());
     if (choice2 != choice || side2 != side) fail_msg("%s: taken for %u, side %d", where, choice2, side2);
-    ric_cycle_free(turned);
-    ric_chain_free(chain);
+    ric_periodic_free(turned);
+    ric_shooting_free(chain);
     free(u0);
     free(t0);
     return out;
@@ -218,37 +218,37 @@ static bool check_home(bool found, const char *where)
 }
 
 /* Back from a point of the branch to the node, which is found there again. Order 3 passes. */
-static void come_back(const ric_model *m, const ric_trace *tr, const ric_node *node, unsigned choice, const char *where)
+static void come_back(const ric_model *m, const ric_continuation *tr, const ric_node *node, unsigned choice, const char *where)
 {
     const double *from = unknowns(tr, tr->n_point - 1), *to = unknowns(tr, tr->n_point - 2);
     bool passes = ric_node_passes(node, choice), found = false;
     double t[MAX_SIZE];
-    ric_trace *back = NULL;
+    ric_continuation *back = NULL;
     ric_node *home = NULL;
     ric_limits limits = *tr->limits;
     limits.max_points = passes ? 30 : 300;
     for (int i = 0; i < tr->chain->n_unknown; i++) t[i] = to[i] - from[i];
-    if (ric_trace_create(ric_chain_copy(tr->chain), from, t, (1u << RIC_N_TEST) - 1, &limits, &back) ||
-        ric_trace_run(back))
+    if (ric_continuation_create(ric_shooting_copy(tr->chain), from, t, (1u << RIC_N_TEST) - 1, &limits, &back) ||
+        ric_continuation_run(back))
         fail_msg("%s: %s", where, ric_detail());
     for (int i = passes ? 0 : -1; (passes || back->arrival) && i < (passes ? back->n_event : 0) && !found; i++) {
-        ric_chain_fly(back->chain, i < 0 ? back->end.u : back->events[i].u);
-        ric_cycle *cycle = ric_cycle_from_chain(back->chain, i < 0 ? back->end.u : back->events[i].u);
+        ric_shooting_fly(back->chain, i < 0 ? back->end.u : back->events[i].u);
+        ric_periodic *cycle = ric_periodic_from_chain(back->chain, i < 0 ? back->end.u : back->events[i].u);
         if (!ric_node_arrival(m, cycle, &home) && ric_node_same(m, node, home)) found = true;
-        ric_cycle_free(cycle);
+        ric_periodic_free(cycle);
         ric_node_free(home);
         home = NULL;
     }
     if (check_home(found, where) && !passes) {
         unsigned arrived;
         int side;
-        ric_chain_fly(back->chain, unknowns(back, back->n_point - 2));
-        ric_cycle *near = ric_cycle_from_chain(back->chain, unknowns(back, back->n_point - 2));
-        if (ric_ring_class(m, node, near, &arrived, &side) || arrived != choice)
+        ric_shooting_fly(back->chain, unknowns(back, back->n_point - 2));
+        ric_periodic *near = ric_periodic_from_chain(back->chain, unknowns(back, back->n_point - 2));
+        if (ric_multiplication_class(m, node, near, &arrived, &side) || arrived != choice)
             fail_msg("%s: comes back as %u, not %u", where, arrived, choice);
-        ric_cycle_free(near);
+        ric_periodic_free(near);
     }
-    ric_trace_free(back);
+    ric_continuation_free(back);
 }
 
 /* The branch itself: it begins at the node and goes on from there to orbits of its own. */
@@ -256,26 +256,26 @@ static void follow(const ric_model *m, const ric_limits *window, const ric_node 
                    const char *where)
 {
     ric_limits limits = *window;
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
-    ric_trace *tr = NULL;
+    ric_continuation *tr = NULL;
     limits.max_points = 5;
-    if (ric_node_depart(m, node, choice, side, &chain, &u0, &t0, &ignore) ||
-        ric_trace_create(chain, u0, t0, ignore, &limits, &tr) || ric_trace_run(tr))
+    if (ric_switching_depart(m, node, choice, side, &chain, &u0, &t0, &ignore) ||
+        ric_continuation_create(chain, u0, t0, ignore, &limits, &tr) || ric_continuation_run(tr))
         fail_msg("%s: %s", where, ric_detail());
     if (tr->stop == RIC_STOP_FAILED || tr->n_point < 3)
         fail_msg("%s: stops after %d points, %s", where, tr->n_point, tr->why);
     assert_memory_equal(unknowns(tr, 0), u0, (size_t)tr->chain->n_unknown * sizeof *u0);
     for (int i = 1; i < tr->n_point; i++) {
         const double *u = unknowns(tr, i);
-        ric_chain_fly(tr->chain, u);
-        ric_cycle *cycle = ric_cycle_from_chain(tr->chain, u);
-        if (ric_cycle_find_symmetries(m, cycle, 1e-6) != 1) fail_msg("%s: point %d is a repeated orbit", where, i);
-        ric_cycle_free(cycle);
+        ric_shooting_fly(tr->chain, u);
+        ric_periodic *cycle = ric_periodic_from_chain(tr->chain, u);
+        if (ric_periodic_find_symmetries(m, cycle, 1e-6) != 1) fail_msg("%s: point %d is a repeated orbit", where, i);
+        ric_periodic_free(cycle);
     }
     come_back(m, tr, node, choice, where);
-    ric_trace_free(tr);
+    ric_continuation_free(tr);
     free(u0);
     free(t0);
 }
@@ -298,28 +298,28 @@ static void check_types(int order, const family f[2], const char *where)
 
 static void check_node(const ric_model *m, const ric_limits *limits, const ric_node *node, const char *where)
 {
-    int order = ric_problem_order(node->cycle, node->rotation[0], node->rotation[1]), shift;
+    int order = ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]), shift;
     bool two = node->n_departure > 2, reverse, mirror;
     family f[2];
     for (int i = 0; i < 2; i++) {
         unsigned choice = two && i ? RIC_OTHER_SIDE : RIC_SIDE;
-        assert_true(ric_ring_applies(node, choice));
+        assert_true(ric_multiplication_applies(node, choice));
         f[i] = leave(m, node, choice, i && !two ? -1 : 1, where);
         follow(m, limits, node, choice, i && !two ? -1 : 1, where);
     }
     check_types(order, f, where);
-    if (ric_cycle_match(m, f[0].cycle, f[1].cycle, 1e-6, &shift, &reverse, &mirror))
+    if (ric_periodic_match(m, f[0].cycle, f[1].cycle, 1e-6, &shift, &reverse, &mirror))
         fail_msg("%s: both ways lead to one orbit", where);
-    for (int i = 0; i < 2; i++) ric_cycle_free(f[i].cycle);
+    for (int i = 0; i < 2; i++) ric_periodic_free(f[i].cycle);
 }
 
 /* ---------------------------------------------------------------- the branches */
 
 /* count [2][MAX_ORDER]: nodes checked, by sigma and order, of multiplications by `largest` at most. */
-static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, int largest, int count[2][MAX_ORDER])
+static void check_branch(const ric_graph *g, ric_continuation *tr, const char *name, int largest, int count[2][MAX_ORDER])
 {
     static const int rotations[][2] = {{1, 3}, {2, 3}, {1, 4}, {3, 4}, {1, 5}, {2, 5}, {4, 5}, {1, 7}, {2, 7}, {3, 7}};
-    ric_chain *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const int most = per_order(g->model->smooth);
     bool half = c->sigma < 0;
     double u[MAX_SIZE];
@@ -329,17 +329,17 @@ static void check_branch(const ric_graph *g, ric_trace *tr, const char *name, in
         for (int i = 0; i + 1 < tr->n_point; i++) {
             int p = rotations[k][0], q = rotations[k][1], order = half && p % 2 ? 2 * q : q;
             if (q > largest || (!half && 2 * p > q) || count[half][order] == most ||
-                !locate(tr, i, ric_problem_rho(half, p, q), u))
+                !locate(tr, i, ric_symmetry_rho(half, p, q), u))
                 continue;
-            ric_cycle *cycle = ric_cycle_from_chain(c, u);
+            ric_periodic *cycle = ric_periodic_from_chain(c, u);
             ric_node *node = NULL;
             snprintf(where, sizeof where, "%s, %d impacts, sigma %d, %d/%d at E %.9g", name, cycle->N, c->sigma, p, q,
-                     ric_chain_energy(c));
+                     ric_shooting_energy(c));
             if (ric_node_multiplication(g->model, cycle, p, q, &node)) fail_msg("%s: %s", where, ric_detail());
             check_node(g->model, &g->limits, node, where);
             count[half][order]++;
             ric_node_free(node);
-            ric_cycle_free(cycle);
+            ric_periodic_free(cycle);
         }
 }
 

@@ -35,20 +35,20 @@ static ric_junction branch_point(const ric_atlas *atlas, double energy)
 }
 
 /* The orbit of a junction as an orbit problem with the mirror points given; u [n_unknown] is the caller's to free. */
-static ric_chain *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end, int sigma,
+static ric_shooting *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end, int sigma,
                            double **u)
 {
     static const int face[] = {-1, -1};
     const ric_model *m = ric_atlas_model(atlas);
-    ric_chain *c;
+    ric_shooting *c;
     double w[4];
-    assert_int_equal(ric_chain_create(m, start, end, sigma, 1, face, &c), RIC_OK);
+    assert_int_equal(ric_shooting_create(m, start, end, sigma, 1, face, &c), RIC_OK);
     *u = calloc((size_t)c->n_unknown, sizeof **u);
     assert_non_null(*u);
     ric_model_from_state(m, j->state, j->state + 2, w);
     memcpy(*u, start == RIC_MIRROR_CENTRE ? w + 2 : w, (size_t)c->n_start * sizeof *w);
     (*u)[c->n_start] = j->flights[0] * m->omega_ref / c->multiple;
-    ric_chain_evaluate(c, *u);
+    ric_shooting_evaluate(c, *u);
     assert_true(c->residual < 1e-13);
     return c;
 }
@@ -57,24 +57,24 @@ static ric_chain *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mi
 static void leads_back(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end, int sigma)
 {
     double *u;
-    ric_chain *c = chain_of(atlas, j, start, end, sigma, &u);
-    double energy = ric_chain_energy(c), time = ric_chain_time(c, u), t[8], du[8], from[8], aside = 1e-5 * c->scale;
+    ric_shooting *c = chain_of(atlas, j, start, end, sigma, &u);
+    double energy = ric_shooting_energy(c), time = ric_shooting_time(c, u), t[8], du[8], from[8], aside = 1e-5 * c->scale;
     int back = 0, iterations, size = c->n_unknown;
-    ric_trace_tangent(c, NULL, t);
+    ric_continuation_tangent(c, NULL, t);
     memcpy(from, u, (size_t)size * sizeof *u);
     for (int i = 0; i < size; i++) from[i] += aside * t[i];
-    assert_true(ric_trace_correct(c, from, u, t, aside, du, &iterations));
-    ric_trace_tangent(c, t, t);
+    assert_true(ric_continuation_correct(c, from, u, t, aside, du, &iterations));
+    ric_continuation_tangent(c, t, t);
     for (int kind = RIC_TEST_A; kind < RIC_TEST_A + (start == RIC_MIRROR_NONE ? 1 : 3); kind++) {
         double found[8];
         memcpy(found, from, sizeof found);
-        ric_chain_evaluate(c, found);
-        if (!ric_fine_branch_point(c, kind, t, found)) continue;
-        ric_chain_evaluate(c, found);
-        back += fabs(ric_chain_energy(c) / energy - 1) < 1e-12 && fabs(ric_chain_time(c, found) / time - 1) < 1e-12;
+        ric_shooting_evaluate(c, found);
+        if (!ric_node_solve_quad(c, kind, t, found)) continue;
+        ric_shooting_evaluate(c, found);
+        back += fabs(ric_shooting_energy(c) / energy - 1) < 1e-12 && fabs(ric_shooting_time(c, found) / time - 1) < 1e-12;
     }
     if (back != 1) fail_msg("%d kinds of tests lead back to %s", back, j->label);
-    ric_chain_free(c);
+    ric_shooting_free(c);
     free(u);
 }
 

@@ -145,7 +145,7 @@ static void numbers_are_read_strictly(void **state)
     long whole;
     (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
-        assert_int_equal(ric_text_real(good[i], &value), RIC_TEXT_NUMBER);
+        assert_int_equal(ric_option_text_real(good[i], &value), RIC_TEXT_NUMBER);
         char plain[20];
         snprintf(plain, sizeof plain, "%s", good[i]);
         for (char *c = plain; *c; c++)
@@ -153,12 +153,12 @@ static void numbers_are_read_strictly(void **state)
         assert_true(value == strtod(plain, NULL));
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_int_equal(ric_text_real(bad[i], &value), RIC_TEXT_NO_NUMBER);
+        assert_int_equal(ric_option_text_real(bad[i], &value), RIC_TEXT_NO_NUMBER);
     for (size_t i = 0; i < sizeof not_finite / sizeof *not_finite; i++)
-        assert_int_equal(ric_text_real(not_finite[i], &value), RIC_TEXT_NOT_FINITE);
-    assert_true(ric_text_integer("-12", &whole) && whole == -12);
-    assert_false(ric_text_integer("12.0", &whole));
-    assert_false(ric_text_integer("99999999999999999999", &whole));
+        assert_int_equal(ric_option_text_real(not_finite[i], &value), RIC_TEXT_NOT_FINITE);
+    assert_true(ric_option_text_integer("-12", &whole) && whole == -12);
+    assert_false(ric_option_text_integer("12.0", &whole));
+    assert_false(ric_option_text_integer("99999999999999999999", &whole));
 }
 
 static void numbers_are_written_bit_for_bit(void **state)
@@ -172,9 +172,9 @@ static void numbers_are_written_bit_for_bit(void **state)
         double back;
         FILE *out = open_memstream(&text, &size);
         assert_non_null(out);
-        ric_text_write(values[i], out);
+        ric_option_text_write(values[i], out);
         fclose(out);
-        assert_int_equal(ric_text_real(text, &back), RIC_TEXT_NUMBER);
+        assert_int_equal(ric_option_text_real(text, &back), RIC_TEXT_NUMBER);
         assert_memory_equal(&back, &values[i], sizeof back);
         free(text);
     }

@@ -11,7 +11,7 @@ static ric_atlas *explore_shuffled(const ric_study *study, uint64_t seed)
     ric_atlas *atlas = NULL;
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
     g->shuffle = seed;
-    if (ric_graph_explore(g, NULL) || ric_chart(g, study, true, &atlas)) fail_msg("%s", ric_detail());
+    if (ric_graph_explore(g, NULL) || ric_rows_make(g, study, true, &atlas)) fail_msg("%s", ric_detail());
     ric_graph_free(g);
     return atlas;
 }

@@ -19,7 +19,7 @@ enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FL
 /* ------------------------------------------------------------------ helpers */
 
 /* What runs over random orbits of every form. */
-typedef void check_orbit(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where);
+typedef void check_orbit(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where);
 
 static void over_random_orbits(check_orbit *check)
 {
@@ -31,56 +31,56 @@ static void over_random_orbits(check_orbit *check)
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 char where[80];
                 ric_model *m = random_structure_of(seed, n, 1 + trial % 2, trial == 7, false);
-                ric_chain *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
-                ric_cycle *cycle = chain ? ric_cycle_from_chain(chain, u) : NULL;
+                ric_shooting *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
+                ric_periodic *cycle = chain ? ric_periodic_from_chain(chain, u) : NULL;
                 if (cycle && primitive(m, cycle)) {
                     found[form]++;
                     snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
                              form, chain->n_flight);
                     check(m, chain, u, cycle, where);
                 }
-                ric_cycle_free(cycle);
-                ric_chain_free(chain);
+                ric_periodic_free(cycle);
+                ric_shooting_free(chain);
                 ric_model_free(m);
             }
     for (int form = 0; form < N_FORM; form++)
         if (found[form] < 8) fail_msg("form %d: only %d orbits found", form, found[form]);
 }
 
-static void check_distance(const ric_cycle *a, const ric_cycle *b, const char *where, const char *what)
+static void check_distance(const ric_periodic *a, const ric_periodic *b, const char *where, const char *what)
 {
-    double distance = a && b ? ric_cycle_distance(a, b) : HUGE_VAL;
+    double distance = a && b ? ric_periodic_distance(a, b) : HUGE_VAL;
     if (!(distance <= 1e-11)) fail_msg("%s: %s: distance %.3g", where, what, distance);
 }
 
 /* -------------------------------------------------------------- round trip */
 
-static bool same_form(const ric_chain *a, const ric_chain *b)
+static bool same_form(const ric_shooting *a, const ric_shooting *b)
 {
     bool as_it_is = a->start == b->start && a->end == b->end, exchanged = a->start == b->end && a->end == b->start;
     return (as_it_is || exchanged) && a->sigma == b->sigma && a->multiple == b->multiple;
 }
 
-static void check_round_trip(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+static void check_round_trip(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
 {
-    ric_chain *back = NULL;
+    ric_shooting *back = NULL;
     double *v = NULL;
     int shift, letters = 0;
     bool reverse, mirror;
-    assert_int_equal(ric_cycle_to_chain(m, cycle, &back, &v), RIC_OK);
-    ric_chain_fly(back, v);
+    assert_int_equal(ric_periodic_to_chain(m, cycle, &back, &v), RIC_OK);
+    ric_shooting_fly(back, v);
     if (!same_form(chain, back))
         fail_msg("%s: comes back as %d-%d sigma %d", where, back->start, back->end, back->sigma);
     if (!(back->residual <= 1e-12)) fail_msg("%s: residual %.3g after the round trip", where, back->residual);
-    double T = ric_chain_time(chain, u), E = ric_chain_energy(chain);
-    assert_true(fabs(ric_chain_time(back, v) - T) <= 1e-12 * T && fabs(ric_cycle_period(cycle) - T) <= 1e-12 * T);
-    assert_true(fabs(ric_chain_energy(back) - E) <= 1e-12 * (1 + E) &&
-                fabs(ric_cycle_energy(m, cycle) - E) <= 1e-12 * (1 + E));
-    ric_cycle *again = ric_cycle_from_chain(back, v);
+    double T = ric_shooting_time(chain, u), E = ric_shooting_energy(chain);
+    assert_true(fabs(ric_shooting_time(back, v) - T) <= 1e-12 * T && fabs(ric_periodic_period(cycle) - T) <= 1e-12 * T);
+    assert_true(fabs(ric_shooting_energy(back) - E) <= 1e-12 * (1 + E) &&
+                fabs(ric_periodic_energy(m, cycle) - E) <= 1e-12 * (1 + E));
+    ric_periodic *again = ric_periodic_from_chain(back, v);
     assert_non_null(again);
-    if (!ric_cycle_match(m, cycle, again, 1e-11, &shift, &reverse, &mirror))
+    if (!ric_periodic_match(m, cycle, again, 1e-11, &shift, &reverse, &mirror))
         fail_msg("%s: another orbit comes back", where);
-    ric_cycle *image = ric_cycle_transform(m, again, shift, reverse, mirror);
+    ric_periodic *image = ric_periodic_transform(m, again, shift, reverse, mirror);
     check_distance(cycle, image, where, "matched image");
     if (image->half != cycle->half || image->pure != cycle->pure || image->flip != cycle->flip)
         fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure, cycle->flip, image->half,
@@ -93,9 +93,9 @@ static void check_round_trip(const ric_model *m, ric_chain *chain, const double 
         else letters += border ? chain->multiple / 2 : chain->multiple;
     }
     assert_int_equal(letters, cycle->N);
-    ric_cycle_free(image);
-    ric_cycle_free(again);
-    ric_chain_free(back);
+    ric_periodic_free(image);
+    ric_periodic_free(again);
+    ric_shooting_free(back);
     free(v);
 }
 
@@ -106,14 +106,14 @@ static void round_trip(void **state)
 }
 
 /* The states of a cycle close up: the flight after the last impact leads back to the first. */
-static void check_states(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+static void check_states(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
     double W[4 * MAX_FLIGHT * 2 * MAX_N];
-    ric_cycle_states(m, cycle, W);
+    ric_periodic_states(m, cycle, W);
     for (int k = 0; k < cycle->N; k++) {
-        ric_cycle *moved = ric_cycle_transform(m, cycle, k, false, false);
+        ric_periodic *moved = ric_periodic_transform(m, cycle, k, false, false);
         for (int i = 0; i < 2 * m->n; i++)
             if (!(fabs(moved->w[i] - W[2 * m->n * k + i]) <= 1e-12 * 40))
                 fail_msg("%s: state after impact %d", where, k);
@@ -121,11 +121,11 @@ static void check_states(const ric_model *m, ric_chain *chain, const double *u, 
         double s = 0;
         for (int i = 0; i < m->n; i++) s += f->g[i] * W[2 * m->n * k + i];
         if (!(fabs(s - f->gap) <= 1e-11 * 20)) fail_msg("%s: impact %d is off its face by %.3g", where, k, s - f->gap);
-        ric_cycle_free(moved);
+        ric_periodic_free(moved);
     }
-    ric_cycle *around = ric_cycle_transform(m, cycle, cycle->N, false, false);
+    ric_periodic *around = ric_periodic_transform(m, cycle, cycle->N, false, false);
     check_distance(cycle, around, where, "once around");
-    ric_cycle_free(around);
+    ric_periodic_free(around);
 }
 
 static void states_close_up(void **state)
@@ -137,16 +137,16 @@ static void states_close_up(void **state)
 /* ------------------------------------------------------------------- group */
 
 /* (s, r, m) takes impact i from s + (-1)^r i. Composition, and what becomes of the symmetries. */
-static void check_group(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+static void check_group(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
     int N = cycle->N;
     for (int trial = 0; trial < 24; trial += every()) {
         int s1 = below(N), s2 = below(N), r1 = trial & 1, r2 = trial >> 1 & 1, m1 = trial >> 2 & 1, m2 = below(2);
-        ric_cycle *first = ric_cycle_transform(m, cycle, s1, r1, m1), *both = ric_cycle_transform(m, first, s2, r2, m2);
-        ric_cycle *at_once = ric_cycle_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2, m1 != m2);
-        ric_cycle *undone = ric_cycle_transform(m, first, r1 ? s1 : -s1, r1, m1);
+        ric_periodic *first = ric_periodic_transform(m, cycle, s1, r1, m1), *both = ric_periodic_transform(m, first, s2, r2, m2);
+        ric_periodic *at_once = ric_periodic_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2, m1 != m2);
+        ric_periodic *undone = ric_periodic_transform(m, first, r1 ? s1 : -s1, r1, m1);
         check_distance(both, at_once, where, "two operations and their product");
         check_distance(cycle, undone, where, "an operation undone");
         if (both->pure != at_once->pure || both->flip != at_once->flip || both->half != at_once->half ||
@@ -155,17 +155,17 @@ static void check_group(const ric_model *m, ric_chain *chain, const double *u, r
         for (int kind = 0; kind < 3; kind++) { /* they are symmetries of the image */
             int place = kind == 0 ? first->pure : kind == 1 ? first->flip : first->half ? N / 2 : -1;
             if (place < 0) continue;
-            ric_cycle *image = ric_cycle_transform(m, first, place, kind < 2, kind > 0);
+            ric_periodic *image = ric_periodic_transform(m, first, place, kind < 2, kind > 0);
             check_distance(first, image, where,
                            kind == 0   ? "reversal"
                            : kind == 1 ? "reversal with mirror"
                                        : "half period");
-            ric_cycle_free(image);
+            ric_periodic_free(image);
         }
-        ric_cycle_free(first);
-        ric_cycle_free(both);
-        ric_cycle_free(at_once);
-        ric_cycle_free(undone);
+        ric_periodic_free(first);
+        ric_periodic_free(both);
+        ric_periodic_free(at_once);
+        ric_periodic_free(undone);
     }
 }
 
@@ -177,9 +177,9 @@ static void transforms_are_a_group(void **state)
 
 /* ------------------------------------------------------------- symmetries */
 
-static ric_cycle *repeat(const ric_cycle *c, int q)
+static ric_periodic *repeat(const ric_periodic *c, int q)
 {
-    ric_cycle *out = ric_cycle_create(c->n, q * c->N);
+    ric_periodic *out = ric_periodic_create(c->n, q * c->N);
     assert_non_null(out);
     for (int i = 0; i < q * c->N; i++) {
         out->face[i] = c->face[i % c->N];
@@ -189,13 +189,13 @@ static ric_cycle *repeat(const ric_cycle *c, int q)
     return out;
 }
 
-static void check_symmetries(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+static void check_symmetries(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
 {
     (void)u;
-    ric_cycle *found = ric_cycle_copy(cycle);
+    ric_periodic *found = ric_periodic_copy(cycle);
     found->half = false;
     found->pure = found->flip = -1;
-    int q = ric_cycle_find_symmetries(m, found, 1e-10);
+    int q = ric_periodic_find_symmetries(m, found, 1e-10);
     bool lost = (cycle->half && !found->half) || (cycle->pure >= 0 && found->pure < 0) ||
                 (cycle->flip >= 0 && found->flip < 0);
     assert_int_equal(q, 1);
@@ -206,21 +206,21 @@ static void check_symmetries(const ric_model *m, ric_chain *chain, const double 
         assert_true((cycle->pure < 0 || cycle->pure == found->pure) && (cycle->flip < 0 || cycle->flip == found->flip));
     /* a repeated orbit is recognised and cut back */
     for (int k = 2; k <= 3; k++) {
-        ric_cycle *longer = repeat(cycle, k);
-        int repetitions = ric_cycle_find_symmetries(m, longer, 1e-10);
+        ric_periodic *longer = repeat(cycle, k);
+        int repetitions = ric_periodic_find_symmetries(m, longer, 1e-10);
         if (repetitions != k) fail_msg("%s: repeated %d times, found %d", where, k, repetitions);
-        ric_cycle *shorter = ric_cycle_shorten(longer, k);
+        ric_periodic *shorter = ric_periodic_shorten(longer, k);
         check_distance(cycle, shorter, where, "repeated and cut");
-        ric_cycle_find_symmetries(m, shorter, 1e-10);
+        ric_periodic_find_symmetries(m, shorter, 1e-10);
         assert_true(shorter->half == found->half && shorter->pure == found->pure && shorter->flip == found->flip);
-        ric_cycle_free(shorter);
-        ric_cycle_free(longer);
+        ric_periodic_free(shorter);
+        ric_periodic_free(longer);
     }
     /* a disturbed one has none */
     found->w[0] += 1e-3;
-    ric_cycle_find_symmetries(m, found, 1e-10);
+    ric_periodic_find_symmetries(m, found, 1e-10);
     assert_true(!found->half);
-    ric_cycle_free(found);
+    ric_periodic_free(found);
 }
 
 static void symmetries_are_found(void **state)
@@ -231,12 +231,12 @@ static void symmetries_are_found(void **state)
 
 /* --------------------------------------------------------- canonical form */
 
-static void check_canonical(const ric_model *m, ric_chain *chain, const double *u, ric_cycle *cycle, const char *where)
+static void check_canonical(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
     int word[4 * MAX_FLIGHT + 2];
-    ric_cycle *canonical = ric_cycle_canonical(m, cycle);
+    ric_periodic *canonical = ric_periodic_canonical(m, cycle);
     assert_non_null(canonical);
     assert_int_equal(ric_word_canonical(m, cycle->N, cycle->face, true, word), RIC_OK);
     assert_memory_equal(canonical->face, word, (size_t)cycle->N * sizeof *word);
@@ -244,25 +244,25 @@ static void check_canonical(const ric_model *m, ric_chain *chain, const double *
         for (int s = 0; s < cycle->N; s++) {
             int shift;
             bool reverse, mirror;
-            ric_cycle *image = ric_cycle_transform(m, cycle, s, op & 1, op & 2), *again = ric_cycle_canonical(m, image);
+            ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2), *again = ric_periodic_canonical(m, image);
             check_distance(canonical, again, where, "canonical form of an image");
             if (canonical->half != again->half || canonical->pure != again->pure || canonical->flip != again->flip)
                 fail_msg("%s: canonical forms with other symmetries", where);
-            if (!ric_cycle_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror))
+            if (!ric_periodic_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror))
                 fail_msg("%s: an image is not recognised", where);
-            if (!ric_cycle_alike(m, cycle, image)) fail_msg("%s: an image has another word", where);
+            if (!ric_periodic_alike(m, cycle, image)) fail_msg("%s: an image has another word", where);
             /* with one letter exchanged: words are alike if their canonical forms are one */
             int other[4 * MAX_FLIGHT + 2];
             image->face[s] = (image->face[s] + 1) % m->n_face;
             assert_int_equal(ric_word_canonical(m, image->N, image->face, true, other), RIC_OK);
             bool equal = !memcmp(word, other, (size_t)cycle->N * sizeof *word);
-            if (ric_cycle_alike(m, cycle, image) != equal)
+            if (ric_periodic_alike(m, cycle, image) != equal)
                 fail_msg("%s: words that are %s", where,
                          equal ? "images of each other are told apart" : "none are taken for images");
-            ric_cycle_free(image);
-            ric_cycle_free(again);
+            ric_periodic_free(image);
+            ric_periodic_free(again);
         }
-    ric_cycle_free(canonical);
+    ric_periodic_free(canonical);
 }
 
 static void canonical_is_invariant(void **state)
@@ -274,7 +274,7 @@ static void canonical_is_invariant(void **state)
 /* -------------------------------------------------------------------- keep */
 
 /* Drops touches of zero speed: the same motion with fewer impacts, and the symmetries that the choice leaves. */
-static void check_keep(const ric_model *m, const ric_cycle *cycle, const int *touch, int n_touch, const char *where)
+static void check_keep(const ric_model *m, const ric_periodic *cycle, const int *touch, int n_touch, const char *where)
 {
     for (unsigned choice = 0; choice < 1u << n_touch; choice++) {
         bool keep[64];
@@ -286,26 +286,26 @@ static void check_keep(const ric_model *m, const ric_cycle *cycle, const int *to
                 kept--;
             }
         if (kept == 0) continue;
-        ric_cycle *out = ric_cycle_keep(m, cycle, keep);
-        ric_chain *chain = NULL;
-        double *u = NULL, T = ric_cycle_period(cycle), E = ric_cycle_energy(m, cycle);
+        ric_periodic *out = ric_periodic_keep(m, cycle, keep);
+        ric_shooting *chain = NULL;
+        double *u = NULL, T = ric_periodic_period(cycle), E = ric_periodic_energy(m, cycle);
         assert_non_null(out);
         assert_int_equal(out->N, kept);
-        assert_true(fabs(ric_cycle_period(out) - T) <= 1e-12 * T &&
-                    fabs(ric_cycle_energy(m, out) - E) <= 1e-11 * (1 + E));
+        assert_true(fabs(ric_periodic_period(out) - T) <= 1e-12 * T &&
+                    fabs(ric_periodic_energy(m, out) - E) <= 1e-11 * (1 + E));
         for (int i = 0, j = 0; i < cycle->N; i++)
             if (keep[i]) assert_int_equal(out->face[j++], cycle->face[i]);
-        assert_int_equal(ric_cycle_to_chain(m, out, &chain, &u), RIC_OK);
-        ric_chain_fly(chain, u);
+        assert_int_equal(ric_periodic_to_chain(m, out, &chain, &u), RIC_OK);
+        ric_shooting_fly(chain, u);
         if (!(chain->residual <= 1e-9)) fail_msg("%s, choice %u: residual %.3g", where, choice, chain->residual);
-        ric_cycle *found = ric_cycle_copy(out);
-        int q = ric_cycle_find_symmetries(m, found, 1e-7);
+        ric_periodic *found = ric_periodic_copy(out);
+        int q = ric_periodic_find_symmetries(m, found, 1e-7);
         if (q == 1 && (found->half != out->half || found->pure != out->pure || found->flip != out->flip))
             fail_msg("%s, choice %u: symmetries %d %d %d, found %d %d %d", where, choice, out->half, out->pure,
                      out->flip, found->half, found->pure, found->flip);
-        ric_cycle_free(found);
-        ric_cycle_free(out);
-        ric_chain_free(chain);
+        ric_periodic_free(found);
+        ric_periodic_free(out);
+        ric_shooting_free(chain);
         free(u);
     }
 }
@@ -358,18 +358,18 @@ static void images_that_exist(void **state)
         ric_model *m = NULL;
         for (int f = 0; sides && f < 2; f++) contacts[f].sides = RIC_SIDES_BOTH;
         assert_int_equal(ric_model_create(2, M, K, 2, contacts, 1, &m), RIC_OK);
-        assert_int_equal(ric_cycle_operations(m), sides ? 4 : 2);
+        assert_int_equal(ric_periodic_operations(m), sides ? 4 : 2);
         for (int spring = 0; spring < 2; spring++) {
-            ric_cycle *c = ric_cycle_create(2, 1);
+            ric_periodic *c = ric_periodic_create(2, 1);
             c->tau[0] = 1;
             c->closed = spring ? 2 : 0;
-            ric_cycle *image = ric_cycle_transform(m, c, 0, false, true), *back = ric_cycle_transform(m, c, 0, true, 0);
-            assert_int_equal(ric_cycle_mirrors(m, c), sides);
+            ric_periodic *image = ric_periodic_transform(m, c, 0, false, true), *back = ric_periodic_transform(m, c, 0, true, 0);
+            assert_int_equal(ric_periodic_mirrors(m, c), sides);
             assert_int_equal(image != NULL, sides);
             assert_non_null(back);
-            ric_cycle_free(c);
-            ric_cycle_free(image);
-            ric_cycle_free(back);
+            ric_periodic_free(c);
+            ric_periodic_free(image);
+            ric_periodic_free(back);
         }
         ric_model_free(m);
     }

@@ -153,11 +153,11 @@ static void marks_are_no_faces(void **state)
     (void)state;
     ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1], frequency: [0.2, 10], multiply: 1, depth: 1",
                                0);
-    ric_cycle *cycle = ric_cycle_create(2, 2);
+    ric_periodic *cycle = ric_periodic_create(2, 2);
     assert_non_null(cycle);
     cycle->face[0] = cycle->face[1] = -1;
-    assert_true(ric_cycle_mirrors(ric_atlas_model(atlas), cycle));
-    ric_cycle_free(cycle);
+    assert_true(ric_periodic_mirrors(ric_atlas_model(atlas), cycle));
+    ric_periodic_free(cycle);
     ric_atlas_free(atlas);
 }
 

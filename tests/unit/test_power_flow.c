@@ -30,7 +30,7 @@ static void create(structure *s)
 {
     if (ric_model_create(s->n, s->M, s->K, s->n_contact, s->contacts, 1, &s->model)) fail_msg("%s", ric_detail());
     assert_int_equal(s->model->n, s->n);
-    s->work = calloc(ric_smooth_work(s->model, 2 * s->n), sizeof *s->work);
+    s->work = calloc(ric_power_flow_work(s->model, 2 * s->n), sizeof *s->work);
     assert_non_null(s->work);
 }
 
@@ -109,7 +109,7 @@ static void follows_cvode(void **state)
         ric_model_to_state(s.model, w, x, v);
         double error = cvode_fly(s.model, n, s.M, s.K, s.n_contact, s.contacts, time, x, v),
                size = fmax(largest(n, x), largest(n, v));
-        assert_true(ric_smooth_fly(s.model, time * s.model->omega_ref, w, 0, NULL, s.work));
+        assert_true(ric_power_flow_fly(s.model, time * s.model->omega_ref, w, 0, NULL, s.work));
         ric_model_to_state(s.model, w, y, z);
         for (int j = 0; j < n; j++)
             if (!(fabs(x[j] - y[j]) <= (1e-11 + 10 * error) * size && fabs(v[j] - z[j]) <= (1e-11 + 10 * error) * size))
@@ -137,7 +137,7 @@ static void conserves(void **state)
         ric_model_to_state(s.model, w, x, v);
         double E = ric_model_energy(s.model, x, v), here = ric_flight_energy(s.model, 0, w) * s.model->energy_unit;
         assert_true(fabs(E - here) <= 1e-13 * E || ric_model_n_mode(s.model) < n);
-        assert_true(ric_smooth_fly(s.model, 10, w, 0, NULL, s.work));
+        assert_true(ric_power_flow_fly(s.model, 10, w, 0, NULL, s.work));
         ric_model_to_state(s.model, w, x, v);
         if (!(fabs(ric_model_energy(s.model, x, v) - E) <= 2e-13 * E))
             fail_msg("structure %d: energy %.17g became %.17g", i, E, ric_model_energy(s.model, x, v));
@@ -146,8 +146,8 @@ static void conserves(void **state)
         for (int j = 0; j < 2 * n; j++) X[j * 2 * n + j] = 1;
         random_state(&s, 1, w);
         memcpy(w0, w, sizeof w);
-        assert_true(ric_smooth_fly(s.model, 1.3, w, 2 * n, X, s.work));
-        assert_true(ric_smooth_fly(s.model, -1.3, w, 0, NULL, s.work));
+        assert_true(ric_power_flow_fly(s.model, 1.3, w, 2 * n, X, s.work));
+        assert_true(ric_power_flow_fly(s.model, -1.3, w, 0, NULL, s.work));
         for (int j = 0; j < 2 * n; j++)
             assert_true(fabs(w[j] - w0[j]) <= 1e-13 * largest(4 * n * n, X) * largest(2 * n, w0));
         release(&s);
@@ -163,7 +163,7 @@ static void becomes_linear(void **state)
     double w[8], w0[8];
     random_state(&s, 1e-9, w);
     memcpy(w0, w, sizeof w);
-    assert_true(ric_smooth_fly(s.model, 5, w, 0, NULL, s.work));
+    assert_true(ric_power_flow_fly(s.model, 5, w, 0, NULL, s.work));
     for (int i = 0; i < 4; i++) {
         double c = cos(5 * s.model->omega[i]), d = sin(5 * s.model->omega[i]);
         assert_true(fabs(w[i] - (c * w0[i] + d * w0[4 + i])) <= 1e-23);
@@ -189,7 +189,7 @@ static void neighbours_are_derivatives(void **state)
         memset(X, 0, sizeof X);
         for (int j = 0; j < ld; j++) X[j * ld + j] = 1;
         memcpy(end, w, sizeof w);
-        assert_true(ric_smooth_fly(s.model, tau, end, ld, X, s.work));
+        assert_true(ric_power_flow_fly(s.model, tau, end, ld, X, s.work));
         double size = largest(ld * ld, X);
         for (int j = 0; j < ld; j++) {
             double sum[ld], moved[ld];
@@ -198,7 +198,7 @@ static void neighbours_are_derivatives(void **state)
                 for (int side = -1; side <= 1; side += 2) {
                     memcpy(moved, w, sizeof moved);
                     moved[j] += side * k * h;
-                    assert_true(ric_smooth_fly(s.model, tau, moved, 0, NULL, s.work));
+                    assert_true(ric_power_flow_fly(s.model, tau, moved, 0, NULL, s.work));
                     for (int r = 0; r < ld; r++) sum[r] += side * weight[k - 1] * moved[r] / h;
                 }
             for (int r = 0; r < ld; r++)
@@ -224,7 +224,7 @@ static void neighbours_are_symplectic(void **state)
         memset(X, 0, sizeof X);
         for (int j = 0; j < ld; j++) X[j * ld + j] = 1;
         ric_flight_rate(s.model, 0, w, f0);
-        assert_true(ric_smooth_fly(s.model, 4, w, ld, X, s.work));
+        assert_true(ric_power_flow_fly(s.model, 4, w, ld, X, s.work));
         ric_flight_rate(s.model, 0, w, f1);
         double size = largest(ld * ld, X), top = largest(ld, f0);
         for (int r = 0; r < ld; r++) {
@@ -260,8 +260,8 @@ static void tells_what_it_loses(void **state)
         random_state(&s, i % 3 ? 3 : 8, w);
         memcpy(x, w, sizeof x);
         double size = largest(ld, w);
-        assert_true(ric_smooth_map(s.model, tau, w, M, &lost, s.work));
-        for (int k = 0; k < pieces; k++) assert_true(ric_smooth_fly(s.model, tau / pieces, x, 0, NULL, s.work));
+        assert_true(ric_power_flow_map(s.model, tau, w, M, &lost, s.work));
+        for (int k = 0; k < pieces; k++) assert_true(ric_power_flow_fly(s.model, tau / pieces, x, 0, NULL, s.work));
         for (int j = 0; j < ld; j++) off = fmax(off, fabs(x[j] - w[j]));
         ric_flight_rate(s.model, 0, w, rate);
         double digit = largest(ld, rate) * tau, most = largest(ld * ld, M) * size;
@@ -290,8 +290,8 @@ static void more_digits_lose_less(void **state)
         memcpy(x, w, sizeof x);
         memcpy(y, w, sizeof y);
         double start = largest(ld, w), own = 0;
-        assert_true(ric_smooth_map(s.model, tau, x, M, &lost[0], s.work));
-        assert_true(ric_smooth_map_surely(s.model, tau, y, M, &lost[1], s.work));
+        assert_true(ric_power_flow_map(s.model, tau, x, M, &lost[0], s.work));
+        assert_true(ric_power_flow_map_surely(s.model, tau, y, M, &lost[1], s.work));
         assert_true(quad_fly(s.model, tau, w));
         for (int j = 0; j < ld; j++) {
             double row = 0;
@@ -322,11 +322,11 @@ static void endless_flights_are_refused(void **state)
     structure s;
     article(99, &s);
     double w[4] = {1e6, 0, 0, 0};
-    assert_false(ric_smooth_fly(s.model, 1, w, 0, NULL, s.work));
+    assert_false(ric_power_flow_fly(s.model, 1, w, 0, NULL, s.work));
     memset(w, 0, sizeof w);
     w[0] = 1;
-    assert_false(ric_smooth_fly(s.model, 1e9, w, 0, NULL, s.work));
-    assert_false(ric_smooth_fly(s.model, HUGE_VAL, w, 0, NULL, s.work));
+    assert_false(ric_power_flow_fly(s.model, 1e9, w, 0, NULL, s.work));
+    assert_false(ric_power_flow_fly(s.model, HUGE_VAL, w, 0, NULL, s.work));
     release(&s);
 }
 

@@ -20,26 +20,26 @@ static const double PI = 3.14159265358979323846;
 /* ------------------------------------------------------------------ helpers */
 
 /* Any u: reach asks for no solution. Start and end: none, rest, impact, centre. */
-static ric_chain *random_chain(const ric_model *m, double *u)
+static ric_shooting *random_chain(const ric_model *m, double *u)
 {
     ric_mirror start = (ric_mirror)below(4),
                end = start == RIC_MIRROR_NONE ? RIC_MIRROR_NONE : (ric_mirror)(RIC_MIRROR_REST + below(3));
     int face[MAX_FLIGHT + 1], n_flight = 1 + below(MAX_FLIGHT);
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     for (int k = 0; k <= n_flight; k++) face[k] = below(m->n_face);
     if (start == RIC_MIRROR_REST || start == RIC_MIRROR_CENTRE) face[0] = -1;
     if (end == RIC_MIRROR_REST || end == RIC_MIRROR_CENTRE) face[n_flight] = -1;
     if (start == RIC_MIRROR_NONE) face[n_flight] = face[0];
-    assert_int_equal(ric_chain_create(m, start, end, 1, n_flight, face, &chain), RIC_OK);
+    assert_int_equal(ric_shooting_create(m, start, end, 1, n_flight, face, &chain), RIC_OK);
     for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-1, 1);
     for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.1, 6);
-    ric_chain_fly(chain, u);
+    ric_shooting_fly(chain, u);
     return chain;
 }
 
 /* Gap coordinate of a face over its gap, side included, at time t of flight k; image -1: that of the mirror image of
  * the motion. */
-static double opening_of(const ric_chain *c, int flight, int face, double t, int image)
+static double opening_of(const ric_shooting *c, int flight, int face, double t, int image)
 {
     const ric_model *m = c->model;
     const double *w = c->w + 2 * m->n * flight;
@@ -53,13 +53,13 @@ static double opening_of(const ric_chain *c, int flight, int face, double t, int
 }
 
 /* Whether a wall on one side meets the motion of the chain and its mirror image: such an orbit goes on with -z. */
-static bool meets_both(const ric_chain *c, int face)
+static bool meets_both(const ric_shooting *c, int face)
 {
     bool goes_on = c->sigma < 0 || c->start == RIC_MIRROR_CENTRE || c->end == RIC_MIRROR_CENTRE;
     return goes_on && c->model->face[face].mirror < 0;
 }
 
-static double opening(const ric_chain *c, int flight, int face, double t)
+static double opening(const ric_shooting *c, int flight, int face, double t)
 {
     double s = opening_of(c, flight, face, t, 1);
     return meets_both(c, face) ? fabs(s) : s;
@@ -79,7 +79,7 @@ static void add(sampled *out, double value, int flight, int face, double time, b
 }
 
 /* Golden section between l and r, with a maximum inside. */
-static double refine(const ric_chain *c, int flight, int face, double l, double r, int image)
+static double refine(const ric_shooting *c, int flight, int face, double l, double r, int image)
 {
     const double ratio = 0.6180339887498949;
     for (int i = 0; i < 60; i++) {
@@ -92,7 +92,7 @@ static double refine(const ric_chain *c, int flight, int face, double l, double 
 
 /* Every maximum of one gap in one flight, from samples a fortieth of the fastest radian apart; rest points at the ends
  * of the chain, where the motion turns back; impacts of other contacts. */
-static void sample_gap(const ric_chain *c, int k, int f, double tau, int image, sampled *out)
+static void sample_gap(const ric_shooting *c, int k, int f, double tau, int image, sampled *out)
 {
     const ric_model *m = c->model;
     int steps = 200 + (int)(40 * m->omega[m->n - 1] * tau), contact = m->face[f].contact;
@@ -113,7 +113,7 @@ static void sample_gap(const ric_chain *c, int k, int f, double tau, int image, 
     if (c->face[k + 1] >= 0 && !own[1]) add(out, now, k, f, tau, true);
 }
 
-static void sample(const ric_chain *c, const double *u, sampled *out)
+static void sample(const ric_shooting *c, const double *u, sampled *out)
 {
     out->count = 0;
     for (int k = 0; k < c->n_flight; k++)
@@ -122,7 +122,7 @@ static void sample(const ric_chain *c, const double *u, sampled *out)
                 sample_gap(c, k, f, u[c->n_start + k], image, out);
 }
 
-static void check_reach(const ric_chain *c, const double *u, const char *where)
+static void check_reach(const ric_shooting *c, const double *u, const char *where)
 {
     static sampled brute;
     static ric_touch touches[MAX_TOUCH];
@@ -186,14 +186,14 @@ static void against_sampling(void **state)
     for (uint64_t seed = 1; seed <= 160; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1 + below(MAX_CONTACT), n > 1 && seed % 5 == 0, true);
-        ric_chain *chain = random_chain(m, u);
+        ric_shooting *chain = random_chain(m, u);
         for (int k = 1; k <= chain->n_flight; k++)
             kinks += chain->face[k] >= 0 && chain->face[k - 1] >= 0 &&
                      m->face[chain->face[k]].contact != m->face[chain->face[k - 1]].contact;
         snprintf(where, sizeof where, "seed %llu, n = %d, %d faces, %d-%d", (unsigned long long)seed, n, m->n_face,
                  chain->start, chain->end);
         if (chain->end != RIC_MIRROR_REST) check_reach(chain, u, where);
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
         ric_model_free(m);
     }
     assert_true(kinks > 40);
@@ -209,12 +209,12 @@ static void touches_at_one(void **state)
     for (uint64_t seed = 1000; seed < 1100; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1 + below(MAX_CONTACT), false, true);
-        ric_chain *chain = random_chain(m, u);
+        ric_shooting *chain = random_chain(m, u);
         ric_touch before, after, list[4];
         double reach = ric_reach(chain, u, &before);
         if (reach > 0.01) {
             for (int i = 0; i < chain->n_start; i++) u[i] /= reach;
-            ric_chain_fly(chain, u);
+            ric_shooting_fly(chain, u);
             double one = ric_reach(chain, u, &after);
             if (!(fabs(one - 1) <= 1e-12)) fail_msg("seed %llu: reach %.17g", (unsigned long long)seed, one);
             assert_true(before.flight == after.flight && before.face == after.face &&
@@ -223,7 +223,7 @@ static void touches_at_one(void **state)
             if (n > 1) assert_int_equal(ric_reach_all(chain, u, 1 - 1e-10, 4, list), 1);
             assert_int_equal(ric_reach_all(chain, u, 1 + 1e-10, 4, list), 0);
         }
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
         ric_model_free(m);
     }
 }
@@ -238,26 +238,26 @@ static void linear_grazing(void **state)
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1, false, true);
         for (int i = 0; i < n; i++) {
-            ric_chain *chain = NULL;
+            ric_shooting *chain = NULL;
             ric_touch list[4];
-            assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1, 1, faces, &chain), RIC_OK);
+            assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1, 1, faces, &chain), RIC_OK);
             memset(u, 0, sizeof u);
             u[i] = m->face[0].gap * m->omega[i] / m->c[i]; /* p at the centre, the gap is +-1 */
             u[n] = PI / m->omega[i];
-            ric_chain_fly(chain, u);
+            ric_shooting_fly(chain, u);
             int count = ric_reach_all(chain, u, 1 - 1e-12, 4, list);
             if (count != 1 || fabs(list[0].value - 1) > 1e-14 * 8 || fabs(list[0].time - u[n] / 2) > 1e-7 * u[n])
                 fail_msg("seed %llu, mode %d: %d touches, %.17g at %.12g of %.12g", (unsigned long long)seed, i + 1,
                          count, list[0].value, list[0].time, u[n]);
-            double E = ric_chain_energy(chain), closed = m->omega[i] * m->omega[i] / (2 * m->c[i] * m->c[i]);
+            double E = ric_shooting_energy(chain), closed = m->omega[i] * m->omega[i] / (2 * m->c[i] * m->c[i]);
             assert_true(fabs(E - closed) <= 1e-13 * closed);
             met++;
             /* twice as long: the other face comes as well, or the same one again: with a wall on one side it stands for
              * the mirror image */
             u[n] *= 2;
-            ric_chain_fly(chain, u);
+            ric_shooting_fly(chain, u);
             assert_int_equal(ric_reach_all(chain, u, 1 - 1e-12, 4, list), 2);
-            ric_chain_free(chain);
+            ric_shooting_free(chain);
         }
         ric_model_free(m);
     }
@@ -274,14 +274,14 @@ static void long_flight(void **state)
     ric_model *m = NULL;
     int faces[2] = {-1, 0};
     assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &m), RIC_OK);
-    ric_chain *chain = NULL;
-    assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
+    ric_shooting *chain = NULL;
+    assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
     for (int trial = 0; trial < 5; trial += every()) {
         u[2] = 100 + 80 * trial;
-        ric_chain_fly(chain, u);
+        ric_shooting_fly(chain, u);
         check_reach(chain, u, "long flight");
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     ric_model_free(m);
 }
 
@@ -295,21 +295,21 @@ static void no_numbers(void **state)
     ric_model *m = NULL;
     int faces[2] = {-1, 0};
     assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &m), RIC_OK);
-    ric_chain *chain = NULL;
-    assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
+    ric_shooting *chain = NULL;
+    assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
     for (int i = 0; i < 3; i++)
         for (size_t k = 0; k < sizeof hostile / sizeof *hostile; k++) {
             double u[3] = {0.31, 0.69, 2};
             ric_touch list[4];
             u[i] = hostile[k];
-            ric_chain_fly(chain, u);
+            ric_shooting_fly(chain, u);
             double reach = ric_reach(chain, u, NULL);
             bool none = i == 2 && u[2] < 0; /* a flight that takes no time meets nothing */
             print_message("u[%d] = %g: %g\n", i, u[i], reach);
             assert_true(none ? reach == 0 : reach > 1e100);
             ric_reach_all(chain, u, 1 - 1e-12, 4, list);
         }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     ric_model_free(m);
 }
 

@@ -9,7 +9,7 @@
 
 #include "base/memory.h" /* as every file of the library has it */
 
-#include "../src/orbit/floquet.c"
+#include "orbit/floquet.c"
 
 static const double ZERO[] = {0.0, -0.0}, TWIST[] = {-1, -0.0, 0.0, 1};
 

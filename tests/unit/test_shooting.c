@@ -20,12 +20,12 @@ enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 12, MAX_SIZE = 2 * MAX_N + MAX_F
 
 /* ------------------------------------------------------------------ helpers */
 
-static ric_chain *random_chain(const ric_model *m, int form, int n_flight, double *u)
+static ric_shooting *random_chain(const ric_model *m, int form, int n_flight, double *u)
 {
     int *face = malloc(((size_t)n_flight + 1) * sizeof *face);
     assert_non_null(face);
     random_word(m, form, n_flight, face);
-    ric_chain *chain = random_chain_over(m, form, n_flight, face, 1, u);
+    ric_shooting *chain = random_chain_over(m, form, n_flight, face, 1, u);
     free(face);
     return chain;
 }
@@ -38,7 +38,7 @@ static double largest(int n, const double *x)
 }
 
 /* What runs over random chains of every form: n = 1..6, one to three contacts, with and without a zero frequency. */
-typedef void check_chain(ric_chain *chain, const double *u, const char *where);
+typedef void check_chain(ric_shooting *chain, const double *u, const char *where);
 
 static void over_random_chains(check_chain *check)
 {
@@ -49,11 +49,11 @@ static void over_random_chains(check_chain *check)
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 char where[80];
                 ric_model *m = random_structure_of(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3, false);
-                ric_chain *chain = random_chain(m, form, 1 + below(MAX_FLIGHT), u);
+                ric_shooting *chain = random_chain(m, form, 1 + below(MAX_FLIGHT), u);
                 snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
                          form, chain->n_flight);
                 check(chain, u, where);
-                ric_chain_free(chain);
+                ric_shooting_free(chain);
                 ric_model_free(m);
             }
 }
@@ -61,18 +61,18 @@ static void over_random_chains(check_chain *check)
 /* ----------------------------------------------------------------- Jacobian */
 
 /* Central differences of fourth order: error (h omega)^4, rounding eps / h. */
-static void check_jacobian(ric_chain *chain, const double *u, const char *where)
+static void check_jacobian(ric_shooting *chain, const double *u, const char *where)
 {
     static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
     double J[MAX_SIZE * MAX_SIZE], moved[MAX_SIZE], r[4][MAX_SIZE];
     double fastest = chain->model->omega[chain->n - 1], h = 1e-3 / fmax(fastest, 1);
-    int unknowns = chain->n_unknown, rows = ric_chain_jacobian(chain, u, J);
+    int unknowns = chain->n_unknown, rows = ric_shooting_jacobian(chain, u, J);
     double top = largest(rows * unknowns, J);
     for (int j = 0; j < unknowns; j++) {
         for (int k = 0; k < 4; k++) {
             memcpy(moved, u, (size_t)unknowns * sizeof *u);
             moved[j] += offset[k] * h;
-            assert_int_equal(ric_chain_residuals(chain, moved, r[k]), rows);
+            assert_int_equal(ric_shooting_residuals(chain, moved, r[k]), rows);
         }
         for (int i = 0; i < rows; i++) {
             double difference = 0;
@@ -95,11 +95,11 @@ static void jacobian_by_differences(void **state)
 /* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma w_0
  * (without the positions of zero modes), to which the closure is perpendicular for any u. A [rows * unknowns], r
  * [rows]. */
-static int dense_equations(ric_chain *chain, const double *u, double *A, double *r)
+static int dense_equations(ric_shooting *chain, const double *u, double *A, double *r)
 {
     double J[MAX_SIZE * MAX_SIZE], all[MAX_SIZE], h[2 * MAX_N], E[4 * MAX_N * MAX_N];
-    int unknowns = chain->n_unknown, n = chain->n, rows = ric_chain_jacobian(chain, u, J);
-    ric_chain_residuals(chain, u, all);
+    int unknowns = chain->n_unknown, n = chain->n, rows = ric_shooting_jacobian(chain, u, J);
+    ric_shooting_residuals(chain, u, all);
     if (chain->start != RIC_MIRROR_NONE) {
         memcpy(A, J, (size_t)(rows * unknowns) * sizeof *A);
         memcpy(r, all, (size_t)rows * sizeof *r);
@@ -110,7 +110,7 @@ static int dense_equations(ric_chain *chain, const double *u, double *A, double 
         bool zero = i < n && chain->model->omega[i] == 0;
         h[i] = zero ? 0 : chain->w[2 * n * chain->n_flight + i] + chain->sigma * chain->w[i];
     }
-    ric_complement(2 * n, h, E);
+    ric_model_complement(2 * n, h, E);
     memcpy(A, J, (size_t)(gaps * unknowns) * sizeof *A);
     memcpy(r, all, (size_t)gaps * sizeof *r);
     double along = 0;
@@ -137,7 +137,7 @@ static double distance(int n, const double *a, const double *b, double sign)
 
 static int ill_conditioned, compared;
 
-static void check_step(ric_chain *chain, const double *u, const char *where)
+static void check_step(ric_shooting *chain, const double *u, const char *where)
 {
     double A[MAX_SIZE * MAX_SIZE], copy[MAX_SIZE * MAX_SIZE], b[MAX_SIZE] = {0}, r[MAX_SIZE], sv[MAX_SIZE],
                                                               V[MAX_SIZE * MAX_SIZE];
@@ -155,10 +155,10 @@ static void check_step(ric_chain *chain, const double *u, const char *where)
     double condition = sv[0] / sv[rows - 1], tolerance = 1e-10 * fmax(1, condition / 1e4);
     const double *z = V + rows * unknowns;
 
-    ric_chain_evaluate(chain, u);
-    ric_chain_step(chain, true, 0, newton);
-    ric_chain_step(chain, false, 1, kernel);
-    ric_chain_step(chain, true, 0.7, both);
+    ric_shooting_evaluate(chain, u);
+    ric_shooting_step(chain, true, 0, newton);
+    ric_shooting_step(chain, false, 1, kernel);
+    ric_shooting_step(chain, true, 0.7, both);
     if (condition > 1e8) {
         ill_conditioned++;
         return;
@@ -190,20 +190,20 @@ static void step_against_dense(void **state)
 }
 
 /* Sign of det [A; kernel]. */
-static double bordered_sign(ric_chain *chain, const double *u)
+static double bordered_sign(ric_shooting *chain, const double *u)
 {
     double A[MAX_SIZE * MAX_SIZE], r[MAX_SIZE], sign = 1;
     int unknowns = chain->n_unknown, rows = dense_equations(chain, u, A, r);
     lapack_int pivot[MAX_SIZE];
-    ric_chain_evaluate(chain, u);
-    ric_chain_step(chain, false, 1, A + rows * unknowns);
+    ric_shooting_evaluate(chain, u);
+    ric_shooting_step(chain, false, 1, A + rows * unknowns);
     LAPACKE_dgetrf(LAPACK_ROW_MAJOR, unknowns, unknowns, A, unknowns, pivot);
     for (int i = 0; i < unknowns; i++) sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
     return sign;
 }
 
 /* end_det may have any sign that is the same wherever the chain is evaluated. */
-static void check_determinant(ric_chain *chain, const double *u, const char *where)
+static void check_determinant(ric_shooting *chain, const double *u, const char *where)
 {
     double v[MAX_SIZE], first = 0;
     for (int i = 0; i < 20; i++) {
@@ -224,7 +224,7 @@ static void determinant_sign(void **state)
 /* ------------------------------------------------------------ closed forms */
 
 /* Time, energy and slope along any direction against their definitions. */
-static void check_scalars(ric_chain *chain, const double *u, const char *where)
+static void check_scalars(ric_shooting *chain, const double *u, const char *where)
 {
     double du[MAX_SIZE], v[MAX_SIZE], h = 1e-4, sum = 0;
     int unknowns = chain->n_unknown, n = chain->n;
@@ -232,11 +232,11 @@ static void check_scalars(ric_chain *chain, const double *u, const char *where)
     double energy[2];
     for (int side = 0; side < 2; side++) {
         for (int i = 0; i < unknowns; i++) v[i] = u[i] + (side ? h : -h) * du[i];
-        ric_chain_fly(chain, v);
-        energy[side] = ric_chain_energy(chain);
+        ric_shooting_fly(chain, v);
+        energy[side] = ric_shooting_energy(chain);
     }
-    ric_chain_fly(chain, u);
-    double slope = ric_chain_energy_slope(chain, du); /* E is a quadratic form of the start block: central differences
+    ric_shooting_fly(chain, u);
+    double slope = ric_shooting_energy_slope(chain, du); /* E is a quadratic form of the start block: central differences
                                                        * are exact */
     if (fabs(slope - (energy[1] - energy[0]) / (2 * h)) > 1e-10 * (1 + fabs(energy[0])))
         fail_msg("%s: dE %.12g against %.12g", where, slope, (energy[1] - energy[0]) / (2 * h));
@@ -244,7 +244,7 @@ static void check_scalars(ric_chain *chain, const double *u, const char *where)
         double a = chain->model->omega[i] > 0 ? chain->w[i] : 0, p = chain->w[n + i];
         sum += (a * a + p * p) / 2;
     }
-    assert_true(fabs(sum - ric_chain_energy(chain)) <= 1e-14 * (1 + sum) * n);
+    assert_true(fabs(sum - ric_shooting_energy(chain)) <= 1e-14 * (1 + sum) * n);
     for (int k = 0; k < chain->n_flight; k++) { /* conserved by every flight and impact */
         double now = 0;
         for (int i = 0; i < n; i++) {
@@ -257,7 +257,7 @@ static void check_scalars(ric_chain *chain, const double *u, const char *where)
     }
     double time = 0;
     for (int i = chain->n_start; i < unknowns; i++) time += u[i];
-    assert_true(fabs(chain->multiple * time - ric_chain_time(chain, u)) <= 1e-14 * 4 * time * chain->n_flight);
+    assert_true(fabs(chain->multiple * time - ric_shooting_time(chain, u)) <= 1e-14 * 4 * time * chain->n_flight);
 }
 
 static void scalars(void **state)
@@ -282,17 +282,17 @@ static double time_iteration(const ric_model *m, int form, int n_flight)
            *du = calloc((size_t)n_flight + 2 * MAX_N + 1, sizeof *du), best = HUGE_VAL;
     assert_non_null(u);
     assert_non_null(du);
-    ric_chain *chain = random_chain(m, form, n_flight, u);
+    ric_shooting *chain = random_chain(m, form, n_flight, u);
     for (int i = 0; i < 30; i++) {
         int repeat = 4096 / n_flight;
         double start = seconds();
         for (int k = 0; k < repeat; k++) {
-            ric_chain_evaluate(chain, u);
-            ric_chain_step(chain, true, 0, du);
+            ric_shooting_evaluate(chain, u);
+            ric_shooting_step(chain, true, 0, du);
         }
         best = fmin(best, (seconds() - start) / repeat);
     }
-    ric_chain_free(chain);
+    ric_shooting_free(chain);
     free(u);
     free(du);
     return best;
@@ -307,14 +307,14 @@ static void work_is_linear(void **state)
     for (int n = 2; n <= MAX_N; n += 4)
         for (int form = 0; form < 4; form++) {
             ric_model *m = random_structure_of(7, n, 2, false, false);
-            ric_chain *a = random_chain(m, form, SHORT, u), *b = random_chain(m, form, LONG, u);
+            ric_shooting *a = random_chain(m, form, SHORT, u), *b = random_chain(m, form, LONG, u);
             assert_int_equal(b->n_flight, LONG);
             assert_int_equal(a->ld, b->ld);
             assert_int_equal(a->stride, b->stride);
             assert_int_equal(a->n_end, b->n_end);
             assert_true(b->ld <= 2 * n + 1 && b->stride <= 3 * (size_t)n);
-            ric_chain_free(a);
-            ric_chain_free(b);
+            ric_shooting_free(a);
+            ric_shooting_free(b);
             ric_model_free(m);
         }
 }
@@ -337,11 +337,11 @@ static void cost_is_linear(void **state)
 /* ----------------------------------------------------------------- residual */
 
 /* Largest residual of a fresh flight from the start block, relative to 1 + |w|: gaps and end conditions. */
-static double residual_at(ric_chain *chain, const double *u)
+static double residual_at(ric_shooting *chain, const double *u)
 {
     double *r = calloc((size_t)chain->n_unknown + 1, sizeof *r), size = 0;
     assert_non_null(r);
-    int rows = ric_chain_residuals(chain, u, r);
+    int rows = ric_shooting_residuals(chain, u, r);
     for (int i = 0; i < 2 * chain->n; i++) size += chain->w[i] * chain->w[i];
     double worst = largest(rows, r) / (1 + sqrt(size));
     free(r);
@@ -359,9 +359,9 @@ static void residual_of_points(void **state)
     assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
     assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
     for (int e = 0; e < graph->n_edge; e++) {
-        ric_trace *trace = graph->edges[e].trace;
+        ric_continuation *trace = graph->edges[e].trace;
         if (!trace || !trace->chain) continue;
-        double tolerance = ric_trace_tolerance(trace->chain);
+        double tolerance = ric_continuation_tolerance(trace->chain);
         for (int i = 0; i < trace->n_point; i++, points++) {
             const double *row = trace->points + (size_t)i * trace->stride,
                          *u = row + sizeof(ric_point) / sizeof(double);
@@ -379,29 +379,29 @@ static void residual_of_points(void **state)
 
 /* The same chain with every flight as a matrix: springs of no stiffness change nothing but the path through the
  * code. */
-static void check_dense(ric_chain *chain, const double *u, const char *where)
+static void check_dense(ric_shooting *chain, const double *u, const char *where)
 {
     ric_model soft = *chain->model;
     double springs[MAX_CONTACT] = {0}, step[MAX_SIZE], dense_step[MAX_SIZE], kernel[MAX_SIZE], dense_kernel[MAX_SIZE];
     soft.springs = soft.smooth = true;
     soft.spring = springs;
-    ric_chain *dense = NULL;
-    assert_int_equal(ric_chain_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
+    ric_shooting *dense = NULL;
+    assert_int_equal(ric_shooting_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
                                       &dense),
                      RIC_OK);
-    ric_chain_evaluate(chain, u);
-    ric_chain_evaluate(dense, u);
-    ric_chain_step(chain, true, 0, step);
-    ric_chain_step(dense, true, 0, dense_step);
-    ric_chain_step(chain, false, 1, kernel);
-    ric_chain_step(dense, false, 1, dense_kernel);
+    ric_shooting_evaluate(chain, u);
+    ric_shooting_evaluate(dense, u);
+    ric_shooting_step(chain, true, 0, step);
+    ric_shooting_step(dense, true, 0, dense_step);
+    ric_shooting_step(chain, false, 1, kernel);
+    ric_shooting_step(dense, false, 1, dense_kernel);
     double size = 1 + largest(chain->n_unknown, step), rounding = 1e-12 / fmin(1, chain->smallest);
     if (!(distance(chain->n_unknown, step, dense_step, 1) <= rounding * size)) fail_msg("%s: steps differ", where);
     if (!(fmin(distance(chain->n_unknown, kernel, dense_kernel, 1),
                distance(chain->n_unknown, kernel, dense_kernel, -1)) <= rounding))
         fail_msg("%s: kernels differ", where);
     assert_true(fabs(chain->residual - dense->residual) <= 1e-13);
-    ric_chain_free(dense);
+    ric_shooting_free(dense);
 }
 
 static void matrices_of_flights(void **state)
@@ -427,21 +427,21 @@ static void residual_of_corrected(void **state)
         for (int i = 0; i < n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * tau) / m->omega[i];
         for (int i = 0; i < n; i++) u[i] = m->face[0].gap / sum * m->c[i] / cos(m->omega[i] * tau);
         u[n] = tau;
-        ric_chain *chain = NULL;
-        assert_int_equal(ric_chain_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
-        ric_chain_evaluate(chain, u);
+        ric_shooting *chain = NULL;
+        assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
+        ric_shooting_evaluate(chain, u);
         if (!(chain->residual <= 1e-13))
             fail_msg("seed %llu: closed form has residual %.3g", (unsigned long long)seed, chain->residual);
         for (int i = 0; i <= n; i++) v[i] = u[i] * (1 + uniform(-1e-5, 1e-5));
-        assert_true(ric_trace_correct(chain, v, NULL, NULL, 0, du, &iterations));
-        if (!(chain->residual <= ric_trace_tolerance(chain)))
+        assert_true(ric_continuation_correct(chain, v, NULL, NULL, 0, du, &iterations));
+        if (!(chain->residual <= ric_continuation_tolerance(chain)))
             fail_msg("seed %llu: residual %.3g", (unsigned long long)seed, chain->residual);
         tried++;
         for (int sigma = -1; sigma <= 1; sigma += 2) {
             int flights = sigma < 0 ? 1 : 2, word[3] = {0, 1, 0};
             double start[MAX_SIZE];
-            ric_chain *whole = NULL;
-            assert_int_equal(ric_chain_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma, flights, word, &whole),
+            ric_shooting *whole = NULL;
+            assert_int_equal(ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma, flights, word, &whole),
                              RIC_OK);
             for (int i = 0; i < n; i++) {
                 start[i] = chain->w[2 * n + i];
@@ -449,13 +449,13 @@ static void residual_of_corrected(void **state)
             }
             for (int i = 0; i < flights; i++) start[2 * n + i] = 2 * v[n];
             for (int i = 0; i < whole->n_unknown; i++) start[i] *= 1 + uniform(-1e-6, 1e-6);
-            assert_true(ric_trace_correct(whole, start, NULL, NULL, 0, du, &iterations));
-            if (!(whole->residual <= ric_trace_tolerance(whole)) ||
-                !(residual_at(whole, start) <= 2 * ric_trace_tolerance(whole)))
+            assert_true(ric_continuation_correct(whole, start, NULL, NULL, 0, du, &iterations));
+            if (!(whole->residual <= ric_continuation_tolerance(whole)) ||
+                !(residual_at(whole, start) <= 2 * ric_continuation_tolerance(whole)))
                 fail_msg("seed %llu, sigma %d: residual %.3g", (unsigned long long)seed, sigma, whole->residual);
-            ric_chain_free(whole);
+            ric_shooting_free(whole);
         }
-        ric_chain_free(chain);
+        ric_shooting_free(chain);
         ric_model_free(m);
     }
     assert_int_equal(tried, 60);

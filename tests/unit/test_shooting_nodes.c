@@ -41,15 +41,15 @@ static ric_model *random_structure(int n)
     return m;
 }
 
-static ric_chain *chain_of(const ric_model *m, const form *f, int parts)
+static ric_shooting *chain_of(const ric_model *m, const form *f, int parts)
 {
-    ric_chain *c;
-    assert_int_equal(ric_chain_create(m, f->start, f->end, f->sigma, 1, no_face, &c), RIC_OK);
-    if (parts > 1) assert_int_equal(ric_nodes_divide(c, parts), RIC_OK);
+    ric_shooting *c;
+    assert_int_equal(ric_shooting_create(m, f->start, f->end, f->sigma, 1, no_face, &c), RIC_OK);
+    if (parts > 1) assert_int_equal(ric_shooting_nodes_divide(c, parts), RIC_OK);
     return c;
 }
 
-typedef void check_chain(ric_chain *c, const double *u, const char *where);
+typedef void check_chain(ric_shooting *c, const double *u, const char *where);
 
 /* Unknowns anywhere, the nodes beside the flight. */
 static void over_random_chains(check_chain *check)
@@ -62,32 +62,32 @@ static void over_random_chains(check_chain *check)
                 seed_now = (uint64_t)(1000 * n + 100 * k + parts);
                 snprintf(where, sizeof where, "n = %d, form %d, %d parts", n, k, parts);
                 ric_model *m = random_structure(n);
-                ric_chain *c = chain_of(m, &forms[k], parts);
+                ric_shooting *c = chain_of(m, &forms[k], parts);
                 for (int i = 0; i < c->n_start; i++) u[i] = uniform(-1, 1);
                 u[c->n_start] = uniform(0.5, 3);
-                ric_nodes_spread(c, u);
+                ric_shooting_nodes_spread(c, u);
                 for (int i = c->n_start + 1; i < c->n_unknown; i++) u[i] += uniform(-0.1, 0.1);
                 check(c, u, where);
-                ric_chain_free(c);
+                ric_shooting_free(c);
                 ric_model_free(m);
             }
 }
 
 /* ----------------------------------------------------------------- Jacobian */
 
-static void check_jacobian(ric_chain *c, const double *u, const char *where)
+static void check_jacobian(ric_shooting *c, const double *u, const char *where)
 {
     static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
     double J[SIZE * SIZE], moved[SIZE], r[4][SIZE], top = 0, h = 1e-4;
     /* the phase is free, not an equation */
-    int unknowns = c->n_unknown, rows = ric_chain_jacobian(c, u, J), first = c->start == RIC_MIRROR_NONE;
+    int unknowns = c->n_unknown, rows = ric_shooting_jacobian(c, u, J), first = c->start == RIC_MIRROR_NONE;
     assert_int_equal(rows, c->start == RIC_MIRROR_NONE ? unknowns : unknowns - 1);
     for (int i = 0; i < rows * unknowns; i++) top = fmax(top, fabs(J[i]));
     for (int j = 0; j < unknowns; j++) {
         for (int k = 0; k < 4; k++) {
             memcpy(moved, u, (size_t)unknowns * sizeof *u);
             moved[j] += offset[k] * h;
-            assert_int_equal(ric_chain_residuals(c, moved, r[k]), rows);
+            assert_int_equal(ric_shooting_residuals(c, moved, r[k]), rows);
         }
         for (int i = first; i < rows; i++) {
             double slope = 0;
@@ -109,17 +109,17 @@ static void jacobian_by_differences(void **state)
 
 /* The equations as the structured solve sees them: closure rows perpendicular to the secant gradient of the energy.
  * Returns their number. */
-static int dense_equations(ric_chain *c, const double *u, double *A, double *r)
+static int dense_equations(ric_shooting *c, const double *u, double *A, double *r)
 {
     double J[SIZE * SIZE], all[SIZE], from[2 * MOST], h[2 * MOST], E[4 * MOST * MOST];
-    int unknowns = c->n_unknown, n2 = 2 * c->n, rows = ric_chain_jacobian(c, u, J), before = rows - n2;
-    ric_chain_residuals(c, u, all);
+    int unknowns = c->n_unknown, n2 = 2 * c->n, rows = ric_shooting_jacobian(c, u, J), before = rows - n2;
+    ric_shooting_residuals(c, u, all);
     memcpy(A, J, (size_t)(rows * unknowns) * sizeof *A);
     memcpy(r, all, (size_t)rows * sizeof *r);
     if (c->start != RIC_MIRROR_NONE) return rows;
     for (int i = 0; i < n2; i++) from[i] = c->sigma * c->w[i];
     ric_flight_secant(c->model, 0, from, c->w + n2, h);
-    ric_complement(n2, h, E);
+    ric_model_complement(n2, h, E);
     for (int i = 0; i < n2 - 1; i++) {
         r[before + i] = ric_dot(n2, E + i * n2, all + before);
         for (int j = 0; j < unknowns; j++) {
@@ -132,15 +132,15 @@ static int dense_equations(ric_chain *c, const double *u, double *A, double *r)
 }
 
 /* The step solves the equations and is perpendicular to the kernel: there is one such. */
-static void check_step(ric_chain *c, const double *u, const char *where)
+static void check_step(ric_shooting *c, const double *u, const char *where)
 {
     double A[SIZE * SIZE], r[SIZE], newton[SIZE], kernel[SIZE], both[SIZE], plane[2 * SIZE], second, top = 0;
     int unknowns = c->n_unknown, rows = dense_equations(c, u, A, r);
     assert_int_equal(rows, unknowns - 1);
-    ric_chain_evaluate(c, u);
-    ric_chain_step(c, true, 0, newton);
-    ric_chain_step(c, false, 1, kernel);
-    ric_chain_step(c, true, 0.7, both);
+    ric_shooting_evaluate(c, u);
+    ric_shooting_step(c, true, 0, newton);
+    ric_shooting_step(c, false, 1, kernel);
+    ric_shooting_step(c, true, 0.7, both);
     for (int i = 0; i < rows * unknowns; i++) top = fmax(top, fabs(A[i]));
     double size = sqrt(ric_dot(unknowns, newton, newton)), limit = 1e-12 * (1 + top);
     for (int i = 0; i < rows; i++) {
@@ -152,7 +152,7 @@ static void check_step(ric_chain *c, const double *u, const char *where)
     assert_true(fabs(ric_dot(unknowns, kernel, kernel) - 1) < 1e-12);
     assert_true(fabs(ric_dot(unknowns, kernel, newton)) <= 1e-12 * (1 + size));
     for (int i = 0; i < unknowns; i++) assert_true(fabs(both[i] - newton[i] - 0.7 * kernel[i]) <= 1e-12 * (1 + size));
-    assert_true(ric_chain_plane(c, plane, &second));
+    assert_true(ric_shooting_plane(c, plane, &second));
     assert_true(fabs(fabs(ric_dot(unknowns, plane + unknowns, kernel)) - 1) < 1e-10);
 }
 
@@ -163,7 +163,7 @@ static void step_against_dense(void **state)
 }
 
 /* end_det may have any sign that is the same wherever the chain is evaluated: that of det [A; kernel], or the other. */
-static void check_determinant(ric_chain *c, const double *u, const char *where)
+static void check_determinant(ric_shooting *c, const double *u, const char *where)
 {
     double A[SIZE * SIZE], r[SIZE], v[SIZE], first = 0;
     int unknowns = c->n_unknown;
@@ -171,8 +171,8 @@ static void check_determinant(ric_chain *c, const double *u, const char *where)
     for (int k = 0; k < 20; k++) {
         for (int i = 0; i < unknowns; i++) v[i] = u[i] + (i == c->n_start ? uniform(-0.3, 0.6) : uniform(-0.4, 0.4));
         int rows = dense_equations(c, v, A, r);
-        ric_chain_evaluate(c, v);
-        ric_chain_step(c, false, 1, A + rows * unknowns);
+        ric_shooting_evaluate(c, v);
+        ric_shooting_step(c, false, 1, A + rows * unknowns);
         LAPACKE_dgetrf(LAPACK_ROW_MAJOR, unknowns, unknowns, A, unknowns, pivot);
         double sign = c->end_det < 0 ? -1 : 1;
         for (int i = 0; i < unknowns; i++) sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
@@ -197,34 +197,34 @@ static double distance(int size, const double *a, const double *b)
 }
 
 /* With the nodes on the flight, everything is what it is without nodes. */
-static void check_one_piece(ric_chain *c, const double *u, const char *where)
+static void check_one_piece(ric_shooting *c, const double *u, const char *where)
 {
     form same = {c->start, c->end, c->sigma};
-    ric_chain *one = chain_of(c->model, &same, 1), *copy = ric_chain_copy(c);
+    ric_shooting *one = chain_of(c->model, &same, 1), *copy = ric_shooting_copy(c);
     double v[SIZE], kernel[SIZE], along[SIZE], alone[SIZE];
     int n2 = 2 * c->n, size = one->n_unknown;
     memcpy(v, u, sizeof v);
-    ric_nodes_spread(c, v);
-    ric_chain_evaluate(one, v);
-    ric_chain_evaluate(copy, v);
+    ric_shooting_nodes_spread(c, v);
+    ric_shooting_evaluate(one, v);
+    ric_shooting_evaluate(copy, v);
     assert_int_equal(copy->parts, c->parts);
     double growth = 1;
     for (int i = 0; i < n2 * n2; i++) growth = fmax(growth, fabs(one->map[i]));
-    if (!(ric_nodes_gap(copy, v) <= 1e-14 * one->scale * growth) ||
+    if (!(ric_shooting_nodes_gap(copy, v) <= 1e-14 * one->scale * growth) ||
         !(distance(n2, copy->w + n2, one->w + n2) <= 1e-13 * one->scale * growth) ||
         !(distance(n2 * n2, copy->map, one->map) <= 1e-12 * growth * growth))
         fail_msg("%s: not the flight in one piece: %g, %g", where, distance(n2, copy->w + n2, one->w + n2),
                  distance(n2 * n2, copy->map, one->map));
     /* the kernel has the same start, longer by what it is at the nodes */
-    ric_chain_step(one, false, 1, alone);
-    ric_chain_step(copy, false, 1, kernel);
+    ric_shooting_step(one, false, 1, alone);
+    ric_shooting_step(copy, false, 1, kernel);
     double part = ric_dot(size, alone, kernel);
     memcpy(along, kernel, sizeof along);
-    ric_nodes_along(copy, along);
+    ric_shooting_nodes_along(copy, along);
     assert_true(distance(copy->n_unknown, along, kernel) <= 1e-11 * growth);
     for (int i = 0; i < size; i++) assert_true(fabs(kernel[i] - part * alone[i]) <= 1e-10 * growth);
-    ric_chain_free(one);
-    ric_chain_free(copy);
+    ric_shooting_free(one);
+    ric_shooting_free(copy);
 }
 
 static void like_one_piece(void **state)

@@ -53,23 +53,23 @@ static void jacobians(void **state)
     for (unsigned seed = 1; seed <= 30; seed += (unsigned)every())
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
             ric_model *m = structure(seed, 2 + (int)seed % 2, 2, 2);
-            ric_chain *c = NULL;
+            ric_shooting *c = NULL;
             double u[MAX], J[MAX * MAX], plus[MAX], minus[MAX], h = 1e-5;
-            assert_int_equal(ric_chain_create(m, cases[k].start, cases[k].end, 1, cases[k].n_flight, cases[k].face, &c),
+            assert_int_equal(ric_shooting_create(m, cases[k].start, cases[k].end, 1, cases[k].n_flight, cases[k].face, &c),
                              RIC_OK);
-            ric_chain_close(c, cases[k].closed);
+            ric_shooting_close(c, cases[k].closed);
             for (int i = 0; i < c->n_start; i++) u[i] = uniform(-2, 2);
             for (int i = c->n_start; i < c->n_unknown; i++)
-                u[i] = ric_chain_between(c, i - c->n_start) ? uniform(-0.2, 0.4) * below(2) : uniform(0.1, 1);
-            int rows = ric_chain_jacobian(c, u, J);
+                u[i] = ric_shooting_between(c, i - c->n_start) ? uniform(-0.2, 0.4) * below(2) : uniform(0.1, 1);
+            int rows = ric_shooting_jacobian(c, u, J);
             double top = 1;
             for (int i = 0; i < rows * c->n_unknown; i++) top = fmax(top, fabs(J[i]));
             for (int j = 0; j < c->n_unknown; j++) {
                 double keep = u[j];
                 u[j] = keep + h;
-                ric_chain_residuals(c, u, plus);
+                ric_shooting_residuals(c, u, plus);
                 u[j] = keep - h;
-                ric_chain_residuals(c, u, minus);
+                ric_shooting_residuals(c, u, minus);
                 u[j] = keep;
                 for (int i = 0; i < rows; i++) {
                     double slope = (plus[i] - minus[i]) / (2 * h);
@@ -78,7 +78,7 @@ static void jacobians(void **state)
                                  J[i * c->n_unknown + j], slope);
                 }
             }
-            ric_chain_free(c);
+            ric_shooting_free(c);
             ric_model_free(m);
         }
 }
@@ -91,15 +91,15 @@ static void kernels(void **state)
     int found = 0;
     for (unsigned seed = 1; seed <= 400; seed += (unsigned)every()) {
         ric_model *m = structure(seed, 2, 1, 3);
-        ric_chain *c = NULL;
+        ric_shooting *c = NULL;
         double u[MAX], du[MAX], t[MAX], J[MAX * MAX];
         int iterations;
-        assert_int_equal(ric_chain_create(m, RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1, 5, face, &c), RIC_OK);
+        assert_int_equal(ric_shooting_create(m, RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1, 5, face, &c), RIC_OK);
         for (int i = 0; i < c->n_start; i++) u[i] = uniform(-2, 2);
         for (int i = c->n_start; i < c->n_unknown; i++) u[i] = uniform(0.1, 1);
-        if (ric_trace_correct(c, u, NULL, NULL, 0, du, &iterations) && c->smallest > 1e-3) {
-            ric_trace_tangent(c, NULL, t);
-            int rows = ric_chain_jacobian(c, u, J);
+        if (ric_continuation_correct(c, u, NULL, NULL, 0, du, &iterations) && c->smallest > 1e-3) {
+            ric_continuation_tangent(c, NULL, t);
+            int rows = ric_shooting_jacobian(c, u, J);
             for (int i = 0; i < rows; i++) {
                 double product = ric_dot(c->n_unknown, J + i * c->n_unknown, t),
                        size = sqrt(ric_dot(c->n_unknown, J + i * c->n_unknown, J + i * c->n_unknown));
@@ -107,7 +107,7 @@ static void kernels(void **state)
             }
             found++;
         }
-        ric_chain_free(c);
+        ric_shooting_free(c);
         ric_model_free(m);
     }
     assert_true(found >= 20);

@@ -122,10 +122,10 @@ static void after_the_first_points(void **state)
     ric_study *study = study_of(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
                                      "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, depth: 0}\n");
     ric_graph *g = NULL;
-    ric_chain *chain = NULL;
+    ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
-    ric_trace *whole = NULL, *piece = NULL;
+    ric_continuation *whole = NULL, *piece = NULL;
     if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
     const ric_node *node = NULL;
     unsigned choice = 0;
@@ -136,22 +136,22 @@ static void after_the_first_points(void **state)
             choice = node->departures[k].choice;
         }
     assert_non_null(node);
-    if (ric_node_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) ||
-        ric_trace_create(chain, u0, t0, ignore, &g->limits, &whole))
+    if (ric_switching_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) ||
+        ric_continuation_create(chain, u0, t0, ignore, &g->limits, &whole))
         fail_msg("%s", ric_detail());
     for (bool done = false; !done && whole->n_point <= 4;) {
         void *blob = NULL;
         size_t size;
         int parts;
-        assert_int_equal(ric_trace_pause(whole, 0, &blob, &size), RIC_OK);
-        assert_int_equal(ric_trace_resume(g->model, &g->limits, blob, size, &parts, &piece), RIC_OK);
-        assert_int_equal(ric_trace_run(piece), RIC_OK);
+        assert_int_equal(ric_continuation_pause(whole, 0, &blob, &size), RIC_OK);
+        assert_int_equal(ric_continuation_resume(g->model, &g->limits, blob, size, &parts, &piece), RIC_OK);
+        assert_int_equal(ric_continuation_run(piece), RIC_OK);
         assert_true(piece->n_point > 20 && piece->n_point <= piece->point_capacity);
-        ric_trace_free(piece);
+        ric_continuation_free(piece);
         free(blob);
-        assert_int_equal(ric_trace_advance(whole, &done), RIC_OK);
+        assert_int_equal(ric_continuation_advance(whole, &done), RIC_OK);
     }
-    ric_trace_free(whole);
+    ric_continuation_free(whole);
     free(u0);
     free(t0);
     ric_graph_free(g);

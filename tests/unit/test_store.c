@@ -417,7 +417,7 @@ static void forged_contents_are_refused(void **state)
         remove(in_folder("a"));
         make_file(in_folder("a"), made);
         assert_sql(in_folder("a"), changes[i]);
-        assert_done(ric_database_open(in_folder("a"), SQLITE_OPEN_READWRITE, 0, &file));
+        assert_done(ric_store_sqlite_open(in_folder("a"), SQLITE_OPEN_READWRITE, 0, &file));
         assert_done(ric_store_put_digest(file));
         sqlite3_close(file.db);
         assert_unreadable(in_folder("a"), RIC_E_FORMAT, "damaged");
@@ -477,7 +477,7 @@ static void forged_numbers_are_named(void **state)
         remove(in_folder("a"));
         make_file(in_folder("a"), made);
         assert_sql(in_folder("a"), changes[i][0]);
-        assert_done(ric_database_open(in_folder("a"), SQLITE_OPEN_READWRITE, 0, &file));
+        assert_done(ric_store_sqlite_open(in_folder("a"), SQLITE_OPEN_READWRITE, 0, &file));
         assert_done(ric_store_put_digest(file));
         sqlite3_close(file.db);
         if (ric_atlas_read(in_folder("a"), &read) != RIC_E_FORMAT || !strstr(ric_detail(), changes[i][1]))

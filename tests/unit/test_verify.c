@@ -15,7 +15,7 @@ static void make_atlas(one_branch *a, int impacts, const int *word, int n_point,
 {
     static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                                "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
-    size_t n_flight = impacts ? (size_t)impacts : 1, stride = ric_point_stride(2, impacts);
+    size_t n_flight = impacts ? (size_t)impacts : 1, stride = ric_atlas_point_stride(2, impacts);
     memset(a, 0, sizeof *a);
     if (ric_study_parse(text, "text", ".", &a->atlas.study)) fail_msg("%s", ric_detail());
     a->record.stride = stride;
