@@ -1,7 +1,8 @@
 # What the shell tests share: the program, a folder of their own, and TAP lines. Sourced in the source root.
 ricochet=${RICOCHET:?the program to test}
 folder=$(mktemp -d) || exit 1
-trap 'rm -rf "$folder"' EXIT
+# a copy of the shell that a signal ends before it is the program runs this trap, too: the folder is the first shell's
+trap '[ "$BASHPID" != "$$" ] || rm -rf "$folder"' EXIT
 number=0 failed=0
 
 # Whether the program was built with sanitizers: it is some times slower then, reserves terabytes of addresses and brings its own allocator.
