@@ -2,12 +2,12 @@
  *
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
- * Branches are followed by ric_continuation_advance, as `ricochet run` does, with every test watched; only the step is held:
- * before each call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 + |w|).
- * A step that the trace itself makes shorter (an event, a refusal) stays short and is counted. A row follows its piece
- * of branch again and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time, so
- * that other load on the machine disturbs least. Starting a trace is not timed. Shown on the terminal and written to
- * FILE (build/bench.txt). */
+ * Branches are followed by ric_continuation_advance, as `ricochet run` does, with every test watched; only the step is
+ * held: before each call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 +
+ * |w|). A step that the trace itself makes shorter (an event, a refusal) stays short and is counted. A row follows its
+ * piece of branch again and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor
+ * time, so that other load on the machine disturbs least. Starting a trace is not timed. Shown on the terminal and
+ * written to FILE (build/bench.txt). */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,8 +24,8 @@
 #define ARC 0.01       /* step in the norm of the unknowns */
 #define RESIDUAL 1e-13 /* no point above it */
 #define BLOCKS 8
-#define ENERGY 200  /* window of the traces, as in the demo study */
-#define LOWEST 0.2  /* rad/s, of the original orbit */
+#define ENERGY 200 /* window of the traces, as in the demo study */
+#define LOWEST 0.2 /* rad/s, of the original orbit */
 #define HIGHEST 10.0
 
 typedef enum { OWN, REVERSIBLE, GENERAL } form; /* own: the form that the symmetries allow */
@@ -144,8 +144,10 @@ static ric_continuation *start(const course *q, double x, ric_limits *limits)
     double dx = q->edge ? 1 : 1e-7 * x, *u = chain_at(q, x, &chain), *t = chain_at(q, x + dx, &other);
     double period = TWO_PI * q->model->omega_ref * q->k;
     for (int i = 0; i < chain->n_unknown; i++) t[i] -= u[i];
-    *limits = (ric_limits){.energy = {0, ENERGY / q->model->energy_unit}, .period = {period / HIGHEST, period / LOWEST},
-                           .max_step = ARC, .max_points = 1 << 28};
+    *limits = (ric_limits){.energy = {0, ENERGY / q->model->energy_unit},
+                           .period = {period / HIGHEST, period / LOWEST},
+                           .max_step = ARC,
+                           .max_points = 1 << 28};
     need(!ric_continuation_create(chain, u, t, 0, limits, &tr), "the start of a branch does not converge");
     ric_shooting_free(other);
     free(u);

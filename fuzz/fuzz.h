@@ -14,9 +14,9 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 
-#define FUZZ_STUDY \
-    "title: fuzz\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n" \
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n" \
+#define FUZZ_STUDY                                                                                                     \
+    "title: fuzz\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"                    \
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"                                                 \
     "explore: {energy: [0, 3], frequency: [0.5, 10], impacts: 2, multiply: 1, depth: 1}\n"
 
 /* A failure of the harness itself. */

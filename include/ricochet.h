@@ -47,14 +47,14 @@ typedef enum { RIC_SIDES_BOTH, RIC_SIDES_UPPER, RIC_SIDES_LOWER } ric_sides;
 typedef enum { RIC_LAW_RIGID, RIC_LAW_BILINEAR, RIC_LAW_POWER } ric_law;
 
 typedef struct {
-    const char *name;     /* may be NULL */
-    const double *normal; /* [n_dof], gap coordinate s = normal . x */
-    double clearance;     /* d > 0, physical length; not of law power */
-    ric_sides sides;      /* both, upper (s <= d) or lower (s >= -d); not of law power */
-    ric_law law;          /* rigid: an impact; bilinear: force -stiffness (s - d) beyond d; power: force -stiffness
-                           * s^exponent, or -reference length (s / length)^exponent if there is a length */
-    double stiffness;     /* of law bilinear, and of law power without a length */
-    int exponent;         /* of law power: odd, 3 to 99 */
+    const char *name;         /* may be NULL */
+    const double *normal;     /* [n_dof], gap coordinate s = normal . x */
+    double clearance;         /* d > 0, physical length; not of law power */
+    ric_sides sides;          /* both, upper (s <= d) or lower (s >= -d); not of law power */
+    ric_law law;              /* rigid: an impact; bilinear: force -stiffness (s - d) beyond d; power: force -stiffness
+                               * s^exponent, or -reference length (s / length)^exponent if there is a length */
+    double stiffness;         /* of law bilinear, and of law power without a length */
+    int exponent;             /* of law power: odd, 3 to 99 */
     double length, reference; /* of law power, instead of a stiffness; 0 otherwise */
 } ric_contact;
 
@@ -67,7 +67,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
 void ric_model_free(ric_model *model);
 
 int ric_model_n_dof(const ric_model *model);
-int ric_model_n_mode(const ric_model *model);    /* modes that some contact sees */
+int ric_model_n_mode(const ric_model *model); /* modes that some contact sees */
 int ric_model_n_contact(const ric_model *model);
 int ric_model_n_face(const ric_model *model);
 bool ric_model_symmetric(const ric_model *model); /* x -> -x maps the structure to itself: every contact has both
@@ -131,23 +131,23 @@ typedef struct {
 
 /* Every option is one row of RIC_OPTIONS in src/study/options.c: name, type, default, range, unit, help. */
 typedef struct {
-    double energy[2];     /* scaled energy window; 0, 0: one is chosen for the model, and the study has its numbers */
-    double frequency[2];  /* rad/s, of the shortest period; 0, 0 likewise */
-    int impacts;          /* largest number of impacts per period */
-    int multiply;         /* largest q of a q-tupling; 1 = none */
-    int base;             /* depart only from multiplications by q, and duplicates by k, that divide it; 0 = from any */
-    int depth;            /* departures from the start; 0 = unlimited */
-    double tolerance;     /* relative accuracy asked for */
-    double max_step;      /* largest arclength step, relative to 1 + |state| */
-    bool symmetric_only;  /* depart only to branches with z(t+T/2) = -z(t) */
-    int n_start;          /* 0 = all seen modes */
-    int start[64];        /* mode numbers from 1, ascending */
-    ric_numbers at_energy;    /* scaled energies, and frequencies of the orbit in rad/s, where branches are marked by
-                               * junctions */
+    double energy[2];    /* scaled energy window; 0, 0: one is chosen for the model, and the study has its numbers */
+    double frequency[2]; /* rad/s, of the shortest period; 0, 0 likewise */
+    int impacts;         /* largest number of impacts per period */
+    int multiply;        /* largest q of a q-tupling; 1 = none */
+    int base;            /* depart only from multiplications by q, and duplicates by k, that divide it; 0 = from any */
+    int depth;           /* departures from the start; 0 = unlimited */
+    double tolerance;    /* relative accuracy asked for */
+    double max_step;     /* largest arclength step, relative to 1 + |state| */
+    bool symmetric_only; /* depart only to branches with z(t+T/2) = -z(t) */
+    int n_start;         /* 0 = all seen modes */
+    int start[64];       /* mode numbers from 1, ascending */
+    ric_numbers at_energy; /* scaled energies, and frequencies of the orbit in rad/s, where branches are marked by
+                            * junctions */
     ric_numbers at_frequency;
-    int n_cascade;        /* 0 = depart from every junction within the budgets */
-    int cascade[16];      /* else only from multiplications: by these, one after the other */
-    int n_region;         /* key `regions` of the study, not of its section explore */
+    int n_cascade;   /* 0 = depart from every junction within the budgets */
+    int cascade[16]; /* else only from multiplications: by these, one after the other */
+    int n_region;    /* key `regions` of the study, not of its section explore */
     ric_region region[RIC_REGIONS_MAX];
 } ric_explore_options;
 
@@ -200,14 +200,14 @@ ric_status ric_word_format(const ric_model *model, int n, const int *word, size_
 typedef struct ric_simulator ric_simulator;
 
 typedef struct {
-    double time;      /* seconds */
+    double time; /* seconds */
     int face;
-    double approach;  /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch; < 0 where a spring
-                       * opens */
-    double impulse;   /* momentum exchanged along the normal, scaled; of a spring, from its closing on, known where it
-                       * opens */
-    bool opens;       /* a contact of law bilinear ends: its face opens. Its beginning is an impact without an
-                       * impulse */
+    double approach; /* speed of the gap coordinate before impact, > 0, scaled; 0 for a touch; < 0 where a spring
+                      * opens */
+    double impulse;  /* momentum exchanged along the normal, scaled; of a spring, from its closing on, known where it
+                      * opens */
+    bool opens;      /* a contact of law bilinear ends: its face opens. Its beginning is an impact without an
+                      * impulse */
 } ric_impact;
 
 ric_status ric_simulator_create(const ric_model *model, ric_simulator **out);
@@ -229,7 +229,12 @@ double ric_simulator_reach(const ric_simulator *sim);
 typedef enum { RIC_STABLE_NO = 0, RIC_STABLE_YES = 1, RIC_STABLE_UNDECIDED = 2 } ric_stability;
 
 typedef enum {
-    RIC_STOP_JUNCTION, RIC_STOP_CORNER, RIC_STOP_WINDOW, RIC_STOP_BUDGET, RIC_STOP_CLOSED, RIC_STOP_FAILED,
+    RIC_STOP_JUNCTION,
+    RIC_STOP_CORNER,
+    RIC_STOP_WINDOW,
+    RIC_STOP_BUDGET,
+    RIC_STOP_CLOSED,
+    RIC_STOP_FAILED,
 } ric_stop;
 const char *ric_stop_text(ric_stop stop);
 
@@ -238,36 +243,36 @@ const char *ric_stop_text(ric_stop stop);
 typedef struct {
     double arclength;
     double energy;
-    double frequency;   /* rad/s */
-    double trace;       /* asinh(trace / 2) of the reduced monodromy for n = 2: sign and logarithm without overflow; NaN
-                         * for n != 2 */
-    double rotation;    /* gamma in [0, 1), multipliers exp(+-2 pi i gamma); NaN off the unit circle or n != 2 */
-    double reach;       /* largest gap over clearance in flight; NaN if no gap has an extremum in flight */
-    double approach;    /* smallest approach speed of the impacts, scaled; NaN without impacts */
-    float residual;     /* relative residual of the orbit problem */
-    int32_t stable;     /* ric_stability */
+    double frequency; /* rad/s */
+    double trace;     /* asinh(trace / 2) of the reduced monodromy for n = 2: sign and logarithm without overflow; NaN
+                       * for n != 2 */
+    double rotation;  /* gamma in [0, 1), multipliers exp(+-2 pi i gamma); NaN off the unit circle or n != 2 */
+    double reach;     /* largest gap over clearance in flight; NaN if no gap has an extremum in flight */
+    double approach;  /* smallest approach speed of the impacts, scaled; NaN without impacts */
+    float residual;   /* relative residual of the orbit problem */
+    int32_t stable;   /* ric_stability */
 } ric_point;
 
 typedef struct {
-    int id;               /* from 1 */
-    const char *label;    /* S2-[01], A5[00101], S0+ */
+    int id;            /* from 1 */
+    const char *label; /* S2-[01], A5[00101], S0+ */
     int impacts;
-    int letters;          /* of the word: impacts, and the openings of springs */
-    const int *word;      /* [letters] */
+    int letters;     /* of the word: impacts, and the openings of springs */
+    const int *word; /* [letters] */
     bool symmetric, reversible;
-    const char *mirror;   /* mirror points, e.g. "centre-impact", "" if not reversible */
+    const char *mirror; /* mirror points, e.g. "centre-impact", "" if not reversible */
     double stable_fraction;
     int n_point;
     double energy_min, energy_max, frequency_min, frequency_max;
-    int from, to;         /* junction ids, 0 = none */
-    ric_stop stop;        /* why the far end is where it is */
-    const char *why;      /* a sentence for window, budget, corner and failed, and one if events on it are no junctions;
-                           * "" otherwise */
+    int from, to;    /* junction ids, 0 = none */
+    ric_stop stop;   /* why the far end is where it is */
+    const char *why; /* a sentence for window, budget, corner and failed, and one if events on it are no junctions;
+                      * "" otherwise */
     int n_junction;
-    const int *junctions; /* ids of the interior ones, in order */
+    const int *junctions;      /* ids of the interior ones, in order */
     const double *junction_at; /* their arclengths */
     int depth;
-    int mode;             /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
+    int mode; /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
 } ric_branch;
 /* A linear mode: no contact acts. Under a power law only modes that no contact sees. */
 bool ric_branch_linear(const ric_model *model, const ric_branch *branch);
@@ -275,18 +280,24 @@ bool ric_branch_linear(const ric_model *model, const ric_branch *branch);
 /* ------------------------------------------------------------------- atlas */
 
 typedef enum {
-    RIC_KIND_START, RIC_KIND_GRAZING, RIC_KIND_CORNER, RIC_KIND_EXTREMUM, RIC_KIND_BRANCH_POINT,
-    RIC_KIND_MULTIPLICATION, RIC_KIND_PERIOD_EXTREMUM, RIC_KIND_USER,
+    RIC_KIND_START,
+    RIC_KIND_GRAZING,
+    RIC_KIND_CORNER,
+    RIC_KIND_EXTREMUM,
+    RIC_KIND_BRANCH_POINT,
+    RIC_KIND_MULTIPLICATION,
+    RIC_KIND_PERIOD_EXTREMUM,
+    RIC_KIND_USER,
 } ric_kind;
 const char *ric_kind_text(ric_kind kind);
 
 /* The budgets of a study that a departure may exceed; the first in this order counts. */
 typedef enum {
-    RIC_BUDGET_WINDOW,     /* the frequency of the branch that leaves, or a junction in no window and no region */
-    RIC_BUDGET_MULTIPLY,   /* multiply, or the list of a cascade or a base */
+    RIC_BUDGET_WINDOW,   /* the frequency of the branch that leaves, or a junction in no window and no region */
+    RIC_BUDGET_MULTIPLY, /* multiply, or the list of a cascade or a base */
     RIC_BUDGET_IMPACTS,
-    RIC_BUDGET_SYMMETRIC,  /* explore.symmetric */
-    RIC_BUDGET_TOUCHES,    /* more touches at once than are enumerated */
+    RIC_BUDGET_SYMMETRIC, /* explore.symmetric */
+    RIC_BUDGET_TOUCHES,   /* more touches at once than are enumerated */
     RIC_BUDGET_DEPTH,
     RIC_N_BUDGET,
 } ric_budget;
@@ -299,27 +310,27 @@ typedef struct {
 } ric_departures;
 
 typedef struct {
-    int id;               /* from 1 */
+    int id; /* from 1 */
     ric_kind kind;
-    const char *label;    /* G2,4 or C32 with a number: G1_2,4 C1_32 */
-    const char *name;     /* from the study's list, or "" */
-    int impacts;          /* N of the original orbit, touches not counted */
+    const char *label; /* G2,4 or C32 with a number: G1_2,4 C1_32 */
+    const char *name;  /* from the study's list, or "" */
+    int impacts;       /* N of the original orbit, touches not counted */
     int letters;
-    const int *word;      /* [letters] */
-    int grazings;         /* p, 0 unless a grazing */
-    int multiple;         /* q, 1 unless a q-tupling */
-    int rotation[2];      /* p, q; 0, 0 if none */
-    int a, b;             /* multiplicities of the article's C_ab; 0, 0 if not such a point */
-    bool decided;         /* they are measured; else ranks are lost in rounding, a and b are those of the kind, and the
-                           * label ends in ? */
+    const int *word; /* [letters] */
+    int grazings;    /* p, 0 unless a grazing */
+    int multiple;    /* q, 1 unless a q-tupling */
+    int rotation[2]; /* p, q; 0, 0 if none */
+    int a, b;        /* multiplicities of the article's C_ab; 0, 0 if not such a point */
+    bool decided;    /* they are measured; else ranks are lost in rounding, a and b are those of the kind, and the
+                      * label ends in ? */
     double energy;
-    double frequency;     /* where it is drawn: omega / q for a q-tupling */
-    const double *state;  /* x then v, [2 n_dof], of the original orbit */
-    const double *flights;/* [letters], or [1] = the period if there is no impact */
+    double frequency;      /* where it is drawn: omega / q for a q-tupling */
+    const double *state;   /* x then v, [2 n_dof], of the original orbit */
+    const double *flights; /* [letters], or [1] = the period if there is no impact */
     int n_branch;
-    const int *branches;  /* ids of the branches that end at or pass through it, ascending */
+    const int *branches; /* ids of the branches that end at or pass through it, ascending */
     ric_departures departures;
-    const char *refusal;  /* why departures were refused, "" if none were */
+    const char *refusal; /* why departures were refused, "" if none were */
 } ric_junction;
 /* Which duplicate of a branch passes a junction where that is drawn: q for the branch that a q-tupling lies on, 1 for
  * what leaves there. */
@@ -331,7 +342,7 @@ ric_status ric_atlas_read(const char *path, ric_atlas **out);
 void ric_atlas_free(ric_atlas *atlas);
 const ric_study *ric_atlas_study(const ric_atlas *atlas);
 const ric_model *ric_atlas_model(const ric_atlas *atlas);
-bool ric_atlas_finished(const ric_atlas *atlas);     /* false: the run was stopped before its end */
+bool ric_atlas_finished(const ric_atlas *atlas); /* false: the run was stopped before its end */
 /* Events seen on branches that are no junctions of the atlas, because they do not converge on their own equations. The
  * sentence `why` of these branches says so. */
 int ric_atlas_n_unplaced(const ric_atlas *atlas);
@@ -369,11 +380,11 @@ const char *ric_duplicate_origin_text(ric_duplicate_origin origin);
 
 typedef struct {
     int branch, k;
-    int junction;        /* id; of a grazing the k-duplicate, where that is a junction of its own */
+    int junction; /* id; of a grazing the k-duplicate, where that is a junction of its own */
     ric_duplicate_origin origin;
-    int times;           /* how often the orbit of the junction is gone through: k, or k m for a branch that leaves an
-                          * m-tupling or an m-duplicate there */
-    int j;               /* rotation number j / k of a multiplication, not reduced; else 0 */
+    int times; /* how often the orbit of the junction is gone through: k, or k m for a branch that leaves an
+                * m-tupling or an m-duplicate there */
+    int j;     /* rotation number j / k of a multiplication, not reduced; else 0 */
     double energy, frequency; /* frequency: of the duplicate */
 } ric_duplicate_point;
 
@@ -384,10 +395,10 @@ ric_status ric_duplicate_label(const ric_branch *branch, int k, size_t size, cha
 
 /* The part of a branch between two consecutive junctions, the article's A_N[R]|P1P2. */
 typedef struct {
-    int branch, from, to;      /* junction ids; 0 at an end without a junction */
+    int branch, from, to;           /* junction ids; 0 at an end without a junction */
     double energy[2], frequency[2]; /* smallest and largest */
-    int points;                /* stored points in between */
-    double stable_fraction;    /* of those whose stability is decided the share that is stable; NaN if there are none */
+    int points;                     /* stored points in between */
+    double stable_fraction; /* of those whose stability is decided the share that is stable; NaN if there are none */
 } ric_segment;
 
 /* Segments of a branch in order; *n of them in out [n_junction + 1]. */
@@ -400,9 +411,9 @@ typedef struct ric_bases ric_bases;
 typedef struct {
     int mode, j;
     int n_branch;
-    const int *branches;       /* ids of the original branches in it, ascending */
-    int n_duplicate;           /* k-duplicates of branches with k > 1 in it: pairs id, k, ascending */
-    const int *duplicates;     /* [2 n_duplicate] */
+    const int *branches;            /* ids of the original branches in it, ascending */
+    int n_duplicate;                /* k-duplicates of branches with k > 1 in it: pairs id, k, ascending */
+    const int *duplicates;          /* [2 n_duplicate] */
     double energy[2], frequency[2]; /* of the original branches; NaN without */
 } ric_base;
 
@@ -454,14 +465,17 @@ ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, d
  * penetrated, or an impact has the wrong direction of approach. Such a ghost is computed from the atlas when it is
  * asked for and never stored. */
 typedef struct ric_ghost ric_ghost;
-typedef enum { RIC_END_FROM, RIC_END_TO } ric_end; /* the end of the branch that the ghost extends: its first or its
-                                                    * last point */
+typedef enum {
+    RIC_END_FROM,
+    RIC_END_TO
+} ric_end; /* the end of the branch that the ghost extends: its first or its
+            * last point */
 
 typedef struct {
-    double energy[2];     /* window, scaled */
-    double frequency[2];  /* window, rad/s */
-    int max_points;       /* of each ghost */
-    int multiply;         /* largest q of the multiplications that are located on it; below 2 none */
+    double energy[2];    /* window, scaled */
+    double frequency[2]; /* window, rad/s */
+    int max_points;      /* of each ghost */
+    int multiply;        /* largest q of the multiplications that are located on it; below 2 none */
 } ric_ghost_limits;
 
 /* The windows of the study and the largest number of points that a listing should have. */
@@ -473,10 +487,10 @@ void ric_ghosts_free(int n, ric_ghost **ghosts);
 
 typedef struct {
     ric_end end;
-    int n_point;          /* point 0 is the end of the branch itself */
-    int again;            /* first point where all margins are positive again, -1 if there is none */
-    ric_stop stop;        /* why the ghost is not followed further */
-    const char *why;      /* the same as a sentence */
+    int n_point;     /* point 0 is the end of the branch itself */
+    int again;       /* first point where all margins are positive again, -1 if there is none */
+    ric_stop stop;   /* why the ghost is not followed further */
+    const char *why; /* the same as a sentence */
 } ric_ghost_data;
 
 void ric_ghost_describe(const ric_ghost *ghost, ric_ghost_data *out);
@@ -488,9 +502,9 @@ ric_status ric_ghost_multipliers(const ric_ghost *ghost, int i, double *out);
 /* A multiplication on a ghost: an orbit whose multipliers are exp(+-2 pi i p/q), p/q in lowest terms
  * (the red points of Fig. 20c of the article). */
 typedef struct {
-    int rotation[2];      /* p, q */
+    int rotation[2];                     /* p, q */
     double arclength, energy, frequency; /* of the ghost itself: omega, not omega / q */
-    bool admissible;      /* whether the margins are those of a motion again */
+    bool admissible;                     /* whether the margins are those of a motion again */
 } ric_ghost_multiplication;
 
 /* Multiplications on the ghost, outwards from the end of the branch: their number, and number i from 0. */
@@ -508,10 +522,10 @@ bool ric_point_admissible(const ric_point *point);
 typedef struct ric_cascade ric_cascade;
 
 typedef struct {
-    int n;                 /* how many multiplications */
-    const int *multiple;   /* [n] q of each */
-    const int *rotation;   /* [n] p of each, 0: any; or NULL: any */
-    bool to_end;           /* follow the last family to its end as well */
+    int n;                                                           /* how many multiplications */
+    const int *multiple;                                             /* [n] q of each */
+    const int *rotation;                                             /* [n] p of each, 0: any; or NULL: any */
+    bool to_end;                                                     /* follow the last family to its end as well */
     bool (*progress)(int step, int impacts, int points, void *user); /* NULL, or called now and then; return true to
                                                                       * stop */
     void *user;
@@ -519,17 +533,17 @@ typedef struct {
 
 /* One multiplication: the orbit that is multiplied, and what was followed to reach it. */
 typedef struct {
-    int multiple;          /* q of the family that leaves; 1 at the end of the last family, which is no
-                            * multiplication */
-    int rotation[2];       /* p, q; 0, 0 at an end */
-    int impacts;           /* of the orbit, touches not counted */
+    int multiple;    /* q of the family that leaves; 1 at the end of the last family, which is no
+                      * multiplication */
+    int rotation[2]; /* p, q; 0, 0 at an end */
+    int impacts;     /* of the orbit, touches not counted */
     int letters;
-    const int *word;       /* [letters] */
+    const int *word; /* [letters] */
     bool symmetric;
-    int grazings;          /* touches at an end */
-    ric_stop stop;         /* why the last family ends; RIC_STOP_JUNCTION elsewhere */
+    int grazings;             /* touches at an end */
+    ric_stop stop;            /* why the last family ends; RIC_STOP_JUNCTION elsewhere */
     double energy, frequency; /* of this orbit, at its own period */
-    double residual;       /* relative, of its equations */
+    double residual;          /* relative, of its equations */
     double return_error;   /* relative distance of the simulated state from the start after one period; NaN if the faces
                             * differ or it touches */
     double ratio;          /* of the last two differences of energies, where three doublings not at a symmetry break
@@ -561,12 +575,12 @@ typedef struct {
     int branches, junctions, open; /* so far, and departures not yet taken */
     double seconds;
     int depth;
-    int fresh;                     /* steps of branches, branches and labels that this run has added to the file */
-    int labels;                    /* at the end: junctions whose label is still to be measured */
+    int fresh;  /* steps of branches, branches and labels that this run has added to the file */
+    int labels; /* at the end: junctions whose label is still to be measured */
 } ric_progress;
 
 typedef struct {
-    int workers;                                       /* 1 */
+    int workers;                                           /* 1 */
     bool (*progress)(const ric_progress *now, void *user); /* NULL, or called now and then; return true to stop */
     void *user;
 } ric_run_options;
@@ -581,11 +595,11 @@ ric_status ric_explore(const ric_study *study, const char *path, const ric_run_o
 
 typedef struct {
     int branch, point;
-    double flight_error;  /* largest relative error of a flight's time and end state */
-    double return_error;  /* relative distance of the replayed state after one period */
-    double condition;     /* largest factor by which a perturbation grows within or over the period: what the return may
-                           * lose */
-    double energy_error;  /* relative drift of the energy, and of the stored energy */
+    double flight_error; /* largest relative error of a flight's time and end state */
+    double return_error; /* relative distance of the replayed state after one period */
+    double condition;    /* largest factor by which a perturbation grows within or over the period: what the return may
+                          * lose */
+    double energy_error; /* relative drift of the energy, and of the stored energy */
     bool faces_agree;
     bool passed;
 } ric_check;
@@ -604,10 +618,10 @@ typedef struct {
     int branch, point;
     double multiplier_error, multiplier_bound; /* of the trace over sqrt(trace^2 + 4), or of pairs likewise: what it is
                                                 * off by and may be; NaN where there is nothing to compare */
-    ric_agreement multipliers; /* trace and rotation, n = 2; else what ric_orbit_multipliers gives */
-    ric_agreement stable;      /* the flag, any n */
-    ric_agreement numbers;     /* energy, frequency, reach, approach */
-    char finding[200];         /* what does not agree, or why something was not checked; "" otherwise */
+    ric_agreement multipliers;                 /* trace and rotation, n = 2; else what ric_orbit_multipliers gives */
+    ric_agreement stable;                      /* the flag, any n */
+    ric_agreement numbers;                     /* energy, frequency, reach, approach */
+    char finding[200];                         /* what does not agree, or why something was not checked; "" otherwise */
 } ric_claims;
 
 /* Recomputes what is stored with point `i` of a branch, from its state and flight times alone. */
@@ -626,12 +640,12 @@ typedef struct ric_hunt ric_hunt;
 
 #define RIC_HUNT_IMPACTS 24 /* the longest words that are looked for */
 typedef struct {
-    double energy;       /* scaled */
-    int impacts;         /* words of up to that many letters, 6 */
-    double period[2];    /* seconds: orbits with a shortest period between these, 0 and infinity */
-    int lines;           /* points on each symmetry line before it is refined */
-    int rows, row;       /* rows on the section of each face, and points on each row before it is refined */
-    int random;          /* random starts on each face */
+    double energy;    /* scaled */
+    int impacts;      /* words of up to that many letters, 6 */
+    double period[2]; /* seconds: orbits with a shortest period between these, 0 and infinity */
+    int lines;        /* points on each symmetry line before it is refined */
+    int rows, row;    /* rows on the section of each face, and points on each row before it is refined */
+    int random;       /* random starts on each face */
     uint64_t seed;
     /* NULL, or called now and then; return true to stop */
     bool (*progress)(const char *what, double part, int found, void *user);
@@ -648,8 +662,8 @@ ric_status ric_hunt_run(ric_hunt *hunt);
 
 typedef struct {
     int impacts;
-    double period, trace;     /* seconds; lambda + 1/lambda */
-    double multipliers[4];    /* two complex numbers as re, im pairs */
+    double period, trace;  /* seconds; lambda + 1/lambda */
+    double multipliers[4]; /* two complex numbers as re, im pairs */
     bool symmetric, reversible;
 } ric_found;
 
@@ -669,8 +683,8 @@ const char *ric_found_text(ric_found_state state);
 
 typedef struct {
     ric_found_state state;
-    int branch;            /* of the atlas, or of what was explored to explain it; 0: none */
-    int family;            /* from 1: orbits whose branches hang together outside the atlas */
+    int branch; /* of the atlas, or of what was explored to explain it; 0: none */
+    int family; /* from 1: orbits whose branches hang together outside the atlas */
     char why[200];
 } ric_finding;
 

@@ -1,5 +1,6 @@
-/* ricochet-mpi: the program with hands on other machines (docs/cluster.md). Rank 0 is the program itself and owns the atlas; its departures
- * go to the other ranks, which answer with all that they found on the way. One thread of rank 0 does the talking. */
+/* ricochet-mpi: the program with hands on other machines (docs/cluster.md). Rank 0 is the program itself and owns the
+ * atlas; its departures go to the other ranks, which answer with all that they found on the way. One thread of rank 0
+ * does the talking. */
 #include <mpi.h>
 #include <pthread.h>
 #include <signal.h>
@@ -15,8 +16,8 @@
 #include "junction/node_cache.h"
 
 enum { TAG_JOB = 1, TAG_RESULT, TAG_STOP };
-#define AHEAD 2           /* departures given to a rank at a time, so that none waits for the post */
-#define PAUSE 50000       /* nanoseconds between two looks at the mailbox when nothing happens */
+#define AHEAD 2     /* departures given to a rank at a time, so that none waits for the post */
+#define PAUSE 50000 /* nanoseconds between two looks at the mailbox when nothing happens */
 
 /* ----------------------------------------------------------------- messages */
 
@@ -206,7 +207,9 @@ static void leave(void *user)
 
 static int own(int argc, char **argv, int n_rank)
 {
-    crew c = {.n_rank = n_rank, .busy = calloc((size_t)n_rank, sizeof *c.busy), .letters = calloc((size_t)n_rank * AHEAD, sizeof *c.letters)};
+    crew c = {.n_rank = n_rank,
+              .busy = calloc((size_t)n_rank, sizeof *c.busy),
+              .letters = calloc((size_t)n_rank * AHEAD, sizeof *c.letters)};
     ric_remote hands = {join, leave, &c};
     need(c.busy && c.letters, "no memory");
     for (int i = 0; i < AHEAD * n_rank; i++) c.letters[i].request = MPI_REQUEST_NULL;
@@ -231,7 +234,8 @@ static void prepare(ric_explore_worker *hand, const message *job)
     message answer = {0};
     need(job->size >= sizeof head, "an empty job");
     memcpy(&head, job->data, sizeof head);
-    need(!ric_node_unpack(ric_explore_worker_model(hand), job->data + sizeof head, job->size - sizeof head, &node), "a damaged job");
+    need(!ric_node_unpack(ric_explore_worker_model(hand), job->data + sizeof head, job->size - sizeof head, &node),
+         "a damaged job");
     append(&answer, &head.number, sizeof head.number);
     ric_cache_drain(ric_explore_worker_prepare(hand, node, head.choice), append_entry, &answer);
     post(&answer, 0, TAG_RESULT);
@@ -271,7 +275,8 @@ int main(int argc, char **argv)
     MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &level);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &n_rank);
-    need(level >= MPI_THREAD_SERIALIZED, "this MPI library does not let one thread of several talk; use another build of it");
+    need(level >= MPI_THREAD_SERIALIZED,
+         "this MPI library does not let one thread of several talk; use another build of it");
     int code = rank == 0 ? own(argc, argv, n_rank) : serve();
     MPI_Finalize();
     return code;

@@ -5,13 +5,14 @@
 
 #include "common/cli.h"
 
-typedef struct { long largest, branch; } wanted; /* 0: found out; all */
+typedef struct {
+    long largest, branch;
+} wanted; /* 0: found out; all */
 
 static bool has_branch(const ric_base *base, long id)
 {
     for (int i = 0; i < base->n_branch; i++)
-        if (base->branches[i] == id)
-            return true;
+        if (base->branches[i] == id) return true;
     return false;
 }
 
@@ -33,8 +34,7 @@ static json_t *duplicates(const ric_atlas *atlas, const ric_base *base)
         ric_branch branch;
         json_t *one = json_object();
         json_array_append_new(array, one);
-        if (ric_atlas_branch(atlas, base->duplicates[2 * i], &branch))
-            continue;
+        if (ric_atlas_branch(atlas, base->duplicates[2 * i], &branch)) continue;
         json_object_set_new(one, "branch", json_integer(branch.id));
         json_object_set_new(one, "k", json_integer(base->duplicates[2 * i + 1]));
         json_object_set_new(one, "label", cli_duplicate_label(&branch, base->duplicates[2 * i + 1]));
@@ -65,8 +65,7 @@ static void report_left(const ric_atlas *atlas, const ric_bases *bases)
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_base base;
         bool found = false;
-        for (int i = 0; !found && !ric_bases_get(bases, i, &base); i++)
-            found = has_branch(&base, id);
+        for (int i = 0; !found && !ric_bases_get(bases, i, &base); i++) found = has_branch(&base, id);
         left += !found;
     }
     if (left)
@@ -82,15 +81,13 @@ static ric_status add_rows(const ric_atlas *atlas, double d, const void *user, j
     ric_branch branch;
     ric_bases *bases = NULL;
     ric_status status = w->branch ? ric_atlas_branch(atlas, (int)w->branch, &branch) : RIC_OK;
-    if (!status)
-        status = ric_bases_find(atlas, (int)w->largest, &bases);
+    if (!status) status = ric_bases_find(atlas, (int)w->largest, &bases);
     for (int i = 0; !status && i < ric_bases_n(bases); i++) {
         ric_base base;
         if (!(status = ric_bases_get(bases, i, &base)) && (!w->branch || has_branch(&base, w->branch)))
             json_array_append_new(rows, cli_base_row(atlas, &base, d));
     }
-    if (!status && (!w->branch || !json_array_size(rows)))
-        report_left(atlas, bases);
+    if (!status && (!w->branch || !json_array_size(rows))) report_left(atlas, bases);
     ric_bases_free(bases);
     return status;
 }
@@ -100,14 +97,14 @@ static int run(int argc, char **argv)
     static const char *const all[] = {"base",          "mode",       "j",          "number",     "branches",
                                       "labels",        "duplicates", "energy_min", "energy_max", "frequency_min",
                                       "frequency_max", NULL};
-    static const char *const few[] = {
-        "base", "mode", "j", "number", "energy_min", "energy_max", "frequency_min", "frequency_max", "branches", NULL};
+    static const char *const few[] =
+        {"base", "mode", "j", "number", "energy_min", "energy_max", "frequency_min", "frequency_max", "branches", NULL};
     const char *largest, *branch;
     wanted w = {0};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))
         return CLI_WRONG;
-    if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 64, &w.largest))
-        || (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
+    if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 64, &w.largest)) ||
+        (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
         return CLI_WRONG;
     const cli_listing listing = {.command = &cli_bases, .rows = add_rows, .user = &w, .all = all, .few = few};
     return cli_list(&listing, argc, argv);
@@ -116,23 +113,22 @@ static int run(int argc, char **argv)
 const cli_command cli_bases = {
     .name = "bases",
     .summary = "list the fractal bases of an atlas and the branches in them",
-    .help =
-        "usage: ricochet bases ATLAS [--duplicates K] [--branch ID] [--physical] [--json | --csv]\n"
-        "\n"
-        "One row per fractal base Fj_i (the article's F_i^j): the j-duplicate of the backbone of linear mode\n"
-        "i and all branches that join it, through junctions and on any duplicate, without passing a backbone\n"
-        "or one of its duplicates. A base of a higher mode leaves out what is in one of a lower mode. What is\n"
-        "known of a base depends on the budgets of the atlas.\n"
-        "\n"
-        "  number, branches   of the original branches in it, by id; labels are their labels (--json and\n"
-        "                     --csv)\n"
-        "  duplicates         the k-duplicates in it, k > 1 (--json and --csv)\n"
-        "  energy, frequency  ranges of the original branches\n"
-        "  --branch ID        the bases of one branch\n"
-        "  --duplicates K     follow duplicates up to K, at most 64; otherwise up to the least number that\n"
-        "                     gives every branch a base\n"
-        "  --physical         energies in the units of the study, not scaled by the clearance\n"
-        "\n"
-        "example: ricochet bases study.ricochet\n",
+    .help = "usage: ricochet bases ATLAS [--duplicates K] [--branch ID] [--physical] [--json | --csv]\n"
+            "\n"
+            "One row per fractal base Fj_i (the article's F_i^j): the j-duplicate of the backbone of linear mode\n"
+            "i and all branches that join it, through junctions and on any duplicate, without passing a backbone\n"
+            "or one of its duplicates. A base of a higher mode leaves out what is in one of a lower mode. What is\n"
+            "known of a base depends on the budgets of the atlas.\n"
+            "\n"
+            "  number, branches   of the original branches in it, by id; labels are their labels (--json and\n"
+            "                     --csv)\n"
+            "  duplicates         the k-duplicates in it, k > 1 (--json and --csv)\n"
+            "  energy, frequency  ranges of the original branches\n"
+            "  --branch ID        the bases of one branch\n"
+            "  --duplicates K     follow duplicates up to K, at most 64; otherwise up to the least number that\n"
+            "                     gives every branch a base\n"
+            "  --physical         energies in the units of the study, not scaled by the clearance\n"
+            "\n"
+            "example: ricochet bases study.ricochet\n",
     .run = run,
 };

@@ -6,11 +6,9 @@
 
 bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *point)
 {
-    if ((i == 0 && branch->from) || (i == branch->n_point - 1 && branch->to))
-        return true;
+    if ((i == 0 && branch->from) || (i == branch->n_point - 1 && branch->to)) return true;
     for (int k = 0; k < branch->n_junction; k++)
-        if (fabs(branch->junction_at[k] - point->arclength) <= 1e-9 * (1 + point->arclength))
-            return true;
+        if (fabs(branch->junction_at[k] - point->arclength) <= 1e-9 * (1 + point->arclength)) return true;
     return false;
 }
 
@@ -19,8 +17,7 @@ ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
     const ric_model *model = ric_atlas_model(atlas);
     ric_branch found, *branch = &found;
     ric_status status = ric_atlas_branch(atlas, id, branch);
-    if (status)
-        return status;
+    if (status) return status;
     json_t *inner = json_array(), *at = json_array();
     for (int i = 0; i < branch->n_junction; i++) {
         json_array_append_new(inner, json_integer(branch->junctions[i]));
@@ -59,16 +56,14 @@ ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
 static const char *end_text(const ric_atlas *atlas, int id, const char *otherwise)
 {
     ric_junction junction;
-    if (!id || ric_atlas_junction(atlas, id, &junction))
-        return otherwise;
+    if (!id || ric_atlas_junction(atlas, id, &junction)) return otherwise;
     return junction.name[0] ? junction.name : junction.label;
 }
 
 static json_t *stability(const ric_segment *segment)
 {
     const double fraction = segment->stable_fraction;
-    if (!segment->points)
-        return json_null();
+    if (!segment->points) return json_null();
     return json_string(isnan(fraction) ? "undecided" : fraction == 1 ? "yes" : fraction == 0 ? "no" : "partly");
 }
 
@@ -96,17 +91,17 @@ static ric_status segment_rows(const ric_atlas *atlas, int id, double d, json_t 
     ric_branch branch;
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     ric_segment *segments = status ? NULL : calloc((size_t)branch.n_junction + 1, sizeof *segments);
-    if (!status)
-        status = segments ? ric_branch_segments(atlas, id, &n, segments) : RIC_E_NOMEM;
-    for (int i = 0; !status && i < n; i++)
-        json_array_append_new(rows, segment_row(atlas, &branch, &segments[i], d));
+    if (!status) status = segments ? ric_branch_segments(atlas, id, &n, segments) : RIC_E_NOMEM;
+    for (int i = 0; !status && i < n; i++) json_array_append_new(rows, segment_row(atlas, &branch, &segments[i], d));
     free(segments);
     return status;
 }
 
 /* --------------------------------------------------------------- selection */
 
-typedef struct { bool segments, elementary; } choice;
+typedef struct {
+    bool segments, elementary;
+} choice;
 
 static ric_status branch_row(const ric_atlas *atlas, int id, double d, json_t *rows)
 {
@@ -130,53 +125,88 @@ static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user
 
 static int run(int argc, char **argv)
 {
-    static const char *const all[] = {
-        "id", "label", "word", "impacts", "symmetric", "reversible", "mirror", "stable_fraction", "points",
-        "energy_min", "energy_max", "relative_energy_min", "relative_energy_max", "frequency_min", "frequency_max",
-        "from", "to", "stop", "why", "junctions", "junction_arclengths", "depth", "mode", NULL};
-    static const char *const few[] = {
-        "id", "label", "impacts", "symmetric", "reversible", "stable_fraction", "points", "energy_min", "energy_max",
-        "frequency_min", "frequency_max", "from", "to", "stop", "junctions", "depth", NULL};
+    static const char *const all[] = {"id",
+                                      "label",
+                                      "word",
+                                      "impacts",
+                                      "symmetric",
+                                      "reversible",
+                                      "mirror",
+                                      "stable_fraction",
+                                      "points",
+                                      "energy_min",
+                                      "energy_max",
+                                      "relative_energy_min",
+                                      "relative_energy_max",
+                                      "frequency_min",
+                                      "frequency_max",
+                                      "from",
+                                      "to",
+                                      "stop",
+                                      "why",
+                                      "junctions",
+                                      "junction_arclengths",
+                                      "depth",
+                                      "mode",
+                                      NULL};
+    static const char *const few[] = {"id",
+                                      "label",
+                                      "impacts",
+                                      "symmetric",
+                                      "reversible",
+                                      "stable_fraction",
+                                      "points",
+                                      "energy_min",
+                                      "energy_max",
+                                      "frequency_min",
+                                      "frequency_max",
+                                      "from",
+                                      "to",
+                                      "stop",
+                                      "junctions",
+                                      "depth",
+                                      NULL};
     static const char *const parts[] = {"segment",    "branch",        "from",          "to",     "energy_min",
                                         "energy_max", "frequency_min", "frequency_max", "stable", "stable_fraction",
                                         NULL};
     const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
                       .elementary = cli_take_flag(&argc, argv, "--elementary")};
-    const cli_listing listing = {
-        .command = &cli_branches, .rows = chosen_rows, .user = &c, .all = c.segments ? parts : all,
-        .few = c.segments ? parts : few};
+    const cli_listing listing = {.command = &cli_branches,
+                                 .rows = chosen_rows,
+                                 .user = &c,
+                                 .all = c.segments ? parts : all,
+                                 .few = c.segments ? parts : few};
     return cli_list(&listing, argc, argv);
 }
 
 const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
-    .help =
-        "usage: ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n"
-        "\n"
-        "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word)\n"
-        "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a\n"
-        "line; --csv and --json show everything.\n"
-        "\n"
-        "  from, to          junctions at the ends, by id\n"
-        "  stop, why         why the far end is where it is: junction, corner, window, budget, closed or\n"
-        "                    failed, and a sentence on it, or on events that make no junction\n"
-        "  junctions         ids of the junctions that the branch passes through, in order;\n"
-        "                    junction_arclengths says where\n"
-        "  depth             least number of departures from the start\n"
-        "  relative_energy_  energies as multiples of the onset of the lowest mode, where contacts begin to\n"
-        "                    matter to it; numbers without a unit (min and max, in --csv and --json)\n"
-        "  stable_fraction   share of the arclength on which the orbits are stable\n"
-        "  --physical        energies in the units of the study, not scaled by the clearance\n"
-        "\n"
-        "  --elementary      only the elementary structure: the linear modes and backbones, what joins the\n"
-        "                    backbone of the first mode, and what joins the 1- and 2-duplicates of the\n"
-        "                    others; F_1^1, F_i^1 and F_i^2 of `ricochet bases`\n"
-        "  --segments        one row per segment A_N[R]|P1 P2 instead, the part of a branch between\n"
-        "                    consecutive junctions P1 and P2; `stable` says yes, no, undecided or partly of\n"
-        "                    the stored points in between, nothing if there are none\n"
-        "\n"
-        "example: ricochet branches study.ricochet\n"
-        "example: ricochet branches study.ricochet --elementary --segments\n",
+    .help = "usage: ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n"
+            "\n"
+            "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word)\n"
+            "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a\n"
+            "line; --csv and --json show everything.\n"
+            "\n"
+            "  from, to          junctions at the ends, by id\n"
+            "  stop, why         why the far end is where it is: junction, corner, window, budget, closed or\n"
+            "                    failed, and a sentence on it, or on events that make no junction\n"
+            "  junctions         ids of the junctions that the branch passes through, in order;\n"
+            "                    junction_arclengths says where\n"
+            "  depth             least number of departures from the start\n"
+            "  relative_energy_  energies as multiples of the onset of the lowest mode, where contacts begin to\n"
+            "                    matter to it; numbers without a unit (min and max, in --csv and --json)\n"
+            "  stable_fraction   share of the arclength on which the orbits are stable\n"
+            "  --physical        energies in the units of the study, not scaled by the clearance\n"
+            "\n"
+            "  --elementary      only the elementary structure: the linear modes and backbones, what joins the\n"
+            "                    backbone of the first mode, and what joins the 1- and 2-duplicates of the\n"
+            "                    others; F_1^1, F_i^1 and F_i^2 of `ricochet bases`\n"
+            "  --segments        one row per segment A_N[R]|P1 P2 instead, the part of a branch between\n"
+            "                    consecutive junctions P1 and P2; `stable` says yes, no, undecided or partly of\n"
+            "                    the stored points in between, nothing if there are none\n"
+            "\n"
+            "example: ricochet branches study.ricochet\n"
+            "example: ricochet branches study.ricochet --elementary --segments\n",
     .run = run,
 };

@@ -26,20 +26,18 @@ static bool parse_list(const char *text, cli_cascade_request *out)
     strcpy(copy, text);
     for (char *part = strtok_r(copy, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {
         char *slash = strchr(part, '/');
-        if (slash)
-            *slash = '\0';
+        if (slash) *slash = '\0';
         if (out->n == CLI_MAX_CASCADE) {
             cli_wrong("--multiply: at most %d multiplications", CLI_MAX_CASCADE);
             return false;
         }
-        if (!cli_parse_integer(slash ? slash + 1 : part, "--multiply: the multiplicity", 2, 64, &q)
-            || (slash && !cli_parse_integer(part, "--multiply: p of p/q", 1, q - 1, &p)))
+        if (!cli_parse_integer(slash ? slash + 1 : part, "--multiply: the multiplicity", 2, 64, &q) ||
+            (slash && !cli_parse_integer(part, "--multiply: p of p/q", 1, q - 1, &p)))
             return false;
         out->multiple[out->n] = (int)q;
         out->rotation[out->n++] = slash ? (int)p : 0;
     }
-    if (out->n == 0)
-        cli_wrong("--multiply '%s': write a list such as 3,2,4 or 2/3,2,4", text);
+    if (out->n == 0) cli_wrong("--multiply '%s': write a list such as 3,2,4 or 2/3,2,4", text);
     return out->n > 0;
 }
 
@@ -48,24 +46,20 @@ bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out)
     const char *branch, *list, *doublings;
     long number;
     *out = (cli_cascade_request){0};
-    if (!cli_take_value(argc, argv, "--branch", &branch) || !cli_take_value(argc, argv, "--multiply", &list)
-        || !cli_take_value(argc, argv, "--doublings", &doublings))
+    if (!cli_take_value(argc, argv, "--branch", &branch) || !cli_take_value(argc, argv, "--multiply", &list) ||
+        !cli_take_value(argc, argv, "--doublings", &doublings))
         return false;
     if (list && doublings) {
         cli_wrong("--multiply and --doublings are both given; choose one");
         return false;
     }
-    if (branch && !cli_parse_integer(branch, "--branch", 1, 2147483647, &number))
-        return false;
+    if (branch && !cli_parse_integer(branch, "--branch", 1, 2147483647, &number)) return false;
     out->branch = branch ? (int)number : 0;
     out->given = list || doublings;
     out->to_end = list != NULL;
-    if (list)
-        return parse_list(list, out);
-    if (doublings && !cli_parse_integer(doublings, "--doublings", 1, CLI_MAX_CASCADE, &number))
-        return false;
-    for (int i = 0; doublings && i < number; i++)
-        out->multiple[out->n++] = 2;
+    if (list) return parse_list(list, out);
+    if (doublings && !cli_parse_integer(doublings, "--doublings", 1, CLI_MAX_CASCADE, &number)) return false;
+    for (int i = 0; doublings && i < number; i++) out->multiple[out->n++] = 2;
     return true;
 }
 
@@ -80,12 +74,15 @@ static bool show_progress(int step, int impacts, int points, void *user)
 int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *request, ric_cascade **out)
 {
     bool terminal = isatty(STDERR_FILENO);
-    const ric_cascade_options options = {.n = request->n, .multiple = request->multiple, .rotation = request->rotation,
-                                         .to_end = request->to_end, .progress = show_progress, .user = &terminal};
+    const ric_cascade_options options = {.n = request->n,
+                                         .multiple = request->multiple,
+                                         .rotation = request->rotation,
+                                         .to_end = request->to_end,
+                                         .progress = show_progress,
+                                         .user = &terminal};
     cli_catch_signals();
     ric_status status = ric_cascade_follow(atlas, request->branch, &options, out);
-    if (terminal)
-        fputs("\r\033[K", stderr);
+    if (terminal) fputs("\r\033[K", stderr);
     return cli_report(status);
 }
 
@@ -101,8 +98,7 @@ static json_t *short_word(const char *word)
             snprintf(text, sizeof text, "[%.*s]^%zu", (int)k, word, n / k);
             return json_string(text);
         }
-    if (n <= LONG_WORD)
-        return json_string(word);
+    if (n <= LONG_WORD) return json_string(word);
     snprintf(text, sizeof text, "%.*s...", LONG_WORD, word);
     return json_string(text);
 }
@@ -133,8 +129,7 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
                                       "frequency", "ratio", "residual", "return_error", NULL};
     ric_cascade *cascade = NULL;
     int code = cli_follow_cascade(atlas, request, &cascade);
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     json_t *rows = json_array();
     for (int i = 0; i < ric_cascade_length(cascade); i++) {
         ric_cascade_step s;
@@ -169,7 +164,9 @@ typedef struct {
     double d;
     json_t *rows;
     int n_path, n; /* paths so far; multiplications on the present one */
-    struct { int branch, junction; } step[CLI_MAX_CASCADE];
+    struct {
+        int branch, junction;
+    } step[CLI_MAX_CASCADE];
 } finder;
 
 /* Whether a branch that meets a multiplication is a family that leaves it; those of odd order pass through it. */
@@ -183,8 +180,7 @@ static bool is_family(const finder *f, const ric_branch *b)
     ric_junction j;
     for (int i = -2; i < b->n_junction; i++) {
         const int id = i == -2 ? b->from : i == -1 ? b->to : b->junctions[i];
-        if (id && !ric_atlas_junction(f->atlas, id, &j) && leaves(b, &j))
-            return true;
+        if (id && !ric_atlas_junction(f->atlas, id, &j) && leaves(b, &j)) return true;
     }
     return false;
 }
@@ -192,10 +188,8 @@ static bool is_family(const finder *f, const ric_branch *b)
 static bool asked_for(const finder *f, const ric_junction *j)
 {
     const cli_cascade_request *r = f->request;
-    if (j->kind != RIC_KIND_MULTIPLICATION || f->n == CLI_MAX_CASCADE)
-        return false;
-    if (!r->given)
-        return true;
+    if (j->kind != RIC_KIND_MULTIPLICATION || f->n == CLI_MAX_CASCADE) return false;
+    if (!r->given) return true;
     return f->n < r->n && r->multiple[f->n] == j->multiple &&
            (!r->rotation[f->n] || r->rotation[f->n] == j->rotation[0]);
 }
@@ -249,8 +243,7 @@ static void add_path(finder *f, const ric_branch *last)
     ric_junction j;
     f->n_path++;
     for (int i = 0; i < f->n; i++)
-        if (!ric_atlas_junction(f->atlas, f->step[i].junction, &j))
-            add_row(f, i, f->step[i].branch, &j, false);
+        if (!ric_atlas_junction(f->atlas, f->step[i].junction, &j)) add_row(f, i, f->step[i].branch, &j, false);
     const int home = f->step[f->n - 1].junction, far = last->from == home ? last->to : last->from;
     const bool there = far && !ric_atlas_junction(f->atlas, far, &j);
     add_row(f, f->n, last->id, there ? &j : NULL, true);
@@ -262,8 +255,7 @@ static void walk(finder *f, const ric_branch *b)
     bool longer = false;
     for (int i = 0; i < b->n_junction; i++) {
         ric_junction j;
-        if (ric_atlas_junction(f->atlas, b->junctions[i], &j) || leaves(b, &j) || !asked_for(f, &j))
-            continue;
+        if (ric_atlas_junction(f->atlas, b->junctions[i], &j) || leaves(b, &j) || !asked_for(f, &j)) continue;
         for (int k = 0; k < j.n_branch; k++) {
             ric_branch family;
             if (ric_atlas_branch(f->atlas, j.branches[k], &family) || family.id == b->id || !leaves(&family, &j))
@@ -276,8 +268,7 @@ static void walk(finder *f, const ric_branch *b)
         }
     }
     const int wanted = f->request->given ? f->request->n : 2;
-    if (!longer && f->n >= wanted)
-        add_path(f, b);
+    if (!longer && f->n >= wanted) add_path(f, b);
 }
 
 int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request, double d, json_t *rows)
@@ -285,8 +276,7 @@ int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request,
     finder f = {.atlas = atlas, .request = request, .d = d, .rows = rows};
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
-        if (ric_atlas_branch(atlas, id, &b) || (request->branch ? request->branch != id : is_family(&f, &b)))
-            continue;
+        if (ric_atlas_branch(atlas, id, &b) || (request->branch ? request->branch != id : is_family(&f, &b))) continue;
         walk(&f, &b);
     }
     return f.n_path;
@@ -327,9 +317,9 @@ static int run(int argc, char **argv)
                          argv[1]);
     ric_status status = ric_atlas_read(argv[1], &atlas);
     const double d = atlas && physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
-    int code = status                              ? cli_report(status)
-               : request.given && request.branch   ? print_followed(atlas, &request, d, format)
-                                                   : print_stored(atlas, &request, d, format);
+    int code = status                            ? cli_report(status)
+               : request.given && request.branch ? print_followed(atlas, &request, d, format)
+                                                 : print_stored(atlas, &request, d, format);
     ric_atlas_free(atlas);
     return code;
 }
@@ -337,24 +327,23 @@ static int run(int argc, char **argv)
 const cli_command cli_cascade = {
     .name = "cascade",
     .summary = "paths of successive period multiplications",
-    .help =
-        "usage: ricochet cascade ATLAS [--multiply 3,2,4] [--branch ID] [--physical] [--json | --csv]\n"
-        "       ricochet cascade ATLAS --branch ID (--multiply 2/3,2,4 | --doublings N) [--physical]\n"
-        "           [--json | --csv]\n"
-        "\n"
-        "Without --branch: the paths that the atlas holds, from a branch through a multiplication to the\n"
-        "family that leaves there, through a multiplication of it, and so on; those of two or more, or those\n"
-        "with the given multiplicities. With --branch and a list: the first cascade from that branch is\n"
-        "followed, as deep as asked, whatever the atlas holds; nothing is written to it. The ratio of\n"
-        "successive differences of energies of doublings tends to 8.7210972. return_error: a simulator runs\n"
-        "one period and comes back to within this.\n"
-        "\n"
-        "  --multiply LIST   multiplicities q, or p/q for one rotation number only; the last family is\n"
-        "                    followed to its end\n"
-        "  --doublings N     N doublings\n"
-        "  --branch ID       the branch with the first multiplication\n"
-        "  --physical        energies in the units of the study\n"
-        "\n"
-        "example: ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
+    .help = "usage: ricochet cascade ATLAS [--multiply 3,2,4] [--branch ID] [--physical] [--json | --csv]\n"
+            "       ricochet cascade ATLAS --branch ID (--multiply 2/3,2,4 | --doublings N) [--physical]\n"
+            "           [--json | --csv]\n"
+            "\n"
+            "Without --branch: the paths that the atlas holds, from a branch through a multiplication to the\n"
+            "family that leaves there, through a multiplication of it, and so on; those of two or more, or those\n"
+            "with the given multiplicities. With --branch and a list: the first cascade from that branch is\n"
+            "followed, as deep as asked, whatever the atlas holds; nothing is written to it. The ratio of\n"
+            "successive differences of energies of doublings tends to 8.7210972. return_error: a simulator runs\n"
+            "one period and comes back to within this.\n"
+            "\n"
+            "  --multiply LIST   multiplicities q, or p/q for one rotation number only; the last family is\n"
+            "                    followed to its end\n"
+            "  --doublings N     N doublings\n"
+            "  --branch ID       the branch with the first multiplication\n"
+            "  --physical        energies in the units of the study\n"
+            "\n"
+            "example: ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
     .run = run,
 };

@@ -55,12 +55,9 @@ static bool is_smooth(const facts *f)
 static ric_status facts_ask(facts *f)
 {
     ric_status status = ric_model_frequencies(f->model, f->frequency);
-    if (!status)
-        status = ric_model_seen(f->model, f->seen);
-    if (!status)
-        status = ric_model_grazing_energies(f->model, f->energy, f->contact);
-    if (!status)
-        status = ric_model_modal_normals(f->model, f->normal);
+    if (!status) status = ric_model_seen(f->model, f->seen);
+    if (!status) status = ric_model_grazing_energies(f->model, f->energy, f->contact);
+    if (!status) status = ric_model_modal_normals(f->model, f->normal);
     for (int i = 0; i < f->m && !status; i++) {
         status = ric_model_compliance(f->model, i, f->compliance + (size_t)i * (size_t)f->n);
         if (!status && f->n > 1)
@@ -72,8 +69,7 @@ static ric_status facts_ask(facts *f)
     }
     for (int face = ric_model_n_face(f->model) - 1, contact; face >= 0 && !status; face--) {
         status = ric_model_face(f->model, face, &contact, NULL, NULL);
-        if (!status)
-            f->face[contact] = face;
+        if (!status) f->face[contact] = face;
     }
     return status;
 }
@@ -87,8 +83,8 @@ static double late_growth(const facts *f, int contact)
     return all > 0 ? (all - cumulative[f->n / 2 - 1]) / all : 0;
 }
 
-enum { FEW_MODES = 6 };       /* below, the structure is taken for what it is */
-#define STRONG_GROWTH 0.25    /* a mass of its own at the contact leaves less than this to the upper half */
+enum { FEW_MODES = 6 };    /* below, the structure is taken for what it is */
+#define STRONG_GROWTH 0.25 /* a mass of its own at the contact leaves less than this to the upper half */
 
 static bool grows(const facts *f, int contact)
 {
@@ -129,8 +125,7 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
     json_t *rows = json_array(), *value;
     const char **columns = NULL, *key;
     int n = 0, code;
-    for (int i = 0; i < f->n; i++)
-        json_array_append_new(rows, mode_row(f, i));
+    for (int i = 0; i < f->n; i++) json_array_append_new(rows, mode_row(f, i));
     ric_status status = cli_windows_rows(study, rows);
     if (status) {
         json_decref(rows);
@@ -141,8 +136,7 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
         json_decref(rows);
         return cli_report(RIC_E_NOMEM);
     }
-    json_object_foreach(json_array_get(rows, 0), key, value)
-        columns[n++] = key;
+    json_object_foreach(json_array_get(rows, 0), key, value) columns[n++] = key;
     code = cli_print_rows(rows, columns, format);
     free(columns);
     json_decref(rows);
@@ -203,17 +197,13 @@ static void print_modes(const facts *f)
            is_smooth(f) ? "" : "first touch at scaled energy");
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#14.10g  ", i + 1, f->frequency[i]);
-        if (f->frequency[i] > 0)
-            printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
-        else
-            printf("%14s  ", "-");
+        if (f->frequency[i] > 0) printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
+        else printf("%14s  ", "-");
         printf("%-6s ", f->seen[i] ? "yes" : "no");
         if (is_smooth(f))
             puts(f->frequency[i] == 0 ? "rigid motion" : f->seen[i] ? "starts a branch at energy 0" : "stays linear");
-        else if (f->contact[i] >= 0)
-            printf("%16.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
-        else
-            printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
+        else if (f->contact[i] >= 0) printf("%16.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
+        else printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
     }
 }
 
@@ -234,30 +224,22 @@ static void print_contact(const facts *f, int contact)
         if (about.length > 0)
             printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length,
                    about.exponent);
-        else
-            printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
+        else printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
         printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
-    } else if (mirror < 0)
-        snprintf(faces, sizeof faces, "face %d", f->face[contact]);
-    else
-        snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
+    } else if (mirror < 0) snprintf(faces, sizeof faces, "face %d", f->face[contact]);
+    else snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
     if (!is_smooth(f)) {
         printf("\ncontact %d", contact + 1);
         print_quoted(" '", about.name, "'");
         printf(": %s, clearance %g, %s", sides[about.sides], about.clearance, faces);
-        if (about.law == RIC_LAW_BILINEAR)
-            printf(", a spring of stiffness %g beyond\n", about.stiffness);
-        else
-            printf("\n");
+        if (about.law == RIC_LAW_BILINEAR) printf(", a spring of stiffness %g beyond\n", about.stiffness);
+        else printf("\n");
     }
-    if (!is_smooth(f))
-        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+    if (!is_smooth(f)) printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i], f->compliance[k * n + (size_t)i]);
-        if (i + 1 < f->n)
-            printf("%#16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
-        else
-            printf("%16s\n", "-");
+        if (i + 1 < f->n) printf("%#16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
+        else printf("%16s\n", "-");
     }
     if (about.law == RIC_LAW_RIGID && grows(f, contact))
         printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a\n"
@@ -280,8 +262,7 @@ static void print_remarks(const facts *f)
         unseen_rigid += !f->seen[i] && f->frequency[i] == 0;
         seen_rigid += f->seen[i] && f->frequency[i] == 0;
     }
-    if (unseen || seen_rigid || ric_model_restitution(f->model) < 1)
-        putchar('\n');
+    if (unseen || seen_rigid || ric_model_restitution(f->model) < 1) putchar('\n');
     if (unseen)
         printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen,
                plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
@@ -302,8 +283,7 @@ static ric_status print_text(const facts *f, const ric_study *study)
 {
     print_head(f, study);
     print_modes(f);
-    for (int i = 0; i < f->m; i++)
-        print_contact(f, i);
+    for (int i = 0; i < f->m; i++) print_contact(f, i);
     print_remarks(f);
     if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));
     return cli_windows_print(study);
@@ -317,16 +297,12 @@ static int run(int argc, char **argv)
     ric_study *study = NULL;
     facts f = {0};
     int code;
-    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1))
-        return CLI_WRONG;
+    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1)) return CLI_WRONG;
     ric_status status = ric_study_read(argv[1], &study);
-    if (!status)
-        status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
+    if (!status) status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
     code = cli_report(status);
-    if (!status && format == CLI_TEXT)
-        code = cli_report(print_text(&f, study));
-    else if (!status)
-        code = print_rows(&f, study, format);
+    if (!status && format == CLI_TEXT) code = cli_report(print_text(&f, study));
+    else if (!status) code = print_rows(&f, study, format);
     facts_free(&f);
     ric_study_free(study);
     return code;
@@ -335,17 +311,16 @@ static int run(int argc, char **argv)
 const cli_command cli_check = {
     .name = "check",
     .summary = "show what a study's model is: frequencies, modal normals, first touches",
-    .help =
-        "usage: ricochet check STUDY [--json | --csv]\n"
-        "\n"
-        "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
-        "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
-        "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the\n"
-        "windows, those of the study or chosen for the model, and the modes that they leave out, and\n"
-        "the reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's\n"
-        "values are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy\n"
-        "and window_frequency.\n"
-        "\n"
-        "example: ricochet check examples/elementary/study.yaml\n",
+    .help = "usage: ricochet check STUDY [--json | --csv]\n"
+            "\n"
+            "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
+            "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
+            "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the\n"
+            "windows, those of the study or chosen for the model, and the modes that they leave out, and\n"
+            "the reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's\n"
+            "values are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy\n"
+            "and window_frequency.\n"
+            "\n"
+            "example: ricochet check examples/elementary/study.yaml\n",
     .run = run,
 };

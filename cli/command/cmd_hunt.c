@@ -79,17 +79,14 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
         !cli_take_value(argc, argv, "--impacts", &text) ||
         (text && !cli_parse_integer(text, "--impacts", 1, RIC_HUNT_IMPACTS, &value)))
         return false;
-    if (text)
-        o->impacts = (int)value;
+    if (text) o->impacts = (int)value;
     if (!cli_take_value(argc, argv, "--seed", &text) ||
         (text && !cli_parse_integer(text, "--seed", 0, 2147483647, &value)))
         return false;
-    if (text)
-        o->seed = (uint64_t)value;
+    if (text) o->seed = (uint64_t)value;
     if (!energy)
         cli_wrong("hunt: --energy is missing; give the scaled energy at which to look, for example --energy 2.5");
-    else if (r->add && !r->atlas_path)
-        cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
+    else if (r->add && !r->atlas_path) cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
     return energy && !(r->add && !r->atlas_path);
 }
 
@@ -258,30 +255,29 @@ static int run(int argc, char **argv)
 const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
-    .help =
-        "usage: ricochet hunt STUDY --energy E [--impacts N] [--period T] [--atlas FILE [--add]]\n"
-        "           [--json | --csv]\n"
-        "\n"
-        "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without\n"
-        "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to\n"
-        "impact. For structures of which the stops see two modes. Every orbit is checked with the simulator.\n"
-        "An empty result is no proof; what a known atlas has is the measure of what is found.\n"
-        "\n"
-        "  --energy E    scaled energy\n"
-        "  --impacts N   words of up to N letters, 6 unless given\n"
-        "  --period T    periods up to T seconds; unless given 2 pi over the lower end of the study's\n"
-        "                frequency window\n"
-        "  --atlas FILE  tells which of the orbits this atlas has (known), and why it lacks others: they are\n"
-        "                beyond a departure that it has not taken (budget), or their family meets none of its\n"
-        "                junctions (isolated); exit code 1 if one is unexplained\n"
-        "  --add         puts the isolated ones into the atlas as starts; the next `ricochet run` follows\n"
-        "                them\n"
-        "  --lines N     points on each symmetry line before it is refined, 20000 unless given\n"
-        "  --rows N      rows on the section of each face, 60 unless given, and with --row N points on each,\n"
-        "                1000 unless given\n"
-        "  --random N    random starts on each face, 250000 unless given\n"
-        "  --seed S      of the random starts, 1 unless given\n"
-        "\n"
-        "example: ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n",
+    .help = "usage: ricochet hunt STUDY --energy E [--impacts N] [--period T] [--atlas FILE [--add]]\n"
+            "           [--json | --csv]\n"
+            "\n"
+            "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without\n"
+            "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to\n"
+            "impact. For structures of which the stops see two modes. Every orbit is checked with the simulator.\n"
+            "An empty result is no proof; what a known atlas has is the measure of what is found.\n"
+            "\n"
+            "  --energy E    scaled energy\n"
+            "  --impacts N   words of up to N letters, 6 unless given\n"
+            "  --period T    periods up to T seconds; unless given 2 pi over the lower end of the study's\n"
+            "                frequency window\n"
+            "  --atlas FILE  tells which of the orbits this atlas has (known), and why it lacks others: they are\n"
+            "                beyond a departure that it has not taken (budget), or their family meets none of its\n"
+            "                junctions (isolated); exit code 1 if one is unexplained\n"
+            "  --add         puts the isolated ones into the atlas as starts; the next `ricochet run` follows\n"
+            "                them\n"
+            "  --lines N     points on each symmetry line before it is refined, 20000 unless given\n"
+            "  --rows N      rows on the section of each face, 60 unless given, and with --row N points on each,\n"
+            "                1000 unless given\n"
+            "  --random N    random starts on each face, 250000 unless given\n"
+            "  --seed S      of the random starts, 1 unless given\n"
+            "\n"
+            "example: ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n",
     .run = run,
 };

@@ -8,8 +8,7 @@
 static json_t *numbers(int n, const double *values, double unit)
 {
     json_t *array = json_array();
-    for (int i = 0; i < n; i++)
-        json_array_append_new(array, cli_number(unit * values[i]));
+    for (int i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
     return array;
 }
 
@@ -29,8 +28,7 @@ static json_t *budgets(const ric_departures *count)
 {
     json_t *object = json_object();
     for (int i = 0; i < RIC_N_BUDGET; i++)
-        if (count->over[i])
-            json_object_set_new(object, ric_budget_text((ric_budget)i), json_integer(count->over[i]));
+        if (count->over[i]) json_object_set_new(object, ric_budget_text((ric_budget)i), json_integer(count->over[i]));
     return object;
 }
 
@@ -45,8 +43,7 @@ ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *ro
     const ric_model *model = ric_atlas_model(atlas);
     ric_junction found, *junction = &found;
     ric_status status = ric_atlas_junction(atlas, id, junction);
-    if (status)
-        return status;
+    if (status) return status;
     json_object_set_new(row, "id", json_integer(junction->id));
     json_object_set_new(row, "kind", json_string(ric_kind_text(junction->kind)));
     json_object_set_new(row, "label", json_string(junction->label));
@@ -72,13 +69,15 @@ ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *ro
 
 /* -------------------------------------------------------------- duplicates */
 
-typedef struct { long branch, largest; bool ghost; } wanted; /* branch 0: all */
+typedef struct {
+    long branch, largest;
+    bool ghost;
+} wanted; /* branch 0: all */
 
 /* G_{kN,kp} where the k-duplicate of a grazing is no junction of its own, else its label. */
 static json_t *point_label(const ric_junction *junction, int times)
 {
-    if (junction->kind != RIC_KIND_GRAZING || junction->multiple == times)
-        return json_string(junction->label);
+    if (junction->kind != RIC_KIND_GRAZING || junction->multiple == times) return json_string(junction->label);
     return json_sprintf("G_%lld,%lld", (long long)times * junction->impacts, (long long)times * junction->grazings);
 }
 
@@ -87,8 +86,7 @@ static ric_status point_row(const ric_atlas *atlas, const ric_branch *branch, co
 {
     ric_junction junction;
     const ric_status status = ric_atlas_junction(atlas, point->junction, &junction);
-    if (status)
-        return status;
+    if (status) return status;
     json_object_set_new(row, "duplicate", cli_duplicate_label(branch, point->k));
     json_object_set_new(row, "branch", json_integer(point->branch));
     json_object_set_new(row, "k", json_integer(point->k));
@@ -179,10 +177,8 @@ static ric_status all_duplicates(const ric_atlas *atlas, double d, const void *u
     ric_branch branch;
     ric_status status = w->branch ? ric_atlas_branch(atlas, (int)w->branch, &branch) : RIC_OK;
     for (int id = 1; !status && id <= n; id++) {
-        if ((w->branch && id != w->branch) || (status = ric_atlas_branch(atlas, id, &branch)))
-            continue;
-        for (int k = 1; !status && k <= w->largest; k++)
-            status = duplicate_rows(atlas, &branch, k, d, rows);
+        if ((w->branch && id != w->branch) || (status = ric_atlas_branch(atlas, id, &branch))) continue;
+        for (int k = 1; !status && k <= w->largest; k++) status = duplicate_rows(atlas, &branch, k, d, rows);
     }
     if (!status && w->largest > multiply)
         cli_say("ricochet: q-tuplings with q above %d were not looked for; run the study with 'multiply: %ld' for all "
@@ -197,8 +193,10 @@ static int run_duplicates(const wanted *w, int argc, char **argv)
                                           "label",     "name",   "junction", "energy", "frequency", NULL};
     static const char *const of_ghosts[] = {"duplicate", "branch", "k",          "kind",   "origin",    "j",
                                             "rotation",  "end",    "admissible", "energy", "frequency", NULL};
-    const cli_listing listing = {.command = &cli_junctions, .all = w->ghost ? of_ghosts : columns,
-                                 .few = w->ghost ? of_ghosts : columns, .rows = w->ghost ? all_ghosts : all_duplicates,
+    const cli_listing listing = {.command = &cli_junctions,
+                                 .all = w->ghost ? of_ghosts : columns,
+                                 .few = w->ghost ? of_ghosts : columns,
+                                 .rows = w->ghost ? all_ghosts : all_duplicates,
                                  .user = w};
     return cli_list(&listing, argc, argv);
 }
@@ -211,8 +209,11 @@ static int run(int argc, char **argv)
                                       "refusal",  "budgets",   NULL};
     static const char *const few[] = {"id",       "kind",     "label",  "name",      "word",     "impacts", "grazings",
                                       "multiple", "rotation", "energy", "frequency", "branches", NULL};
-    static const cli_listing listing = {.command = &cli_junctions, .count = ric_atlas_n_junction,
-                                        .row = cli_junction_row, .all = all, .few = few};
+    static const cli_listing listing = {.command = &cli_junctions,
+                                        .count = ric_atlas_n_junction,
+                                        .row = cli_junction_row,
+                                        .all = all,
+                                        .few = few};
     const char *largest, *branch;
     wanted w = {.ghost = cli_take_flag(&argc, argv, "--ghost")};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))
@@ -222,60 +223,58 @@ static int run(int argc, char **argv)
     if (w.ghost && !largest)
         return cli_wrong(
             "--ghost lists the multiplications on the ghosts of duplicates; say up to which with --duplicates K");
-    if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 1000, &w.largest))
-        || (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
+    if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 1000, &w.largest)) ||
+        (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
         return CLI_WRONG;
-    if (largest)
-        return run_duplicates(&w, argc, argv);
+    if (largest) return run_duplicates(&w, argc, argv);
     return cli_list(&listing, argc, argv);
 }
 
 const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
-    .help =
-        "usage: ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID]] [--physical]\n"
-        "           [--json | --csv]\n"
-        "\n"
-        "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not\n"
-        "fit on a line; --csv and --json show everything.\n"
-        "\n"
-        "  kind         start, grazing, corner, extremum, branch-point, multiplication, period-extremum or\n"
-        "               user\n"
-        "  word         of the original orbit, touches left out; impacts is its length, grazings the number\n"
-        "               of touches\n"
-        "  multiple     q of a q-tupling, 1 otherwise; rotation is its p/q\n"
-        "  a, b         multiplicities of a point C_ab\n"
-        "  decided      whether they are measured; no: lost in rounding, those of the kind are given and the\n"
-        "               label ends in ?\n"
-        "  frequency    where it is drawn: omega / q for a q-tupling\n"
-        "  state        x then v right after the first impact of the word, at a mirror point if there is no\n"
-        "               impact\n"
-        "  flights      flight times, or the period if there is no impact\n"
-        "  branches     ids of the branches that end at it or pass through it\n"
-        "  departures   what became of the candidates: taken, known, inadmissible, over_budget, refused;\n"
-        "               refusal says why\n"
-        "  budgets      of those over budget, how many exceed which one first\n"
-        "  --physical   lengths, speeds and energies in the units of the study, not scaled by the clearance\n"
-        "\n"
-        "  --duplicates K   instead, the junctions on the k-duplicates of the branches, k = 1..K: the same\n"
-        "                   motions at frequency / k\n"
-        "  --branch ID      with it: of this branch only\n"
-        "  --ghost          with it: instead, the multiplications on the ghosts of the duplicates, where the\n"
-        "                   equations hold beyond a grazing and the orbits are no motions\n"
-        "\n"
-        "The columns then are\n"
-        "  duplicate    its label, S2^{3-}[01] for k = 3; branch is the id of the original\n"
-        "  origin       own: a k-tupling, which the k-duplicate is the first to have; inherited: a q-tupling\n"
-        "               with q | k, a duplicate of the point on the q-duplicate; copy: a junction of the\n"
-        "               branch itself\n"
-        "  j            the rotation number is j/k, in lowest terms p/q in the column rotation\n"
-        "  frequency    of the duplicate\n"
-        "  end          of ghosts: the end of the branch that it extends; admissible: yes where the orbit is\n"
-        "               a motion again\n"
-        "\n"
-        "example: ricochet junctions study.ricochet\n"
-        "example: ricochet junctions study.ricochet --duplicates 4 --branch 3\n"
-        "         ricochet junctions study.ricochet --duplicates 6 --branch 3 --ghost\n",
+    .help = "usage: ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID]] [--physical]\n"
+            "           [--json | --csv]\n"
+            "\n"
+            "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not\n"
+            "fit on a line; --csv and --json show everything.\n"
+            "\n"
+            "  kind         start, grazing, corner, extremum, branch-point, multiplication, period-extremum or\n"
+            "               user\n"
+            "  word         of the original orbit, touches left out; impacts is its length, grazings the number\n"
+            "               of touches\n"
+            "  multiple     q of a q-tupling, 1 otherwise; rotation is its p/q\n"
+            "  a, b         multiplicities of a point C_ab\n"
+            "  decided      whether they are measured; no: lost in rounding, those of the kind are given and the\n"
+            "               label ends in ?\n"
+            "  frequency    where it is drawn: omega / q for a q-tupling\n"
+            "  state        x then v right after the first impact of the word, at a mirror point if there is no\n"
+            "               impact\n"
+            "  flights      flight times, or the period if there is no impact\n"
+            "  branches     ids of the branches that end at it or pass through it\n"
+            "  departures   what became of the candidates: taken, known, inadmissible, over_budget, refused;\n"
+            "               refusal says why\n"
+            "  budgets      of those over budget, how many exceed which one first\n"
+            "  --physical   lengths, speeds and energies in the units of the study, not scaled by the clearance\n"
+            "\n"
+            "  --duplicates K   instead, the junctions on the k-duplicates of the branches, k = 1..K: the same\n"
+            "                   motions at frequency / k\n"
+            "  --branch ID      with it: of this branch only\n"
+            "  --ghost          with it: instead, the multiplications on the ghosts of the duplicates, where the\n"
+            "                   equations hold beyond a grazing and the orbits are no motions\n"
+            "\n"
+            "The columns then are\n"
+            "  duplicate    its label, S2^{3-}[01] for k = 3; branch is the id of the original\n"
+            "  origin       own: a k-tupling, which the k-duplicate is the first to have; inherited: a q-tupling\n"
+            "               with q | k, a duplicate of the point on the q-duplicate; copy: a junction of the\n"
+            "               branch itself\n"
+            "  j            the rotation number is j/k, in lowest terms p/q in the column rotation\n"
+            "  frequency    of the duplicate\n"
+            "  end          of ghosts: the end of the branch that it extends; admissible: yes where the orbit is\n"
+            "               a motion again\n"
+            "\n"
+            "example: ricochet junctions study.ricochet\n"
+            "example: ricochet junctions study.ricochet --duplicates 4 --branch 3\n"
+            "         ricochet junctions study.ricochet --duplicates 6 --branch 3 --ghost\n",
     .run = run,
 };

@@ -35,8 +35,7 @@ static const char model_part[] =
 static bool is_plain(const char *title)
 {
     for (; *title; title++)
-        if (*title < 0x20 || *title > 0x7E || *title == '"' || *title == '\\')
-            return false;
+        if (*title < 0x20 || *title > 0x7E || *title == '"' || *title == '\\') return false;
     return true;
 }
 
@@ -55,15 +54,15 @@ static void write_study(const char *title, FILE *out)
     ric_options_template("", out);
     fputs("\n# Names for junctions, matched by kind, energy and frequency.\n"
           "names:\n"
-          "  - {name: \"G1_0,2\", kind: grazing, energy: 0.601588369489, frequency: 0.9287310650464}\n", out);
+          "  - {name: \"G1_0,2\", kind: grazing, energy: 0.601588369489, frequency: 0.9287310650464}\n",
+          out);
 }
 
 /* The part of NAME after the last slash, which becomes the title. */
 static const char *last_part(char *name)
 {
     size_t length = strlen(name);
-    while (length > 1 && name[length - 1] == '/')
-        name[--length] = '\0';
+    while (length > 1 && name[length - 1] == '/') name[--length] = '\0';
     const char *slash = strrchr(name, '/');
     return slash && slash[1] ? slash + 1 : name;
 }
@@ -84,8 +83,7 @@ static int create(const char *folder, const char *title)
     char *path = malloc(size);
     FILE *out = NULL;
     int file, code = CLI_DONE;
-    if (!path)
-        return cli_report(RIC_E_NOMEM);
+    if (!path) return cli_report(RIC_E_NOMEM);
     snprintf(path, size, "%s/study.yaml", folder);
     if (mkdir(folder, 0777) && errno != EEXIST) {
         code = fail(folder);
@@ -105,21 +103,17 @@ static int create(const char *folder, const char *title)
     if (fflush(out) || ferror(out)) {
         code = fail(path);
         unlink(path); /* half a study would be worse than none */
-    } else
-        printf("%s\n", path);
+    } else printf("%s\n", path);
 out:
-    if (out)
-        fclose(out);
+    if (out) fclose(out);
     free(path);
     return code;
 }
 
 static int run(int argc, char **argv)
 {
-    if (argc == 2 && !argv[1][0])
-        return cli_wrong("new: the name is empty; for example: ricochet new two-masses");
-    if (!cli_operands(&cli_new, argc, argv, 1))
-        return CLI_WRONG;
+    if (argc == 2 && !argv[1][0]) return cli_wrong("new: the name is empty; for example: ricochet new two-masses");
+    if (!cli_operands(&cli_new, argc, argv, 1)) return CLI_WRONG;
     const char *title = last_part(argv[1]);
     return create(argv[1], title);
 }
@@ -127,12 +121,11 @@ static int run(int argc, char **argv)
 const cli_command cli_new = {
     .name = "new",
     .summary = "write a commented study to start from",
-    .help =
-        "usage: ricochet new NAME\n"
-        "\n"
-        "Writes NAME/study.yaml, a study with comments that runs as it is, and prints its path. An existing\n"
-        "file is left alone.\n"
-        "\n"
-        "example: ricochet new two-masses && ricochet check two-masses/study.yaml\n",
+    .help = "usage: ricochet new NAME\n"
+            "\n"
+            "Writes NAME/study.yaml, a study with comments that runs as it is, and prints its path. An existing\n"
+            "file is left alone.\n"
+            "\n"
+            "example: ricochet new two-masses && ricochet check two-masses/study.yaml\n",
     .run = run,
 };

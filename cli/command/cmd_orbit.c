@@ -16,13 +16,13 @@ typedef struct {
     const ric_orbit *orbit;
     const ric_model *model;
     int n_dof, n_letter;
-    double period, d;   /* d: unit of lengths */
+    double period, d; /* d: unit of lengths */
     ric_point point;
-    double *state;      /* [2 n_dof] */
-    double *flights;    /* [max(n_letter, 1)] */
-    int *word;          /* [n_letter] */
-    double *x, *v;      /* [n_dof] each, work */
-    double *multipliers;/* [4 n_mode] */
+    double *state;       /* [2 n_dof] */
+    double *flights;     /* [max(n_letter, 1)] */
+    int *word;           /* [n_letter] */
+    double *x, *v;       /* [n_dof] each, work */
+    double *multipliers; /* [4 n_mode] */
 } subject;
 
 static void subject_free(subject *s)
@@ -45,8 +45,7 @@ static bool subject_init(subject *s, const ric_orbit *orbit, const ric_model *mo
     s->x = calloc(n, sizeof *s->x);
     s->v = calloc(n, sizeof *s->v);
     s->multipliers = calloc(4 * (size_t)ric_model_n_mode(model) + 1, sizeof *s->multipliers);
-    if (!s->state || !s->flights || !s->word || !s->x || !s->v || !s->multipliers)
-        return false;
+    if (!s->state || !s->flights || !s->word || !s->x || !s->v || !s->multipliers) return false;
     ric_orbit_data(orbit, &s->point, s->state, s->flights, s->word);
     s->period = two_pi / s->point.frequency;
     return true;
@@ -72,8 +71,7 @@ static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
 static json_t *numbers(int n, const double *values, double unit)
 {
     json_t *array = json_array();
-    for (int i = 0; i < n; i++)
-        json_array_append_new(array, cli_number(unit * values[i]));
+    for (int i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
     return array;
 }
 
@@ -85,8 +83,7 @@ static json_t *multiplier_pairs(subject *s)
         json_decref(pairs);
         return json_null();
     }
-    for (int k = 0; k < n; k++)
-        json_array_append_new(pairs, numbers(2, s->multipliers + 2 * k, 1));
+    for (int k = 0; k < n; k++) json_array_append_new(pairs, numbers(2, s->multipliers + 2 * k, 1));
     return pairs;
 }
 
@@ -109,8 +106,7 @@ static ric_status add_orbit(json_t *rows, subject *s)
                                     : stable == RIC_STABLE_NO ? "no"
                                                               : "undecided"));
     json_object_set_new(row, "amplitudes", status ? json_null() : numbers(s->n_dof, amplitudes, s->d));
-    if (!status)
-        status = add_impacts(s, speeds, impulses);
+    if (!status) status = add_impacts(s, speeds, impulses);
     json_object_set_new(row, "impact_speeds", speeds);
     json_object_set_new(row, "impulses", impulses);
     free(amplitudes);
@@ -136,8 +132,7 @@ static json_t *history_row(subject *s, double t, int number)
         snprintf(key, sizeof key, "%c%d", i < s->n_dof ? 'x' : 'v', j + 1);
         json_object_set_new(row, key, cli_number(s->d * (i < s->n_dof ? s->x : s->v)[j]));
     }
-    if (number)
-        json_object_set_new(row, "orbit", json_integer(number));
+    if (number) json_object_set_new(row, "orbit", json_integer(number));
     return row;
 }
 
@@ -145,8 +140,7 @@ static json_t *history_row(subject *s, double t, int number)
 static void add_history(json_t *rows, subject *s, double dt, int number)
 {
     int n = (int)floor(s->period / dt * (1 - 1e-12));
-    for (int k = 0; k <= n; k++)
-        json_array_append_new(rows, history_row(s, k * dt, number));
+    for (int k = 0; k <= n; k++) json_array_append_new(rows, history_row(s, k * dt, number));
     json_t *last = history_row(s, 0, number);
     json_object_set_new(last, "t", cli_number(s->period));
     json_array_append_new(rows, last);
@@ -174,14 +168,10 @@ static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *at
     ric_status status = ric_orbit_find(atlas, ask->branch, ask->at, value, &n, &orbits);
     for (int i = 0; !status && i < n; i++) {
         subject s;
-        if (!subject_init(&s, orbits[i], model, d))
-            status = RIC_E_NOMEM;
-        else if (ask->step > 0 && s.period / ask->step > STEPS_MAX)
-            *too_long = true;
-        else if (ask->step > 0)
-            add_history(rows, &s, ask->step, n > 1 ? i + 1 : 0);
-        else
-            status = add_orbit(rows, &s);
+        if (!subject_init(&s, orbits[i], model, d)) status = RIC_E_NOMEM;
+        else if (ask->step > 0 && s.period / ask->step > STEPS_MAX) *too_long = true;
+        else if (ask->step > 0) add_history(rows, &s, ask->step, n > 1 ? i + 1 : 0);
+        else status = add_orbit(rows, &s);
         subject_free(&s);
     }
     ric_orbits_free(n, orbits);
@@ -194,8 +184,7 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     ric_branch branch;
     bool energy = ask->at == RIC_AT_ENERGY;
     ric_status status = ric_atlas_branch(atlas, ask->branch, &branch);
-    if (status)
-        return cli_report(status);
+    if (status) return cli_report(status);
     double d = ask->physical ? ric_model_length(ric_atlas_model(atlas)) : 1, unit = energy ? d * d : 1;
     cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g\n", ask->branch,
             energy ? "energy" : "frequency", ask->value, unit * (energy ? branch.energy_min : branch.frequency_min),
@@ -209,10 +198,8 @@ static int print_history(const json_t *rows, cli_format format)
     const char **columns = calloc(json_object_size(first) + 1, sizeof *columns), *key;
     json_t *value;
     size_t n = 0;
-    if (!columns)
-        return cli_report(RIC_E_NOMEM);
-    json_object_foreach((json_t *)first, key, value)
-        columns[n++] = key;
+    if (!columns) return cli_report(RIC_E_NOMEM);
+    json_object_foreach((json_t *)first, key, value) columns[n++] = key;
     int code = cli_print_rows(rows, columns, format);
     free(columns);
     return code;
@@ -226,10 +213,10 @@ static int print_orbits(const json_t *orbits, cli_format format)
     static const char *const down[] = {"orbit", "quantity", "value", NULL};
     const json_t *orbit;
     size_t i;
-    if (format != CLI_TEXT)
-        return cli_print_rows(orbits, across, format);
+    if (format != CLI_TEXT) return cli_print_rows(orbits, across, format);
     json_t *rows = json_array();
-    json_array_foreach(orbits, i, orbit) {
+    json_array_foreach(orbits, i, orbit)
+    {
         for (const char *const *name = across; *name; name++) {
             json_t *row = json_object();
             json_object_set_new(row, "orbit", json_integer((json_int_t)i + 1));
@@ -250,16 +237,12 @@ static int answer(const request *ask)
     bool too_long = false;
     int code, found = 0;
     ric_status status = ric_atlas_read(ask->path, &atlas);
-    if (!status)
-        status = add_rows(rows, ask, atlas, &found, &too_long);
-    if (!status && !found)
-        code = report_none(ask, atlas);
+    if (!status) status = add_rows(rows, ask, atlas, &found, &too_long);
+    if (!status && !found) code = report_none(ask, atlas);
     else if (!status && too_long)
         code = cli_wrong("orbit: --history %g gives more than %d rows; choose a larger step", ask->step, STEPS_MAX);
-    else if (status)
-        code = cli_report(status);
-    else
-        code = ask->step > 0 ? print_history(rows, ask->format) : print_orbits(rows, ask->format);
+    else if (status) code = cli_report(status);
+    else code = ask->step > 0 ? print_history(rows, ask->format) : print_orbits(rows, ask->format);
     json_decref(rows);
     ric_atlas_free(atlas);
     return code;
@@ -282,18 +265,15 @@ static bool parse_place(const char *const texts[3], request *ask)
         return false;
     }
     ask->at = kinds[which];
-    if (which > 0)
-        return cli_parse_number(texts[which], names[which], &ask->value);
-    if (!cli_parse_integer(texts[0], names[0], 0, INT_MAX, &point))
-        return false;
+    if (which > 0) return cli_parse_number(texts[which], names[which], &ask->value);
+    if (!cli_parse_integer(texts[0], names[0], 0, INT_MAX, &point)) return false;
     ask->value = (double)point;
     return true;
 }
 
 static bool parse_step(const char *text, double *step)
 {
-    if (text && (!cli_parse_number(text, "--history", step)))
-        return false;
+    if (text && (!cli_parse_number(text, "--history", step))) return false;
     if (text && !(*step > 0)) {
         cli_wrong("--history '%s' is not a step of time; give seconds above 0, for example 0.01", text);
         return false;
@@ -306,13 +286,12 @@ static int run(int argc, char **argv)
     const char *branch = NULL, *places[3] = {NULL, NULL, NULL}, *step = NULL;
     long id = 0;
     request ask = {.physical = cli_take_flag(&argc, argv, "--physical")};
-    if (!cli_take_format(&argc, argv, &ask.format) || !cli_take_value(&argc, argv, "--branch", &branch)
-        || !cli_take_value(&argc, argv, "--point", &places[0]) || !cli_take_value(&argc, argv, "--energy", &places[1])
-        || !cli_take_value(&argc, argv, "--frequency", &places[2]) || !cli_take_value(&argc, argv, "--history", &step)
-        || !cli_operands(&cli_orbit, argc, argv, 1))
+    if (!cli_take_format(&argc, argv, &ask.format) || !cli_take_value(&argc, argv, "--branch", &branch) ||
+        !cli_take_value(&argc, argv, "--point", &places[0]) || !cli_take_value(&argc, argv, "--energy", &places[1]) ||
+        !cli_take_value(&argc, argv, "--frequency", &places[2]) || !cli_take_value(&argc, argv, "--history", &step) ||
+        !cli_operands(&cli_orbit, argc, argv, 1))
         return CLI_WRONG;
-    if (!branch)
-        return cli_wrong("orbit: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
+    if (!branch) return cli_wrong("orbit: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
     if (!cli_parse_integer(branch, "--branch", 1, INT_MAX, &id) || !parse_place(places, &ask) ||
         !parse_step(step, &ask.step))
         return CLI_WRONG;
@@ -324,28 +303,27 @@ static int run(int argc, char **argv)
 const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
-    .help =
-        "usage: ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT]\n"
-        "           [--physical] [--json | --csv]\n"
-        "\n"
-        "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line\n"
-        "per quantity otherwise.\n"
-        "\n"
-        "  --point I       stored point I, from 0, as `ricochet points` lists them\n"
-        "  --energy E      all orbits of energy E\n"
-        "  --frequency F   all orbits of frequency F, rad/s\n"
-        "  --history DT    one period in steps of DT seconds instead, columns t x1.. v1..; a last column\n"
-        "                  `orbit` if there are several\n"
-        "  --physical      lengths, speeds and energies (also E) in the units of the study, not scaled by the\n"
-        "                  clearance\n"
-        "\n"
-        "  state           x then v right after the first impact of the word\n"
-        "  flights         times from impact to impact, or the period if there is no impact\n"
-        "  multipliers     beside the trivial ones, as pairs of real and imaginary part; null where they are\n"
-        "                  lost in rounding\n"
-        "  amplitudes      largest |x| of every degree of freedom over the period\n"
-        "  impact_speeds   speed of approach of each impact of the word; impulses: the momentum exchanged\n"
-        "\n"
-        "example: ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
+    .help = "usage: ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT]\n"
+            "           [--physical] [--json | --csv]\n"
+            "\n"
+            "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line\n"
+            "per quantity otherwise.\n"
+            "\n"
+            "  --point I       stored point I, from 0, as `ricochet points` lists them\n"
+            "  --energy E      all orbits of energy E\n"
+            "  --frequency F   all orbits of frequency F, rad/s\n"
+            "  --history DT    one period in steps of DT seconds instead, columns t x1.. v1..; a last column\n"
+            "                  `orbit` if there are several\n"
+            "  --physical      lengths, speeds and energies (also E) in the units of the study, not scaled by the\n"
+            "                  clearance\n"
+            "\n"
+            "  state           x then v right after the first impact of the word\n"
+            "  flights         times from impact to impact, or the period if there is no impact\n"
+            "  multipliers     beside the trivial ones, as pairs of real and imaginary part; null where they are\n"
+            "                  lost in rounding\n"
+            "  amplitudes      largest |x| of every degree of freedom over the period\n"
+            "  impact_speeds   speed of approach of each impact of the word; impulses: the momentum exchanged\n"
+            "\n"
+            "example: ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
     .run = run,
 };

@@ -20,8 +20,7 @@ bool plot_parse_range(const char *text, const char *what, double range[2])
     }
     memcpy(first, text, (size_t)(colon - text));
     first[colon - text] = '\0';
-    if (!cli_parse_number(first, what, &range[0]) || !cli_parse_number(colon + 1, what, &range[1]))
-        return false;
+    if (!cli_parse_number(first, what, &range[0]) || !cli_parse_number(colon + 1, what, &range[1])) return false;
     if (!(isfinite(range[0]) && isfinite(range[1]) && range[0] < range[1])) {
         cli_wrong("%s %s: a range A:B needs A < B", what, text);
         return false;
@@ -50,10 +49,8 @@ int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, 
         const char *rest = strncmp(argv[i], option, length) ? NULL : argv[i] + length;
         if (rest && (!*rest || *rest == '=')) {
             const char *value = *rest ? rest + 1 : i + 1 < argc ? argv[++i] : "";
-            if (!*value)
-                return cli_wrong("%s needs a value; see ricochet plot --help", option);
-            if (*n == most)
-                return cli_wrong("%s: at most %d fit on a page", option, most);
+            if (!*value) return cli_wrong("%s needs a value; see ricochet plot --help", option);
+            if (*n == most) return cli_wrong("%s: at most %d fit on a page", option, most);
             values[(*n)++] = (plot_listed){value, *n_atlas - 1};
         } else if (argv[i][0] == '-' && argv[i][1]) {
             return cli_operands(&cli_plot, argc, argv, 1) ? CLI_DONE : CLI_WRONG; /* says what is wrong with it */
@@ -99,10 +96,8 @@ static const struct {
 static const char *operand(int argc, char **argv)
 {
     for (int i = 2; i < argc; i++) {
-        if (argv[i][0] != '-')
-            return argv[i];
-        if (strcmp(argv[i], "--circle") && strcmp(argv[i], "--shapes") && !strchr(argv[i], '='))
-            i++;
+        if (argv[i][0] != '-') return argv[i];
+        if (strcmp(argv[i], "--circle") && strcmp(argv[i], "--shapes") && !strchr(argv[i], '=')) i++;
     }
     return NULL;
 }
@@ -141,18 +136,15 @@ static int run(int argc, char **argv)
     if (argc < 2)
         return cli_wrong("plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet or strobe; see "
                          "ricochet plot --help");
-    if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title)
-        || !cli_take_value(&argc, argv, "--size", &size))
+    if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title) ||
+        !cli_take_value(&argc, argv, "--size", &size))
         return CLI_WRONG;
-    if (size && !take_size(size, &options))
-        return CLI_WRONG;
+    if (size && !take_size(size, &options)) return CLI_WRONG;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (argc > 1 && !strcmp(argv[1], kinds[i].name)) {
-            if (!options.out)
-                return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
+            if (!options.out) return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
             int code = plot_check_target(options.out);
-            if (code == CLI_DONE && kinds[i].by_id)
-                code = resolve_names(argc, argv, ids);
+            if (code == CLI_DONE && kinds[i].by_id) code = resolve_names(argc, argv, ids);
             return code == CLI_DONE ? kinds[i].run(argc - 1, argv + 1, &options) : code;
         }
     return cli_wrong(
@@ -163,89 +155,88 @@ static int run(int argc, char **argv)
 const cli_command cli_plot = {
     .name = "plot",
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
-    .help =
-        "usage: ricochet plot fep ATLAS... [--linear] [--log-frequency] [--energy A:B] [--frequency A:B]\n"
-        "           [--break F] [--zoom A:B,C:D]... [--labels all|named|none] [--label NAME]...\n"
-        "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
-        "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
-        "       ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K]\n"
-        "           [--coordinates 1,2] -o FILE\n"
-        "       ricochet plot orbit ATLAS --junction ID [--coordinates 1,2] -o FILE\n"
-        "       ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
-        "           [--columns N] [--same-axes] [--coordinates 1,2] -o FILE\n"
-        "       ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log x|y|xy]\n"
-        "           [--window A:B,C:D] -o FILE\n"
-        "       ricochet plot floquet ATLAS --branch ID [--x NAME] -o FILE\n"
-        "       ricochet plot cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--dof I]\n"
-        "           [--shapes] -o FILE\n"
-        "       ricochet plot cascade ATLAS --branch ID --circle [--duplicate K] -o FILE\n"
-        "       ricochet plot sheet ATLAS --segment SEGMENT... [ATLAS --segment SEGMENT...]... [--orbits N]\n"
-        "           [--contact I] -o FILE\n"
-        "       ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"
-        "           [--stretch] -o FILE\n"
-        "\n"
-        "Draws with gnuplot; the ending of FILE chooses SVG, PDF or PNG.\n"
-        "\n"
-        "fep      frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey;\n"
-        "         stable thick, unstable thin, undecided dotted; natural frequencies and frequencies with a\n"
-        "         contact locked as reference lines\n"
-        "  --linear            linear energy axis instead of a logarithmic one\n"
-        "  --energy A:B        window of the scaled energy\n"
-        "  --frequency A:B     window of the frequency, rad/s\n"
-        "  --break F           broken frequency axis: logarithmic and compressed above F\n"
-        "  --labels WHAT       all: every junction that finds room; named: those with a name in the study;\n"
-        "                      none. Without it: named and main ones\n"
-        "  --duplicates K      dashed: the branches gone through k = 2..K times, at frequency / k, with the\n"
-        "                      multiplications on them\n"
-        "  --log-frequency     logarithmic frequency axis\n"
-        "  --zoom A:B,C:D      one more panel with these energies and frequencies; up to five\n"
-        "  --symmetric         only symmetric branches; --branch SEGMENT: only these; --base F6_2: only what\n"
-        "                      `ricochet bases` lists there\n"
-        "  --duplicate K:SEGMENT  the K-duplicate of this one\n"
-        "  --label NAME        only this junction or branch has a label; may be repeated\n"
-        "  --mark ORBIT        a dot, or the mark of a junction, with a name of its own\n"
-        "  --key TEXT          several atlases are drawn over one another, each in its colour: what the\n"
-        "                      legend calls it, else the title of its study\n"
-        "  --ghosts            red: how the equations of the branches shown go on beyond grazings and\n"
-        "                      corners, where they give no motion\n"
-        "orbit    displacements and gaps over one period with impacts and touches, and phase portraits\n"
-        "  --branch ID         with --point I (from 0), --energy E or --frequency F; --which K if several\n"
-        "                      orbits fit (from 1)\n"
-        "  --junction ID       the original orbit of a junction\n"
-        "  --coordinates LIST  which coordinates to show, at most 4\n"
-        "orbits   a row of histories and phase portraits for each orbit, its impacts above it; --histories\n"
-        "         leaves out the portraits\n"
-        "  --columns N         rows side by side; --same-axes: the same scales in all\n"
-        "curves   any unknowns against each other: arclength energy frequency period trace rotation reach\n"
-        "         approach x1.. v1.. tau1..\n"
-        "  --branch ID         only this branch; may be repeated\n"
-        "  --log x|y|xy        logarithmic axes; --window A:B,C:D what they show\n"
-        "floquet  multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses,\n"
-        "         moduli and angles of more\n"
-        "  --x NAME            against arclength (usual), energy or frequency\n"
-        "cascade  a cascade as `ricochet cascade` follows it: a displacement at all impacts against the\n"
-        "         frequency passed on the way, times q\n"
-        "  --multiply LIST, --doublings N   which cascade\n"
-        "  --dof I             the displacement; the last one unless given\n"
-        "  --shapes            instead the motions at the multiplications, time scaled to equal numbers of\n"
-        "                      impacts\n"
-        "  --circle            instead the multipliers along the branch on the unit circle, with the\n"
-        "                      multiplications p/K of its K-duplicate\n"
-        "  --duplicate K       8 unless given\n"
-        "sheet    a gap along a part of a branch: --orbits N motions one behind the other, over time in\n"
-        "         periods; --contact I chooses the gap\n"
-        "strobe   a displacement, zero at the start, at --samples N instants of K periods, along segments one\n"
-        "         after the other\n"
-        "  --stretch           all segments equally wide instead of by the frequency passed\n"
-        "names    a junction: its id, name or label. SEGMENT: a branch by id or label, LABEL|P1 where it\n"
-        "         meets P1, LABEL|P1 P2 for the part between two junctions, #N behind it for the Nth that\n"
-        "         fits. ORBIT: a junction, or SEGMENT@0.3 (part of the way), SEGMENT@E=20, SEGMENT@F=1.5;\n"
-        "         then *K if it is gone through K times (a q-tupling counts q); before it 'NAME: '. With\n"
-        "         several atlases such options stand behind the one that they belong to\n"
-        "all\n"
-        "  --title TEXT        instead of the title of the study\n"
-        "  --size WxH          pixels (1/96 inch in PDF)\n"
-        "\n"
-        "example: ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
+    .help = "usage: ricochet plot fep ATLAS... [--linear] [--log-frequency] [--energy A:B] [--frequency A:B]\n"
+            "           [--break F] [--zoom A:B,C:D]... [--labels all|named|none] [--label NAME]...\n"
+            "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
+            "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
+            "       ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K]\n"
+            "           [--coordinates 1,2] -o FILE\n"
+            "       ricochet plot orbit ATLAS --junction ID [--coordinates 1,2] -o FILE\n"
+            "       ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
+            "           [--columns N] [--same-axes] [--coordinates 1,2] -o FILE\n"
+            "       ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log x|y|xy]\n"
+            "           [--window A:B,C:D] -o FILE\n"
+            "       ricochet plot floquet ATLAS --branch ID [--x NAME] -o FILE\n"
+            "       ricochet plot cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--dof I]\n"
+            "           [--shapes] -o FILE\n"
+            "       ricochet plot cascade ATLAS --branch ID --circle [--duplicate K] -o FILE\n"
+            "       ricochet plot sheet ATLAS --segment SEGMENT... [ATLAS --segment SEGMENT...]... [--orbits N]\n"
+            "           [--contact I] -o FILE\n"
+            "       ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"
+            "           [--stretch] -o FILE\n"
+            "\n"
+            "Draws with gnuplot; the ending of FILE chooses SVG, PDF or PNG.\n"
+            "\n"
+            "fep      frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey;\n"
+            "         stable thick, unstable thin, undecided dotted; natural frequencies and frequencies with a\n"
+            "         contact locked as reference lines\n"
+            "  --linear            linear energy axis instead of a logarithmic one\n"
+            "  --energy A:B        window of the scaled energy\n"
+            "  --frequency A:B     window of the frequency, rad/s\n"
+            "  --break F           broken frequency axis: logarithmic and compressed above F\n"
+            "  --labels WHAT       all: every junction that finds room; named: those with a name in the study;\n"
+            "                      none. Without it: named and main ones\n"
+            "  --duplicates K      dashed: the branches gone through k = 2..K times, at frequency / k, with the\n"
+            "                      multiplications on them\n"
+            "  --log-frequency     logarithmic frequency axis\n"
+            "  --zoom A:B,C:D      one more panel with these energies and frequencies; up to five\n"
+            "  --symmetric         only symmetric branches; --branch SEGMENT: only these; --base F6_2: only what\n"
+            "                      `ricochet bases` lists there\n"
+            "  --duplicate K:SEGMENT  the K-duplicate of this one\n"
+            "  --label NAME        only this junction or branch has a label; may be repeated\n"
+            "  --mark ORBIT        a dot, or the mark of a junction, with a name of its own\n"
+            "  --key TEXT          several atlases are drawn over one another, each in its colour: what the\n"
+            "                      legend calls it, else the title of its study\n"
+            "  --ghosts            red: how the equations of the branches shown go on beyond grazings and\n"
+            "                      corners, where they give no motion\n"
+            "orbit    displacements and gaps over one period with impacts and touches, and phase portraits\n"
+            "  --branch ID         with --point I (from 0), --energy E or --frequency F; --which K if several\n"
+            "                      orbits fit (from 1)\n"
+            "  --junction ID       the original orbit of a junction\n"
+            "  --coordinates LIST  which coordinates to show, at most 4\n"
+            "orbits   a row of histories and phase portraits for each orbit, its impacts above it; --histories\n"
+            "         leaves out the portraits\n"
+            "  --columns N         rows side by side; --same-axes: the same scales in all\n"
+            "curves   any unknowns against each other: arclength energy frequency period trace rotation reach\n"
+            "         approach x1.. v1.. tau1..\n"
+            "  --branch ID         only this branch; may be repeated\n"
+            "  --log x|y|xy        logarithmic axes; --window A:B,C:D what they show\n"
+            "floquet  multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses,\n"
+            "         moduli and angles of more\n"
+            "  --x NAME            against arclength (usual), energy or frequency\n"
+            "cascade  a cascade as `ricochet cascade` follows it: a displacement at all impacts against the\n"
+            "         frequency passed on the way, times q\n"
+            "  --multiply LIST, --doublings N   which cascade\n"
+            "  --dof I             the displacement; the last one unless given\n"
+            "  --shapes            instead the motions at the multiplications, time scaled to equal numbers of\n"
+            "                      impacts\n"
+            "  --circle            instead the multipliers along the branch on the unit circle, with the\n"
+            "                      multiplications p/K of its K-duplicate\n"
+            "  --duplicate K       8 unless given\n"
+            "sheet    a gap along a part of a branch: --orbits N motions one behind the other, over time in\n"
+            "         periods; --contact I chooses the gap\n"
+            "strobe   a displacement, zero at the start, at --samples N instants of K periods, along segments one\n"
+            "         after the other\n"
+            "  --stretch           all segments equally wide instead of by the frequency passed\n"
+            "names    a junction: its id, name or label. SEGMENT: a branch by id or label, LABEL|P1 where it\n"
+            "         meets P1, LABEL|P1 P2 for the part between two junctions, #N behind it for the Nth that\n"
+            "         fits. ORBIT: a junction, or SEGMENT@0.3 (part of the way), SEGMENT@E=20, SEGMENT@F=1.5;\n"
+            "         then *K if it is gone through K times (a q-tupling counts q); before it 'NAME: '. With\n"
+            "         several atlases such options stand behind the one that they belong to\n"
+            "all\n"
+            "  --title TEXT        instead of the title of the study\n"
+            "  --size WxH          pixels (1/96 inch in PDF)\n"
+            "\n"
+            "example: ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
     .run = run,
 };

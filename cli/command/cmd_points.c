@@ -18,8 +18,7 @@ static json_t *trace_of(const ric_point *point)
 {
     char text[48];
     double trace = ric_point_trace(point);
-    if (!isinf(trace) || isinf(point->trace))
-        return cli_number(trace);
+    if (!isinf(trace) || isinf(point->trace)) return cli_number(trace);
     snprintf(text, sizeof text, "%sexp(%.17g)", point->trace < 0 ? "-" : "", ric_point_log_trace(point));
     return json_string(text);
 }
@@ -27,8 +26,7 @@ static json_t *trace_of(const ric_point *point)
 /* Pairs re, im, or null if there are none beside the trivial ones or they cannot be had. */
 static json_t *pairs(int n, const double *values)
 {
-    if (!values || n == 0)
-        return json_null();
+    if (!values || n == 0) return json_null();
     json_t *list = json_array();
     for (int k = 0; k < n; k++) {
         json_t *pair = json_array();
@@ -43,9 +41,9 @@ static json_t *pairs(int n, const double *values)
 typedef struct {
     const ric_atlas *atlas;
     ric_branch branch;
-    double d;             /* length that speeds are multiplied by, energies by its square */
-    int n_multiplier;     /* 0: not wanted */
-    double *multipliers;  /* room for them, re and im */
+    double d;            /* length that speeds are multiplied by, energies by its square */
+    int n_multiplier;    /* 0: not wanted */
+    double *multipliers; /* room for them, re and im */
     json_t *rows;
 } listing;
 
@@ -73,14 +71,13 @@ static ric_status add_points(const listing *l)
     for (int i = 0; !status && i < l->branch.n_point; i++) {
         ric_point point;
         status = ric_atlas_point(l->atlas, l->branch.id, i, &point, NULL, NULL);
-        if (status)
-            break;
+        if (status) break;
         json_t *row = point_row(i, &point, l->d);
         if (l->n_multiplier) {
             int n = 0;
             ric_orbit **orbits = NULL;
-            bool good = !ric_orbit_find(l->atlas, l->branch.id, RIC_AT_POINT, i, &n, &orbits) && n > 0
-                && !ric_orbit_multipliers(orbits[0], l->multipliers);
+            bool good = !ric_orbit_find(l->atlas, l->branch.id, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&
+                        !ric_orbit_multipliers(orbits[0], l->multipliers);
             json_object_set_new(row, "multipliers", pairs(l->n_multiplier, good ? l->multipliers : NULL));
             ric_orbits_free(n, orbits);
         }
@@ -100,8 +97,7 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
     for (int i = 0; !status && i < data.n_point; i++) {
         ric_point point;
         status = ric_ghost_point(ghost, i, &point, NULL, NULL);
-        if (status)
-            break;
+        if (status) break;
         json_t *row = point_row(i, &point, l->d);
         json_object_set_new(row, "end", json_string(end));
         json_object_set_new(row, "admissible", json_boolean(ric_point_admissible(&point)));
@@ -111,10 +107,9 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
         }
         json_array_append_new(l->rows, row);
     }
-    cli_say("ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point,
-            ric_stop_text(data.stop), *data.why ? ", " : "", data.why);
-    if (data.again >= 0)
-        cli_say("ricochet: ghost beyond '%s': admissible again from point %d on\n", end, data.again);
+    cli_say("ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point, ric_stop_text(data.stop),
+            *data.why ? ", " : "", data.why);
+    if (data.again >= 0) cli_say("ricochet: ghost beyond '%s': admissible again from point %d on\n", end, data.again);
     return status;
 }
 
@@ -124,8 +119,7 @@ static void name_end(const listing *l, int junction_id, size_t size, char *out)
     ric_junction junction;
     if (junction_id && !ric_atlas_junction(l->atlas, junction_id, &junction))
         snprintf(out, size, "%s %s", ric_kind_text(junction.kind), junction.label);
-    else
-        snprintf(out, size, "%s", *l->branch.why ? l->branch.why : "no junction");
+    else snprintf(out, size, "%s", *l->branch.why ? l->branch.why : "no junction");
 }
 
 static int no_ghost(const listing *l, const char *path)
@@ -153,8 +147,7 @@ static int add_ghosts(const listing *l, const char *path)
     int n = 0;
     ric_ghost_limits_init(l->atlas, &limits);
     ric_status status = ric_ghost_find(l->atlas, l->branch.id, &limits, &n, &ghosts);
-    for (int k = 0; !status && k < n; k++)
-        status = add_ghost(l, ghosts[k]);
+    for (int k = 0; !status && k < n; k++) status = add_ghost(l, ghosts[k]);
     ric_ghosts_free(n, ghosts);
     return status ? cli_report(status) : n ? CLI_DONE : no_ghost(l, path);
 }
@@ -189,11 +182,9 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     ric_atlas *atlas = NULL;
     listing l = {.rows = json_array()};
     ric_status status = ric_atlas_read(path, &atlas);
-    if (!status)
-        status = ric_atlas_branch(atlas, id, &l.branch);
+    if (!status) status = ric_atlas_branch(atlas, id, &l.branch);
     int code = cli_report(status);
-    if (status)
-        goto out;
+    if (status) goto out;
     const int n_mode = ric_model_n_mode(ric_atlas_model(atlas));
     l.atlas = atlas;
     l.d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
@@ -201,8 +192,7 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     l.multipliers = calloc(2 * (size_t)l.n_multiplier + 1, sizeof *l.multipliers);
     code = !l.multipliers ? cli_report(RIC_E_NOMEM) : ghost ? add_ghosts(&l, path) : cli_report(add_points(&l));
     choose_columns(format, ghost, n_mode > 2, columns);
-    if (code == CLI_DONE)
-        code = cli_print_rows(l.rows, columns, format);
+    if (code == CLI_DONE) code = cli_print_rows(l.rows, columns, format);
 out:
     free(l.multipliers);
     json_decref(l.rows);
@@ -216,44 +206,41 @@ static int run(int argc, char **argv)
     const char *id_text;
     long id = 0;
     bool physical = cli_take_flag(&argc, argv, "--physical"), ghost = cli_take_flag(&argc, argv, "--ghost");
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &id_text)
-        || !cli_operands(&cli_points, argc, argv, 1))
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &id_text) ||
+        !cli_operands(&cli_points, argc, argv, 1))
         return CLI_WRONG;
-    if (!id_text)
-        return cli_wrong("points: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
-    if (!cli_parse_integer(id_text, "--branch", 1, INT_MAX, &id))
-        return CLI_WRONG;
+    if (!id_text) return cli_wrong("points: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
+    if (!cli_parse_integer(id_text, "--branch", 1, INT_MAX, &id)) return CLI_WRONG;
     return list(argv[1], (int)id, physical, ghost, format);
 }
 
 const cli_command cli_points = {
     .name = "points",
     .summary = "list the stored points of a branch, or its ghosts",
-    .help =
-        "usage: ricochet points ATLAS --branch ID [--ghost] [--physical] [--json | --csv]\n"
-        "\n"
-        "The stored points of a branch in order; `ricochet orbit` gives the orbit at any of them, or between\n"
-        "them.\n"
-        "\n"
-        "  trace        of the monodromy without its trivial part, for two modes; sign and exp(logarithm)\n"
-        "               beyond the range of a double. log_trace is the logarithm of its modulus. For more\n"
-        "               modes both are empty and --json and --csv give the multipliers instead, as pairs of\n"
-        "               real and imaginary part\n"
-        "  rotation     gamma in [0, 1): the multipliers are exp(+-2 pi i gamma)\n"
-        "  stable       yes, no or undecided\n"
-        "  reach        largest gap over clearance in flight: below 1 between touches\n"
-        "  approach     smallest speed of approach of the impacts\n"
-        "  residual     relative residual of the orbit problem\n"
-        "  --ghost      the ghosts of the branch instead: what its equations have beyond each end at a\n"
-        "               grazing or a corner, to the border of the study's windows. They are no motions: a gap\n"
-        "               is penetrated (reach above 1), or an impact comes from the wrong side (approach below\n"
-        "               0). Nothing of them is in the atlas. Two columns more:\n"
-        "               end         from or to, the end of the branch that is extended, outwards; point 0 is\n"
-        "                           the end itself\n"
-        "               admissible  whether all margins are positive again\n"
-        "  --physical   speeds and energies in the units of the study, not scaled by the clearance\n"
-        "\n"
-        "example: ricochet points study.ricochet --branch 3 --csv\n"
-        "         ricochet points study.ricochet --branch 3 --ghost\n",
+    .help = "usage: ricochet points ATLAS --branch ID [--ghost] [--physical] [--json | --csv]\n"
+            "\n"
+            "The stored points of a branch in order; `ricochet orbit` gives the orbit at any of them, or between\n"
+            "them.\n"
+            "\n"
+            "  trace        of the monodromy without its trivial part, for two modes; sign and exp(logarithm)\n"
+            "               beyond the range of a double. log_trace is the logarithm of its modulus. For more\n"
+            "               modes both are empty and --json and --csv give the multipliers instead, as pairs of\n"
+            "               real and imaginary part\n"
+            "  rotation     gamma in [0, 1): the multipliers are exp(+-2 pi i gamma)\n"
+            "  stable       yes, no or undecided\n"
+            "  reach        largest gap over clearance in flight: below 1 between touches\n"
+            "  approach     smallest speed of approach of the impacts\n"
+            "  residual     relative residual of the orbit problem\n"
+            "  --ghost      the ghosts of the branch instead: what its equations have beyond each end at a\n"
+            "               grazing or a corner, to the border of the study's windows. They are no motions: a gap\n"
+            "               is penetrated (reach above 1), or an impact comes from the wrong side (approach below\n"
+            "               0). Nothing of them is in the atlas. Two columns more:\n"
+            "               end         from or to, the end of the branch that is extended, outwards; point 0 is\n"
+            "                           the end itself\n"
+            "               admissible  whether all margins are positive again\n"
+            "  --physical   speeds and energies in the units of the study, not scaled by the clearance\n"
+            "\n"
+            "example: ricochet points study.ricochet --branch 3 --csv\n"
+            "         ricochet points study.ricochet --branch 3 --ghost\n",
     .run = run,
 };

@@ -9,7 +9,6 @@
 enum { SAMPLE = 64 }; /* branches whose middle point is replayed, as long as that takes no time: */
 #define QUICK 32      /* degrees of freedom; a replay begins with the simulator's own modes, which grow with the cube */
 
-
 static void add(json_t *rows, const char *item, json_t *value, const char *detail)
 {
     json_t *row = json_object();
@@ -33,21 +32,18 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
     for (int id = 1; id <= n; id++) {
         ric_branch branch;
         ric_status status = ric_atlas_branch(atlas, id, &branch);
-        if (status)
-            return status;
+        if (status) return status;
         stops[branch.stop % 16]++;
         points += branch.n_point;
         for (int i = 0; i < branch.n_point; i++) {
             ric_point point;
-            if ((status = ric_atlas_point(atlas, id, i, &point, NULL, NULL)))
-                return status;
+            if ((status = ric_atlas_point(atlas, id, i, &point, NULL, NULL))) return status;
             residual = fmax(residual, point.residual);
         }
     }
     add_count(rows, "branches", n, "");
     for (int i = 0; i < 16; i++)
-        if (stops[i])
-            add_count(rows, "branches that stop", stops[i], ric_stop_text((ric_stop)i));
+        if (stops[i]) add_count(rows, "branches that stop", stops[i], ric_stop_text((ric_stop)i));
     add_count(rows, "points", points, "");
     add(rows, "largest residual", cli_number(residual), "relative to 1 + |state|");
     return RIC_OK;
@@ -74,8 +70,7 @@ static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch branch;
         ric_status status = ric_atlas_branch(atlas, id, &branch);
-        if (status)
-            return status;
+        if (status) return status;
         const char *gaps = ric_branch_gaps(&branch);
         if (*gaps) {
             json_t *detail = json_sprintf("%s, E %.9g to %.9g: %s", branch.label, branch.energy_min, branch.energy_max,
@@ -98,8 +93,7 @@ static void add_refusals(json_t *rows, const ric_atlas *atlas)
     json_t *count;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction junction;
-        if (ric_atlas_junction(atlas, id, &junction) || !junction.departures.refused)
-            continue;
+        if (ric_atlas_junction(atlas, id, &junction) || !junction.departures.refused) continue;
         json_int_t before = json_integer_value(json_object_get(reasons, junction.refusal));
         json_object_set_new(reasons, junction.refusal, json_integer(before + junction.departures.refused));
     }
@@ -134,22 +128,24 @@ int cli_unmeasured(const ric_atlas *atlas)
 
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
-    static const char *const over[RIC_N_BUDGET] = {
-        [RIC_BUDGET_WINDOW] = "outside the windows", [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
-        [RIC_BUDGET_IMPACTS] = "more than `impacts`", [RIC_BUDGET_SYMMETRIC] = "not symmetric",
-        [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated", [RIC_BUDGET_DEPTH] = "beyond `depth`"};
+    static const char *const over[RIC_N_BUDGET] = {[RIC_BUDGET_WINDOW] = "outside the windows",
+                                                   [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
+                                                   [RIC_BUDGET_IMPACTS] = "more than `impacts`",
+                                                   [RIC_BUDGET_SYMMETRIC] = "not symmetric",
+                                                   [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated",
+                                                   [RIC_BUDGET_DEPTH] = "beyond `depth`"};
     /* of a file that may say any int */
-    struct { json_int_t taken, known, inadmissible, over[RIC_N_BUDGET]; } sum = {0};
+    struct {
+        json_int_t taken, known, inadmissible, over[RIC_N_BUDGET];
+    } sum = {0};
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction junction;
         ric_status status = ric_atlas_junction(atlas, id, &junction);
-        if (status)
-            return status;
+        if (status) return status;
         sum.taken += junction.departures.taken;
         sum.known += junction.departures.known;
         sum.inadmissible += junction.departures.inadmissible;
-        for (int i = 0; i < RIC_N_BUDGET; i++)
-            sum.over[i] += junction.departures.over[i];
+        for (int i = 0; i < RIC_N_BUDGET; i++) sum.over[i] += junction.departures.over[i];
     }
     add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
     if (cli_unmeasured(atlas))
@@ -167,8 +163,7 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     add_regions(rows, atlas);
     add_refusals(rows, atlas);
     for (int i = 0; i < RIC_N_BUDGET; i++)
-        if (sum.over[i])
-            add_count(rows, "departures not tried", sum.over[i], over[i]);
+        if (sum.over[i]) add_count(rows, "departures not tried", sum.over[i], over[i]);
     return RIC_OK;
 }
 
@@ -189,12 +184,9 @@ static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
         ric_branch branch;
         ric_check check;
         ric_status status = ric_atlas_branch(atlas, id, &branch);
-        if (status)
-            return status;
-        if (!branch.n_point)
-            continue;
-        if ((status = ric_verify_point(atlas, id, branch.n_point / 2, &check)))
-            return status;
+        if (status) return status;
+        if (!branch.n_point) continue;
+        if ((status = ric_verify_point(atlas, id, branch.n_point / 2, &check))) return status;
         replayed++;
         failed += !check.passed;
         flight = fmax(flight, check.flight_error);
@@ -230,10 +222,8 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
 {
     ric_status status = add_branches(rows, atlas);
     add_onset(rows, atlas);
-    if (!status)
-        status = add_departures(rows, atlas);
-    if (!status)
-        status = add_gaps(rows, atlas);
+    if (!status) status = add_departures(rows, atlas);
+    if (!status) status = add_gaps(rows, atlas);
     return status ? status : add_replay(rows, atlas);
 }
 
@@ -254,16 +244,15 @@ static int run(int argc, char **argv)
 const cli_command cli_report_atlas = {
     .name = "report",
     .summary = "what a run did, what it left out and why, and how good what it found is",
-    .help =
-        "usage: ricochet report ATLAS [--json | --csv]\n"
-        "\n"
-        "Counts the branches and how they end, and what became of the departures from every junction: taken,\n"
-        "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which\n"
-        "events may be missing, with what kind of event, where, and why. The largest residual is that\n"
-        "of all points; the errors of replay are those of the middle points of at most 64 branches (fewer\n"
-        "beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes\n"
-        "from the file.\n"
-        "\n"
-        "example: ricochet report study.ricochet\n",
+    .help = "usage: ricochet report ATLAS [--json | --csv]\n"
+            "\n"
+            "Counts the branches and how they end, and what became of the departures from every junction: taken,\n"
+            "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which\n"
+            "events may be missing, with what kind of event, where, and why. The largest residual is that\n"
+            "of all points; the errors of replay are those of the middle points of at most 64 branches (fewer\n"
+            "beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes\n"
+            "from the file.\n"
+            "\n"
+            "example: ricochet report study.ricochet\n",
     .run = run,
 };

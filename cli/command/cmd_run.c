@@ -16,8 +16,9 @@
 #include "common/cli.h"
 
 #define MANY_MODES 200
-#define SHARE 1.25    /* a run lasts at least so many times as long as it takes to come to something new: one that was
-                       * stopped again and again on the way there would never end */
+#define SHARE                                                                                                          \
+    1.25 /* a run lasts at least so many times as long as it takes to come to something new: one that was              \
+          * stopped again and again on the way there would never end */
 
 const ric_remote *cli_run_remote = NULL;
 
@@ -30,7 +31,7 @@ typedef struct {
     struct timespec start, shown;
     ric_progress last;
     const ric_atlas *before; /* what was in the file; NULL: nothing */
-    bool same, kept;     /* it is of the same study; its tables were left as they are */
+    bool same, kept;         /* it is of the same study; its tables were left as they are */
 } display;
 
 static double seconds_since(const struct timespec *then)
@@ -47,15 +48,12 @@ static bool show_progress(const ric_progress *now, void *user)
     d->last = *now;
     if (d->terminal && seconds_since(&d->shown) > 0.1) {
         fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
-        if (now->labels)
-            cli_say("%d labels left, %.0f s", now->labels, now->seconds);
-        else
-            cli_say("%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
+        if (now->labels) cli_say("%d labels left, %.0f s", now->labels, now->seconds);
+        else cli_say("%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
-    if (now->fresh && d->news == 0)
-        d->news = passed;
+    if (now->fresh && d->news == 0) d->news = passed;
     d->over = now->fresh && passed > fmax(d->seconds, SHARE * d->news);
     return d->over || cli_stopped();
 }
@@ -71,8 +69,7 @@ static bool worth(void *user, const ric_atlas *unfinished)
 
 static void clear_progress(const display *d)
 {
-    if (d->terminal)
-        fputs("\r\033[K", stderr);
+    if (d->terminal) fputs("\r\033[K", stderr);
 }
 
 /* ----------------------------------------------------------------- summary */
@@ -84,7 +81,8 @@ static void print_report(const json_t *rows)
     const char *last = "";
     size_t i;
     json_t *row;
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         const char *item = json_string_value(json_object_get(row, "item")),
                    *detail = json_string_value(json_object_get(row, "detail"));
         const json_t *value = json_object_get(row, "value");
@@ -92,14 +90,10 @@ static void print_report(const json_t *rows)
             continue;
         cli_say(strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
         last = item;
-        if (json_is_string(value))
-            cli_say("%s", json_string_value(value));
-        else if (json_is_integer(value))
-            cli_say("%lld", (long long)json_integer_value(value));
-        else
-            cli_say("%.1e", json_real_value(value));
-        if (*detail)
-            cli_say(" (%s)", detail);
+        if (json_is_string(value)) cli_say("%s", json_string_value(value));
+        else if (json_is_integer(value)) cli_say("%lld", (long long)json_integer_value(value));
+        else cli_say("%.1e", json_real_value(value));
+        if (*detail) cli_say(" (%s)", detail);
     }
     fputc('\n', stderr);
 }
@@ -110,14 +104,11 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
     json_t *rows = json_array();
     ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
     if (!status) {
-        cli_say("%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
-                ric_atlas_n_junction(atlas), seconds_since(&d->start));
-        if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory())
-            status = RIC_E_NOMEM;
-        if (!status)
-            print_report(rows);
-        if (!status)
-            status = cli_windows_tell(atlas);
+        cli_say("%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
+                seconds_since(&d->start));
+        if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory()) status = RIC_E_NOMEM;
+        if (!status) print_report(rows);
+        if (!status) status = cli_windows_tell(atlas);
     }
     json_decref(rows);
     return status ? cli_report(status) : CLI_DONE;
@@ -131,8 +122,7 @@ static char *default_path(const char *study)
     static const char *const endings[] = {".yaml", ".yml"};
     size_t length = strlen(study);
     char *path = malloc(length + sizeof ".ricochet");
-    if (!path)
-        return NULL;
+    if (!path) return NULL;
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
         size_t ending = strlen(endings[i]);
         if (length > ending && !strcmp(study + length - ending, endings[i]) && study[length - ending - 1] != '/') {
@@ -152,10 +142,12 @@ static void list_smaller(const ric_explore_options *old, const ric_explore_optio
     bool kept = true;
     for (int i = 0; i < old->n_region && kept; i++) {
         kept = false;
-        for (int k = 0; k < now->n_region && !kept; k++)
-            kept = ric_region_covers(&now->region[k], &old->region[i]);
+        for (int k = 0; k < now->n_region && !kept; k++) kept = ric_region_covers(&now->region[k], &old->region[i]);
     }
-    const struct { const char *name; bool smaller; } all[] = {
+    const struct {
+        const char *name;
+        bool smaller;
+    } all[] = {
         {"energy", now->energy[0] > old->energy[0] || now->energy[1] < old->energy[1]},
         {"frequency", now->frequency[0] > old->frequency[0] || now->frequency[1] < old->frequency[1]},
         {"impacts", now->impacts < old->impacts},
@@ -165,8 +157,7 @@ static void list_smaller(const ric_explore_options *old, const ric_explore_optio
     };
     out[0] = '\0';
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if (all[i].smaller)
-            snprintf(out + strlen(out), size - strlen(out), "%s%s", *out ? ", " : "", all[i].name);
+        if (all[i].smaller) snprintf(out + strlen(out), size - strlen(out), "%s%s", *out ? ", " : "", all[i].name);
 }
 
 /* The regions of a study as they stand in its text, to be copied into another. */
@@ -198,20 +189,16 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
 /* What is left, and how to go on. */
 static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas, const display *d)
 {
-    if (d->over)
-        cli_say("ricochet: the %g s given are over\n", d->seconds);
-    if (d->kept)
-        cli_say("ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
+    if (d->over) cli_say("ricochet: the %g s given are over\n", d->seconds);
+    if (d->kept) cli_say("ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
     else
         cli_say("ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;", path,
                 ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
     if (d->last.open > 0)
         cli_say(" %d departures of depth %d are left, and what follows from them", d->last.open, d->last.depth);
-    else
-        fputs(" all departures are done", stderr);
+    else fputs(" all departures are done", stderr);
     const int unmeasured = cli_unmeasured(atlas);
-    if (unmeasured)
-        cli_say(", %d labels are not measured yet", unmeasured);
+    if (unmeasured) cli_say(", %d labels are not measured yet", unmeasured);
     cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
@@ -265,12 +252,9 @@ static int run(int argc, char **argv)
         return CLI_WRONG;
     if (!(seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
     ric_status status = ric_study_read(argv[1], &study);
-    if (!status && step)
-        status = ric_study_override(study, "explore", "step", step, "--max-step");
-    if (!status && !(path = given ? strdup(given) : default_path(argv[1])))
-        status = RIC_E_NOMEM;
-    if (status)
-        code = cli_report(status);
+    if (!status && step) status = ric_study_override(study, "explore", "step", step, "--max-step");
+    if (!status && !(path = given ? strdup(given) : default_path(argv[1]))) status = RIC_E_NOMEM;
+    if (status) code = cli_report(status);
     else if (!strcmp(path, argv[1]))
         code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o", path);
     else if (ric_model_restitution(ric_study_model(study)) < 1)
@@ -281,8 +265,7 @@ static int run(int argc, char **argv)
         code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
                          "give --seconds S to try for so long, or reduce the structure to the modes that matter",
                          argv[1], ric_model_n_mode(ric_study_model(study)));
-    else
-        code = explore(study, argv[1], path, workers, seconds);
+    else code = explore(study, argv[1], path, workers, seconds);
     free(path);
     ric_study_free(study);
     return code;
@@ -291,19 +274,18 @@ static int run(int argc, char **argv)
 const cli_command cli_run = {
     .name = "run",
     .summary = "explore a study into an atlas",
-    .help =
-        "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
-        "\n"
-        "Explores from the linear modes within the budgets of the study and writes the atlas, one file.\n"
-        "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it\n"
-        "extends the atlas. The result does not depend on WORKERS.\n"
-        "\n"
-        "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
-        "  -j WORKERS     how many at a time, 1 unless given\n"
-        "  --max-step H   largest arclength step, instead of the study's explore.step\n"
-        "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command\n"
-        "                 goes on from there. Needed where more than 200 modes take part\n"
-        "\n"
-        "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
+    .help = "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
+            "\n"
+            "Explores from the linear modes within the budgets of the study and writes the atlas, one file.\n"
+            "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it\n"
+            "extends the atlas. The result does not depend on WORKERS.\n"
+            "\n"
+            "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
+            "  -j WORKERS     how many at a time, 1 unless given\n"
+            "  --max-step H   largest arclength step, instead of the study's explore.step\n"
+            "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command\n"
+            "                 goes on from there. Needed where more than 200 modes take part\n"
+            "\n"
+            "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,
 };

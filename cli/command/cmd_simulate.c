@@ -5,8 +5,12 @@
 
 #include "common/cli.h"
 
-enum { STEPS = 200, STEPS_MAX = 10000000, IMPACTS_MAX = 1000000 }; /* a mass as fast as one likes has as many impacts as
-                                                                    * one likes */
+enum {
+    STEPS = 200,
+    STEPS_MAX = 10000000,
+    IMPACTS_MAX = 1000000
+}; /* a mass as fast as one likes has as many impacts as
+    * one likes */
 
 typedef struct {
     ric_study *study;
@@ -36,8 +40,7 @@ static bool take_state(int *argc, char **argv, int *count, const char **texts)
 {
     int at = 1;
     *count = 0;
-    while (at < *argc && strncmp(argv[at], "--state", 7))
-        at++;
+    while (at < *argc && strncmp(argv[at], "--state", 7)) at++;
     if (at < *argc && argv[at][7] == '=') {
         cli_wrong("simulate: %s: the numbers follow after a blank, for example --state 0 0 1 -1", argv[at]);
         return false;
@@ -48,8 +51,7 @@ static bool take_state(int *argc, char **argv, int *count, const char **texts)
         return false;
     }
     int next = at + 1;
-    while (next < *argc && is_number(argv[next]))
-        texts[(*count)++] = argv[next++];
+    while (next < *argc && is_number(argv[next])) texts[(*count)++] = argv[next++];
     if (next < *argc && argv[next][0] != '-' && *argc - (next - at) > 2) { /* more than the study is left */
         cli_wrong(
             "simulate: '%s' after --state is not a number; give displacements, then velocities, with blanks between",
@@ -69,8 +71,7 @@ static bool parse_state(simulation *s, int count, const char **texts)
         return false;
     }
     for (int i = 0; i < count; i++) {
-        if (!cli_parse_number(texts[i], "--state", &s->state[i]))
-            return false;
+        if (!cli_parse_number(texts[i], "--state", &s->state[i])) return false;
         s->state[i] /= s->length;
     }
     return true;
@@ -86,8 +87,7 @@ static bool parse_times(simulation *s, const char *end, const char *steps)
     if (!cli_parse_number(end, "--time", &s->end) ||
         (steps && !cli_parse_integer(steps, "--steps", 1, STEPS_MAX, &s->steps)))
         return false;
-    if (s->end > 0)
-        return true;
+    if (s->end > 0) return true;
     cli_wrong("simulate: --time '%s' is not positive; motion is followed forward from time 0", end);
     return false;
 }
@@ -100,12 +100,9 @@ static bool make_columns(simulation *s)
     s->state = calloc(2 * (size_t)s->n, sizeof *s->state);
     s->column = calloc(2 * (size_t)s->n + 2, sizeof *s->column);
     for (int i = 0; s->column && i <= 2 * s->n; i++) {
-        if (!(s->column[i] = malloc(WIDTH)))
-            return false;
-        if (i == 0)
-            snprintf(s->column[i], WIDTH, "t");
-        else
-            snprintf(s->column[i], WIDTH, "%c%d", i <= s->n ? 'x' : 'v', i <= s->n ? i : i - s->n);
+        if (!(s->column[i] = malloc(WIDTH))) return false;
+        if (i == 0) snprintf(s->column[i], WIDTH, "t");
+        else snprintf(s->column[i], WIDTH, "%c%d", i <= s->n ? 'x' : 'v', i <= s->n ? i : i - s->n);
     }
     s->rows = json_array();
     return s->state && s->column && s->rows;
@@ -117,8 +114,7 @@ static void add_state(simulation *s, double t)
     if (t > 0) /* the first row is the state as it was given */
         ric_simulator_state(s->sim, NULL, s->state, s->state + s->n);
     json_object_set_new(row, "t", cli_number(t));
-    for (int i = 0; i < 2 * s->n; i++)
-        json_object_set_new(row, s->column[i + 1], cli_number(s->state[i] * s->length));
+    for (int i = 0; i < 2 * s->n; i++) json_object_set_new(row, s->column[i + 1], cli_number(s->state[i] * s->length));
     json_array_append_new(s->rows, row);
 }
 
@@ -139,16 +135,14 @@ static ric_status advance(simulation *s, double t)
     while (hit) {
         ric_impact impact;
         ric_status status = ric_simulator_advance(s->sim, t, &hit, &impact);
-        if (status)
-            return status;
+        if (status) return status;
         if (hit && ++s->struck > IMPACTS_MAX) {
             cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed",
                       IMPACTS_MAX, impact.time);
             s->told = true;
             return RIC_E_RANGE;
         }
-        if (hit && s->impacts)
-            add_impact(s, &impact);
+        if (hit && s->impacts) add_impact(s, &impact);
     }
     return RIC_OK;
 }
@@ -156,25 +150,20 @@ static ric_status advance(simulation *s, double t)
 static ric_status simulate(simulation *s)
 {
     ric_status status = ric_simulator_create(ric_study_model(s->study), &s->sim);
-    if (!status)
-        status = ric_simulator_start(s->sim, s->state, s->state + s->n);
-    if (status)
-        return status;
-    if (s->impacts)
-        return advance(s, s->end);
+    if (!status) status = ric_simulator_start(s->sim, s->state, s->state + s->n);
+    if (status) return status;
+    if (s->impacts) return advance(s, s->end);
     add_state(s, 0);
     for (long i = 1; i <= s->steps && !status; i++) {
         double t = i == s->steps ? s->end : s->end * (double)i / (double)s->steps;
-        if (!(status = advance(s, t)))
-            add_state(s, t);
+        if (!(status = advance(s, t))) add_state(s, t);
     }
     return status;
 }
 
 static void simulation_free(simulation *s)
 {
-    for (int i = 0; s->column && s->column[i]; i++)
-        free(s->column[i]);
+    for (int i = 0; s->column && s->column[i]; i++) free(s->column[i]);
     free(s->column);
     free(s->state);
     json_decref(s->rows);
@@ -188,8 +177,7 @@ static int simulate_and_print(simulation *s, cli_format format)
     static const char *const impact_columns[] = {"t", "face", "approach", "impulse", "opens", NULL};
     ric_status status = simulate(s);
     int code = s->told ? CLI_FAILED : cli_report(status);
-    if (code == CLI_WRONG)
-        return code;
+    if (code == CLI_WRONG) return code;
     int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : (const char *const *)s->column, format);
     return code ? code : printed;
 }
@@ -206,9 +194,9 @@ static int run(int argc, char **argv)
     }
     bool physical = cli_take_flag(&argc, argv, "--physical");
     s.impacts = cli_take_flag(&argc, argv, "--impacts");
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--time", &end)
-        || !cli_take_value(&argc, argv, "--steps", &steps) || !take_state(&argc, argv, &count, texts)
-        || !cli_operands(&cli_simulate, argc, argv, 1) || !parse_times(&s, end, steps))
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--time", &end) ||
+        !cli_take_value(&argc, argv, "--steps", &steps) || !take_state(&argc, argv, &count, texts) ||
+        !cli_operands(&cli_simulate, argc, argv, 1) || !parse_times(&s, end, steps))
         goto out;
     ric_status status = ric_study_read(argv[1], &s.study);
     if (status) {
@@ -216,12 +204,9 @@ static int run(int argc, char **argv)
         goto out;
     }
     s.n = ric_model_n_dof(ric_study_model(s.study));
-    if (physical)
-        s.length = ric_model_length(ric_study_model(s.study));
-    if (!make_columns(&s))
-        code = cli_report(RIC_E_NOMEM);
-    else if (parse_state(&s, count, texts))
-        code = simulate_and_print(&s, format);
+    if (physical) s.length = ric_model_length(ric_study_model(s.study));
+    if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
+    else if (parse_state(&s, count, texts)) code = simulate_and_print(&s, format);
 out:
     free(texts);
     simulation_free(&s);
@@ -231,27 +216,26 @@ out:
 const cli_command cli_simulate = {
     .name = "simulate",
     .summary = "follow the motion from a state, impact by impact",
-    .help =
-        "usage: ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
-        "           [--json | --csv]\n"
-        "\n"
-        "Places the structure of the study at displacements X (one per degree of freedom) with velocities V\n"
-        "at time 0 and follows it to time T in seconds. Every impact is found, with the study's coefficient\n"
-        "of restitution. Lists the columns t x1.. v1.. at N + 1 equal times, or the impacts. Lengths are in\n"
-        "clearances of the first contact.\n"
-        "\n"
-        "  --state X.. V..  2n numbers; a state on a face that moves into it is just before the impact\n"
-        "  --time T         where to stop\n"
-        "  --steps N        number of steps of the history: 200 unless given\n"
-        "  --impacts        list the impacts instead: t, face, approach (speed of the gap coordinate),\n"
-        "                   impulse, opens; a contact of law bilinear has two rows: it closes (impulse 0),\n"
-        "                   and opens (approach < 0) with the impulse of the whole contact\n"
-        "  --physical       state, history and impacts in the study's own units of length\n"
-        "\n"
-        "Where the impact law gives no motion (two stops met together whose impacts disturb each other,\n"
-        "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code\n"
-        "is 1; so it does after a million impacts.\n"
-        "\n"
-        "example: ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
+    .help = "usage: ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
+            "           [--json | --csv]\n"
+            "\n"
+            "Places the structure of the study at displacements X (one per degree of freedom) with velocities V\n"
+            "at time 0 and follows it to time T in seconds. Every impact is found, with the study's coefficient\n"
+            "of restitution. Lists the columns t x1.. v1.. at N + 1 equal times, or the impacts. Lengths are in\n"
+            "clearances of the first contact.\n"
+            "\n"
+            "  --state X.. V..  2n numbers; a state on a face that moves into it is just before the impact\n"
+            "  --time T         where to stop\n"
+            "  --steps N        number of steps of the history: 200 unless given\n"
+            "  --impacts        list the impacts instead: t, face, approach (speed of the gap coordinate),\n"
+            "                   impulse, opens; a contact of law bilinear has two rows: it closes (impulse 0),\n"
+            "                   and opens (approach < 0) with the impulse of the whole contact\n"
+            "  --physical       state, history and impacts in the study's own units of length\n"
+            "\n"
+            "Where the impact law gives no motion (two stops met together whose impacts disturb each other,\n"
+            "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code\n"
+            "is 1; so it does after a million impacts.\n"
+            "\n"
+            "example: ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
     .run = run,
 };

@@ -22,7 +22,7 @@ static const char *const subject_text[] = {"point", "branch", "junction"};
 typedef struct {
     subject of;
     bool done;
-    ric_check check;            /* of a junction: its id is the point */
+    ric_check check; /* of a junction: its id is the point */
     ric_claims claims;
 } result;
 
@@ -33,7 +33,7 @@ typedef struct {
     int n, room, branches;
     atomic_int next, finished;
     atomic_bool stop;
-    ric_status status;           /* the first that failed, and why */
+    ric_status status; /* the first that failed, and why */
     char detail[400];
     pthread_mutex_t mutex;
     double seconds;
@@ -51,9 +51,15 @@ static ric_status add(audit *a, subject of, int branch, int point)
         a->results = more;
         a->room = room;
     }
-    a->results[a->n++] = (result){.of = of, .check = {.branch = branch, .point = point, .flight_error = NAN,
-                                                       .return_error = NAN, .condition = NAN, .energy_error = NAN,
-                                                       .faces_agree = true, .passed = true}};
+    a->results[a->n++] = (result){.of = of,
+                                  .check = {.branch = branch,
+                                            .point = point,
+                                            .flight_error = NAN,
+                                            .return_error = NAN,
+                                            .condition = NAN,
+                                            .energy_error = NAN,
+                                            .faces_agree = true,
+                                            .passed = true}};
     return RIC_OK;
 }
 
@@ -224,21 +230,21 @@ static int tell_all(const audit *a)
         margins += r->claims.numbers == RIC_AGREES_UNCHECKED;
     }
     if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
-    cli_say("%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
-            a->branches, a->branches == 1 ? "" : "es");
+    cli_say("%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done, a->branches,
+            a->branches == 1 ? "" : "es");
     for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
         if (wrong[of])
-            cli_say("%d of %d rows of %s do not\n", wrong[of], rows[of],
-                    of == OF_BRANCH ? "branches" : "junctions");
+            cli_say("%d of %d rows of %s do not\n", wrong[of], rows[of], of == OF_BRANCH ? "branches" : "junctions");
     if (open)
         cli_say("multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
-                "of theirs\n", open, open == 1 ? "" : "s");
+                "of theirs\n",
+                open, open == 1 ? "" : "s");
     if (flags)
-        cli_say("stability not checked at %d point%s: on the border within rounding\n", flags,
-                flags == 1 ? "" : "s");
+        cli_say("stability not checked at %d point%s: on the border within rounding\n", flags, flags == 1 ? "" : "s");
     if (margins)
         cli_say("reach and approach not checked at %d point%s: springs multiply the rounding of the stored digits "
-                "beyond them\n", margins, margins == 1 ? "" : "s");
+                "beyond them\n",
+                margins, margins == 1 ? "" : "s");
     bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
     if (!whole)
         cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
@@ -248,10 +254,22 @@ static int tell_all(const audit *a)
 
 static int print_audit(const audit *a, cli_format format)
 {
-    static const char *const columns[] = {
-        "kind", "branch", "point", "junction", "flight_error", "return_error", "condition", "energy_error",
-        "faces_agree",
-        "multiplier_error", "multiplier_bound", "multipliers_agree", "stable_agrees", "numbers_agree", "passed", NULL};
+    static const char *const columns[] = {"kind",
+                                          "branch",
+                                          "point",
+                                          "junction",
+                                          "flight_error",
+                                          "return_error",
+                                          "condition",
+                                          "energy_error",
+                                          "faces_agree",
+                                          "multiplier_error",
+                                          "multiplier_bound",
+                                          "multipliers_agree",
+                                          "stable_agrees",
+                                          "numbers_agree",
+                                          "passed",
+                                          NULL};
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < a->n; i++)
@@ -271,8 +289,8 @@ static int run(int argc, char **argv)
     a.all = cli_take_flag(&argc, argv, "--all");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
         !cli_take_value(&argc, argv, "--point", &point_text) ||
-        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
-        !cli_take_value(&argc, argv, "-j", &workers_text) || !cli_operands(&cli_verify, argc, argv, 1) ||
+        !cli_take_value(&argc, argv, "--seconds", &seconds_text) || !cli_take_value(&argc, argv, "-j", &workers_text) ||
+        !cli_operands(&cli_verify, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
         (workers_text && !cli_parse_integer(workers_text, "-j", 1, MOST_WORKERS, &workers)) ||
@@ -301,35 +319,34 @@ static int run(int argc, char **argv)
 const cli_command cli_verify = {
     .name = "verify",
     .summary = "replay the orbits of an atlas with an independent simulator",
-    .help =
-        "usage: ricochet verify ATLAS [--branch ID [--point I]] [--all] [-j WORKERS] [--seconds S]\n"
-        "                       [--json | --csv]\n"
-        "\n"
-        "Replays the first, the middle and the last point of every branch and five more with a simulator that\n"
-        "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact\n"
-        "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared\n"
-        "with their points and orbits: one row for each, kind branch or junction.\n"
-        "\n"
-        "  flight_error   largest relative error of the time and the end of a flight; at most 1e-11\n"
-        "  return_error   relative distance from the start after one period; at most 1e-9 max(1, 1e-7\n"
-        "                 condition); none at a corner\n"
-        "  condition      largest modulus of a multiplier: what one period makes of a small error; more where\n"
-        "                 slow impacts amplify the simulator's own rounding on the way beyond that\n"
-        "  energy_error   relative error of the energy; at most 1e-11\n"
-        "  faces_agree    whether the faces of the word are met in their order, and no other\n"
-        "  multiplier_error, multiplier_bound\n"
-        "                 of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for\n"
-        "                 more modes of the multipliers that `points` and `orbit` give\n"
-        "  multipliers_agree, stable_agrees, numbers_agree\n"
-        "                 yes, no or unchecked: trace and rotation; the flag; energy, frequency, reach and\n"
-        "                 approach\n"
-        "  --branch ID    only this branch; with --point I only this point\n"
-        "  --all          every stored point\n"
-        "  -j WORKERS     how many at a time, 1 unless given\n"
-        "  --seconds S    stop after that time and show what was done\n"
-        "\n"
-        "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C.\n"
-        "\n"
-        "example: ricochet verify study.ricochet --branch 3 --all\n",
+    .help = "usage: ricochet verify ATLAS [--branch ID [--point I]] [--all] [-j WORKERS] [--seconds S]\n"
+            "                       [--json | --csv]\n"
+            "\n"
+            "Replays the first, the middle and the last point of every branch and five more with a simulator that\n"
+            "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact\n"
+            "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared\n"
+            "with their points and orbits: one row for each, kind branch or junction.\n"
+            "\n"
+            "  flight_error   largest relative error of the time and the end of a flight; at most 1e-11\n"
+            "  return_error   relative distance from the start after one period; at most 1e-9 max(1, 1e-7\n"
+            "                 condition); none at a corner\n"
+            "  condition      largest modulus of a multiplier: what one period makes of a small error; more where\n"
+            "                 slow impacts amplify the simulator's own rounding on the way beyond that\n"
+            "  energy_error   relative error of the energy; at most 1e-11\n"
+            "  faces_agree    whether the faces of the word are met in their order, and no other\n"
+            "  multiplier_error, multiplier_bound\n"
+            "                 of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for\n"
+            "                 more modes of the multipliers that `points` and `orbit` give\n"
+            "  multipliers_agree, stable_agrees, numbers_agree\n"
+            "                 yes, no or unchecked: trace and rotation; the flag; energy, frequency, reach and\n"
+            "                 approach\n"
+            "  --branch ID    only this branch; with --point I only this point\n"
+            "  --all          every stored point\n"
+            "  -j WORKERS     how many at a time, 1 unless given\n"
+            "  --seconds S    stop after that time and show what was done\n"
+            "\n"
+            "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C.\n"
+            "\n"
+            "example: ricochet verify study.ricochet --branch 3 --all\n",
     .run = run,
 };

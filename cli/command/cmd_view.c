@@ -18,7 +18,7 @@
 enum {
     FIRST_PORT = 8787,
     PAGE_PATH = 4096,
-    PAGE_SECONDS = 60,  /* that a browser may take to start */
+    PAGE_SECONDS = 60, /* that a browser may take to start */
     LEAVING_SECONDS = 2,
 };
 #define PAGE_NAME "/open.html"
@@ -40,8 +40,7 @@ static bool on_path(const char *program)
 
 static void remove_page(char *page)
 {
-    if (!*page)
-        return;
+    if (!*page) return;
     unlink(page);
     page[strlen(page) - strlen(PAGE_NAME)] = '\0';
     rmdir(page);
@@ -59,8 +58,7 @@ static bool has_browser(void)
 static bool write_page(const char *address, char *page)
 {
     const char *home = getenv("XDG_RUNTIME_DIR");
-    if (!home || !*home)
-        home = getenv("TMPDIR");
+    if (!home || !*home) home = getenv("TMPDIR");
     const int n = snprintf(page, PAGE_PATH - sizeof PAGE_NAME, "%s/ricochet-XXXXXX", home && *home ? home : "/tmp");
     if (n < 0 || n >= (int)(PAGE_PATH - sizeof PAGE_NAME) || !mkdtemp(page)) {
         *page = '\0';
@@ -69,13 +67,12 @@ static bool write_page(const char *address, char *page)
     strcpy(page + n, PAGE_NAME);
     const int fd = open(page, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     const bool written = fd >= 0 &&
-        dprintf(fd, "<!doctype html><meta charset=utf-8><title>ricochet</title>"
-                    "<meta http-equiv=refresh content=\"0;url=%s\"><a href=\"%s\">ricochet view</a>\n",
-                address, address) > 0;
-    if (fd >= 0)
-        close(fd);
-    if (!written)
-        remove_page(page);
+                         dprintf(fd,
+                                 "<!doctype html><meta charset=utf-8><title>ricochet</title>"
+                                 "<meta http-equiv=refresh content=\"0;url=%s\"><a href=\"%s\">ricochet view</a>\n",
+                                 address, address) > 0;
+    if (fd >= 0) close(fd);
+    if (!written) remove_page(page);
     return written;
 }
 
@@ -85,8 +82,7 @@ static bool open_browser(const char *address)
     const pid_t child = fork();
     if (child == 0) {
         const int nothing = open("/dev/null", O_RDWR);
-        if (fork() != 0)
-            _exit(0);
+        if (fork() != 0) _exit(0);
         setsid();
         if (nothing >= 0) {
             dup2(nothing, 0);
@@ -96,8 +92,7 @@ static bool open_browser(const char *address)
         execlp("xdg-open", "xdg-open", address, (char *)NULL);
         _exit(127);
     }
-    if (child > 0)
-        waitpid(child, NULL, 0);
+    if (child > 0) waitpid(child, NULL, 0);
     return child > 0;
 }
 
@@ -131,8 +126,7 @@ static void wait_and_watch(view_server *server, view_shelf *shelf, view_grower *
     for (unsigned long n = 1; !cli_stopped(); n++) {
         nanosleep(&tick, NULL);
         view_server_tidy(server);
-        if (*page && (view_server_visited(server) || n > 10 * PAGE_SECONDS))
-            remove_page(page);
+        if (*page && (view_server_visited(server) || n > 10 * PAGE_SECONDS)) remove_page(page);
         if (n % 10 == 0 && !view_grower_busy(grower) && view_shelf_stale(shelf) && view_shelf_reload(shelf))
             cli_say("ricochet: %s; the pages keep to what was there before\n", ric_detail());
     }
@@ -170,8 +164,7 @@ static int serve(const char *path, const view_options *o)
     char page[PAGE_PATH] = "";
     int code = CLI_FAILED;
     ric_status status = view_shelf_open(path, &shelf);
-    if (!status)
-        status = view_grower_create(shelf, (int)o->workers, &grower);
+    if (!status) status = view_grower_create(shelf, (int)o->workers, &grower);
     if (status) {
         code = cli_report(status);
         goto out;
@@ -185,14 +178,12 @@ static int serve(const char *path, const view_options *o)
         announce(server, o, path, page);
         wait_and_watch(server, shelf, grower, page);
         leave_soon();
-        if (view_grower_busy(grower))
-            fputs("ricochet: stopping the extension; what was done is kept\n", stderr);
+        if (view_grower_busy(grower)) fputs("ricochet: stopping the extension; what was done is kept\n", stderr);
         code = CLI_DONE;
     }
 out:
     remove_page(page);
-    if (grower)
-        view_grower_leave(grower);
+    if (grower) view_grower_leave(grower);
     view_server_stop(server); /* requests end before what they use */
     view_grower_free(grower);
     view_shelf_close(shelf);
@@ -241,20 +232,19 @@ static int run(int argc, char **argv)
 const cli_command cli_view = {
     .name = "view",
     .summary = "look at an atlas in the browser",
-    .help =
-        "usage: ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
-        "\n"
-        "Serves a page that shows the atlas, prints its address and opens it in the browser: the\n"
-        "frequency-energy plot down to the last digit, the orbit at any place of a branch, cascades, bases,\n"
-        "and further departures, which are saved into the atlas. Everything it needs is inside the program.\n"
-        "Ctrl-C ends it.\n"
-        "\n"
-        "  --port P           8787, or the next one that is free, unless given; 0 for any\n"
-        "  --listen ADDRESS   an address other than 127.0.0.1: others can then read the atlas. Nothing is\n"
-        "                     encrypted\n"
-        "  --no-browser       print the address only\n"
-        "  -j WORKERS         how many departures at a time, 1 unless given\n"
-        "\n"
-        "example: ricochet view study.ricochet\n",
+    .help = "usage: ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
+            "\n"
+            "Serves a page that shows the atlas, prints its address and opens it in the browser: the\n"
+            "frequency-energy plot down to the last digit, the orbit at any place of a branch, cascades, bases,\n"
+            "and further departures, which are saved into the atlas. Everything it needs is inside the program.\n"
+            "Ctrl-C ends it.\n"
+            "\n"
+            "  --port P           8787, or the next one that is free, unless given; 0 for any\n"
+            "  --listen ADDRESS   an address other than 127.0.0.1: others can then read the atlas. Nothing is\n"
+            "                     encrypted\n"
+            "  --no-browser       print the address only\n"
+            "  -j WORKERS         how many departures at a time, 1 unless given\n"
+            "\n"
+            "example: ricochet view study.ricochet\n",
     .run = run,
 };

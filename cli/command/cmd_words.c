@@ -14,7 +14,7 @@ enum {
 typedef struct {
     const ric_model *model; /* NULL: the article's two faces */
     int n;
-    int *word, *other;      /* [n] */
+    int *word, *other; /* [n] */
     char *text;
     size_t size;
 } lister;
@@ -41,17 +41,13 @@ static int shift_that_fits(const lister *l, bool flip)
 {
     for (int r = 1; r <= l->n; r++) {
         int i = 0;
-        if (l->n % r)
-            continue;
+        if (l->n % r) continue;
         for (; i < l->n; i++) {
             int letter = l->word[(i + r) % l->n], mirror = 1 - letter;
-            if (flip && l->model && ric_model_face(l->model, letter, NULL, NULL, &mirror))
-                return 0;
-            if ((flip ? mirror : letter) != l->word[i])
-                break;
+            if (flip && l->model && ric_model_face(l->model, letter, NULL, NULL, &mirror)) return 0;
+            if ((flip ? mirror : letter) != l->word[i]) break;
         }
-        if (i == l->n)
-            return r;
+        if (i == l->n) return r;
     }
     return 0;
 }
@@ -71,8 +67,7 @@ static json_t *word_row(lister *l, int number)
     json_object_set_new(row, "word", json_string(l->text));
     json_object_set_new(row, "repeats", json_integer(l->n / shift_that_fits(l, false)));
     json_object_set_new(row, "symmetric", json_boolean(may_be_symmetric(l)));
-    for (int i = 0; i < l->n; i++)
-        l->other[i] = l->word[l->n - 1 - i];
+    for (int i = 0; i < l->n; i++) l->other[i] = l->word[l->n - 1 - i];
     ric_word_canonical(l->model, l->n, l->other, false, l->other);
     json_object_set_new(row, "reversible", json_boolean(!memcmp(l->other, l->word, (size_t)l->n * sizeof *l->word)));
     ric_word_format(l->model, l->n, l->other, l->size, l->text);
@@ -87,14 +82,12 @@ static ric_status list_words(lister *l, long limit, json_t *rows, bool *complete
     *complete = false;
     for (long i = 0; i <= limit; i++) {
         ric_status status = ric_word_next(l->model, l->n, false, l->word, &more);
-        if (status)
-            return status;
+        if (status) return status;
         if (!more) {
             *complete = true;
             return RIC_OK;
         }
-        if (i < limit)
-            json_array_append_new(rows, word_row(l, (int)i + 1));
+        if (i < limit) json_array_append_new(rows, word_row(l, (int)i + 1));
     }
     return RIC_OK;
 }
@@ -102,10 +95,8 @@ static ric_status list_words(lister *l, long limit, json_t *rows, bool *complete
 static void format_count(const lister *l, bool reversal, size_t size, char *out)
 {
     uint64_t count;
-    if (ric_word_count(l->model, l->n, reversal, &count) == RIC_OK)
-        snprintf(out, size, "%" PRIu64, count);
-    else
-        snprintf(out, size, "more than %" PRIu64, UINT64_MAX);
+    if (ric_word_count(l->model, l->n, reversal, &count) == RIC_OK) snprintf(out, size, "%" PRIu64, count);
+    else snprintf(out, size, "more than %" PRIu64, UINT64_MAX);
 }
 
 static int print_words(lister *l, const json_t *rows, cli_format format, bool complete)
@@ -135,18 +126,15 @@ static int run(int argc, char **argv)
     lister l = {0};
     bool complete;
     ric_status status = RIC_OK;
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--limit", &limit_text)
-        || !cli_operands(&cli_words, argc, argv, argc == 3 ? 2 : 1) || !cli_parse_integer(argv[1], "N", 1, N_MAX, &n)
-        || (limit_text && !cli_parse_integer(limit_text, "--limit", 0, LIST_MAX, &limit)))
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--limit", &limit_text) ||
+        !cli_operands(&cli_words, argc, argv, argc == 3 ? 2 : 1) || !cli_parse_integer(argv[1], "N", 1, N_MAX, &n) ||
+        (limit_text && !cli_parse_integer(limit_text, "--limit", 0, LIST_MAX, &limit)))
         return CLI_WRONG;
-    if (!limit_text && format != CLI_TEXT)
-        limit = LIST_MAX;
-    if (argc == 3)
-        status = ric_study_read(argv[2], &study);
+    if (!limit_text && format != CLI_TEXT) limit = LIST_MAX;
+    if (argc == 3) status = ric_study_read(argv[2], &study);
     if (!status && (!(rows = json_array()) || !lister_init(&l, study ? ric_study_model(study) : NULL, (int)n)))
         status = RIC_E_NOMEM;
-    if (!status)
-        status = list_words(&l, limit, rows, &complete);
+    if (!status) status = list_words(&l, limit, rows, &complete);
     int code = status ? cli_report(status) : print_words(&l, rows, format, complete);
     json_decref(rows);
     lister_free(&l);
@@ -157,19 +145,18 @@ static int run(int argc, char **argv)
 const cli_command cli_words = {
     .name = "words",
     .summary = "list the independent forms of N impacts and their numbers",
-    .help =
-        "usage: ricochet words N [STUDY] [--limit L] [--json | --csv]\n"
-        "\n"
-        "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set\n"
-        "that differs by where the period starts or by x -> -x, in ascending order, and says how many there\n"
-        "are without and with time reversal. Faces are those of the study, or 0 and 1, the two faces of one\n"
-        "stop.\n"
-        "\n"
-        "  repeats     how often a shorter word is repeated: 1 for a word of its own\n"
-        "  symmetric   whether a motion with z(t + T/2) = -z(t) can have the word\n"
-        "  reversible  whether the word read backwards is the same form; `reversed` is that form\n"
-        "  --limit L   list at most L forms: 200 unless given, for --json and --csv 10000\n"
-        "\n"
-        "example: ricochet words 6\n",
+    .help = "usage: ricochet words N [STUDY] [--limit L] [--json | --csv]\n"
+            "\n"
+            "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set\n"
+            "that differs by where the period starts or by x -> -x, in ascending order, and says how many there\n"
+            "are without and with time reversal. Faces are those of the study, or 0 and 1, the two faces of one\n"
+            "stop.\n"
+            "\n"
+            "  repeats     how often a shorter word is repeated: 1 for a word of its own\n"
+            "  symmetric   whether a motion with z(t + T/2) = -z(t) can have the word\n"
+            "  reversible  whether the word read backwards is the same form; `reversed` is that form\n"
+            "  --limit L   list at most L forms: 200 unless given, for --json and --csv 10000\n"
+            "\n"
+            "example: ricochet words 6\n",
     .run = run,
 };

@@ -9,16 +9,16 @@
 
 enum {
     CLI_DONE = 0,
-    CLI_FAILED = 1,      /* could not be done */
-    CLI_WRONG = 2,       /* the call or the study is wrong */
-    CLI_LIMIT = 3,       /* stopped by a limit that was asked for: there is more to do */
+    CLI_FAILED = 1,        /* could not be done */
+    CLI_WRONG = 2,         /* the call or the study is wrong */
+    CLI_LIMIT = 3,         /* stopped by a limit that was asked for: there is more to do */
     CLI_INTERRUPTED = 130, /* by a signal; what a shell says of Ctrl-C */
 };
 
 typedef struct {
-    const char *name;    /* "branches" */
-    const char *summary; /* one line for `ricochet --help` */
-    const char *help;    /* usage, options, an example that works */
+    const char *name;                  /* "branches" */
+    const char *summary;               /* one line for `ricochet --help` */
+    const char *help;                  /* usage, options, an example that works */
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; returns an exit code */
 } cli_command;
 
@@ -118,8 +118,8 @@ bool cli_stopped(void);
 /* A cascade that a command is asked to follow: --branch ID with --multiply LIST or --doublings N. */
 enum { CLI_MAX_CASCADE = 24 };
 typedef struct {
-    bool given;    /* --multiply or --doublings */
-    int branch;    /* 0: not given */
+    bool given; /* --multiply or --doublings */
+    int branch; /* 0: not given */
     int n;
     int multiple[CLI_MAX_CASCADE], rotation[CLI_MAX_CASCADE];
     bool to_end;

@@ -82,8 +82,7 @@ static void put_visible(const char *text)
 
 int cli_report(ric_status status)
 {
-    if (status == RIC_OK)
-        return CLI_DONE;
+    if (status == RIC_OK) return CLI_DONE;
     const char *detail = ric_detail();
     if (status == RIC_E_NOMEM && !strstr(detail, "memory")) /* the command itself had none; the detail is that of
                                                              * something before */
@@ -140,8 +139,7 @@ bool cli_take_flag(int *argc, char **argv, const char *name)
         if (!strcmp(argv[i], name)) {
             take_out(argc, argv, i, 1);
             found = true;
-        } else
-            i++;
+        } else i++;
     return found;
 }
 
@@ -182,8 +180,7 @@ bool cli_take_value(int *argc, char **argv, const char *name, const char **value
                 *value = argv[i + 1];
                 take_out(argc, argv, i, 2);
             }
-        } else
-            continue;
+        } else continue;
         if (!*value || !**value) {
             cli_wrong("%s needs a value; see ricochet %s --help", name, argv[0]);
             return false;
@@ -206,8 +203,7 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n)
             cli_wrong("%s: argument %d is empty; it must name something\n%.*s", command->name, i, usage, command->help);
             return false;
         }
-    if (argc - 1 == n)
-        return true;
+    if (argc - 1 == n) return true;
     if (argc - 1 > n)
         cli_wrong("%s: '%s' is one argument too many\n%.*s", command->name, argv[n + 1], usage, command->help);
     else

@@ -20,26 +20,25 @@ static const cli_command *const commands[] = {
 static void print_help(FILE *out)
 {
     fputs("usage: ricochet COMMAND ...\n\n"
-          "Periodic orbits of linear structures with stops, gaps and springs: from a study to an atlas.\n\n", out);
-    for (int i = 0; i < COUNT(commands); i++)
-        fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+          "Periodic orbits of linear structures with stops, gaps and springs: from a study to an atlas.\n\n",
+          out);
+    for (int i = 0; i < COUNT(commands); i++) fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\n  ricochet COMMAND --help   options and an example\n"
           "  ricochet --version\n\n"
           "A first atlas:\n"
           "  ricochet new demo\n"
           "  ricochet run demo/study.yaml\n"
           "  ricochet branches demo/study.ricochet\n\n"
-          "Exit codes: 0 done, 1 could not be done, 2 the call or the study is wrong.\n", out);
+          "Exit codes: 0 done, 1 could not be done, 2 the call or the study is wrong.\n",
+          out);
 }
 
 /* Letters that two words share at the front, less what differs in length: enough for a slip of the finger. */
 static int likeness(const char *a, const char *b)
 {
     int common = 0, swapped = 0;
-    while (a[common] && a[common] == b[common])
-        common++;
-    for (const char *c = a; *c; c++)
-        swapped += strchr(b, *c) != NULL;
+    while (a[common] && a[common] == b[common]) common++;
+    for (const char *c = a; *c; c++) swapped += strchr(b, *c) != NULL;
     int longer = (int)strlen(a) - (int)strlen(b);
     return 2 * common + swapped - (longer < 0 ? -longer : longer);
 }
@@ -63,8 +62,7 @@ static int unknown_command(const char *name)
 static bool asks_for_help(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++)
-        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h"))
-            return true;
+        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) return true;
     return false;
 }
 
@@ -105,8 +103,7 @@ static void hold_streams(void)
             fd = open("/dev/null", O_RDONLY);
         }
     } while (fd >= 0 && fd <= STDERR_FILENO);
-    if (fd >= 0)
-        close(fd);
+    if (fd >= 0) close(fd);
 }
 
 int cli_main(int argc, char **argv)

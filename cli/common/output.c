@@ -41,8 +41,7 @@ json_t *cli_id(int id)
 json_t *cli_integers(int n, const int *values)
 {
     json_t *array = json_array();
-    for (int i = 0; i < n; i++)
-        json_array_append_new(array, json_integer(values[i]));
+    for (int i = 0; i < n; i++) json_array_append_new(array, json_integer(values[i]));
     return array;
 }
 
@@ -74,8 +73,7 @@ static void add_text(buffer *b, const char *text)
         b->text = larger ? larger : b->text;
         b->size = larger ? size : b->size;
     }
-    if (b->failed)
-        return;
+    if (b->failed) return;
     memcpy(b->text + b->n, text, n + 1);
     b->n += n;
 }
@@ -90,7 +88,8 @@ static void add_members(buffer *b, const json_t *value, cli_format format)
     size_t i;
     bool first = true;
     if (json_is_array(value)) {
-        json_array_foreach(value, i, member) {
+        json_array_foreach(value, i, member)
+        {
             add_text(b, first ? "" : " ");
             add_text(b, json_is_null(member) ? "null" : "");
             add_value(b, member, format);
@@ -98,8 +97,9 @@ static void add_members(buffer *b, const json_t *value, cli_format format)
         }
         return;
     }
-    json_object_foreach((json_t *)value, key, member) { /* Jansson asks for one that may change and leaves it as it
-                                                         * is */
+    json_object_foreach((json_t *)value, key, member)
+    { /* Jansson asks for one that may change and leaves it as it
+       * is */
         add_text(b, first ? "" : " ");
         add_text(b, key);
         add_text(b, "=");
@@ -113,12 +113,8 @@ static void add_value(buffer *b, const json_t *value, cli_format format)
     char number[40];
     switch (value ? json_typeof(value) : JSON_NULL) {
     case JSON_OBJECT:
-    case JSON_ARRAY:
-        add_members(b, value, format);
-        break;
-    case JSON_STRING:
-        add_text(b, json_string_value(value));
-        break;
+    case JSON_ARRAY: add_members(b, value, format); break;
+    case JSON_STRING: add_text(b, json_string_value(value)); break;
     case JSON_INTEGER:
         snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
         add_text(b, number);
@@ -127,14 +123,9 @@ static void add_value(buffer *b, const json_t *value, cli_format format)
         snprintf(number, sizeof number, format == CLI_CSV ? "%.17g" : "%.12g", json_real_value(value));
         add_text(b, number);
         break;
-    case JSON_TRUE:
-        add_text(b, format == CLI_CSV ? "true" : "yes");
-        break;
-    case JSON_FALSE:
-        add_text(b, format == CLI_CSV ? "false" : "no");
-        break;
-    case JSON_NULL:
-        break;
+    case JSON_TRUE: add_text(b, format == CLI_CSV ? "true" : "yes"); break;
+    case JSON_FALSE: add_text(b, format == CLI_CSV ? "false" : "no"); break;
+    case JSON_NULL: break;
     }
 }
 
@@ -158,12 +149,10 @@ static bool print_json(const json_t *rows)
 {
     const size_t plain = isatty(STDOUT_FILENO) ? JSON_ENSURE_ASCII : 0; /* some characters steer a terminal */
     size_t i, n = json_array_size(rows);
-    if (n == 0)
-        return puts("[]") >= 0;
+    if (n == 0) return puts("[]") >= 0;
     for (i = 0; i < n; i++) {
         fputs(i ? ",\n " : "[\n ", stdout);
-        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17) | plain))
-            return false;
+        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17) | plain)) return false;
     }
     return puts("\n]") >= 0;
 }
@@ -179,8 +168,7 @@ static void print_csv_cell(const char *text)
     }
     putchar('"');
     for (; *text; text++) {
-        if (*text == '"')
-            putchar('"');
+        if (*text == '"') putchar('"');
         putchar(*text);
     }
     putchar('"');
@@ -190,8 +178,7 @@ static void print_csv_cell(const char *text)
 static char *csv_text(const json_t *row, const char *column)
 {
     char *text = cell_text(row, column, CLI_CSV);
-    if (!text || !isatty(STDOUT_FILENO))
-        return text;
+    if (!text || !isatty(STDOUT_FILENO)) return text;
     char *visible = cli_visible(text, true);
     free(text);
     return visible;
@@ -206,11 +193,11 @@ static bool print_csv(const json_t *rows, const char *const *columns)
         print_csv_cell(columns[k]);
     }
     putchar('\n');
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         for (size_t k = 0; columns[k]; k++) {
             char *text = csv_text(row, columns[k]);
-            if (!text)
-                return false;
+            if (!text) return false;
             fputs(k ? "," : "", stdout);
             print_csv_cell(text);
             free(text);
@@ -226,8 +213,7 @@ static bool print_csv(const json_t *rows, const char *const *columns)
 static int width_of(const char *text)
 {
     int n = 0;
-    for (; *text; text++)
-        n += ((unsigned char)*text & 0xc0) != 0x80;
+    for (; *text; text++) n += ((unsigned char)*text & 0xc0) != 0x80;
     return n;
 }
 
@@ -243,10 +229,10 @@ static bool is_numeric(const json_t *rows, const char *column)
 {
     const json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         const json_t *value = json_object_get(row, column);
-        if (value && !json_is_number(value) && !json_is_null(value))
-            return false;
+        if (value && !json_is_number(value) && !json_is_null(value)) return false;
     }
     return true;
 }
@@ -262,13 +248,11 @@ static bool print_table(const json_t *rows, const char *const *columns)
     char **cells = NULL;
     int *width = NULL;
     bool *numeric = NULL, done = false;
-    while (columns[n_column])
-        n_column++;
+    while (columns[n_column]) n_column++;
     cells = calloc(n_row * n_column + 1, sizeof *cells);
     width = calloc(n_column + 1, sizeof *width);
     numeric = calloc(n_column + 1, sizeof *numeric);
-    if (!cells || !width || !numeric)
-        goto out;
+    if (!cells || !width || !numeric) goto out;
     for (size_t k = 0; k < n_column; k++) {
         width[k] = width_of(columns[k]);
         numeric[k] = is_numeric(rows, columns[k]);
@@ -276,20 +260,17 @@ static bool print_table(const json_t *rows, const char *const *columns)
             char *cell = cell_text(json_array_get(rows, i), columns[k], CLI_TEXT),
                  *text = cells[i * n_column + k] = cell ? cli_visible(cell, false) : NULL;
             free(cell);
-            if (!text)
-                goto out;
+            if (!text) goto out;
             width[k] = width_of(shown(text)) > width[k] ? width_of(shown(text)) : width[k];
         }
     }
-    for (size_t k = 0; k < n_column; k++)
-        print_padded(columns[k], width[k], numeric[k], k + 1 == n_column);
+    for (size_t k = 0; k < n_column; k++) print_padded(columns[k], width[k], numeric[k], k + 1 == n_column);
     for (size_t i = 0; i < n_row; i++)
         for (size_t k = 0; k < n_column; k++)
             print_padded(shown(cells[i * n_column + k]), width[k], numeric[k], k + 1 == n_column);
     done = true;
 out:
-    for (size_t i = 0; cells && i < n_row * n_column; i++)
-        free(cells[i]);
+    for (size_t i = 0; cells && i < n_row * n_column; i++) free(cells[i]);
     free(cells);
     free(width);
     free(numeric);
@@ -329,14 +310,12 @@ int cli_print_rows(const json_t *rows, const char *const *columns, cli_format fo
 static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
 {
     const double d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
-    if (listing->rows)
-        return listing->rows(atlas, d, listing->user, rows);
+    if (listing->rows) return listing->rows(atlas, d, listing->user, rows);
     for (int id = 1; id <= listing->count(atlas); id++) {
         json_t *row = json_object();
         ric_status status = listing->row(atlas, id, d, row);
         json_array_append_new(rows, row);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return RIC_OK;
 }
@@ -348,11 +327,9 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     json_t *rows = json_array();
     int code = CLI_WRONG;
     bool physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_format(&argc, argv, &format) || !cli_operands(listing->command, argc, argv, 1))
-        goto out;
+    if (!cli_take_format(&argc, argv, &format) || !cli_operands(listing->command, argc, argv, 1)) goto out;
     ric_status status = ric_atlas_read(argv[1], &atlas);
-    if (!status)
-        status = add_rows(rows, listing, atlas, physical);
+    if (!status) status = add_rows(rows, listing, atlas, physical);
     code = status ? cli_report(status) : cli_print_rows(rows, format == CLI_TEXT ? listing->few : listing->all, format);
 out:
     json_decref(rows);

@@ -10,10 +10,10 @@
 typedef struct {
     const ric_explore_options *options;
     const ric_model *model;
-    int n, reference;           /* number from 1 of the mode that dimensionless energies are relative to; 0: none */
-    double unit;                /* its onset */
-    double *frequency, *onset;  /* [n] */
-    bool *seen;                 /* [n] */
+    int n, reference;          /* number from 1 of the mode that dimensionless energies are relative to; 0: none */
+    double unit;               /* its onset */
+    double *frequency, *onset; /* [n] */
+    bool *seen;                /* [n] */
     bool smooth;
 } facts;
 
@@ -28,7 +28,9 @@ static ric_status facts_ask(const ric_study *study, facts *f)
 {
     const ric_model *model = ric_study_model(study);
     const size_t n = (size_t)ric_model_n_dof(model);
-    *f = (facts){.options = ric_study_options(study), .model = model, .n = (int)n,
+    *f = (facts){.options = ric_study_options(study),
+                 .model = model,
+                 .n = (int)n,
                  .smooth = ric_model_n_face(model) == 0};
     f->unit = ric_model_onset(model, &f->reference);
     f->frequency = malloc(n * sizeof *f->frequency);
@@ -103,7 +105,7 @@ static void print_left_out(const facts *f)
  * size, and under a power law the integration of as many sensitivities. */
 #define RIGID_SECONDS 2e-5
 #define SMOOTH_SECONDS 4e-3
-#define LONG 0.4 /* seconds for one branch from which on that is said */
+#define LONG 0.4        /* seconds for one branch from which on that is said */
 #define FEW_BRANCHES 20 /* that an atlas has with the default budgets, and many */
 #define MANY_BRANCHES 200
 
@@ -220,7 +222,8 @@ ric_status cli_windows_rows(const ric_study *study, json_t *rows)
     const bool is_refused = !status && refused(study, why, sizeof why);
     json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         if (status) break;
         json_object_set_new(row, "onset", cli_number(f.onset[i]));
         json_object_set_new(row, "relative_onset", cli_number(f.onset[i] / f.unit));

@@ -19,12 +19,9 @@ static plot_format format_of(const char *path)
 {
     const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
     if (dot && dot != path && dot[-1] != '/') {
-        if (!strcasecmp(dot, ".svg"))
-            return PLOT_FORMAT_SVG;
-        if (!strcasecmp(dot, ".pdf"))
-            return PLOT_FORMAT_PDF;
-        if (!strcasecmp(dot, ".png"))
-            return PLOT_FORMAT_PNG;
+        if (!strcasecmp(dot, ".svg")) return PLOT_FORMAT_SVG;
+        if (!strcasecmp(dot, ".pdf")) return PLOT_FORMAT_PDF;
+        if (!strcasecmp(dot, ".png")) return PLOT_FORMAT_PNG;
     }
     return PLOT_FORMAT_NONE;
 }
@@ -47,8 +44,7 @@ int plot_check_target(const char *path)
 static int run_gnuplot(FILE *script, FILE *result, FILE *complaint, int *status)
 {
     int trouble[2], failed = 0; /* closed by a successful exec, else it carries errno */
-    if (pipe(trouble) != 0)
-        return errno;
+    if (pipe(trouble) != 0) return errno;
     fcntl(trouble[1], F_SETFD, FD_CLOEXEC);
     const pid_t child = fork();
     if (child == 0) {
@@ -59,17 +55,15 @@ static int run_gnuplot(FILE *script, FILE *result, FILE *complaint, int *status)
         dup2(fileno(complaint), STDERR_FILENO);
         execvp(arguments[0], arguments);
         failed = errno;
-        if (write(trouble[1], &failed, sizeof failed) < 0)
-            _exit(126);
+        if (write(trouble[1], &failed, sizeof failed) < 0) _exit(126);
         _exit(127);
     }
-    if (child < 0)
-        failed = errno;
+    if (child < 0) failed = errno;
     close(trouble[1]);
     if (child > 0) {
-        if (read(trouble[0], &failed, sizeof failed) != sizeof failed)
-            failed = 0;
-        while (waitpid(child, status, 0) < 0 && errno == EINTR) {}
+        if (read(trouble[0], &failed, sizeof failed) != sizeof failed) failed = 0;
+        while (waitpid(child, status, 0) < 0 && errno == EINTR) {
+        }
     }
     close(trouble[0]);
     return failed;
@@ -81,11 +75,9 @@ static int report_complaint(FILE *complaint, int status)
     char line[512], last[512] = "no message";
     rewind(complaint);
     while (fgets(line, sizeof line, complaint))
-        if (strspn(line, " \t\r\n^") != strlen(line))
-            snprintf(last, sizeof last, "%s", line + strspn(line, " \t"));
+        if (strspn(line, " \t\r\n^") != strlen(line)) snprintf(last, sizeof last, "%s", line + strspn(line, " \t"));
     last[strcspn(last, "\n")] = '\0';
-    if (WIFSIGNALED(status))
-        cli_say("ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
+    if (WIFSIGNALED(status)) cli_say("ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
     else
         cli_say("ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo is needed (Debian: "
                 "gnuplot-nox)\n",
@@ -111,8 +103,7 @@ static bool copy_file(FILE *from, int to)
     while ((n = fread(block, 1, sizeof block, from)) > 0)
         for (size_t done = 0; done < n;) {
             const ssize_t written = write(to, block + done, n - done);
-            if (written < 0 && errno != EINTR)
-                return false;
+            if (written < 0 && errno != EINTR) return false;
             done += written > 0 ? (size_t)written : 0;
         }
     return !ferror(from);
@@ -191,13 +182,9 @@ int plot_page_write(plot_page *page, const char *path)
     }
     code = deliver(small ? small : result, path);
 out:
-    if (small)
-        fclose(small);
-    if (script)
-        fclose(script);
-    if (result)
-        fclose(result);
-    if (complaint)
-        fclose(complaint);
+    if (small) fclose(small);
+    if (script) fclose(script);
+    if (result) fclose(result);
+    if (complaint) fclose(complaint);
     return code;
 }

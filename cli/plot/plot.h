@@ -11,20 +11,27 @@
 
 #include "common/cli.h"
 
-typedef struct { double x, y; } plot_point;
-typedef struct { double left, bottom, right, top; } plot_box;
+typedef struct {
+    double x, y;
+} plot_point;
+typedef struct {
+    double left, bottom, right, top;
+} plot_box;
 
 /* -------------------------------------------------------------- page (plot_page.c) */
 
 /* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
 typedef enum {
-    PLOT_GRID, PLOT_NATURAL, PLOT_LOCKED, PLOT_GHOST,
-    PLOT_DUPLICATE, /* + 0..2: linear, asymmetric, symmetric */
+    PLOT_GRID,
+    PLOT_NATURAL,
+    PLOT_LOCKED,
+    PLOT_GHOST,
+    PLOT_DUPLICATE,                   /* + 0..2: linear, asymmetric, symmetric */
     PLOT_LINEAR = PLOT_DUPLICATE + 3, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
     PLOT_ATLAS_DUPLICATE = PLOT_SYMMETRIC + 3, /* + 0..5: one of several atlases */
-    PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6, /* + 3 times 0..5, + 0..2 */
+    PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6,     /* + 3 times 0..5, + 0..2 */
     PLOT_ZOOM = PLOT_ATLAS + 18,
     PLOT_SHEET, /* + 0, 1: inside, edge */
     PLOT_JUMP = PLOT_SHEET + 2,
@@ -111,7 +118,9 @@ typedef struct {
     double from, to; /* pixels */
 } plot_axis;
 
-typedef struct { plot_axis x, y; } plot_panel;
+typedef struct {
+    plot_axis x, y;
+} plot_panel;
 
 double plot_axis_at(const plot_axis *axis, double value);
 plot_box plot_panel_box(const plot_panel *panel);
@@ -142,12 +151,12 @@ double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, dou
 
 /* A label that wants to stand near a point. */
 typedef struct {
-    plot_point at;   /* pixels */
-    double clear;    /* keep this far from `at` */
-    double weight;   /* larger is placed first */
-    int group;       /* of labels with the same group > 0 only one is placed: alternatives */
+    plot_point at; /* pixels */
+    double clear;  /* keep this far from `at` */
+    double weight; /* larger is placed first */
+    int group;     /* of labels with the same group > 0 only one is placed: alternatives */
     const char *colour;
-    bool leader;     /* may stand far away with a thin line to its point */
+    bool leader; /* may stand far away with a thin line to its point */
     char text[96];
 } plot_tag;
 
@@ -217,7 +226,7 @@ typedef struct {
  * first[k + 1] - 1. */
 typedef struct {
     const ric_model *model;
-    int n; /* degrees of freedom */
+    int n;              /* degrees of freedom */
     int impacts, *word; /* letters of the word, [impacts]; from n_face on a spring opens */
     double *state, *flights, period;
     double tolerance; /* how near a gap must come to a stop, in clearances, to be a touch */
@@ -272,12 +281,12 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
 
 typedef struct {
     char name[160];
-    int junction, branch; /* one of them, the other is 0 */
-    int kind;             /* ric_kind of a junction, -1 for a point of a branch */
-    int periods;          /* how often the orbit is gone through; a q-tupling counts q times */
-    int stable;           /* ric_stability, -1 for a junction */
+    int junction, branch;     /* one of them, the other is 0 */
+    int kind;                 /* ric_kind of a junction, -1 for a point of a branch */
+    int periods;              /* how often the orbit is gone through; a q-tupling counts q times */
+    int stable;               /* ric_stability, -1 for a junction */
     double energy, frequency; /* frequency of the orbit itself */
-    plot_motion motion;   /* kept, not yet made; released with plot_motion_free */
+    plot_motion motion;       /* kept, not yet made; released with plot_motion_free */
 } plot_choice;
 
 /* An orbit: JUNCTION, or SEGMENT@ with a part of the way from 0 to 1, E=.. or F=..; then *K if it is gone through K

@@ -7,7 +7,7 @@
 #include "plot.h"
 
 enum { MAX_TICKS = 160 };
-static const double far_away = 1e6; /* pixels, for values that a logarithm does not reach */
+static const double far_away = 1e6;   /* pixels, for values that a logarithm does not reach */
 static const double knee_part = 0.68; /* of a broken axis lies below its knee */
 static const double type = 12;
 
@@ -23,15 +23,13 @@ double plot_axis_at(const plot_axis *axis, double value)
     const double length = axis->to - axis->from, fold = axis->from + knee_part * length;
     switch (axis->scale) {
     case PLOT_SCALE_LOG:
-        if (value <= 0)
-            return axis->from - far_away;
+        if (value <= 0) return axis->from - far_away;
         return clamp_pixels(axis->from + length * log(value / axis->lo) / log(axis->hi / axis->lo));
     case PLOT_SCALE_BROKEN:
         if (value > axis->knee)
             return clamp_pixels(fold + (axis->to - fold) * log(value / axis->knee) / log(axis->hi / axis->knee));
         return clamp_pixels(axis->from + (fold - axis->from) * (value - axis->lo) / (axis->knee - axis->lo));
-    default:
-        return clamp_pixels(axis->from + length * (value - axis->lo) / (axis->hi - axis->lo));
+    default: return clamp_pixels(axis->from + length * (value - axis->lo) / (axis->hi - axis->lo));
     }
 }
 
@@ -66,14 +64,12 @@ typedef struct {
 /* `text` NULL makes a minor tic. */
 static void add_tick(tick_list *list, double value, const char *text)
 {
-    if (list->n == MAX_TICKS || value < list->low || value > list->high)
-        return;
+    if (list->n == MAX_TICKS || value < list->low || value > list->high) return;
     tick *t = &list->ticks[list->n++];
     *t = (tick){.at = plot_axis_at(list->axis, value), .major = text != NULL};
     if (text && *text == '-') /* a real minus sign */
         snprintf(t->text, sizeof t->text, "\xe2\x88\x92%.56s", text + 1);
-    else if (text)
-        snprintf(t->text, sizeof t->text, "%s", text);
+    else if (text) snprintf(t->text, sizeof t->text, "%s", text);
 }
 
 /* 1, 2 or 5 times a power of ten, so that about `count` steps fit. */
@@ -87,8 +83,7 @@ static double nice_step(double span, double count)
 static double telling_step(double low, double high, double count)
 {
     double step = nice_step(high - low, count);
-    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++)
-        step = nice_step(step / 2, 1);
+    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++) step = nice_step(step / 2, 1);
     return step;
 }
 
@@ -118,12 +113,13 @@ static void power_tick(tick_list *list, int tenths, int exponent)
 {
     const double value = tenths * pow(10, exponent - 1);
     char text[64];
-    if (exponent < 5 && exponent > -4)
-        snprintf(text, sizeof text, "%.10g", value);
-    else if (tenths == 10)
-        snprintf(text, sizeof text, "10^{%d}", exponent);
+    if (exponent < 5 && exponent > -4) snprintf(text, sizeof text, "%.10g", value);
+    else if (tenths == 10) snprintf(text, sizeof text, "10^{%d}", exponent);
     else
-        snprintf(text, sizeof text, "%g\xc2\xb7" "10^{%d}", tenths / 10., exponent);
+        snprintf(text, sizeof text,
+                 "%g\xc2\xb7"
+                 "10^{%d}",
+                 tenths / 10., exponent);
     add_tick(list, value, text);
 }
 
@@ -131,7 +127,8 @@ static void power_tick(tick_list *list, int tenths, int exponent)
 static const char *labelled(double decade)
 {
     static const struct {
-        double least; char tenths[13];
+        double least;
+        char tenths[13];
     } sets[] = {{22, {10, 12, 15, 20, 25, 30, 40, 50, 60, 70, 80, 90}},
                 {12, {10, 15, 20, 30, 40, 50, 70}},
                 {9, {10, 20, 30, 50}},
@@ -139,8 +136,7 @@ static const char *labelled(double decade)
                 {2.2, {10, 30}},
                 {0, {10}}};
     int i = 0;
-    while (decade <= sets[i].least && sets[i].least > 0)
-        i++;
+    while (decade <= sets[i].least && sets[i].least > 0) i++;
     return sets[i].tenths;
 }
 
@@ -156,8 +152,7 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
     const bool fine = decade > 22 * spacing;
     for (int e = (int)floor(log10(list->low)) - 1; e <= (int)ceil(log10(list->high)); e++)
         for (int k = 10; k < 100; k++) {
-            if (strchr(tenths, k) && e % every == 0)
-                power_tick(list, k, e);
+            if (strchr(tenths, k) && e % every == 0) power_tick(list, k, e);
             else if (decade > 25 && (k % 10 == 0 || (fine && (k < 50 || k % 5 == 0))))
                 add_tick(list, k * pow(10, e - 1), NULL);
         }
@@ -243,8 +238,7 @@ static size_t title_room(const char *title)
 /* "time (s)" of which the labels are 1, 2 and 3 for 1e-4, 2e-4 and 3e-4: "time (s) / 10^{-4}". */
 static const char *full_title(const tick_list *list, const char *title, size_t size, char *out)
 {
-    if (list->power == 0)
-        return title;
+    if (list->power == 0) return title;
     snprintf(out, size, "%s / 10^{%d}", title, list->power);
     return out;
 }
@@ -285,8 +279,7 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
             widest = fmax(widest, plot_text_width(t->text, type));
         }
     }
-    if (!title || !*title)
-        return;
+    if (!title || !*title) return;
     /* never beyond the page */
     const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) / plot_text_width(title, type + 1));
     const double x = fmax(box->left - widest - 23, 0.8 * size); /* long numbers do not push it off the page */
@@ -323,15 +316,11 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b)
                  q[4] = {a->x - box->left, box->right - a->x, a->y - box->bottom, box->top - a->y};
     double enter = 0, leave = 1;
     for (int i = 0; i < 4; i++) {
-        if (p[i] == 0 && q[i] < 0)
-            return false;
-        if (p[i] < 0)
-            enter = fmax(enter, q[i] / p[i]);
-        else if (p[i] > 0)
-            leave = fmin(leave, q[i] / p[i]);
+        if (p[i] == 0 && q[i] < 0) return false;
+        if (p[i] < 0) enter = fmax(enter, q[i] / p[i]);
+        else if (p[i] > 0) leave = fmin(leave, q[i] / p[i]);
     }
-    if (enter > leave)
-        return false;
+    if (enter > leave) return false;
     const plot_point start = *a;
     *a = (plot_point){start.x + enter * dx, start.y + enter * dy};
     *b = (plot_point){start.x + leave * dx, start.y + leave * dy};
@@ -349,11 +338,9 @@ static int thin_line(int n, plot_point *p)
     for (int i = 1; i < n; i++) {
         const plot_point from = p[kept - 1];
         const double dx = p[i].x - from.x, dy = p[i].y - from.y, distance = hypot(dx, dy);
-        if (distance <= tolerance && i < n - 1 && !open)
-            continue;
+        if (distance <= tolerance && i < n - 1 && !open) continue;
         double angle = atan2(dy, dx);
-        if (open)
-            angle = middle + remainder(angle - middle, 2 * acos(-1));
+        if (open) angle = middle + remainder(angle - middle, 2 * acos(-1));
         const double half = distance > tolerance ? asin(tolerance / distance) : 4;
         if (open && (angle < low || angle > high || distance < reach)) {
             p[kept++] = p[i - 1]; /* never overtakes: kept <= i - 1 */
@@ -366,8 +353,7 @@ static int thin_line(int n, plot_point *p)
         high = open ? fmin(high, angle + half) : angle + half;
         reach = distance;
         open = true;
-        if (i == n - 1)
-            p[kept++] = p[i];
+        if (i == n - 1) p[kept++] = p[i];
     }
     return kept;
 }
@@ -375,8 +361,7 @@ static int thin_line(int n, plot_point *p)
 static void flush_run(plot_page *page, plot_stroke stroke, int *n, plot_point *run)
 {
     const int left = thin_line(*n, run);
-    if (left > 1)
-        plot_page_line(page, stroke, left, run);
+    if (left > 1) plot_page_line(page, stroke, left, run);
     *n = 0;
 }
 
@@ -392,13 +377,10 @@ void plot_panel_curve(plot_page *page, const plot_panel *panel, plot_stroke stro
             flush_run(page, stroke, &length, run);
             continue;
         }
-        if (length == 0)
-            run[length++] = a;
+        if (length == 0) run[length++] = a;
         run[length++] = b;
-        if (b.x != end.x || b.y != end.y)
-            flush_run(page, stroke, &length, run);
+        if (b.x != end.x || b.y != end.y) flush_run(page, stroke, &length, run);
     }
-    if (run)
-        flush_run(page, stroke, &length, run);
+    if (run) flush_run(page, stroke, &length, run);
     free(run);
 }

@@ -65,9 +65,9 @@ static double periods(const picture *p, int step)
 /* The families of a cascade: for each a line of displacements for every impact. */
 typedef struct {
     int n_point, impacts;
-    double from;  /* accumulated frequency where it starts */
-    double *way;  /* [n_point] accumulated frequency */
-    double *x;    /* [n_point * impacts] */
+    double from; /* accumulated frequency where it starts */
+    double *way; /* [n_point] accumulated frequency */
+    double *x;   /* [n_point * impacts] */
 } strip;
 
 static ric_status read_strip(const picture *p, int step, double from, strip *out)
@@ -77,18 +77,15 @@ static ric_status read_strip(const picture *p, int step, double from, strip *out
     ric_status status = ric_cascade_step_at(p->cascade, step, &s);
     const double product = periods(p, step);
     double before = NAN, *x = NULL;
-    if (status)
-        return status;
+    if (status) return status;
     *out = (strip){.n_point = s.n_point, .impacts = ric_cascade_impacts(p->cascade, step), .from = from};
     out->way = calloc((size_t)out->n_point + 1, sizeof *out->way);
     out->x = calloc((size_t)out->n_point * (size_t)out->impacts + 1, sizeof *out->x);
     x = calloc((size_t)out->impacts * (size_t)n_dof + 1, sizeof *x);
-    if (!out->way || !out->x || !x)
-        status = RIC_E_NOMEM;
+    if (!out->way || !out->x || !x) status = RIC_E_NOMEM;
     for (int i = 0; !status && i < out->n_point; i++) {
         ric_point point;
-        if ((status = ric_cascade_point(p->cascade, step, i, &point, x)))
-            break;
+        if ((status = ric_cascade_point(p->cascade, step, i, &point, x))) break;
         from += i ? fabs(product * (point.frequency - before)) : 0;
         before = point.frequency;
         out->way[i] = from;
@@ -142,25 +139,22 @@ static int draw_diagram(picture *p)
     ric_status status = strips && make_page(p, 900, 620) ? RIC_OK : RIC_E_NOMEM;
     for (int i = 1; !status && i < n; i++) {
         status = read_strip(p, i, x, &strips[i]);
-        if (!status && strips[i].n_point)
-            x = strips[i].way[strips[i].n_point - 1];
+        if (!status && strips[i].n_point) x = strips[i].way[strips[i].n_point - 1];
         for (int k = 0; !status && k < strips[i].n_point * strips[i].impacts; k++) {
             y[0] = fmin(y[0], strips[i].x[k]);
             y[1] = fmax(y[1], strips[i].x[k]);
         }
     }
-    if (status)
-        code = cli_report(status);
+    if (status) code = cli_report(status);
     else if (!(y[0] <= y[1]))
         code = cli_wrong("plot cascade: with one multiplication there is no family to draw; ask for two at least, or "
                          "for --multiply, which ends with a family");
     else {
         plot_range_widen(false, 0.04, &y[0], &y[1]);
-        const plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0,
-                                   .hi = x > 0 ? 1.02 * x : 1},
-                                  {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
-        for (int i = 1; i < n; i++)
-            draw_strip(p, &panel, i, &strips[i]);
+        const plot_panel panel =
+            {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
+             {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
+        for (int i = 1; i < n; i++) draw_strip(p, &panel, i, &strips[i]);
         snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}",
                  p->dof + 1);
         plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
@@ -183,11 +177,9 @@ static void draw_portrait(picture *p, const plot_panel *panel, int n, const plot
 {
     const double jump = 0.05 * (panel->y.hi - panel->y.lo);
     for (int i = 0, first = 0; i < n; i++) {
-        if (i + 1 < n && fabs(data[i + 1].y - data[i].y) < jump)
-            continue;
+        if (i + 1 < n && fabs(data[i + 1].y - data[i].y) < jump) continue;
         plot_panel_curve(p->page, panel, thin[1], i + 1 - first, data + first);
-        if (i + 1 < n)
-            plot_panel_curve(p->page, panel, PLOT_JUMP, 2, data + i);
+        if (i + 1 < n) plot_panel_curve(p->page, panel, PLOT_JUMP, 2, data + i);
         first = i + 1;
     }
 }
@@ -203,8 +195,8 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
     const double period = 2 * pi / s.frequency;
     double *state = calloc(2 * (size_t)n_dof, sizeof *state);
     plot_point *history = calloc(SAMPLES + 1, sizeof *history), *portrait = calloc(SAMPLES + 1, sizeof *portrait);
-    const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1}, {.from = row.bottom, .to = row.top,
-                                                                                 .lo = range[0], .hi = range[1]}};
+    const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1},
+                             {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
     const plot_panel right = {{.from = split + gap, .to = row.right, .lo = range[0], .hi = range[1]},
                               {.from = row.bottom, .to = row.top, .lo = speed[0], .hi = speed[1]}};
     char text[96], name[32];
@@ -224,8 +216,7 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         if (smooth(p) && s.multiple > 1)
             snprintf(text, sizeof text, "p/q = %d/%d,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy,
                      s.frequency);
-        else if (smooth(p))
-            snprintf(text, sizeof text, "end,  E = %.8g,  ω = %.8g", s.energy, s.frequency);
+        else if (smooth(p)) snprintf(text, sizeof text, "end,  E = %.8g,  ω = %.8g", s.energy, s.frequency);
         else if (s.multiple > 1)
             snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1],
                      s.impacts, s.energy, s.frequency);
@@ -265,14 +256,12 @@ static int draw_shapes(picture *p)
 {
     const int n = ric_cascade_length(p->cascade);
     double x[2], v[2];
-    if (!make_page(p, 1000, 100 + 150.0 * n))
-        return cli_report(RIC_E_NOMEM);
+    if (!make_page(p, 1000, 100 + 150.0 * n)) return cli_report(RIC_E_NOMEM);
     const double top = plot_page_height(p->page) - 58, bottom = 54, step = (top - bottom) / n;
     shape_ranges(p, x, v);
     for (int i = 0; i < n; i++) {
         const plot_box row = {72, top - (i + 1) * step + 24, plot_page_width(p->page) - 20, top - i * step};
-        if (!draw_shape(p, i, row, x, v, i + 1 == n))
-            return cli_report(RIC_E_NOMEM);
+        if (!draw_shape(p, i, row, x, v, i + 1 == n)) return cli_report(RIC_E_NOMEM);
     }
     title(p);
     return plot_page_write(p->page, p->common->out);
@@ -283,8 +272,7 @@ static int draw_shapes(picture *p)
 static void draw_dot(picture *p, const plot_panel *panel, plot_stroke stroke, plot_point data)
 {
     const plot_point at = plot_panel_at(panel, data); /* a line without length: a round end on both sides */
-    if (plot_panel_inside(panel, data))
-        plot_page_line(p->page, stroke, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+    if (plot_panel_inside(panel, data)) plot_page_line(p->page, stroke, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
 }
 
 /* The circle itself and the roots of unity p/K outside it. */
@@ -292,8 +280,7 @@ static void draw_roots(picture *p, const plot_panel *circle, const plot_panel *a
 {
     plot_point arc[ARC + 1];
     char text[32];
-    for (int i = 0; i <= ARC; i++)
-        arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
+    for (int i = 0; i <= ARC; i++) arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
     plot_panel_curve(p->page, circle, PLOT_GRID, ARC + 1, arc);
     for (int k = 1; k < p->duplicate; k++) {
         const double gamma = (double)k / (double)p->duplicate;
@@ -310,13 +297,11 @@ static int draw_circle(picture *p)
 {
     double x[2] = {INFINITY, -INFINITY};
     int on_circle = 0;
-    if (!make_page(p, 1000, 520))
-        return cli_report(RIC_E_NOMEM);
+    if (!make_page(p, 1000, 520)) return cli_report(RIC_E_NOMEM);
     const double side = plot_page_height(p->page) - 110;
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;
-        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation))
-            continue;
+        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation)) continue;
         x[0] = fmin(x[0], point.arclength);
         x[1] = fmax(x[1], point.arclength);
         on_circle++;
@@ -329,22 +314,24 @@ static int draw_circle(picture *p)
         return CLI_FAILED;
     }
     plot_range_widen(false, 0.03, &x[0], &x[1]);
-    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.3, .hi = 1.3}, {.from = 60, .to = 60 + side,
-                                                                                      .lo = -1.3, .hi = 1.3}};
+    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.3, .hi = 1.3},
+                               {.from = 60, .to = 60 + side, .lo = -1.3, .hi = 1.3}};
     const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
                                {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
     draw_roots(p, &circle, &angles);
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;
-        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation))
-            continue;
+        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation)) continue;
         const double turn[2] = {point.rotation, 1 - point.rotation};
         for (int k = 0; k < 2; k++) {
             draw_dot(p, &circle, thick[k], (plot_point){cos(2 * pi * turn[k]), sin(2 * pi * turn[k])});
             draw_dot(p, &angles, thick[k], (plot_point){point.arclength, turn[k]});
         }
     }
-    const plot_legend_entry pair[2] = {{"exp(2πiγ)", thick[0], -1}, {"exp(\xe2\x88\x92" "2πiγ)", thick[1], -1}};
+    const plot_legend_entry pair[2] = {{"exp(2πiγ)", thick[0], -1},
+                                       {"exp(\xe2\x88\x92"
+                                        "2πiγ)",
+                                        thick[1], -1}};
     plot_legend(p->page, 2, pair, 66, 66 + side, plot_page_height(p->page) - 28);
     plot_panel_frame(p->page, &circle, "Re μ", "Im μ");
     plot_panel_frame(p->page, &angles, "arclength", "arg μ / 2π");
@@ -361,14 +348,13 @@ static int parse(int *argc, char **argv, picture *p)
     p->shapes = cli_take_flag(argc, argv, "--shapes");
     p->circle = cli_take_flag(argc, argv, "--circle");
     p->duplicate = 8;
-    if (!cli_take_cascade(argc, argv, &p->request) || !cli_take_value(argc, argv, "--dof", &dof)
-        || !cli_take_value(argc, argv, "--duplicate", &duplicate) || !cli_operands(&cli_plot, *argc, argv, 1)
-        || (dof && !cli_parse_integer(dof, "--dof", 1, 2147483647, &number))
-        || (duplicate && !cli_parse_integer(duplicate, "--duplicate", 2, 24, &p->duplicate)))
+    if (!cli_take_cascade(argc, argv, &p->request) || !cli_take_value(argc, argv, "--dof", &dof) ||
+        !cli_take_value(argc, argv, "--duplicate", &duplicate) || !cli_operands(&cli_plot, *argc, argv, 1) ||
+        (dof && !cli_parse_integer(dof, "--dof", 1, 2147483647, &number)) ||
+        (duplicate && !cli_parse_integer(duplicate, "--duplicate", 2, 24, &p->duplicate)))
         return CLI_WRONG;
     p->dof = (int)number - 1;
-    if (!p->request.branch)
-        return cli_wrong("plot cascade: --branch ID is missing");
+    if (!p->request.branch) return cli_wrong("plot cascade: --branch ID is missing");
     if (p->circle && (p->shapes || p->request.given))
         return cli_wrong("plot cascade: --circle shows one branch; leave out --shapes, --multiply and --doublings");
     if (!p->circle && !p->request.given)
@@ -381,18 +367,13 @@ int plot_cascade(int argc, char **argv, const plot_options *common)
 {
     picture p = {.common = common};
     int code = parse(&argc, argv, &p);
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     ric_status status = ric_atlas_read(argv[1], &p.atlas);
-    if (!status)
-        status = ric_atlas_branch(p.atlas, p.request.branch, &p.branch);
+    if (!status) status = ric_atlas_branch(p.atlas, p.request.branch, &p.branch);
     const int n_dof = status ? 0 : ric_model_n_dof(ric_atlas_model(p.atlas));
-    if (status)
-        code = cli_report(status);
-    else if (p.dof >= n_dof)
-        code = cli_wrong("--dof %d: there are displacements 1 to %d", p.dof + 1, n_dof);
-    else if (p.circle)
-        code = draw_circle(&p);
+    if (status) code = cli_report(status);
+    else if (p.dof >= n_dof) code = cli_wrong("--dof %d: there are displacements 1 to %d", p.dof + 1, n_dof);
+    else if (p.circle) code = draw_circle(&p);
     else if ((code = cli_follow_cascade(p.atlas, &p.request, &p.cascade)) == CLI_DONE) {
         p.dof = p.dof < 0 ? n_dof - 1 : p.dof;
         code = p.shapes ? draw_shapes(&p) : draw_diagram(&p);

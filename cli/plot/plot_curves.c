@@ -19,8 +19,7 @@ bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
     if (t->n == t->room) {
         const int room = t->room ? 2 * t->room : 256;
         plot_knot *knots = realloc(t->knots, (size_t)room * sizeof *knots);
-        if (!knots)
-            return false;
+        if (!knots) return false;
         t->knots = knots;
         t->room = room;
     }
@@ -37,8 +36,7 @@ void plot_track_free(plot_track *t)
 static int by_arclength(const void *a, const void *b)
 {
     const plot_knot *s = a, *t = b;
-    if (s->arclength != t->arclength)
-        return (s->arclength > t->arclength) - (s->arclength < t->arclength);
+    if (s->arclength != t->arclength) return (s->arclength > t->arclength) - (s->arclength < t->arclength);
     return (s->stable == PLOT_JOINT) - (t->stable == PLOT_JOINT);
 }
 
@@ -50,8 +48,7 @@ int plot_point_stability(const ric_branch *branch, int i, const ric_point *point
 
 void plot_track_sort(plot_track *t)
 {
-    if (t->n > 0)
-        qsort(t->knots, (size_t)t->n, sizeof *t->knots, by_arclength);
+    if (t->n > 0) qsort(t->knots, (size_t)t->n, sizeof *t->knots, by_arclength);
 }
 
 /* Where stability changes on the way to knot i: the first junction since the last point, else half way. Returns the
@@ -59,8 +56,7 @@ void plot_track_sort(plot_track *t)
 static int change_before(const plot_track *t, int i, plot_point *middle)
 {
     int first = i;
-    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT)
-        first--;
+    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT) first--;
     if (first < i) {
         *middle = t->knots[first].at;
         return first + 1;
@@ -86,21 +82,17 @@ unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke f
             plot_point middle;
             const int start = change_before(t, i, &middle);
             n -= i - start; /* joints behind the change belong to the new run */
-            if (start == i)
-                run[n++] = middle;
+            if (start == i) run[n++] = middle;
             plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
             run[0] = middle;
             n = 1;
-            for (int k = start; k < i; k++)
-                run[n++] = t->knots[k].at;
+            for (int k = start; k < i; k++) run[n++] = t->knots[k].at;
             present = knot->stable;
         }
         run[n++] = knot->at;
-        if (plot_panel_inside(panel, knot->at))
-            seen |= 1u << present;
+        if (plot_panel_inside(panel, knot->at)) seen |= 1u << present;
     }
-    if (run && n > 0)
-        plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+    if (run && n > 0) plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
     free(run);
     return seen;
 }
@@ -153,16 +145,12 @@ static bool find_quantity(const char *name, const char *what, int n_dof, quantit
         }
     for (kind k = DISPLACEMENT; k <= FLIGHT; k++) {
         const size_t n = strlen(columns[k].name);
-        if (strncmp(name, columns[k].name, n) || !isdigit((unsigned char)name[n]))
-            continue;
+        if (strncmp(name, columns[k].name, n) || !isdigit((unsigned char)name[n])) continue;
         long index;
-        if (!cli_parse_integer(name + n, what, 1, k == FLIGHT ? 1000000 : n_dof, &index))
-            return false;
+        if (!cli_parse_integer(name + n, what, 1, k == FLIGHT ? 1000000 : n_dof, &index)) return false;
         *out = (quantity){.kind = k, .index = (int)index - 1};
-        if (k == FLIGHT)
-            snprintf(out->title, sizeof out->title, "τ_{%ld} (s)", index);
-        else
-            snprintf(out->title, sizeof out->title, "%s_{%ld}", columns[k].name, index);
+        if (k == FLIGHT) snprintf(out->title, sizeof out->title, "τ_{%ld} (s)", index);
+        else snprintf(out->title, sizeof out->title, "%s_{%ld}", columns[k].name, index);
         return true;
     }
     cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what,
@@ -200,12 +188,10 @@ static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, c
     for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
         ric_point p;
         status = ric_atlas_point(atlas, branch->id, i, &p, state, flights);
-        if (status != RIC_OK)
-            break;
+        if (status != RIC_OK) break;
         const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights),
                                read_quantity(y, branch, n_dof, &p, state, flights)};
-        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p)))
-            status = RIC_E_NOMEM;
+        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p))) status = RIC_E_NOMEM;
     }
     free(state);
     free(flights);
@@ -216,10 +202,8 @@ static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, c
 static plot_point track_at(const plot_track *t, double arclength)
 {
     int i = 1;
-    while (i < t->n - 1 && t->knots[i].arclength < arclength)
-        i++;
-    if (t->n < 2)
-        return t->n ? t->knots[0].at : (plot_point){NAN, NAN};
+    while (i < t->n - 1 && t->knots[i].arclength < arclength) i++;
+    if (t->n < 2) return t->n ? t->knots[0].at : (plot_point){NAN, NAN};
     const plot_knot *a = &t->knots[i - 1], *b = &t->knots[i];
     const double length = b->arclength - a->arclength,
                  part = length > 0 ? fmax(0, fmin(1, (arclength - a->arclength) / length)) : 0;
@@ -253,15 +237,13 @@ static bool track_range(const curves *c, double x[2], double y[2])
     for (int i = 0; i < c->n_branch; i++)
         for (int k = 0; k < c->tracks[i].n; k++) {
             const plot_point p = c->tracks[i].knots[k].at;
-            if (!isfinite(p.x) || !isfinite(p.y) || (c->log_x && p.x <= 0) || (c->log_y && p.y <= 0))
-                continue;
+            if (!isfinite(p.x) || !isfinite(p.y) || (c->log_x && p.x <= 0) || (c->log_y && p.y <= 0)) continue;
             x[0] = fmin(x[0], p.x);
             x[1] = fmax(x[1], p.x);
             y[0] = fmin(y[0], p.y);
             y[1] = fmax(y[1], p.y);
         }
-    if (!(x[1] >= x[0]))
-        return false;
+    if (!(x[1] >= x[0])) return false;
     if (c->has_window) {
         memcpy(x, c->window, 2 * sizeof *x);
         memcpy(y, c->window + 2, 2 * sizeof *y);
@@ -294,8 +276,7 @@ static void mark_junction(curves *c, int id, plot_point data)
     const plot_point at = plot_panel_at(&c->panel, data);
     plot_page_mark(c->page, plot_junction_mark(junction.kind), at, 4);
     c->kinds[junction.kind] = true;
-    if (!tags)
-        return;
+    if (!tags) return;
     c->tags = tags;
     plot_tag *tag = &tags[c->n_tag++];
     const bool named = junction.name && *junction.name;
@@ -313,8 +294,7 @@ static ric_status draw_curves(curves *c)
     for (int i = 0; i < c->n_branch; i++) {
         ric_branch branch;
         const ric_status status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
-        if (status != RIC_OK)
-            return status;
+        if (status != RIC_OK) return status;
         const plot_stroke family = plot_branch_family(&branch);
         const unsigned seen = plot_track_draw(c->page, &c->panel, family, &c->tracks[i]);
         c->stability |= seen;
@@ -323,8 +303,7 @@ static ric_status draw_curves(curves *c)
     for (int i = 0; i < c->n_branch; i++) {
         ric_branch branch;
         const plot_track *t = &c->tracks[i];
-        if (ric_atlas_branch(c->atlas, c->branches[i], &branch) != RIC_OK || t->n == 0)
-            continue;
+        if (ric_atlas_branch(c->atlas, c->branches[i], &branch) != RIC_OK || t->n == 0) continue;
         mark_junction(c, branch.from, t->knots[0].at);
         mark_junction(c, branch.to, t->knots[t->n - 1].at);
         for (int k = 0; k < branch.n_junction; k++)
@@ -337,8 +316,7 @@ void plot_page_title(plot_page *page, const plot_options *common, const ric_atla
 {
     char title[400];
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(atlas)), 300, title);
-    if (!common->title && extra)
-        snprintf(title + strlen(title), sizeof title - strlen(title), ", %s", extra);
+    if (!common->title && extra) snprintf(title + strlen(title), sizeof title - strlen(title), ", %s", extra);
     plot_page_text(page, (plot_point){plot_page_width(page) / 2, plot_page_height(page) - 17}, PLOT_CENTRE, type + 2,
                    "#000000", false, title);
 }
@@ -355,12 +333,10 @@ static int draw_curve_page(curves *c)
         return CLI_FAILED;
     }
     c->page = plot_page_create(width, height);
-    if (!c->page)
-        return cli_report(RIC_E_NOMEM);
+    if (!c->page) return cli_report(RIC_E_NOMEM);
     c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18), axis_of(&c->y, c->log_y, y, 92, height - 34)};
     const ric_status status = draw_curves(c);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
     const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
     if (missing)
@@ -378,15 +354,11 @@ static int take_branches(int *argc, char **argv, int *n, int **out)
     const char *text;
     while (true) {
         long id;
-        if (!cli_take_value(argc, argv, "--branch", &text))
-            return CLI_WRONG;
-        if (!text)
-            return CLI_DONE;
-        if (!cli_parse_integer(text, "--branch", 1, 2147483647, &id))
-            return CLI_WRONG;
+        if (!cli_take_value(argc, argv, "--branch", &text)) return CLI_WRONG;
+        if (!text) return CLI_DONE;
+        if (!cli_parse_integer(text, "--branch", 1, 2147483647, &id)) return CLI_WRONG;
         int *more = realloc(*out, ((size_t)*n + 1) * sizeof *more);
-        if (!more)
-            return cli_report(RIC_E_NOMEM);
+        if (!more) return cli_report(RIC_E_NOMEM);
         *out = more;
         more[(*n)++] = (int)id;
     }
@@ -397,18 +369,15 @@ static ric_status load_tracks(curves *c)
     const int total = ric_atlas_n_branch(c->atlas);
     if (c->n_branch == 0) {
         c->branches = malloc(((size_t)total + 1) * sizeof *c->branches);
-        if (!c->branches)
-            return RIC_E_NOMEM;
-        for (; c->n_branch < total; c->n_branch++)
-            c->branches[c->n_branch] = c->n_branch + 1;
+        if (!c->branches) return RIC_E_NOMEM;
+        for (; c->n_branch < total; c->n_branch++) c->branches[c->n_branch] = c->n_branch + 1;
     }
     c->tracks = calloc((size_t)c->n_branch + 1, sizeof *c->tracks);
     ric_status status = c->tracks ? RIC_OK : RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && i < c->n_branch; i++) {
         ric_branch branch;
         status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
-        if (status == RIC_OK)
-            status = load_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
+        if (status == RIC_OK) status = load_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
     }
     return status;
 }
@@ -456,8 +425,7 @@ int plot_curves(int argc, char **argv, const plot_options *common)
     status = load_tracks(&c);
     code = status == RIC_OK ? draw_curve_page(&c) : cli_report(status);
 out:
-    for (int i = 0; c.tracks && i < c.n_branch; i++)
-        plot_track_free(&c.tracks[i]);
+    for (int i = 0; c.tracks && i < c.n_branch; i++) plot_track_free(&c.tracks[i]);
     plot_page_free(c.page);
     ric_atlas_free(c.atlas);
     free(c.tracks);
@@ -476,7 +444,9 @@ typedef struct {
     plot_page *page;
     plot_panel upper, lower;
     int n_dot, room;
-    struct { double x, size, angle; } *dots; /* multipliers: ln|mu| and arg(mu) / 2 pi in [0, 1/2] */
+    struct {
+        double x, size, angle;
+    } * dots; /* multipliers: ln|mu| and arg(mu) / 2 pi in [0, 1/2] */
 } floquet;
 
 /* Trace above, rotation number below: two masses. */
@@ -515,8 +485,7 @@ static bool add_dots(floquet *f, double x, int n, const double *multipliers)
     if (f->n_dot + n > f->room) {
         const int room = 2 * (f->n_dot + n);
         void *dots = realloc(f->dots, (size_t)room * sizeof *f->dots);
-        if (!dots)
-            return false;
+        if (!dots) return false;
         f->dots = dots;
         f->room = room;
     }
@@ -539,10 +508,8 @@ static ric_status gather_dots(floquet *f, const plot_track *t)
         ric_orbit **orbits = NULL;
         int found = 0;
         status = ric_orbit_find(f->atlas, f->branch.id, RIC_AT_POINT, i, &found, &orbits);
-        if (status == RIC_OK && found > 0)
-            status = ric_orbit_multipliers(orbits[0], multipliers);
-        if (status == RIC_OK && found > 0 && !add_dots(f, t->knots[i].at.x, n, multipliers))
-            status = RIC_E_NOMEM;
+        if (status == RIC_OK && found > 0) status = ric_orbit_multipliers(orbits[0], multipliers);
+        if (status == RIC_OK && found > 0 && !add_dots(f, t->knots[i].at.x, n, multipliers)) status = RIC_E_NOMEM;
         ric_orbits_free(found, orbits);
     }
     free(multipliers);
@@ -551,8 +518,7 @@ static ric_status gather_dots(floquet *f, const plot_track *t)
 
 static void draw_dot(plot_page *page, const plot_panel *panel, plot_point data)
 {
-    if (!plot_panel_inside(panel, data))
-        return;
+    if (!plot_panel_inside(panel, data)) return;
     const plot_point at = plot_panel_at(panel, data); /* a line without length: a round end on both sides */
     plot_page_line(page, PLOT_SERIES, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
 }
@@ -561,8 +527,7 @@ static int draw_dots(floquet *f, const plot_track *t)
 {
     double x[2] = {INFINITY, -INFINITY}, size = 0.1;
     const ric_status status = gather_dots(f, t);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     if (f->n_dot == 0) {
         fprintf(stderr, "ricochet: branch %d has no multipliers besides the trivial ones\n", f->branch.id);
         return CLI_FAILED;
@@ -599,8 +564,7 @@ static int draw_floquet(floquet *f)
     int code = CLI_FAILED;
     f->page = plot_page_create(width, height);
     ric_status status = f->page ? load_track(f->atlas, &f->branch, &f->x, &of_trace, &trace) : RIC_E_NOMEM;
-    if (status == RIC_OK)
-        status = load_track(f->atlas, &f->branch, &f->x, &of_rotation, &rotation);
+    if (status == RIC_OK) status = load_track(f->atlas, &f->branch, &f->x, &of_rotation, &rotation);
     if (status != RIC_OK) {
         code = cli_report(status);
         goto out;
@@ -608,11 +572,9 @@ static int draw_floquet(floquet *f)
     const double middle = 48 + 0.45 * (height - 90);
     f->upper = (plot_panel){{.from = 82, .to = width - 18}, {.from = middle + 14, .to = height - 34}};
     f->lower = (plot_panel){{.from = 82, .to = width - 18}, {.from = 52, .to = middle}};
-    for (int i = 0; i < trace.n; i++)
-        known |= isfinite(trace.knots[i].at.y);
+    for (int i = 0; i < trace.n; i++) known |= isfinite(trace.knots[i].at.y);
     code = known ? draw_trace(f, &trace, &rotation) : draw_dots(f, &trace);
-    if (code != CLI_DONE)
-        goto out;
+    if (code != CLI_DONE) goto out;
     plot_branch_title(&f->branch, 1, sizeof name, name);
     plot_page_title(f->page, f->common, f->atlas, name);
     code = plot_page_write(f->page, f->common->out);
@@ -631,15 +593,11 @@ int plot_floquet(int argc, char **argv, const plot_options *common)
     if (!cli_take_value(&argc, argv, "--branch", &branch) || !cli_take_value(&argc, argv, "--x", &x) ||
         !cli_operands(&cli_plot, argc, argv, 1))
         return CLI_WRONG;
-    if (!branch)
-        return cli_wrong("plot floquet: --branch ID is missing");
-    if (!cli_parse_integer(branch, "--branch", 1, 2147483647, &id))
-        return CLI_WRONG;
+    if (!branch) return cli_wrong("plot floquet: --branch ID is missing");
+    if (!cli_parse_integer(branch, "--branch", 1, 2147483647, &id)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &f.atlas);
-    if (status == RIC_OK)
-        status = ric_atlas_branch(f.atlas, (int)id, &f.branch);
-    if (status != RIC_OK)
-        code = cli_report(status);
+    if (status == RIC_OK) status = ric_atlas_branch(f.atlas, (int)id, &f.branch);
+    if (status != RIC_OK) code = cli_report(status);
     else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)), &f.x))
         code = draw_floquet(&f);
     plot_page_free(f.page);

@@ -17,10 +17,8 @@ static const char *const questions[ASK_N] = {"--branch", "--duplicate", "--base"
 /* --zoom E0:E1,F0:F1 */
 static bool take_zoom(const char *text, const fep_options *o, double out[4])
 {
-    if (!plot_parse_window(text, "--zoom", out))
-        return false;
-    if (out[0] > 0 || o->linear)
-        return true;
+    if (!plot_parse_window(text, "--zoom", out)) return false;
+    if (out[0] > 0 || o->linear) return true;
     cli_wrong("--zoom %s: a logarithmic axis starts above 0", text);
     return false;
 }
@@ -28,22 +26,18 @@ static bool take_zoom(const char *text, const fep_options *o, double out[4])
 static int take_zooms(int *argc, char **argv, fep_options *o)
 {
     for (const char *text = "";;) {
-        if (!cli_take_value(argc, argv, "--zoom", &text))
-            return CLI_WRONG;
-        if (!text)
-            return CLI_DONE;
+        if (!cli_take_value(argc, argv, "--zoom", &text)) return CLI_WRONG;
+        if (!text) return CLI_DONE;
         if (o->n_zoom == FEP_MAX_PANEL - 1)
             return cli_wrong("--zoom: at most %d panels fit beside the first", FEP_MAX_PANEL - 1);
-        if (!take_zoom(text, o, o->zoom[o->n_zoom++]))
-            return CLI_WRONG;
+        if (!take_zoom(text, o, o->zoom[o->n_zoom++])) return CLI_WRONG;
     }
 }
 
 static bool asks(const char *word, const char *name, const char **value)
 {
     const size_t n = strlen(name);
-    if (strncmp(word, name, n) || (word[n] && word[n] != '='))
-        return false;
+    if (strncmp(word, name, n) || (word[n] && word[n] != '=')) return false;
     *value = word[n] ? word + n + 1 : NULL;
     return true;
 }
@@ -54,8 +48,7 @@ static int take_asked(int argc, char **argv, fep_options *o)
     for (int i = 1; i < argc; i++) {
         fep_asked a = {.what = ASK_N, .atlas = o->n_atlas - 1};
         for (int k = 0; k < ASK_N && a.what == ASK_N; k++)
-            if (asks(argv[i], questions[k], &a.text))
-                a.what = (fep_question)k;
+            if (asks(argv[i], questions[k], &a.text)) a.what = (fep_question)k;
         if (a.what == ASK_N && argv[i][0] == '-' && argv[i][1]) /* says what is wrong with it */
             return cli_operands(&cli_plot, argc, argv, 1) ? CLI_DONE : CLI_WRONG;
         if (a.what == ASK_N) {
@@ -64,16 +57,13 @@ static int take_asked(int argc, char **argv, fep_options *o)
             o->paths[o->n_atlas++] = argv[i];
             continue;
         }
-        if (!a.text && i + 1 < argc)
-            a.text = argv[++i];
-        if (!a.text || !*a.text)
-            return cli_wrong("%s needs a value; see ricochet plot --help", questions[a.what]);
+        if (!a.text && i + 1 < argc) a.text = argv[++i];
+        if (!a.text || !*a.text) return cli_wrong("%s needs a value; see ricochet plot --help", questions[a.what]);
         if (o->n_asked == FEP_MAX_ASKED)
             return cli_wrong("plot fep: more than %d branches, labels and marks", FEP_MAX_ASKED);
         o->asked[o->n_asked++] = a;
     }
-    if (o->n_atlas == 0)
-        return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
+    if (o->n_atlas == 0) return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
     for (int i = 0; i < o->n_asked; i++) {
         if (o->asked[i].atlas < 0 && o->n_atlas > 1)
             return cli_wrong("%s %s: with several atlases this stands behind the one that it belongs to",
@@ -92,9 +82,9 @@ static int parse_options(int *argc, char **argv, fep_options *o)
     o->ghosts = cli_take_flag(argc, argv, "--ghosts");
     o->symmetric = cli_take_flag(argc, argv, "--symmetric");
     o->log_frequency = cli_take_flag(argc, argv, "--log-frequency");
-    if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency)
-        || !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels)
-        || !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE)
+    if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
+        !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
+        !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
     if ((energy && !plot_parse_range(energy, "--energy", o->energy)) ||
@@ -109,19 +99,16 @@ static int parse_options(int *argc, char **argv, fep_options *o)
         return cli_wrong("--energy %s: a logarithmic axis starts above 0; give a positive start or --linear", energy);
     if (frequency && o->log_frequency && o->frequency[0] <= 0)
         return cli_wrong("--frequency %s: a logarithmic axis starts above 0", frequency);
-    if (knee && !(o->knee > 0))
-        return cli_wrong("--break %s: the frequency of the break must be positive", knee);
+    if (knee && !(o->knee > 0)) return cli_wrong("--break %s: the frequency of the break must be positive", knee);
     if (knee && o->log_frequency)
         return cli_wrong("--break and --log-frequency: the axis is either broken or logarithmic throughout");
     static const char *const choices[] = {"", "all", "named", "none"};
     for (int i = LABELS_ALL; labels && i <= LABELS_NONE; i++)
-        if (!strcmp(labels, choices[i]))
-            o->labels = (fep_labels)i;
+        if (!strcmp(labels, choices[i])) o->labels = (fep_labels)i;
     if (labels && o->labels == LABELS_MAIN)
         return cli_wrong("--labels %s: there are all, named and none; --label NAME asks for one", labels);
     const int code = take_asked(*argc, argv, o);
-    if (code == CLI_DONE && o->n_label && !labels)
-        o->labels = LABELS_ASKED;
+    if (code == CLI_DONE && o->n_label && !labels) o->labels = LABELS_ASKED;
     return code;
 }
 
@@ -132,8 +119,7 @@ plot_tag *fep_new_tag(fep *f)
     if (f->n_tag == f->room) {
         const int room = f->room ? 2 * f->room : 128;
         plot_tag *tags = realloc(f->tags, (size_t)room * sizeof *tags);
-        if (!tags)
-            return NULL;
+        if (!tags) return NULL;
         f->tags = tags;
         f->room = room;
     }
@@ -146,8 +132,7 @@ bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, 
     bool found = false;
     for (int i = 0; i < f->options->n_asked; i++) {
         fep_asked *a = &f->options->asked[i];
-        if (a->what != ASK_LABEL || a->atlas != s->index)
-            continue;
+        if (a->what != ASK_LABEL || a->atlas != s->index) continue;
         if (junction    ? a->junction == junction
             : a->branch ? a->branch == branch
                         : !a->junction && !strcmp(a->text, name))
@@ -164,14 +149,11 @@ static int resolve_labels(fep *f)
         fep_asked *a = &f->options->asked[i];
         const ric_atlas *atlas = f->sources[a->atlas].atlas;
         plot_segment segment;
-        if (a->what != ASK_LABEL)
-            continue;
+        if (a->what != ASK_LABEL) continue;
         if (!strpbrk(a->text, "|[") && !plot_is_branch(atlas, a->text)) {
-            if (!plot_find_junction(atlas, a->text, "--label", &a->junction))
-                return CLI_WRONG;
+            if (!plot_find_junction(atlas, a->text, "--label", &a->junction)) return CLI_WRONG;
         } else if (strchr(a->text, '|')) {
-            if (!plot_find_segment(atlas, a->text, "--label", &segment))
-                return CLI_WRONG;
+            if (!plot_find_segment(atlas, a->text, "--label", &segment)) return CLI_WRONG;
             a->branch = segment.branch;
         }
     }
@@ -189,7 +171,9 @@ static void report_unused(const fep *f)
 
 /* ------------------------------------------------------------------- window */
 
-typedef struct { double lo, hi; } span;
+typedef struct {
+    double lo, hi;
+} span;
 
 static void span_add(span *s, double value)
 {
@@ -254,8 +238,7 @@ static void set_axes(fep *f, span energy, span frequency)
         wide.lo = frequency.lo - fmin(frequency.lo - wide.lo, 0.08 * fmax(0, o->knee - frequency.lo));
     y->lo = o->has_frequency ? o->frequency[0] : fmax(0, wide.lo);
     y->hi = o->has_frequency ? o->frequency[1] : wide.hi;
-    if (o->log_frequency)
-        y->scale = PLOT_SCALE_LOG;
+    if (o->log_frequency) y->scale = PLOT_SCALE_LOG;
     if (o->has_break) {
         y->scale = PLOT_SCALE_BROKEN;
         y->knee = o->knee;
@@ -264,7 +247,8 @@ static void set_axes(fep *f, span energy, span frequency)
     for (int i = 1; i < f->n_panel; i++) {
         f->panels[i].x = (plot_axis){.scale = x->scale, .lo = o->zoom[i - 1][0], .hi = o->zoom[i - 1][1]};
         f->panels[i].y = (plot_axis){.scale = o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
-                                     .lo = o->zoom[i - 1][2], .hi = o->zoom[i - 1][3]};
+                                     .lo = o->zoom[i - 1][2],
+                                     .hi = o->zoom[i - 1][3]};
     }
 }
 
@@ -274,8 +258,7 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
 {
     unsigned stability = 0;
     int n = 0;
-    for (int i = 0; i < f->n_source; i++)
-        stability |= f->sources[i].stability;
+    for (int i = 0; i < f->n_source; i++) stability |= f->sources[i].stability;
     if (f->n_source > 1) {
         for (int i = 0; i < f->n_source; i++)
             if (f->sources[i].drawn)
@@ -289,15 +272,11 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
         static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric",
                                             "duplicate, symmetric"};
         for (int i = 0; i < 3; i++)
-            if (f->duplicate[i])
-                out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + i, -1};
+            if (f->duplicate[i]) out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + i, -1};
     }
-    if (f->ghost)
-        out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
-    if (f->natural)
-        out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
-    if (f->locked)
-        out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
+    if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
+    if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
+    if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
     return n + plot_legend_entries(NULL, 0, f->kinds, out + n);
 }
 
@@ -327,12 +306,10 @@ static void draw_window(fep *f, int i)
                b = plot_panel_at(&f->panels[0], (plot_point){zoom->x.hi, zoom->y.hi});
     a = (plot_point){fmax(a.x, box.left), fmax(a.y, box.bottom)};
     b = (plot_point){fmin(b.x, box.right), fmin(b.y, box.top)};
-    if (a.x >= b.x || a.y >= b.y)
-        return;
+    if (a.x >= b.x || a.y >= b.y) return;
     plot_page_line(f->page, PLOT_ZOOM, 5, (plot_point[]){{a.x, a.y}, {b.x, a.y}, {b.x, b.y}, {a.x, b.y}, {a.x, a.y}});
     plot_tag *tag = fep_new_tag(f);
-    if (!tag)
-        return;
+    if (!tag) return;
     tag->at = (plot_point){b.x, b.y};
     tag->clear = 1;
     tag->weight = 3000;
@@ -344,17 +321,12 @@ static int draw_panel(fep *f, int i)
 {
     f->panel = &f->panels[i];
     ric_status status = fep_draw_references(f, &f->sources[0]);
-    for (int k = 0; status == RIC_OK && k < f->n_source; k++)
-        status = fep_draw_branches(f, &f->sources[k]);
-    for (int k = 0; status == RIC_OK && k < f->n_source; k++)
-        status = fep_draw_ghosts(f, &f->sources[k]);
-    for (int k = 0; status == RIC_OK && k < f->n_source; k++)
-        status = fep_draw_junctions(f, &f->sources[k]);
-    for (int k = 1; i == 0 && k < f->n_panel; k++)
-        draw_window(f, k);
+    for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_branches(f, &f->sources[k]);
+    for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_ghosts(f, &f->sources[k]);
+    for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_junctions(f, &f->sources[k]);
+    for (int k = 1; i == 0 && k < f->n_panel; k++) draw_window(f, k);
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
-    for (int k = 0; code == CLI_DONE && k < f->n_source; k++)
-        code = fep_draw_marks(f, &f->sources[k]);
+    for (int k = 0; code == CLI_DONE && k < f->n_source; k++) code = fep_draw_marks(f, &f->sources[k]);
     return code;
 }
 
@@ -369,16 +341,14 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
     int code = CLI_DONE;
     plot_page_free(f->page);
     f->page = plot_page_create(width, height);
-    if (!f->page)
-        return cli_report(RIC_E_NOMEM);
+    if (!f->page) return cli_report(RIC_E_NOMEM);
     lay_out(f, legend);
     f->no_margin = 0;
     for (int i = 0; i < f->n_panel && code == CLI_DONE; i++) {
         char letter[8];
         f->n_tag = f->n_group = 0;
         code = draw_panel(f, i);
-        if (code != CLI_DONE || !final)
-            continue;
+        if (code != CLI_DONE || !final) continue;
         const bool broken = i == 0 && f->options->has_break && f->panel->y.to - f->panel->y.from > 300;
         snprintf(letter, sizeof letter, "(%c)", 'a' + i);
         if (broken)
@@ -399,17 +369,15 @@ static int draw(fep *f)
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     int missing = 0, code = draw_panels(f, 0, false, &missing); /* what the legend needs is known once the data are
                                                                  * drawn */
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     const int n_entry = legend_entries(f, entries);
     const double legend = plot_legend(NULL, n_entry, entries, 12, plot_page_width(f->page) - 12, 0);
     code = draw_panels(f, legend, true, &missing);
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     missing += f->no_margin;
     if (missing > 0)
-        cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n",
-                missing, missing == 1 ? "" : "s");
+        cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n", missing,
+                missing == 1 ? "" : "s");
     report_unused(f);
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)),
                      sizeof title, title);
@@ -428,10 +396,8 @@ static int draw_page(fep *f)
     span energy, frequency;
     int total = 0;
     ric_status status = find_window(f, &energy, &frequency);
-    if (status != RIC_OK)
-        return cli_report(status);
-    for (int i = 0; i < f->n_source; i++)
-        total += ric_atlas_n_branch(f->sources[i].atlas);
+    if (status != RIC_OK) return cli_report(status);
+    for (int i = 0; i < f->n_source; i++) total += ric_atlas_n_branch(f->sources[i].atlas);
     if (!(energy.hi > 0) || !(frequency.hi > 0)) {
         cli_say("ricochet: nothing to draw: %s\n",
                 total ? "no branch of the atlas enters this window" : "the atlas has no branches yet");
@@ -463,8 +429,7 @@ static int open_sources(fep *f)
         fep_source *s = &f->sources[f->n_source++];
         s->index = i;
         const ric_status status = ric_atlas_read(f->options->paths[i], &s->atlas);
-        if (status != RIC_OK)
-            return cli_report(status);
+        if (status != RIC_OK) return cli_report(status);
         s->model = ric_atlas_model(s->atlas);
         set_key(f, s);
         code = fep_choose_parts(f, s);
@@ -477,16 +442,12 @@ int plot_fep(int argc, char **argv, const plot_options *common)
     fep_options options = {.common = common};
     fep f = {.options = &options};
     int code = parse_options(&argc, argv, &options);
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     code = open_sources(&f);
-    if (code == CLI_DONE)
-        code = resolve_labels(&f);
-    if (code == CLI_DONE)
-        code = draw_page(&f);
+    if (code == CLI_DONE) code = resolve_labels(&f);
+    if (code == CLI_DONE) code = draw_page(&f);
     plot_page_free(f.page);
-    for (int i = 0; i < f.n_source; i++)
-        fep_free_source(&f.sources[i]);
+    for (int i = 0; i < f.n_source; i++) fep_free_source(&f.sources[i]);
     free(f.tags);
     return code;
 }

@@ -25,7 +25,7 @@ typedef struct {
     long duplicates; /* drawn up to this k; 1: none */
     fep_labels labels;
     int n_zoom;
-    double zoom[FEP_MAX_PANEL][4]; /* energies, frequencies */
+    double zoom[FEP_MAX_PANEL][4];     /* energies, frequencies */
     int n_asked, n_duplicate, n_label; /* how many of them name duplicates, labels */
     fep_asked asked[FEP_MAX_ASKED];
     int n_atlas;
@@ -44,7 +44,10 @@ typedef struct {
     const ric_model *model;
     int n_part, room;
     fep_part *parts;
-    struct { int n; ric_ghost **list; } *ghosts; /* [n_branch], or NULL: not asked for */
+    struct {
+        int n;
+        ric_ghost **list;
+    } * ghosts; /* [n_branch], or NULL: not asked for */
     unsigned stability;
     bool drawn;
     char key[400]; /* enhanced text */
@@ -55,7 +58,7 @@ typedef struct {
     int n_source, n_panel;
     fep_source sources[FEP_MAX_ATLAS];
     plot_page *page;
-    plot_panel panels[FEP_MAX_PANEL], *panel; /* `panel`: the one that is being drawn */
+    plot_panel panels[FEP_MAX_PANEL], *panel;                  /* `panel`: the one that is being drawn */
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
     bool ghost, duplicate[3], marked;
     plot_tag *tags;

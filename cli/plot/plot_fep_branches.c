@@ -15,8 +15,7 @@ static bool add_part(fep_source *s, fep_part part)
     if (s->n_part == s->room) {
         const int room = s->room ? 2 * s->room : 256;
         fep_part *parts = realloc(s->parts, (size_t)room * sizeof *parts);
-        if (!parts)
-            return false;
+        if (!parts) return false;
         s->parts = parts;
         s->room = room;
     }
@@ -59,15 +58,12 @@ static int take_base(fep_source *s, const char *text)
     if (sscanf(text, "F%9d_%9d%n", &j, &mode, &end) != 2 || text[end])
         return cli_wrong("--base %s: a base is Fj_i, for example F6_2; see ricochet bases", text);
     const ric_status status = ric_bases_find(s->atlas, 0, &bases);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     for (int i = 0; i < ric_bases_n(bases); i++) {
         ric_base base;
-        if (ric_bases_get(bases, i, &base) != RIC_OK || base.mode != mode || base.j != j)
-            continue;
+        if (ric_bases_get(bases, i, &base) != RIC_OK || base.mode != mode || base.j != j) continue;
         bool good = true;
-        for (int b = 0; b < base.n_branch; b++)
-            good = good && add_whole(s, base.branches[b], 1);
+        for (int b = 0; b < base.n_branch; b++) good = good && add_whole(s, base.branches[b], 1);
         for (int d = 0; d < base.n_duplicate; d++)
             good = good && add_whole(s, base.duplicates[2 * d], base.duplicates[2 * d + 1]);
         code = good ? CLI_DONE : cli_report(RIC_E_NOMEM);
@@ -86,16 +82,13 @@ static int named_parts(fep *f, fep_source *s, bool *any)
     for (int i = 0; code == CLI_DONE && i < f->options->n_asked; i++) {
         const fep_asked *a = &f->options->asked[i];
         plot_segment segment;
-        if (a->atlas != s->index)
-            continue;
+        if (a->atlas != s->index) continue;
         if (a->what == ASK_BRANCH)
             code = !plot_find_segment(s->atlas, a->text, "--branch", &segment) ? CLI_WRONG
                    : add_segment(s, &segment, 1)                               ? CLI_DONE
                                                                                : cli_report(RIC_E_NOMEM);
-        else if (a->what == ASK_DUPLICATE)
-            code = take_duplicate(s, a->text);
-        else if (a->what == ASK_BASE)
-            code = take_base(s, a->text);
+        else if (a->what == ASK_DUPLICATE) code = take_duplicate(s, a->text);
+        else if (a->what == ASK_BASE) code = take_base(s, a->text);
         *any |= a->what == ASK_BRANCH || a->what == ASK_BASE;
     }
     return code;
@@ -106,8 +99,7 @@ int fep_choose_parts(fep *f, fep_source *s)
 {
     bool any = false, good = true;
     int code = named_parts(f, s, &any);
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     for (int id = 1; !any && good && id <= ric_atlas_n_branch(s->atlas); id++) {
         ric_branch branch;
         good = ric_atlas_branch(s->atlas, id, &branch) == RIC_OK &&
@@ -152,8 +144,7 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
     if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED ||
         f->options->labels == LABELS_ASKED)
         return false;
-    if (f->options->labels == LABELS_MAIN && branch->depth > 3)
-        return false;
+    if (f->options->labels == LABELS_MAIN && branch->depth > 3) return false;
     return f->options->labels != LABELS_MAIN || k == 1 || (branch->mode && branch->depth);
 }
 
@@ -163,10 +154,8 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
     enum { PLACES = 15 };
     plot_point a, b;
     double length = 0, done = 0, next = 0.5;
-    for (int i = 1; i < t->n; i++)
-        length += visible_piece(f, t, i, &a, &b);
-    if (!wants_label(f, s, branch, k_duplicate, length))
-        return;
+    for (int i = 1; i < t->n; i++) length += visible_piece(f, t, i, &a, &b);
+    if (!wants_label(f, s, branch, k_duplicate, length)) return;
     const bool asked = f->options->labels == LABELS_ASKED;
     const int group = ++f->n_group;
     const double weight = 20 + 90 * asked - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric +
@@ -184,8 +173,7 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
             for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the
                                                                * curve */
                 plot_tag *place = fep_new_tag(f);
-                if (!place)
-                    return;
+                if (!place) return;
                 *place = tag;
                 place->leader = leader;
                 place->weight -= 60 * leader;
@@ -202,10 +190,8 @@ static ric_status add_joints(const fep_source *s, const ric_branch *branch, cons
     for (int i = 0; i < branch->n_junction; i++) {
         ric_junction junction;
         const ric_status status = ric_atlas_junction(s->atlas, branch->junctions[i], &junction);
-        if (status != RIC_OK)
-            return status;
-        if (branch->junction_at[i] < part->lo || branch->junction_at[i] > part->hi)
-            continue;
+        if (status != RIC_OK) return status;
+        if (branch->junction_at[i] < part->lo || branch->junction_at[i] > part->hi) continue;
         const double frequency = junction.frequency * ric_junction_level(&junction, branch);
         if (!plot_track_add(t, (plot_point){junction.energy, frequency / part->k}, branch->junction_at[i], PLOT_JOINT))
             return RIC_E_NOMEM;
@@ -220,10 +206,8 @@ static ric_status make_track(const fep_source *s, const ric_branch *branch, cons
     for (int i = 0; i < branch->n_point; i++) {
         ric_point p;
         const ric_status status = ric_atlas_point(s->atlas, branch->id, i, &p, NULL, NULL);
-        if (status != RIC_OK)
-            return status;
-        if (p.arclength < part->lo || p.arclength > part->hi)
-            continue;
+        if (status != RIC_OK) return status;
+        if (p.arclength < part->lo || p.arclength > part->hi) continue;
         if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength,
                             plot_point_stability(branch, i, &p)))
             return RIC_E_NOMEM;
@@ -329,8 +313,7 @@ static ric_status ghost_window(const fep *f, const fep_source *s, const ric_bran
     limits->frequency[0] = f->panels[0].y.lo;
     limits->frequency[1] = f->panels[0].y.hi;
     for (int k = 0; k < s->n_part; k++) {
-        if (s->parts[k].branch != branch->id)
-            continue;
+        if (s->parts[k].branch != branch->id) continue;
         limits->multiply = (int)fmax(limits->multiply, s->parts[k].k);
         widen(limits->frequency, f->panels[0].y.hi * s->parts[k].k);
         for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
@@ -357,8 +340,7 @@ ric_status fep_find_ghosts(fep *f, fep_source *s)
         ric_ghost_limits limits;
         bool shown;
         status = ric_atlas_branch(s->atlas, id, &branch);
-        if (status != RIC_OK || (status = ghost_window(f, s, &branch, &shown, &limits)) != RIC_OK || !shown)
-            continue;
+        if (status != RIC_OK || (status = ghost_window(f, s, &branch, &shown, &limits)) != RIC_OK || !shown) continue;
         status = ric_ghost_find(s->atlas, id, &limits, &s->ghosts[id - 1].n, &s->ghosts[id - 1].list);
         if (status == RIC_E_NUMERIC) { /* one missing ghost is no reason to have no picture */
             failed++;
@@ -376,8 +358,7 @@ static void mark_ghost(fep *f, const ric_ghost *ghost, int k)
 {
     for (int i = 0; i < ric_ghost_n_multiplication(ghost); i++) {
         ric_ghost_multiplication m;
-        if (ric_ghost_multiplication_at(ghost, i, &m) != RIC_OK || m.admissible || k % m.rotation[1])
-            continue;
+        if (ric_ghost_multiplication_at(ghost, i, &m) != RIC_OK || m.admissible || k % m.rotation[1]) continue;
         const plot_point at = {m.energy, m.frequency / k};
         if (plot_panel_inside(f->panel, at))
             plot_page_mark(f->page, PLOT_STAR, plot_panel_at(f->panel, at), k == m.rotation[1] ? 4.4 : 2.4);
@@ -390,21 +371,17 @@ static ric_status draw_ghost(fep *f, const ric_ghost *ghost, int k)
     ric_status status = RIC_OK;
     ric_ghost_describe(ghost, &data);
     plot_point *curve = malloc(((size_t)data.n_point + 1) * sizeof *curve);
-    if (!curve)
-        return RIC_E_NOMEM;
+    if (!curve) return RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && i < data.n_point; i++) {
         ric_point p;
         status = ric_ghost_point(ghost, i, &p, NULL, NULL);
-        if (status != RIC_OK)
-            break;
+        if (status != RIC_OK) break;
         /* where it is a motion again it is no ghost */
         curve[i] = (plot_point){p.energy, ric_point_admissible(&p) ? NAN : p.frequency / k};
         f->ghost |= i > 0 && plot_panel_inside(f->panel, curve[i]);
     }
-    if (status == RIC_OK)
-        plot_panel_curve(f->page, f->panel, PLOT_GHOST, data.n_point, curve);
-    if (status == RIC_OK && k > 1)
-        mark_ghost(f, ghost, k);
+    if (status == RIC_OK) plot_panel_curve(f->page, f->panel, PLOT_GHOST, data.n_point, curve);
+    if (status == RIC_OK && k > 1) mark_ghost(f, ghost, k);
     free(curve);
     return status;
 }

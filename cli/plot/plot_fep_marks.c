@@ -18,10 +18,9 @@ static bool part_meets(const fep_source *s, const fep_part *part, const ric_junc
 {
     bool listed = false;
     ric_branch branch;
-    for (int i = 0; i < junction->n_branch; i++)
-        listed |= junction->branches[i] == part->branch;
-    if (!listed || part->k != k || ric_atlas_branch(s->atlas, part->branch, &branch) != RIC_OK
-        || (ric_junction_level(junction, &branch) > 1) != multiplied)
+    for (int i = 0; i < junction->n_branch; i++) listed |= junction->branches[i] == part->branch;
+    if (!listed || part->k != k || ric_atlas_branch(s->atlas, part->branch, &branch) != RIC_OK ||
+        (ric_junction_level(junction, &branch) > 1) != multiplied)
         return false;
     const double at = plot_junction_at(s->atlas, &branch, junction->id), slack = 1e-9 * (1 + fabs(at));
     return at >= part->lo - slack && at <= part->hi + slack;
@@ -30,8 +29,7 @@ static bool part_meets(const fep_source *s, const fep_part *part, const ric_junc
 static bool shown(const fep_source *s, const ric_junction *junction, bool multiplied, int k)
 {
     for (int i = 0; i < s->n_part; i++)
-        if (part_meets(s, &s->parts[i], junction, multiplied, k))
-            return true;
+        if (part_meets(s, &s->parts[i], junction, multiplied, k)) return true;
     return false;
 }
 
@@ -60,13 +58,12 @@ static double junction_weight(const fep_source *s, const ric_junction *junction)
     int depth = 100, symmetric = 0;
     for (int i = 0; i < junction->n_branch; i++) {
         ric_branch branch;
-        if (ric_atlas_branch(s->atlas, junction->branches[i], &branch) != RIC_OK)
-            continue;
+        if (ric_atlas_branch(s->atlas, junction->branches[i], &branch) != RIC_OK) continue;
         depth = branch.depth < depth ? branch.depth : depth;
         symmetric |= branch.symmetric;
     }
-    return of_kind[junction->kind] + 1000 * (junction->name && *junction->name) + 6 * symmetric - 4 * fmin(depth, 10)
-        + 8 * (junction->departures.taken > 0) - 0.4 * junction->impacts;
+    return of_kind[junction->kind] + 1000 * (junction->name && *junction->name) + 6 * symmetric - 4 * fmin(depth, 10) +
+           8 * (junction->departures.taken > 0) - 0.4 * junction->impacts;
 }
 
 typedef struct {
@@ -85,8 +82,7 @@ static int lighter(const void *a, const void *b)
 static bool labelled(fep *f, const fep_source *source, const ric_junction *junction, const spot *s, int rank)
 {
     const bool named = junction->name && *junction->name;
-    if (fep_label_asked(f, source, "", 0, junction->id))
-        return true;
+    if (fep_label_asked(f, source, "", 0, junction->id)) return true;
     switch (f->options->labels) {
     case LABELS_NONE:
     case LABELS_ASKED: return false;
@@ -104,14 +100,12 @@ static void draw_spots(fep *f, const fep_source *s, int n, const spot *spots)
     const double large = 4.4, small = n > 150 ? 2 : 2.8;
     for (int i = 0; i < n; i++) { /* the heaviest last, on top */
         ric_junction junction;
-        if (ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK)
-            continue;
+        if (ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK) continue;
         plot_tag *tag = labelled(f, s, &junction, &spots[i], n - 1 - i) ? fep_new_tag(f) : NULL;
         const double radius = n < 40 || n - 1 - i < 60 ? large : small;
         plot_page_mark(f->page, plot_junction_mark(junction.kind), spots[i].at, radius);
         f->kinds[junction.kind] = true;
-        if (!tag)
-            continue;
+        if (!tag) continue;
         tag->at = spots[i].at;
         tag->clear = radius;
         tag->weight = 100 + spots[i].weight;
@@ -129,8 +123,7 @@ ric_status fep_draw_junctions(fep *f, fep_source *s)
     for (int id = 1; status == RIC_OK && id <= total; id++) {
         ric_junction junction;
         status = ric_atlas_junction(s->atlas, id, &junction);
-        if (status != RIC_OK)
-            break;
+        if (status != RIC_OK) break;
         const plot_point place = junction_place(f, s, &junction);
         if (junction.kind != RIC_KIND_START && plot_panel_inside(f->panel, place))
             spots[n++] = (spot){plot_panel_at(f->panel, place), junction.kind, junction_weight(s, &junction), id};
@@ -160,8 +153,7 @@ static int lower(const void *a, const void *b)
 static void add_reference(const fep *f, int *n, reference *list, double frequency, plot_stroke stroke, const char *text)
 {
     for (int i = 0; i < *n; i++)
-        if (fabs(list[i].frequency - frequency) <= 1e-9 * frequency)
-            return;
+        if (fabs(list[i].frequency - frequency) <= 1e-9 * frequency) return;
     if (frequency > f->panel->y.lo && frequency < f->panel->y.hi) {
         list[*n] = (reference){.frequency = frequency, .stroke = stroke};
         snprintf(list[(*n)++].text, sizeof list->text, "%s", text);
@@ -180,12 +172,9 @@ static ric_status gather_references(const fep *f, const fep_source *s, int *n, r
     for (int contact = 0; status == RIC_OK && contact < n_contact && n_dof > 1; contact++) {
         status = ric_model_locked_frequencies(s->model, contact, work);
         for (int i = 0; status == RIC_OK && i < n_dof - 1; i++) {
-            if (n_contact > 1)
-                snprintf(text, sizeof text, "Ω@^{%d}_{%d}", contact + 1, i + 1);
-            else if (n_dof > 2)
-                snprintf(text, sizeof text, "Ω_{%d}", i + 1);
-            else
-                snprintf(text, sizeof text, "ω_0");
+            if (n_contact > 1) snprintf(text, sizeof text, "Ω@^{%d}_{%d}", contact + 1, i + 1);
+            else if (n_dof > 2) snprintf(text, sizeof text, "Ω_{%d}", i + 1);
+            else snprintf(text, sizeof text, "ω_0");
             add_reference(f, n, list, work[i], PLOT_LOCKED, text);
         }
     }
@@ -204,8 +193,7 @@ static int spread(const plot_box *box, int n, reference *list, double line)
                 list[i - 1].y -= push;
             }
         }
-        for (int i = 0; i < n; i++)
-            list[i].y = fmax(box->bottom + 4, fmin(box->top - 4, list[i].y));
+        for (int i = 0; i < n; i++) list[i].y = fmax(box->bottom + 4, fmin(box->top - 4, list[i].y));
     }
     double last = -INFINITY;
     for (int i = 0; i < n; i++) {
@@ -227,19 +215,16 @@ ric_status fep_draw_references(fep *f, const fep_source *s)
     double *work = calloc((size_t)n_dof, sizeof *work);
     int n = 0;
     ric_status status = list && work ? gather_references(f, s, &n, list, work) : RIC_E_NOMEM;
-    if (status != RIC_OK)
-        goto out;
+    if (status != RIC_OK) goto out;
     qsort(list, (size_t)n, sizeof *list, lower);
-    for (int i = 0; i < n; i++)
-        list[i].y = plot_axis_at(&f->panel->y, list[i].frequency);
+    for (int i = 0; i < n; i++) list[i].y = plot_axis_at(&f->panel->y, list[i].frequency);
     f->no_margin += spread(&box, n, list, (n_contact > 1 ? 1.75 : 1.35) * type); /* Ω with two indices is higher */
     for (int i = 0; i < n; i++) {
         const double y = plot_axis_at(&f->panel->y, list[i].frequency);
         plot_page_line(f->page, list[i].stroke, 2, (plot_point[]){{box.left, y}, {box.right, y}});
         f->natural |= list[i].stroke == PLOT_NATURAL;
         f->locked |= list[i].stroke == PLOT_LOCKED;
-        if (!list[i].text[0])
-            continue;
+        if (!list[i].text[0]) continue;
         plot_page_line(f->page, PLOT_LEADER, 2, (plot_point[]){{box.right + 1, y}, {box.right + 9, list[i].y}});
         plot_page_text(f->page, (plot_point){box.right + 11, list[i].y}, PLOT_LEFT, type, "#444444", false,
                        list[i].text);
@@ -258,24 +243,18 @@ int fep_draw_marks(fep *f, fep_source *s)
     for (int i = 0; i < f->options->n_asked; i++) {
         fep_asked *asked = &f->options->asked[i];
         plot_choice choice;
-        if (asked->what != ASK_MARK || asked->atlas != s->index)
-            continue;
+        if (asked->what != ASK_MARK || asked->atlas != s->index) continue;
         const int code = plot_choose(s->atlas, asked->text, "--mark", &choice);
         plot_motion_free(&choice.motion);
-        if (code != CLI_DONE)
-            return code;
+        if (code != CLI_DONE) return code;
         const plot_point data = {choice.energy, choice.frequency / choice.periods};
-        if (!plot_panel_inside(f->panel, data))
-            continue;
+        if (!plot_panel_inside(f->panel, data)) continue;
         asked->used = true;
         plot_tag *tag = fep_new_tag(f);
         const plot_point at = plot_panel_at(f->panel, data);
-        if (choice.kind < 0)
-            plot_page_mark(f->page, PLOT_DOT, at, 4.4);
-        else
-            plot_page_mark(f->page, plot_junction_mark((ric_kind)choice.kind), at, 4.4);
-        if (!tag)
-            return cli_report(RIC_E_NOMEM);
+        if (choice.kind < 0) plot_page_mark(f->page, PLOT_DOT, at, 4.4);
+        else plot_page_mark(f->page, plot_junction_mark((ric_kind)choice.kind), at, 4.4);
+        if (!tag) return cli_report(RIC_E_NOMEM);
         tag->at = at;
         tag->clear = 4.4;
         tag->weight = 2000 - i;

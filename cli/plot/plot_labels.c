@@ -14,23 +14,24 @@ int plot_legend_entries(const bool family[3], unsigned stability, const bool *ki
 {
     static const char *const families[] = {"linear mode", "asymmetric", "symmetric"};
     static const char *const words[] = {
-        [RIC_KIND_START] = "start", [RIC_KIND_GRAZING] = "grazing", [RIC_KIND_CORNER] = "corner",
-        [RIC_KIND_EXTREMUM] = "extremum", [RIC_KIND_BRANCH_POINT] = "branch point",
+        [RIC_KIND_START] = "start",
+        [RIC_KIND_GRAZING] = "grazing",
+        [RIC_KIND_CORNER] = "corner",
+        [RIC_KIND_EXTREMUM] = "extremum",
+        [RIC_KIND_BRANCH_POINT] = "branch point",
         [RIC_KIND_MULTIPLICATION] = "period multiplication",
-        [RIC_KIND_PERIOD_EXTREMUM] = "period extremum", [RIC_KIND_USER] = "asked for",
+        [RIC_KIND_PERIOD_EXTREMUM] = "period extremum",
+        [RIC_KIND_USER] = "asked for",
     };
     const int sample = family && family[2] ? PLOT_SYMMETRIC : family && family[1] ? PLOT_ASYMMETRIC : PLOT_LINEAR;
     int n = 0;
     for (int i = 2; family && i >= 0; i--)
-        if (family[i])
-            out[n++] = (plot_legend_entry){families[i], PLOT_LINEAR + 3 * i + RIC_STABLE_YES, -1};
-    if (stability & 1u << RIC_STABLE_NO)
-        out[n++] = (plot_legend_entry){"thin: unstable", sample + RIC_STABLE_NO, -1};
+        if (family[i]) out[n++] = (plot_legend_entry){families[i], PLOT_LINEAR + 3 * i + RIC_STABLE_YES, -1};
+    if (stability & 1u << RIC_STABLE_NO) out[n++] = (plot_legend_entry){"thin: unstable", sample + RIC_STABLE_NO, -1};
     if (stability & 1u << RIC_STABLE_UNDECIDED)
         out[n++] = (plot_legend_entry){"dotted: undecided", sample + RIC_STABLE_UNDECIDED, -1};
     for (int kind = 0; kinds && kind <= RIC_KIND_USER; kind++)
-        if (kinds[kind])
-            out[n++] = (plot_legend_entry){words[kind], -1, (int)plot_junction_mark((ric_kind)kind)};
+        if (kinds[kind]) out[n++] = (plot_legend_entry){words[kind], -1, (int)plot_junction_mark((ric_kind)kind)};
     return n;
 }
 
@@ -80,8 +81,7 @@ typedef struct {
 static int heavier(const void *a, const void *b)
 {
     const plot_tag *s = a, *t = b;
-    if (s->weight != t->weight)
-        return s->weight < t->weight ? 1 : -1;
+    if (s->weight != t->weight) return s->weight < t->weight ? 1 : -1;
     /* qsort keeps no order of its own, and the picture must be the same on every machine */
     return s->at.x != t->at.x ? (s->at.x > t->at.x) - (s->at.x < t->at.x) : (s->at.y > t->at.y) - (s->at.y < t->at.y);
 }
@@ -131,11 +131,9 @@ static double leader_cost(const placing *p, const plot_tag *tag, leader_line lin
     leader_line rest = line;
     rest.from.x += (line.to.x - line.from.x) * fmin(1, 2 / fmax(start, 1e-9));
     rest.from.y += (line.to.y - line.from.y) * fmin(1, 2 / fmax(start, 1e-9));
-    if (!plot_page_free_line(p->page, rest.from, rest.to))
-        return INFINITY;
+    if (!plot_page_free_line(p->page, rest.from, rest.to)) return INFINITY;
     for (int i = 0; i < p->n_leader; i++)
-        if (lines_cross(line, p->leaders[i]))
-            return INFINITY;
+        if (lines_cross(line, p->leaders[i])) return INFINITY;
     return 2.5 * leader_ink(p->page, rest) + (tag->clear > 0 ? 4 : 8);
 }
 
@@ -146,13 +144,10 @@ static double box_cost(const placing *p, const plot_tag *tag, plot_box box, doub
     if (wide.left < p->bounds.left || wide.right > p->bounds.right || wide.bottom < p->bounds.bottom ||
         wide.top > p->bounds.top)
         return INFINITY;
-    if (!plot_page_free_box(p->page, wide) || plot_page_ink(p->page, wide) > 0)
-        return INFINITY;
+    if (!plot_page_free_box(p->page, wide) || plot_page_ink(p->page, wide) > 0) return INFINITY;
     for (int i = 0; i < p->n_leader; i++)
-        if (crosses_box(p->leaders[i], wide))
-            return INFINITY;
-    if (distance < 9)
-        return distance;
+        if (crosses_box(p->leaders[i], wide)) return INFINITY;
+    if (distance < 9) return distance;
     return tag->leader ? distance + leader_cost(p, tag, leader_to(tag, box)) : INFINITY;
 }
 
@@ -187,8 +182,7 @@ static bool find_place(const placing *p, const plot_tag *tag, plot_box *out, dou
 static bool group_done(int n, const plot_tag *tags, const bool *placed, int group)
 {
     for (int i = 0; group > 0 && i < n; i++)
-        if (placed[i] && tags[i].group == group)
-            return true;
+        if (placed[i] && tags[i].group == group) return true;
     return false;
 }
 
@@ -209,20 +203,16 @@ int plot_place_tags(plot_page *page, plot_box bounds, int n, plot_tag *tags, dou
     bool *placed = calloc((size_t)n + 1, sizeof *placed);
     placing p = {.page = page, .bounds = bounds, .size = size, .leaders = malloc(((size_t)n + 1) * sizeof *p.leaders)};
     int missing = n;
-    if (!placed || !p.leaders)
-        goto out;
-    if (n > 0)
-        qsort(tags, (size_t)n, sizeof *tags, heavier);
+    if (!placed || !p.leaders) goto out;
+    if (n > 0) qsort(tags, (size_t)n, sizeof *tags, heavier);
     for (int i = 0; i < n; i++) {
         plot_box box;
         double gap = 0;
-        if (group_done(n, tags, placed, tags[i].group) || !find_place(&p, &tags[i], &box, &gap))
-            continue;
+        if (group_done(n, tags, placed, tags[i].group) || !find_place(&p, &tags[i], &box, &gap)) continue;
         placed[i] = true;
         plot_page_text(page, (plot_point){box.left, (box.bottom + box.top) / 2}, PLOT_LEFT, size, tags[i].colour, false,
                        tags[i].text);
-        if (gap >= 9)
-            p.leaders[p.n_leader++] = leader_to(&tags[i], box);
+        if (gap >= 9) p.leaders[p.n_leader++] = leader_to(&tags[i], box);
     }
     for (int i = 0; i < p.n_leader; i++)
         plot_page_line(page, PLOT_LEADER, 2, (plot_point[]){p.leaders[i].from, p.leaders[i].to});

@@ -30,10 +30,8 @@ double plot_motion_gap(const plot_motion *o, int contact, const double *x)
 {
     ric_contact c;
     double s = 0;
-    if (ric_model_contact(o->model, contact, &c) != RIC_OK)
-        return NAN;
-    for (int i = 0; i < o->n; i++)
-        s += c.normal[i] * x[i];
+    if (ric_model_contact(o->model, contact, &c) != RIC_OK) return NAN;
+    for (int i = 0; i < o->n; i++) s += c.normal[i] * x[i];
     return s / unit_of(o, &c);
 }
 
@@ -58,11 +56,13 @@ static bool is_spring(const ric_model *model, int face)
 static ric_status modal_create(const ric_model *model, modal *m)
 {
     const size_t n = (size_t)ric_model_n_dof(model);
-    *m = (modal){.n = (int)n, .omega = calloc(n, sizeof(double)), .shapes = calloc(n * n, sizeof(double)),
-                 .q = calloc(n, sizeof(double)), .p = calloc(n, sizeof(double)),
+    *m = (modal){.n = (int)n,
+                 .omega = calloc(n, sizeof(double)),
+                 .shapes = calloc(n * n, sizeof(double)),
+                 .q = calloc(n, sizeof(double)),
+                 .p = calloc(n, sizeof(double)),
                  .state = calloc(2 * n, sizeof(double))};
-    if (!m->omega || !m->shapes || !m->q || !m->p || !m->state)
-        return RIC_E_NOMEM;
+    if (!m->omega || !m->shapes || !m->q || !m->p || !m->state) return RIC_E_NOMEM;
     for (int f = 0; f < ric_model_n_face(model); f++)
         if (is_spring(model, f) && !m->springs && ric_simulator_create(model, &m->springs) != RIC_OK)
             return RIC_E_NOMEM;
@@ -101,7 +101,8 @@ static void modal_at(const modal *m, double t, double *out)
     const int n = m->n;
     if (m->springs && t >= 0) { /* closed or not, the simulator knows; a short flight, so that nothing grows */
         bool hit = ric_simulator_start(m->springs, m->state, m->state + n) == RIC_OK;
-        while (hit && ric_simulator_advance(m->springs, t, &hit, NULL) == RIC_OK) {}
+        while (hit && ric_simulator_advance(m->springs, t, &hit, NULL) == RIC_OK) {
+        }
         ric_simulator_state(m->springs, NULL, out, out + n);
         return;
     }
@@ -145,8 +146,7 @@ static void modal_step(modal *m, const ric_model *model, double t, int face)
     for (int round = 0; round < 2; round++) /* first the sums, then the change */
         for (int k = 0; k < m->n; k++) {
             double normal = 0;
-            for (int i = 0; i < m->n; i++)
-                normal += m->shapes[i * m->n + k] * c.normal[i];
+            for (int i = 0; i < m->n; i++) normal += m->shapes[i * m->n + k] * c.normal[i];
             if (round == 0) {
                 along += normal * m->p[k];
                 square += normal * normal;
@@ -162,8 +162,7 @@ static bool add_row(plot_motion *o, double time, const double *state)
     if (o->n_row == o->room) {
         const int room = o->room ? 2 * o->room : 1024;
         double *rows = realloc(o->rows, (size_t)room * width * sizeof *rows);
-        if (!rows)
-            return false;
+        if (!rows) return false;
         o->rows = rows;
         o->room = room;
     }
@@ -176,8 +175,7 @@ static bool add_row(plot_motion *o, double time, const double *state)
 static bool add_event(plot_motion *o, double time, int face, bool touch, int sample)
 {
     plot_event *events = realloc(o->events, ((size_t)o->n_event + 1) * sizeof *events);
-    if (!events)
-        return false;
+    if (!events) return false;
     o->events = events;
     events[o->n_event++] = (plot_event){time, face, touch, sample};
     return true;
@@ -187,8 +185,7 @@ int plot_motion_face(const plot_motion *o, int contact, int side)
 {
     for (int face = 0; face < ric_model_n_face(o->model); face++) {
         int c, s, mirror;
-        if (ric_model_face(o->model, face, &c, &s, &mirror) == RIC_OK && c == contact && s == side)
-            return face;
+        if (ric_model_face(o->model, face, &c, &s, &mirror) == RIC_OK && c == contact && s == side) return face;
     }
     return -1;
 }
@@ -203,24 +200,19 @@ static double gap_speed(const plot_motion *o, const modal *m, int contact, doubl
 /* Extrema of the gaps that reach a stop between t0 and t1 of the flight that starts at `begin`. */
 static bool find_touches(plot_motion *o, const modal *m, int contact, double begin, double t0, double t1, double *work)
 {
-    if (gap_speed(o, m, contact, t0, work) * gap_speed(o, m, contact, t1, work) > 0)
-        return true;
+    if (gap_speed(o, m, contact, t0, work) * gap_speed(o, m, contact, t1, work) > 0) return true;
     const double sign = gap_speed(o, m, contact, t0, work) > 0 ? 1 : -1;
     for (int i = 0; i < 60; i++) {
         const double middle = (t0 + t1) / 2;
-        if (sign * gap_speed(o, m, contact, middle, work) > 0)
-            t0 = middle;
-        else
-            t1 = middle;
+        if (sign * gap_speed(o, m, contact, middle, work) > 0) t0 = middle;
+        else t1 = middle;
     }
     modal_at(m, t0, work);
     const double gap = plot_motion_gap(o, contact, work);
     const int face = plot_motion_face(o, contact, gap > 0 ? 1 : -1);
-    if (face < 0 || fabs(fabs(gap) - 1) > o->tolerance)
-        return true;
+    if (face < 0 || fabs(fabs(gap) - 1) > o->tolerance) return true;
     double time = begin + t0;
-    if (time < -1e-9 * o->period)
-        time += o->period;
+    if (time < -1e-9 * o->period) time += o->period;
     return add_row(o, time, work) && add_event(o, time, face, true, o->n_row - 1);
 }
 
@@ -231,8 +223,7 @@ static bool sample_flight(plot_motion *o, const modal *m, double begin, double l
     const int n = (int)fmax(48, fmin(4000, 32 * turns));
     for (int i = 0; i <= n; i++) {
         modal_at(m, length * i / n, work);
-        if (!add_row(o, begin + length * i / n, work))
-            return false;
+        if (!add_row(o, begin + length * i / n, work)) return false;
     }
     return true;
 }
@@ -256,13 +247,10 @@ static void step(modal *m, const plot_motion *o, int k)
     int face = o->impacts ? o->word[(k + 1) % o->impacts] % ric_model_n_face(o->model) : -1;
     const bool spring = face >= 0 && is_spring(o->model, face);
     double state[2 * m->n];
-    if (m->springs)
-        modal_at(m, o->flights[k], state);
-    if (m->springs)
-        modal_start(m, ric_model_mass(o->model), state);
+    if (m->springs) modal_at(m, o->flights[k], state);
+    if (m->springs) modal_start(m, ric_model_mass(o->model), state);
     modal_step(m, o->model, m->springs ? 0 : o->flights[k], spring ? -1 : face);
-    if (!m->springs)
-        return;
+    if (!m->springs) return;
     modal_out(m, state);
     memcpy(m->state, state, sizeof state);
 }
@@ -275,18 +263,14 @@ static ric_status reflect(plot_motion *o)
     double *work = calloc(2 * (size_t)o->n, sizeof *work), begin = 0;
     ric_status status = modal_create(o->model, &m);
     bool good = work && (o->first = calloc((size_t)flights + 1, sizeof *o->first));
-    if (status != RIC_OK || !good)
-        goto out;
+    if (status != RIC_OK || !good) goto out;
     for (int touches = 0; touches < 2; touches++) {
         modal_start(&m, ric_model_mass(o->model), o->state);
         begin = 0;
         for (int k = 0; k < flights && good; k++) {
-            if (touches)
-                good = touches_of_flight(o, &m, begin, o->flights[k], work);
-            else
-                good = sample_flight(o, &m, begin, o->flights[k], work);
-            if (!touches)
-                o->first[k + 1] = o->n_row;
+            if (touches) good = touches_of_flight(o, &m, begin, o->flights[k], work);
+            else good = sample_flight(o, &m, begin, o->flights[k], work);
+            if (!touches) o->first[k + 1] = o->n_row;
             if (!touches && o->impacts && o->word[k] < ric_model_n_face(o->model)) /* not where a spring opens */
                 good = good && add_event(o, begin, o->word[k], false, o->first[k]);
             begin += o->flights[k];
@@ -311,8 +295,7 @@ static bool returns(const plot_motion *o, const double *z)
     double size = 0, error = 0;
     for (int i = 0; i < 2 * o->n; i++) {
         error = fmax(error, fabs(z[i] - o->state[i]));
-        for (int k = 0; k < o->n_row; k++)
-            size = fmax(size, fabs(plot_motion_row(o, k)[1 + i]));
+        for (int k = 0; k < o->n_row; k++) size = fmax(size, fabs(plot_motion_row(o, k)[1 + i]));
     }
     return error <= return_bound * size;
 }
@@ -324,23 +307,19 @@ static ric_status integrate(plot_motion *o)
     double *z = calloc(2 * (size_t)o->n, sizeof *z);
     ric_status status = z && (o->first = calloc(2, sizeof *o->first)) ? ric_simulator_create(o->model, &simulator)
                                                                       : RIC_E_NOMEM;
-    if (status == RIC_OK)
-        status = ric_simulator_start(simulator, o->state, o->state + o->n);
+    if (status == RIC_OK) status = ric_simulator_start(simulator, o->state, o->state + o->n);
     for (int i = 0; status == RIC_OK && i <= ROWS; i++) {
         bool hit;
-        if (i > 0)
-            status = ric_simulator_advance(simulator, o->period * i / ROWS, &hit, NULL);
+        if (i > 0) status = ric_simulator_advance(simulator, o->period * i / ROWS, &hit, NULL);
         ric_simulator_state(simulator, NULL, z, z + o->n);
-        if (status == RIC_OK && !add_row(o, o->period * i / ROWS, z))
-            status = RIC_E_NOMEM;
+        if (status == RIC_OK && !add_row(o, o->period * i / ROWS, z)) status = RIC_E_NOMEM;
     }
     if (status == RIC_OK && !returns(o, z)) {
         fprintf(stderr,
                 "ricochet: this orbit is too unstable to be drawn from its start: after one period it misses it\n");
         status = RIC_E_NUMERIC;
     }
-    if (o->first)
-        o->first[1] = o->n_row;
+    if (o->first) o->first[1] = o->n_row;
     ric_simulator_free(simulator);
     free(z);
     return status;
@@ -367,14 +346,11 @@ bool plot_motion_keep(plot_motion *o, int impacts, const int *word, const double
     o->word = calloc(k, sizeof *o->word);
     o->state = calloc(n, sizeof *o->state);
     o->flights = calloc(k, sizeof *o->flights);
-    if (!o->word || !o->state || !o->flights)
-        return false;
-    if (impacts > 0)
-        memcpy(o->word, word, (size_t)impacts * sizeof *word);
+    if (!o->word || !o->state || !o->flights) return false;
+    if (impacts > 0) memcpy(o->word, word, (size_t)impacts * sizeof *word);
     memcpy(o->state, state, n * sizeof *state);
     memcpy(o->flights, flights, k * sizeof *flights);
-    for (size_t i = 0; i < k; i++)
-        o->period += flights[i];
+    for (size_t i = 0; i < k; i++) o->period += flights[i];
     return true;
 }
 
@@ -423,8 +399,7 @@ void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stro
         plot_panel_curve(page, panel, stroke, n, points);
         const double *after = plot_motion_row(o, o->first[(k + 1) % o->n_piece]);
         const plot_point jump[] = {points[n - 1], {x(o, after, what), y(o, after, what)}};
-        if (o->jumps && x != plot_read_time)
-            plot_panel_curve(page, panel, PLOT_JUMP, 2, jump);
+        if (o->jumps && x != plot_read_time) plot_panel_curve(page, panel, PLOT_JUMP, 2, jump);
     }
     free(points);
 }
@@ -447,10 +422,8 @@ double plot_motion_at(const plot_motion *o, double t, int coordinate)
     int lo = 0, hi = o->first[o->n_piece] - 1;
     while (hi - lo > 1) {
         const int middle = (lo + hi) / 2;
-        if (plot_motion_row(o, middle)[0] <= t)
-            lo = middle;
-        else
-            hi = middle;
+        if (plot_motion_row(o, middle)[0] <= t) lo = middle;
+        else hi = middle;
     }
     const double *a = plot_motion_row(o, lo), *b = plot_motion_row(o, hi), h = b[0] - a[0];
     const double x0 = a[1 + coordinate], x1 = b[1 + coordinate], v0 = a[1 + o->n + coordinate],

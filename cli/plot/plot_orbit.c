@@ -29,8 +29,7 @@ typedef struct {
 
 static void set_title(orbit *o, const char *name, double energy, const char *extra)
 {
-    if (o->common->title)
-        plot_text_escape(o->common->title, sizeof o->title, o->title);
+    if (o->common->title) plot_text_escape(o->common->title, sizeof o->title, o->title);
     else
         snprintf(o->title, sizeof o->title, "%s:  E = %.6g,  ω = %.6g rad/s%s", name, energy, 2 * pi / o->motion.period,
                  extra);
@@ -41,11 +40,9 @@ static int take_junction(orbit *o, const char *text)
     long id;
     ric_junction junction;
     char name[160];
-    if (!cli_parse_integer(text, "--junction", 1, 2147483647, &id))
-        return CLI_WRONG;
+    if (!cli_parse_integer(text, "--junction", 1, 2147483647, &id)) return CLI_WRONG;
     const ric_status status = ric_atlas_junction(o->atlas, (int)id, &junction);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     o->motion.tolerance = junction.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
     if (!plot_motion_keep(&o->motion, junction.letters, junction.word, junction.state, junction.flights))
         return cli_report(RIC_E_NOMEM);
@@ -54,7 +51,9 @@ static int take_junction(orbit *o, const char *text)
     return CLI_DONE;
 }
 
-typedef struct { const char *branch, *junction, *point, *energy, *frequency, *which, *coordinates; } words;
+typedef struct {
+    const char *branch, *junction, *point, *energy, *frequency, *which, *coordinates;
+} words;
 
 static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int n, ric_orbit **orbits)
 {
@@ -68,17 +67,14 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
                 branch->id, branch->energy_min, branch->energy_max, branch->frequency_min, branch->frequency_max);
         return CLI_FAILED;
     }
-    if (w->which && !cli_parse_integer(w->which, "--which", 1, n, &which))
-        return CLI_WRONG;
-    if (n > 1 && !w->which)
-        fprintf(stderr, "ricochet: %d orbits fit, this is the first; --which K draws another\n", n);
+    if (w->which && !cli_parse_integer(w->which, "--which", 1, n, &which)) return CLI_WRONG;
+    if (n > 1 && !w->which) fprintf(stderr, "ricochet: %d orbits fit, this is the first; --which K draws another\n", n);
     const ric_orbit *chosen = orbits[which - 1];
     const int impacts = ric_orbit_letters(chosen), room = impacts > 0 ? impacts : 1;
     double *state = calloc(2 * (size_t)o->motion.n, sizeof *state), *flights = calloc((size_t)room, sizeof *flights);
     int *word = calloc((size_t)room, sizeof *word);
     int code = CLI_DONE;
-    if (state && flights && word)
-        ric_orbit_data(chosen, &point, state, flights, word);
+    if (state && flights && word) ric_orbit_data(chosen, &point, state, flights, word);
     if (!state || !flights || !word || !plot_motion_keep(&o->motion, impacts, word, state, flights)) {
         code = cli_report(RIC_E_NOMEM);
         goto out;
@@ -99,13 +95,12 @@ static int take_branch(orbit *o, const words *w)
     ric_branch branch;
     ric_orbit **orbits = NULL;
     int n = 0;
-    if (!cli_parse_integer(w->branch, "--branch", 1, 2147483647, &id)
-        || (w->point && !cli_parse_integer(w->point, "--point", 0, 2147483647, &point))
-        || (w->energy && !cli_parse_number(w->energy, "--energy", &value))
-        || (w->frequency && !cli_parse_number(w->frequency, "--frequency", &value)))
+    if (!cli_parse_integer(w->branch, "--branch", 1, 2147483647, &id) ||
+        (w->point && !cli_parse_integer(w->point, "--point", 0, 2147483647, &point)) ||
+        (w->energy && !cli_parse_number(w->energy, "--energy", &value)) ||
+        (w->frequency && !cli_parse_number(w->frequency, "--frequency", &value)))
         return CLI_WRONG;
-    if (w->point)
-        value = (double)point;
+    if (w->point) value = (double)point;
     ric_status status = ric_atlas_branch(o->atlas, (int)id, &branch);
     if (status == RIC_OK)
         status = ric_orbit_find(o->atlas, (int)id,
@@ -113,8 +108,7 @@ static int take_branch(orbit *o, const words *w)
                                 : w->energy ? RIC_AT_ENERGY
                                             : RIC_AT_FREQUENCY,
                                 value, &n, &orbits);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     o->motion.tolerance = touch_of_branch;
     const int code = choose_orbit(o, &branch, w, n, orbits);
     ric_orbits_free(n, orbits);
@@ -125,24 +119,19 @@ static int take_branch(orbit *o, const words *w)
 static void usual_coordinates(orbit *o)
 {
     o->n_shown = o->motion.n < MAX_SHOWN ? o->motion.n : MAX_SHOWN;
-    for (int i = 0; i < o->n_shown; i++)
-        o->shown[i] = i;
-    if (o->motion.n <= MAX_SHOWN)
-        return;
+    for (int i = 0; i < o->n_shown; i++) o->shown[i] = i;
+    if (o->motion.n <= MAX_SHOWN) return;
     double taken[MAX_SHOWN] = {0};
     o->n_shown = 0;
     for (int i = 0; i < o->motion.n; i++) {
         double weight = 0;
         for (int contact = 0; contact < ric_model_n_contact(o->motion.model); contact++) {
             ric_contact c;
-            if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK)
-                weight += fabs(c.normal[i]);
+            if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK) weight += fabs(c.normal[i]);
         }
         int place = o->n_shown;
-        while (place > 0 && taken[place - 1] < weight)
-            place--;
-        if (place == MAX_SHOWN)
-            continue;
+        while (place > 0 && taken[place - 1] < weight) place--;
+        if (place == MAX_SHOWN) continue;
         o->n_shown += o->n_shown < MAX_SHOWN;
         for (int k = o->n_shown - 1; k > place; k--) {
             taken[k] = taken[k - 1];
@@ -164,12 +153,10 @@ static bool take_coordinates(orbit *o, const char *text)
             cli_wrong("--coordinates %s: at most %d fit on a page", text, MAX_SHOWN);
             return false;
         }
-        if (!cli_parse_integer(item, "--coordinates", 1, o->motion.n, &index))
-            return false;
+        if (!cli_parse_integer(item, "--coordinates", 1, o->motion.n, &index)) return false;
         o->shown[o->n_shown++] = (int)index - 1;
         c += n;
-        if (!*c)
-            return true;
+        if (!*c) return true;
     }
 }
 
@@ -185,10 +172,8 @@ static void choose_gaps(orbit *o)
                 met |= ric_model_face(o->motion.model, o->motion.events[i].face, &c, &side, &mirror) == RIC_OK &&
                        c == contact;
             }
-            for (int i = 0; i < o->n_gap; i++)
-                known |= o->gaps[i] == contact;
-            if (!known && met == (round == 0) && o->n_gap < MAX_SHOWN)
-                o->gaps[o->n_gap++] = contact;
+            for (int i = 0; i < o->n_gap; i++) known |= o->gaps[i] == contact;
+            if (!known && met == (round == 0) && o->n_gap < MAX_SHOWN) o->gaps[o->n_gap++] = contact;
         }
     for (int i = 1; i < o->n_gap; i++) /* in the order of the study */
         for (int k = i; k > 0 && o->gaps[k - 1] > o->gaps[k]; k--) {
@@ -196,8 +181,7 @@ static void choose_gaps(orbit *o)
             o->gaps[k] = o->gaps[k - 1];
             o->gaps[k - 1] = other;
         }
-    if (n > o->n_gap)
-        fprintf(stderr, "ricochet: %d of %d contacts are shown\n", o->n_gap, n);
+    if (n > o->n_gap) fprintf(stderr, "ricochet: %d of %d contacts are shown\n", o->n_gap, n);
 }
 
 /* ------------------------------------------------------------------ drawing */
@@ -228,8 +212,7 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     plot_legend_entry entries[MAX_SHOWN];
     char names[MAX_SHOWN][24];
     double lo = INFINITY, hi = -INFINITY;
-    for (int i = 0; i < o->n_shown; i++)
-        plot_motion_range(&o->motion, plot_read_x, o->shown[i], &lo, &hi);
+    for (int i = 0; i < o->n_shown; i++) plot_motion_range(&o->motion, plot_read_x, o->shown[i], &lo, &hi);
     plot_range_widen(false, 0.07, &lo, &hi);
     const plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
     draw_event_lines(o, &panel);
@@ -261,8 +244,7 @@ static const char *what_happens(const ric_model *model)
     bool rigid = false, springs = false;
     for (int i = 0; i < ric_model_n_contact(model); i++) {
         ric_contact c;
-        if (ric_model_contact(model, i, &c) != RIC_OK)
-            continue;
+        if (ric_model_contact(model, i, &c) != RIC_OK) continue;
         rigid |= c.law == RIC_LAW_RIGID;
         springs |= c.law == RIC_LAW_BILINEAR;
     }
@@ -273,8 +255,7 @@ static const char *what_happens(const ric_model *model)
 static bool has_side(const orbit *o, int side)
 {
     for (int i = 0; i < o->n_gap; i++)
-        if (plot_motion_face(&o->motion, o->gaps[i], side) >= 0)
-            return true;
+        if (plot_motion_face(&o->motion, o->gaps[i], side) >= 0) return true;
     return false;
 }
 
@@ -282,16 +263,14 @@ static bool has_side(const orbit *o, int side)
 static void draw_letter(orbit *o, plot_point at, int side, int face)
 {
     char letter[24], text[48];
-    if (ric_word_format(o->motion.model, 1, &face, sizeof letter, letter) != RIC_OK)
-        return;
+    if (ric_word_format(o->motion.model, 1, &face, sizeof letter, letter) != RIC_OK) return;
     plot_text_escape(letter, sizeof text, text);
     for (int line = 0; line < 3; line++) {
         const plot_point place = {at.x, at.y + side * (13 + 13.5 * line)};
         plot_box box = plot_text_box(place, PLOT_CENTRE, type - 1, false, text);
         box.left += 0.5;
         box.right -= 0.5;
-        if (!plot_page_free_box(o->page, box))
-            continue;
+        if (!plot_page_free_box(o->page, box)) continue;
         plot_page_text(o->page, place, PLOT_CENTRE, type - 1, "#000000", false, text);
         return;
     }
@@ -305,15 +284,11 @@ static void draw_gap_events(orbit *o, const plot_panel *panel)
             const plot_event *e = &o->motion.events[i];
             int contact, side, mirror;
             bool shown = false;
-            if (ric_model_face(o->motion.model, e->face, &contact, &side, &mirror) != RIC_OK)
-                continue;
-            for (int k = 0; k < o->n_gap; k++)
-                shown |= o->gaps[k] == contact;
+            if (ric_model_face(o->motion.model, e->face, &contact, &side, &mirror) != RIC_OK) continue;
+            for (int k = 0; k < o->n_gap; k++) shown |= o->gaps[k] == contact;
             const plot_point at = plot_panel_at(panel, (plot_point){e->time, side});
-            if (shown && round == 0)
-                plot_page_mark(o->page, e->touch ? PLOT_CIRCLE : PLOT_DOT, at, 3.6);
-            else if (shown)
-                draw_letter(o, at, side, e->face);
+            if (shown && round == 0) plot_page_mark(o->page, e->touch ? PLOT_CIRCLE : PLOT_DOT, at, 3.6);
+            else if (shown) draw_letter(o, at, side, e->face);
         }
 }
 
@@ -325,8 +300,7 @@ static void draw_gaps(orbit *o, plot_box box)
     plot_legend_entry entries[MAX_SHOWN + 2];
     char names[MAX_SHOWN][80];
     int n = 0;
-    for (int i = 0; i < o->n_gap; i++)
-        plot_motion_range(&o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
+    for (int i = 0; i < o->n_gap; i++) plot_motion_range(&o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
     const double above = upper ? room : 12, below = lower ? room : 12,
                  scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
     const plot_panel panel = {time_axis(o, box.left, box.right),
@@ -343,8 +317,7 @@ static void draw_gaps(orbit *o, plot_box box)
         gap_name(o, o->gaps[i], sizeof names[i], names[i]);
         entries[n++] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
-    if (upper || lower)
-        entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
+    if (upper || lower) entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
     plot_panel_frame(o->page, &panel, "time (s)", "gap / clearance");
     draw_gap_events(o, &panel);
     bool hit = false, touch = false;
@@ -356,10 +329,8 @@ static void draw_gaps(orbit *o, plot_box box)
     if (hit || touch) {
         plot_legend_entry marks[2];
         int k = 0;
-        if (hit)
-            marks[k++] = (plot_legend_entry){what_happens(o->motion.model), -1, PLOT_DOT};
-        if (touch)
-            marks[k++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
+        if (hit) marks[k++] = (plot_legend_entry){what_happens(o->motion.model), -1, PLOT_DOT};
+        if (touch) marks[k++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
         plot_legend(o->page, k, marks, box.left, box.right, box.bottom - 42);
     }
 }
@@ -391,8 +362,7 @@ static void draw_portrait(orbit *o, int coordinate, plot_box box)
         mark_row(o, &panel, coordinate, o->motion.first[k + 1] - 1, PLOT_DOT);
     }
     for (int i = 0; i < o->motion.n_event; i++)
-        if (o->motion.events[i].touch)
-            mark_row(o, &panel, coordinate, o->motion.events[i].sample, PLOT_CIRCLE);
+        if (o->motion.events[i].touch) mark_row(o, &panel, coordinate, o->motion.events[i].sample, PLOT_CIRCLE);
 }
 
 static void draw_portraits(orbit *o, plot_box area)
@@ -410,8 +380,7 @@ static int draw(orbit *o)
     const double width = o->common->width > 0 ? o->common->width : 1000,
                  height = o->common->height > 0 ? o->common->height : 640;
     o->page = plot_page_create(width, height);
-    if (!o->page)
-        return cli_report(RIC_E_NOMEM);
+    if (!o->page) return cli_report(RIC_E_NOMEM);
     const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 58,
                  middle = foot + (height - foot - head) * 0.52;
     draw_displacements(o, (plot_box){64, middle + 30, split - 8, height - head}, false);
@@ -431,8 +400,7 @@ static int parse(int *argc, char **argv, words *w)
     const char **values[] = {&w->branch,    &w->junction, &w->point,      &w->energy,
                              &w->frequency, &w->which,    &w->coordinates};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (!cli_take_value(argc, argv, names[i], values[i]))
-            return CLI_WRONG;
+        if (!cli_take_value(argc, argv, names[i], values[i])) return CLI_WRONG;
     const int places = (w->point != NULL) + (w->energy != NULL) + (w->frequency != NULL);
     if (!w->branch == !w->junction)
         return cli_wrong("plot orbit: give either --branch ID with a place on it, or --junction ID");
@@ -449,15 +417,11 @@ static int find_and_draw(orbit *o, const words *w)
     o->motion.model = ric_atlas_model(o->atlas);
     o->motion.n = ric_model_n_dof(o->motion.model);
     int code = w->junction ? take_junction(o, w->junction) : take_branch(o, w);
-    if (code != CLI_DONE)
-        return code;
-    if (w->coordinates && !take_coordinates(o, w->coordinates))
-        return CLI_WRONG;
-    if (!w->coordinates)
-        usual_coordinates(o);
+    if (code != CLI_DONE) return code;
+    if (w->coordinates && !take_coordinates(o, w->coordinates)) return CLI_WRONG;
+    if (!w->coordinates) usual_coordinates(o);
     const ric_status status = plot_motion_make(&o->motion);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     choose_gaps(o);
     return draw(o);
 }
@@ -467,11 +431,9 @@ int plot_orbit(int argc, char **argv, const plot_options *common)
     orbit o = {.common = common};
     words w = {0};
     int code = parse(&argc, argv, &w);
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     const ric_status status = ric_atlas_read(argv[1], &o.atlas);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     code = find_and_draw(&o, &w);
     plot_page_free(o.page);
     ric_atlas_free(o.atlas);

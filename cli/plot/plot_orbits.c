@@ -47,13 +47,11 @@ static bool take_coordinates(figure *f, const char *text)
             cli_wrong("--coordinates %s: at most %d fit", text, MAX_SHOWN);
             return false;
         }
-        if (!cli_parse_integer(item, "--coordinates", 1, n_dof, &index))
-            return false;
+        if (!cli_parse_integer(item, "--coordinates", 1, n_dof, &index)) return false;
         f->shown[f->n_shown++] = (int)index - 1;
         c += n;
     }
-    for (int i = 0; !text && i < n_dof && i < 2; i++)
-        f->shown[f->n_shown++] = i;
+    for (int i = 0; !text && i < n_dof && i < 2; i++) f->shown[f->n_shown++] = i;
     return f->n_shown > 0 || (cli_wrong("--coordinates %s: which?", text), false);
 }
 
@@ -62,10 +60,8 @@ static int take_orbits(int argc, char **argv, figure *f)
     plot_listed values[MAX_ORBIT];
     const int code = plot_take_listed(argc, argv, "--orbit", MAX_ATLAS, &f->n_atlas, f->paths, MAX_ORBIT, &f->n,
                                       values);
-    for (int i = 0; i < f->n; i++)
-        f->panels[i] = (panel){.text = values[i].text, .atlas = values[i].atlas};
-    if (code != CLI_DONE)
-        return code;
+    for (int i = 0; i < f->n; i++) f->panels[i] = (panel){.text = values[i].text, .atlas = values[i].atlas};
+    if (code != CLI_DONE) return code;
     if (f->n == 0)
         return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see ricochet plot --help");
     for (int i = 0; i < f->n; i++)
@@ -79,19 +75,16 @@ static int load(figure *f)
 {
     for (int i = 0; i < f->n_atlas; i++) {
         const ric_status status = ric_atlas_read(f->paths[i], &f->atlases[i]);
-        if (status != RIC_OK)
-            return cli_report(status);
+        if (status != RIC_OK) return cli_report(status);
         if (ric_model_n_dof(ric_atlas_model(f->atlases[i])) != ric_model_n_dof(ric_atlas_model(f->atlases[0])))
             return cli_wrong("plot orbits: the models have different numbers of coordinates");
     }
     for (int i = 0; i < f->n; i++) {
         panel *p = &f->panels[i];
         const int code = plot_choose(f->atlases[p->atlas < 0 ? 0 : p->atlas], p->text, "--orbit", &p->choice);
-        if (code != CLI_DONE)
-            return code;
+        if (code != CLI_DONE) return code;
         const ric_status status = plot_motion_make(&p->choice.motion);
-        if (status != RIC_OK)
-            return cli_report(status);
+        if (status != RIC_OK) return cli_report(status);
     }
     return CLI_DONE;
 }
@@ -110,8 +103,7 @@ static void ranges(const figure *f, int only, int coordinate, double x[2], doubl
     x[1] = v[1] = -INFINITY;
     for (int i = 0; i < f->n; i++)
         for (int k = 0; k < f->n_shown; k++) {
-            if ((i != only && !f->same) || (coordinate >= 0 && f->shown[k] != coordinate))
-                continue;
+            if ((i != only && !f->same) || (coordinate >= 0 && f->shown[k] != coordinate)) continue;
             plot_motion_range(&f->panels[i].choice.motion, plot_read_x, f->shown[k], &x[0], &x[1]);
             plot_motion_range(&f->panels[i].choice.motion, plot_read_v, f->shown[k], &v[0], &v[1]);
         }
@@ -131,12 +123,11 @@ static void draw_events(figure *f, const panel *p, const plot_panel *at)
             const double x = plot_axis_at(&at->x, e->time + period * m->period);
             int contact, side, mirror;
             char letter[24], text[48];
-            if (x > box.right + 0.5 || (period > 0 && e->time == 0))
-                continue;
+            if (x > box.right + 0.5 || (period > 0 && e->time == 0)) continue;
             plot_page_line(f->page, PLOT_GRID, 2, (plot_point[]){{x, box.bottom}, {x, box.top}});
             plot_page_mark(f->page, e->touch ? PLOT_CIRCLE : PLOT_DOT, (plot_point){x, box.top}, 2.6);
-            if (ric_model_face(m->model, e->face, &contact, &side, &mirror) != RIC_OK
-                || ric_word_format(m->model, 1, &e->face, sizeof letter, letter) != RIC_OK)
+            if (ric_model_face(m->model, e->face, &contact, &side, &mirror) != RIC_OK ||
+                ric_word_format(m->model, 1, &e->face, sizeof letter, letter) != RIC_OK)
                 continue;
             plot_text_escape(letter, sizeof text, text);
             const plot_point place = {x, box.top + 10};
@@ -150,8 +141,7 @@ static void caption(const panel *p, char letter, size_t size, char *out)
     static const char *const stability[] = {", unstable", ", stable", ", stability undecided"};
     char name[200], times[40] = "";
     plot_text_label(p->choice.name, sizeof name, name);
-    if (p->choice.periods > 1)
-        snprintf(times, sizeof times, ",  %d periods", p->choice.periods);
+    if (p->choice.periods > 1) snprintf(times, sizeof times, ",  %d periods", p->choice.periods);
     snprintf(out, size, "(%c)  %s:  E = %.6g,  ω = %.6g%s%s", letter, name, p->choice.energy, p->choice.frequency,
              p->choice.stable >= 0 ? stability[p->choice.stable] : "", times);
 }
@@ -182,8 +172,7 @@ static void draw_portrait(figure *f, int i, int coordinate, plot_box box)
     ranges(f, i, coordinate, x, v);
     const plot_panel at = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
     int series = 0;
-    for (int k = 0; k < f->n_shown; k++)
-        series = f->shown[k] == coordinate ? k : series;
+    for (int k = 0; k < f->n_shown; k++) series = f->shown[k] == coordinate ? k : series;
     plot_motion_draw(f->page, &at, series ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC, &f->panels[i].choice.motion, plot_read_x,
                      plot_read_v, coordinate, 0);
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
@@ -215,8 +204,7 @@ static int draw(figure *f)
     int n = 0;
     bool hit = false, touch = false;
     f->page = plot_page_create(width, height);
-    if (!f->page)
-        return cli_report(RIC_E_NOMEM);
+    if (!f->page) return cli_report(RIC_E_NOMEM);
     const double w = width / columns, h = (height - head) / rows;
     for (int i = 0; i < f->n; i++) {
         const double left = w * (i % columns), top = height - head - h * (i / columns);
@@ -232,10 +220,8 @@ static int draw(figure *f)
     }
     plot_legend(f->page, n, entries, 12, 0.5 * width, height - 34);
     n = 0;
-    if (hit)
-        entries[n++] = (plot_legend_entry){"impact", -1, PLOT_DOT};
-    if (touch)
-        entries[n++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
+    if (hit) entries[n++] = (plot_legend_entry){"impact", -1, PLOT_DOT};
+    if (touch) entries[n++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
     plot_legend(f->page, n, entries, 0.5 * width, width - 12, height - 34);
     plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->atlases[0])),
                      sizeof title, title);
@@ -254,14 +240,10 @@ int plot_orbits(int argc, char **argv, const plot_options *common)
         (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))
         return CLI_WRONG;
     int code = take_orbits(argc, argv, &f);
-    if (code == CLI_DONE)
-        code = load(&f);
-    if (code == CLI_DONE)
-        code = take_coordinates(&f, coordinates) ? draw(&f) : CLI_WRONG;
+    if (code == CLI_DONE) code = load(&f);
+    if (code == CLI_DONE) code = take_coordinates(&f, coordinates) ? draw(&f) : CLI_WRONG;
     plot_page_free(f.page);
-    for (int i = 0; i < f.n; i++)
-        plot_motion_free(&f.panels[i].choice.motion);
-    for (int i = 0; i < f.n_atlas; i++)
-        ric_atlas_free(f.atlases[i]);
+    for (int i = 0; i < f.n; i++) plot_motion_free(&f.panels[i].choice.motion);
+    for (int i = 0; i < f.n_atlas; i++) ric_atlas_free(f.atlases[i]);
     return code;
 }

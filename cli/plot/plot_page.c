@@ -88,35 +88,36 @@ const char *plot_stroke_colour(plot_stroke stroke)
     return strokes[stroke].colour;
 }
 
-double plot_page_width(const plot_page *page) { return page->width; }
-double plot_page_height(const plot_page *page) { return page->height; }
+double plot_page_width(const plot_page *page)
+{
+    return page->width;
+}
+double plot_page_height(const plot_page *page)
+{
+    return page->height;
+}
 
 plot_page *plot_page_create(double width, double height)
 {
     plot_page *page = calloc(1, sizeof *page);
-    if (!page)
-        return NULL;
+    if (!page) return NULL;
     page->width = width;
     page->height = height;
     page->columns = (int)ceil(width);
     page->rows = (int)ceil(height);
     page->ink = calloc((size_t)page->columns * (size_t)page->rows, 1);
     bool good = page->ink;
-    for (int i = 0; i < PLOT_N_STROKE; i++)
-        good &= ric_buffer_open(&page->lines[i]);
+    for (int i = 0; i < PLOT_N_STROKE; i++) good &= ric_buffer_open(&page->lines[i]);
     good &= ric_buffer_open(&page->objects) && ric_buffer_open(&page->texts);
-    if (good)
-        return page;
+    if (good) return page;
     plot_page_free(page);
     return NULL;
 }
 
 void plot_page_free(plot_page *page)
 {
-    if (!page)
-        return;
-    for (int i = 0; i < PLOT_N_STROKE; i++)
-        ric_buffer_free(&page->lines[i]);
+    if (!page) return;
+    for (int i = 0; i < PLOT_N_STROKE; i++) ric_buffer_free(&page->lines[i]);
     ric_buffer_free(&page->objects);
     ric_buffer_free(&page->texts);
     free(page->boxes);
@@ -143,8 +144,7 @@ void plot_page_line(plot_page *page, plot_stroke stroke, int n, const plot_point
     FILE *file = page->lines[stroke].file;
     for (int i = 0; i < n; i++) {
         fprintf(file, "%.2f %.2f\n", points[i].x, points[i].y);
-        if (i > 0)
-            stain(page, points[i - 1], points[i]);
+        if (i > 0) stain(page, points[i - 1], points[i]);
     }
     fputc('\n', file); /* an empty line lifts the pen */
     free(page->sums);
@@ -171,23 +171,24 @@ enum { ROUND = 20, CORNERS = 20 };
 /* Corners of a mark around the origin, of radius about 1; returns how many. */
 static int mark_shape(plot_mark mark, plot_point *out)
 {
-    static const struct { int n; double turn, size; } regular[PLOT_N_MARK] = {
+    static const struct {
+        int n;
+        double turn, size;
+    } regular[PLOT_N_MARK] = {
         [PLOT_SQUARE] = {4, 0.125, 1.2}, [PLOT_TRIANGLE] = {3, 0.25, 1.25}, [PLOT_TRIANGLE_DOWN] = {3, 0.75, 1.25},
-        [PLOT_DIAMOND] = {4, 0, 1.3}, [PLOT_STAR] = {10, 0.25, 1.45}, [PLOT_CROSS] = {12, 0.125, 1},
+        [PLOT_DIAMOND] = {4, 0, 1.3},    [PLOT_STAR] = {10, 0.25, 1.45},    [PLOT_CROSS] = {12, 0.125, 1},
     };
     const int n = regular[mark].n ? regular[mark].n : ROUND; /* gnuplot's own circles have a hundred corners */
     for (int i = 0; i < n; i++) {
         double radius = regular[mark].n ? regular[mark].size : mark == PLOT_DOT ? 0.8 : 1;
-        if (mark == PLOT_STAR && i % 2)
-            radius *= 0.45;
+        if (mark == PLOT_STAR && i % 2) radius *= 0.45;
         const double angle = 2 * pi * (regular[mark].turn + (double)i / n);
         out[i] = (plot_point){radius * cos(angle), radius * sin(angle)};
     }
     if (mark == PLOT_CROSS) {
         static const signed char plus[12][2] = {{1, 3},   {1, 1},   {3, 1},   {3, -1}, {1, -1}, {1, -3},
                                                 {-1, -3}, {-1, -1}, {-3, -1}, {-3, 1}, {-1, 1}, {-1, 3}};
-        for (int i = 0; i < n; i++)
-            out[i] = (plot_point){plus[i][0] * 0.4, plus[i][1] * 0.4};
+        for (int i = 0; i < n; i++) out[i] = (plot_point){plus[i][0] * 0.4, plus[i][1] * 0.4};
     }
     return n;
 }
@@ -213,10 +214,8 @@ static void put_label(plot_page *page, plot_point at, const char *anchor, double
     /* gnuplot takes a doubled quote for one quote, but not where a text begins with it: it is added as a text of its
      * own. Within double quotes it would look for commands. */
     for (size_t i = 0; i < n; i++) {
-        if (text[i] == '\'')
-            fputs("'.\"'\".'", file);
-        else
-            fputc((unsigned char)text[i] < ' ' || text[i] == 0x7f ? ' ' : text[i], file);
+        if (text[i] == '\'') fputs("'.\"'\".'", file);
+        else fputc((unsigned char)text[i] < ' ' || text[i] == 0x7f ? ' ' : text[i], file);
     }
     /* FONT(..) is a function of the script: the terminals measure type in different units. */
     fprintf(file, "' at %.2f,%.2f %s front %s font FONT(%.2f) tc rgb '%s'\n", at.x, at.y, anchor,
@@ -229,12 +228,10 @@ static void put_pieces(plot_page *page, plot_point at, double size, const char *
 {
     while (*text) {
         const char *end = text;
-        while (*end && *end != '@')
-            end += *end == '\\' && end[1] ? 2 : 1;
+        while (*end && *end != '@') end += *end == '\\' && end[1] ? 2 : 1;
         put_label(page, at, "left", size, colour, false, text, (size_t)(end - text));
         at.x += plot_text_exact_width(text, end, size);
-        if (!*end)
-            return;
+        if (!*end) return;
         double widest = 0;
         for (text = end + 1; *text == '^' || *text == '_'; text = end) {
             const double small = 0.74 * size, shift = *text == '^' ? 0.44 * size : -0.44 * size;
@@ -272,8 +269,7 @@ bool plot_page_free_box(const plot_page *page, plot_box box)
 {
     for (int i = 0; i < page->n_box; i++) {
         const plot_box *b = &page->boxes[i];
-        if (box.left < b->right && b->left < box.right && box.bottom < b->top && b->bottom < box.top)
-            return false;
+        if (box.left < b->right && b->left < box.right && box.bottom < b->top && b->bottom < box.top) return false;
     }
     return true;
 }
@@ -282,8 +278,7 @@ bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to)
 {
     for (int i = 0; i < page->n_box; i++) {
         plot_point a = from, b = to;
-        if (plot_clip_segment(&page->boxes[i], &a, &b))
-            return false;
+        if (plot_clip_segment(&page->boxes[i], &a, &b)) return false;
     }
     return true;
 }
@@ -292,8 +287,7 @@ static bool sum_ink(plot_page *page)
 {
     const size_t columns = (size_t)page->columns, rows = (size_t)page->rows, stride = columns + 1;
     page->sums = calloc((rows + 1) * stride, sizeof *page->sums);
-    if (!page->sums)
-        return false;
+    if (!page->sums) return false;
     for (size_t row = 0; row < rows; row++)
         for (size_t column = 0, line = 0; column < columns; column++) {
             line += page->ink[row * columns + column];
@@ -309,8 +303,7 @@ static size_t pixel(double value, int limit)
 
 double plot_page_ink(plot_page *page, plot_box box)
 {
-    if (!page->sums && !sum_ink(page))
-        return 0;
+    if (!page->sums && !sum_ink(page)) return 0;
     const size_t stride = (size_t)page->columns + 1;
     const size_t left = pixel(floor(box.left), page->columns), right = pixel(ceil(box.right), page->columns);
     const size_t bottom = pixel(floor(box.bottom), page->rows), top = pixel(ceil(box.top), page->rows);
@@ -358,19 +351,16 @@ static void write_stroke(FILE *script, plot_format kind, int stroke)
                         : kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
                                                   : 0.3667 * fmax(1, 0.75 * width);
     fprintf(script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, strokes[stroke].colour);
-    for (int i = 0; i < 4 && dash[i] > 0; i++)
-        fprintf(script, "%c%.3f", i ? ',' : '(', dash[i] / unit);
+    for (int i = 0; i < 4 && dash[i] > 0; i++) fprintf(script, "%c%.3f", i ? ',' : '(', dash[i] / unit);
     fprintf(script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", strokes[stroke].title);
 }
 
 bool plot_page_script(plot_page *page, plot_format kind, FILE *script)
 {
     bool good = !page->failed;
-    for (int i = 0; i < PLOT_N_STROKE; i++)
-        good &= ric_buffer_sync(&page->lines[i]);
+    for (int i = 0; i < PLOT_N_STROKE; i++) good &= ric_buffer_sync(&page->lines[i]);
     good &= ric_buffer_sync(&page->objects) && ric_buffer_sync(&page->texts);
-    if (!good)
-        return false;
+    if (!good) return false;
     fputs("set encoding utf8\n", script);
     write_terminal(script, page, kind);
     fputs("unset key\nunset border\nunset tics\n"
@@ -378,14 +368,12 @@ bool plot_page_script(plot_page *page, plot_format kind, FILE *script)
           script);
     fprintf(script, "set xrange [0:%g]\nset yrange [0:%g]\n", page->width, page->height);
     for (int i = 0; i < PLOT_N_STROKE; i++)
-        if (page->lines[i].size)
-            fprintf(script, "$l%d << EOD\n%sEOD\n", i, page->lines[i].text);
+        if (page->lines[i].size) fprintf(script, "$l%d << EOD\n%sEOD\n", i, page->lines[i].text);
     fputs(page->objects.text, script);
     fputs(page->texts.text, script);
     fputs("plot -1 lw 0 notitle", script); /* so that there is always a first */
     for (int i = 0; i < PLOT_N_STROKE; i++)
-        if (page->lines[i].size)
-            write_stroke(script, kind, i);
+        if (page->lines[i].size) write_stroke(script, kind, i);
     fputc('\n', script);
     return fflush(script) == 0 && !ferror(script);
 }

@@ -26,8 +26,7 @@ static void trim(const char *text, size_t n, char out[NAME])
         text++;
         n--;
     }
-    while (n > 0 && isspace((unsigned char)text[n - 1]))
-        n--;
+    while (n > 0 && isspace((unsigned char)text[n - 1])) n--;
     snprintf(out, NAME, "%.*s", (int)(n < NAME ? n : 0), text); /* a part of a name is another name */
 }
 
@@ -39,8 +38,7 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
     ric_junction j;
     if (is_number(text)) {
         long number;
-        if (!cli_parse_integer(text, what, 1, 2147483647, &number))
-            return false;
+        if (!cli_parse_integer(text, what, 1, 2147483647, &number)) return false;
         *id = (int)number;
         return ric_atlas_junction(atlas, *id, &j) == RIC_OK ||
                (cli_wrong("%s %s: %s", what, text, ric_detail()), false);
@@ -48,8 +46,7 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
     for (int round = 0; round < 2; round++) /* a name of the study goes before a label, which may be another point's
                                              * name */
         for (int i = 1; i <= total; i++) {
-            if (ric_atlas_junction(atlas, i, &j) != RIC_OK)
-                continue;
+            if (ric_atlas_junction(atlas, i, &j) != RIC_OK) continue;
             const bool named = j.name && *j.name;
             if (strcmp(text, round == 0 ? named ? j.name : "" : named ? "" : j.label) == 0) {
                 *id = i;
@@ -66,11 +63,9 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
 double plot_junction_at(const ric_atlas *atlas, const ric_branch *b, int junction)
 {
     ric_point p;
-    if (b->from == junction && ric_atlas_point(atlas, b->id, 0, &p, NULL, NULL) == RIC_OK)
-        return p.arclength;
+    if (b->from == junction && ric_atlas_point(atlas, b->id, 0, &p, NULL, NULL) == RIC_OK) return p.arclength;
     for (int i = 0; i < b->n_junction; i++)
-        if (b->junctions[i] == junction)
-            return b->junction_at[i];
+        if (b->junctions[i] == junction) return b->junction_at[i];
     if (b->to == junction && ric_atlas_point(atlas, b->id, b->n_point - 1, &p, NULL, NULL) == RIC_OK)
         return p.arclength;
     return NAN;
@@ -79,8 +74,8 @@ double plot_junction_at(const ric_atlas *atlas, const ric_branch *b, int junctio
 static bool ends(const ric_atlas *atlas, const ric_branch *b, double s[2])
 {
     ric_point first, last;
-    if (b->n_point < 1 || ric_atlas_point(atlas, b->id, 0, &first, NULL, NULL) != RIC_OK
-        || ric_atlas_point(atlas, b->id, b->n_point - 1, &last, NULL, NULL) != RIC_OK)
+    if (b->n_point < 1 || ric_atlas_point(atlas, b->id, 0, &first, NULL, NULL) != RIC_OK ||
+        ric_atlas_point(atlas, b->id, b->n_point - 1, &last, NULL, NULL) != RIC_OK)
         return false;
     s[0] = first.arclength;
     s[1] = last.arclength;
@@ -92,8 +87,7 @@ bool plot_is_branch(const ric_atlas *atlas, const char *label)
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
         char duplicate[400];
-        if (ric_atlas_branch(atlas, id, &b) != RIC_OK)
-            continue;
+        if (ric_atlas_branch(atlas, id, &b) != RIC_OK) continue;
         for (int k = 1; k <= 100; k++)
             if (ric_duplicate_label(&b, k, sizeof duplicate, duplicate) == RIC_OK && !strcmp(duplicate, label))
                 return true;
@@ -111,14 +105,12 @@ static bool take_ends(const ric_atlas *atlas, const char *text, const char *what
         char name[NAME];
         trim(text, length, name);
         text += length;
-        if (!*name)
-            break;
+        if (!*name) break;
         if (*n == 2) {
             cli_wrong("%s: a part of a branch lies between two junctions, not more", what);
             return false;
         }
-        if (!plot_find_junction(atlas, name, what, &junctions[*n]))
-            return false;
+        if (!plot_find_junction(atlas, name, what, &junctions[*n])) return false;
         ++*n;
     }
     return true;
@@ -132,31 +124,23 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     char body[2 * NAME];
     const char *number = strrchr(text, '#');
     long which = 0;
-    if (number && !cli_parse_integer(number + 1, what, 1, 1000000, &which))
-        return false;
+    if (number && !cli_parse_integer(number + 1, what, 1, 1000000, &which)) return false;
     snprintf(body, sizeof body, "%.*s", (int)(number ? number - text : (long)strlen(text)), text);
     bar = strchr(body, '|');
     trim(body, bar ? (size_t)(bar - body) : strlen(body), label);
-    if (bar && !take_ends(atlas, bar + 1, what, &n_end, junctions))
-        return false;
+    if (bar && !take_ends(atlas, bar + 1, what, &n_end, junctions)) return false;
     for (int id = 1; id <= total; id++) {
         ric_branch b;
         double s[2], at[2];
-        if (ric_atlas_branch(atlas, id, &b) != RIC_OK || !ends(atlas, &b, s))
-            continue;
-        if (is_number(label) ? atoi(label) != id : strcmp(label, b.label) != 0)
-            continue;
-        for (int i = 0; i < n_end; i++)
-            at[i] = plot_junction_at(atlas, &b, junctions[i]);
-        if ((n_end > 0 && isnan(at[0])) || (n_end > 1 && isnan(at[1])))
-            continue;
-        if (which && ++found != which)
-            continue;
+        if (ric_atlas_branch(atlas, id, &b) != RIC_OK || !ends(atlas, &b, s)) continue;
+        if (is_number(label) ? atoi(label) != id : strcmp(label, b.label) != 0) continue;
+        for (int i = 0; i < n_end; i++) at[i] = plot_junction_at(atlas, &b, junctions[i]);
+        if ((n_end > 0 && isnan(at[0])) || (n_end > 1 && isnan(at[1]))) continue;
+        if (which && ++found != which) continue;
         found += !which;
         *out = (plot_segment){.branch = id, .s = {n_end == 2 ? at[0] : s[0], n_end == 2 ? at[1] : s[1]}};
     }
-    if (which ? found >= which : found == 1)
-        return true;
+    if (which ? found >= which : found == 1) return true;
     if (which && found > 0)
         cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es", found == 1 ? "s" : "");
     else if (found == 0)
@@ -172,8 +156,7 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
 
 static int keep(plot_choice *out, int impacts, const int *word, const double *state, const double *flights)
 {
-    if (!plot_motion_keep(&out->motion, impacts, word, state, flights))
-        return cli_report(RIC_E_NOMEM);
+    if (!plot_motion_keep(&out->motion, impacts, word, state, flights)) return cli_report(RIC_E_NOMEM);
     out->frequency = 2 * pi / out->motion.period;
     return CLI_DONE;
 }
@@ -182,19 +165,16 @@ static int take_junction(const ric_atlas *atlas, const char *text, const char *w
 {
     ric_junction j;
     int id;
-    if (!plot_find_junction(atlas, text, what, &id))
-        return CLI_WRONG;
+    if (!plot_find_junction(atlas, text, what, &id)) return CLI_WRONG;
     const ric_status status = ric_atlas_junction(atlas, id, &j);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     out->junction = id;
     out->kind = j.kind;
     out->energy = j.energy;
     out->stable = -1;
     out->periods *= j.multiple;
     out->motion.tolerance = j.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
-    if (!*out->name)
-        snprintf(out->name, sizeof out->name, "%s", j.name && *j.name ? j.name : j.label);
+    if (!*out->name) snprintf(out->name, sizeof out->name, "%s", j.name && *j.name ? j.name : j.label);
     return keep(out, j.letters, j.word, j.state, j.flights);
 }
 
@@ -238,8 +218,7 @@ static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_s
     int n = 0, chosen = -1, fit = 0;
     ric_orbit **orbits = NULL;
     const ric_status status = ric_orbit_find(atlas, b->id, at, value, &n, &orbits);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     for (int i = 0; i < n; i++) {
         ric_point p;
         ric_orbit_data(orbits[i], &p, NULL, NULL, NULL);
@@ -283,12 +262,10 @@ static int take_branch(const ric_atlas *atlas, const char *segment_text, const c
         !cli_parse_number(energy || frequency ? place + 2 : place, what, &value))
         return CLI_WRONG;
     const ric_status status = ric_atlas_branch(atlas, segment.branch, &b);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     out->branch = segment.branch;
     out->motion.tolerance = touch_of_branch;
-    if (!*out->name)
-        snprintf(out->name, sizeof out->name, "%s", b.label);
+    if (!*out->name) snprintf(out->name, sizeof out->name, "%s", b.label);
     if (energy || frequency)
         return keep_solved(atlas, &b, &segment, energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY, value, segment_text, what,
                            out);
@@ -308,8 +285,7 @@ int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot
                          .motion = {.model = ric_atlas_model(atlas), .n = ric_model_n_dof(ric_atlas_model(atlas))}};
     if (colon)
         snprintf(out->name, sizeof out->name, "%.*s", (int)(colon - text < NAME ? colon - text : NAME - 1), text);
-    if (star && !cli_parse_integer(star + 1, what, 1, 1000, &periods))
-        return CLI_WRONG;
+    if (star && !cli_parse_integer(star + 1, what, 1, 1000, &periods)) return CLI_WRONG;
     out->periods = (int)periods;
     snprintf(body, sizeof body, "%.*s", (int)(star ? star - rest : (long)strlen(rest)), rest);
     const char *at = strchr(body, '@');

@@ -42,8 +42,7 @@ static int take_parts(int argc, char **argv, sheet *s)
                                       values);
     for (int i = 0; i < s->n; i++)
         s->parts[i] = (part){.text = values[i].text, .atlas = values[i].atlas > 0 ? values[i].atlas : 0, .k = 1};
-    if (code != CLI_DONE)
-        return code;
+    if (code != CLI_DONE) return code;
     return s->n ? CLI_DONE : cli_wrong("--segment 'BRANCH|P1 P2' is missing; see ricochet plot --help");
 }
 
@@ -51,8 +50,7 @@ static int keep(plot_motion *m, const ric_model *model, int letters, const int *
                 const double *flights)
 {
     *m = (plot_motion){.model = model, .n = ric_model_n_dof(model), .tolerance = touch};
-    if (!plot_motion_keep(m, letters, word, state, flights))
-        return cli_report(RIC_E_NOMEM);
+    if (!plot_motion_keep(m, letters, word, state, flights)) return cli_report(RIC_E_NOMEM);
     const ric_status status = plot_motion_make(m);
     return status == RIC_OK ? CLI_DONE : cli_report(status);
 }
@@ -84,8 +82,7 @@ static int orbit_near(const ric_atlas *atlas, const ric_branch *b, double s, plo
         code = cli_report(RIC_E_NOMEM);
         goto out;
     }
-    if (ric_orbit_find(atlas, b->id, RIC_AT_ENERGY, energy_at(atlas, b, s), &found, &orbits) != RIC_OK)
-        found = 0;
+    if (ric_orbit_find(atlas, b->id, RIC_AT_ENERGY, energy_at(atlas, b, s), &found, &orbits) != RIC_OK) found = 0;
     for (int i = 0; i < found; i++) {
         ric_orbit_data(orbits[i], &p, NULL, NULL, NULL);
         if (fabs(p.arclength - s) < best) {
@@ -117,15 +114,12 @@ static int load_part(const sheet *s, part *p)
     ric_branch b;
     if (colon && (size_t)(colon - p->text) < sizeof first) {
         snprintf(first, sizeof first, "%.*s", (int)(colon - p->text), p->text);
-        if (!cli_parse_integer(first, "--segment", 1, 1000, &k))
-            return CLI_WRONG;
+        if (!cli_parse_integer(first, "--segment", 1, 1000, &k)) return CLI_WRONG;
     }
     p->k = (int)k;
-    if (!plot_find_segment(atlas, colon ? colon + 1 : p->text, "--segment", &p->segment))
-        return CLI_WRONG;
+    if (!plot_find_segment(atlas, colon ? colon + 1 : p->text, "--segment", &p->segment)) return CLI_WRONG;
     const ric_status status = ric_atlas_branch(atlas, p->segment.branch, &b);
-    if (status != RIC_OK)
-        return cli_report(status);
+    if (status != RIC_OK) return cli_report(status);
     p->motions = calloc((size_t)s->orbits, sizeof *p->motions);
     int code = p->motions ? CLI_DONE : cli_report(RIC_E_NOMEM);
     for (int i = 0; code == CLI_DONE && i < s->orbits; i++) {
@@ -142,20 +136,17 @@ static int load(sheet *s)
         const ric_status status = ric_atlas_read(s->paths[i], &s->atlases[i]);
         code = status == RIC_OK ? CLI_DONE : cli_report(status);
     }
-    for (int i = 0; code == CLI_DONE && i < s->n; i++)
-        code = load_part(s, &s->parts[i]);
+    for (int i = 0; code == CLI_DONE && i < s->n; i++) code = load_part(s, &s->parts[i]);
     return code;
 }
 
 static void release(sheet *s)
 {
     for (int i = 0; i < s->n; i++) {
-        for (int k = 0; k < s->parts[i].n; k++)
-            plot_motion_free(&s->parts[i].motions[k]);
+        for (int k = 0; k < s->parts[i].n; k++) plot_motion_free(&s->parts[i].motions[k]);
         free(s->parts[i].motions);
     }
-    for (int i = 0; i < s->n_atlas; i++)
-        ric_atlas_free(s->atlases[i]);
+    for (int i = 0; i < s->n_atlas; i++) ric_atlas_free(s->atlases[i]);
     plot_page_free(s->page);
 }
 
@@ -165,8 +156,7 @@ static void release(sheet *s)
 static double gap_at(const plot_motion *m, int contact, double t)
 {
     double x[m->n];
-    for (int i = 0; i < m->n; i++)
-        x[i] = plot_motion_at(m, t, i);
+    for (int i = 0; i < m->n; i++) x[i] = plot_motion_at(m, t, i);
     return plot_motion_gap(m, contact, x);
 }
 
@@ -176,8 +166,7 @@ static double start_of(const plot_motion *m, int contact)
     double best = 0, length = -1, since = NAN, before = gap_at(m, contact, 0);
     for (int i = 1; i <= 2 * SAMPLES; i++) { /* two periods, so that every stretch is seen whole */
         const double t = m->period * i / SAMPLES, gap = gap_at(m, contact, t);
-        if (before > 0 && gap <= 0)
-            since = t;
+        if (before > 0 && gap <= 0) since = t;
         if (before <= 0 && gap > 0 && t - since > length) {
             length = t - since;
             best = t - m->period / SAMPLES * gap / (gap - before);
@@ -205,15 +194,14 @@ static plot_point project(const view *v, double time, double depth, double gap)
 static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_point *curve, double *high, double *low)
 {
     const double width = plot_page_width(page), height = plot_page_height(page);
-    const plot_panel pixels = {{.lo = 0, .hi = width, .from = 0, .to = width}, {.lo = 0, .hi = height, .from = 0,
-                                                                                .to = height}};
+    const plot_panel pixels = {{.lo = 0, .hi = width, .from = 0, .to = width},
+                               {.lo = 0, .hi = height, .from = 0, .to = height}};
     plot_point *seen = malloc((size_t)n * sizeof *seen);
     for (int i = 0; seen && i < n; i++) {
         const int column = (int)curve[i].x;
         seen[i] = curve[i].y >= high[column] || curve[i].y <= low[column] ? curve[i] : (plot_point){NAN, NAN};
     }
-    if (seen)
-        plot_panel_curve(page, &pixels, stroke, n, seen);
+    if (seen) plot_panel_curve(page, &pixels, stroke, n, seen);
     free(seen);
     for (int i = 1; i < n; i++) /* every column between two samples is covered */
         for (int column = (int)curve[i - 1].x; column <= (int)curve[i].x; column++) {
@@ -267,8 +255,7 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
         free(curve);
         return cli_report(RIC_E_NOMEM);
     }
-    for (int k = 0; k < p->n; k++)
-        plot_motion_range(&p->motions[k], plot_read_gap, (int)s->contact - 1, &v.lo, &v.hi);
+    for (int k = 0; k < p->n; k++) plot_motion_range(&p->motions[k], plot_read_gap, (int)s->contact - 1, &v.lo, &v.hi);
     for (int i = 0; i < width; i++) {
         high[i] = -INFINITY;
         low[i] = INFINITY;
@@ -306,10 +293,8 @@ static int draw_sheets(sheet *s)
     }
     free(high);
     free(low);
-    if (code != CLI_DONE)
-        return code;
-    if (s->common->title)
-        plot_page_title(s->page, s->common, s->atlases[0], NULL);
+    if (code != CLI_DONE) return code;
+    if (s->common->title) plot_page_title(s->page, s->common, s->atlases[0], NULL);
     return plot_page_write(s->page, s->common->out);
 }
 
@@ -328,15 +313,13 @@ int plot_sheet(int argc, char **argv, const plot_options *common)
 {
     sheet s = {.common = common, .orbits = 25, .contact = 1};
     const char *orbits, *contact;
-    if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--contact", &contact)
-        || (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits))
-        || (contact && !cli_parse_integer(contact, "--contact", 1, 1000, &s.contact)))
+    if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--contact", &contact) ||
+        (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits)) ||
+        (contact && !cli_parse_integer(contact, "--contact", 1, 1000, &s.contact)))
         return CLI_WRONG;
     int code = take_parts(argc, argv, &s);
-    if (code == CLI_DONE)
-        code = load(&s);
-    if (code == CLI_DONE)
-        code = common_contact(&s) ? draw_sheets(&s) : CLI_WRONG;
+    if (code == CLI_DONE) code = load(&s);
+    if (code == CLI_DONE) code = common_contact(&s) ? draw_sheets(&s) : CLI_WRONG;
     release(&s);
     return code;
 }
@@ -357,8 +340,7 @@ static int crossings(const plot_motion *m, int dof, int room, double *out)
             const double middle = (a + b) / 2;
             *((plot_motion_at(m, middle, dof) <= 0) == (now <= 0) ? &b : &a) = middle;
         }
-        if (passed)
-            out[n++] = b;
+        if (passed) out[n++] = b;
         before = now;
     }
     return n;
@@ -393,8 +375,7 @@ static double distance(const sheet *s, const double *a, const double *b, bool se
         qsort(first, count, sizeof *first, ascending);
         qsort(second, count, sizeof *second, ascending);
     }
-    for (size_t k = 0; k < count; k++)
-        sum += fabs(first[k] - second[k]);
+    for (size_t k = 0; k < count; k++) sum += fabs(first[k] - second[k]);
     return sum;
 }
 
@@ -404,13 +385,12 @@ static double follow(const sheet *s, const part *p, column *columns, int first, 
 {
     double way = 0, phase = columns[0].starts[first] / p->motions[0].period;
     strobe_at(s, p, &p->motions[0], columns[0].starts[first], columns[0].x);
-    if (last)
-        way += distance(s, last, columns[0].x, true);
+    if (last) way += distance(s, last, columns[0].x, true);
     for (int i = 1; i < p->n; i++) {
         int next = 0;
         for (int k = 1; k < columns[i].n_start; k++)
-            if (fabs(remainder(columns[i].starts[k] / p->motions[i].period - phase, 1))
-                < fabs(remainder(columns[i].starts[next] / p->motions[i].period - phase, 1)))
+            if (fabs(remainder(columns[i].starts[k] / p->motions[i].period - phase, 1)) <
+                fabs(remainder(columns[i].starts[next] / p->motions[i].period - phase, 1)))
                 next = k;
         phase = columns[i].starts[next] / p->motions[i].period;
         strobe_at(s, p, &p->motions[i], columns[i].starts[next], columns[i].x);
@@ -448,8 +428,7 @@ static int make_columns(const sheet *s, column *columns)
     for (int i = 0; i < s->n; columns += s->parts[i++].n) {
         const part *p = &s->parts[i];
         const int code = fill_segment(s, p, columns, last);
-        if (code != CLI_DONE)
-            return code;
+        if (code != CLI_DONE) return code;
         for (int k = 0; k < p->n; k++) {
             const double now = 2 * pi / p->motions[k].period, before = k ? 2 * pi / p->motions[k - 1].period : now;
             way += k == 0 ? 0 : s->stretch ? 1. / (p->n - 1) : fabs(now - before) / p->k;
@@ -482,11 +461,9 @@ static int draw_columns(sheet *s, int n, const column *columns)
                               {.from = 56, .to = plot_page_height(s->page) - 66, .lo = lo, .hi = hi}};
     for (int i = 0, at = 0; i < s->n; at += s->parts[i++].n) {
         const double x = plot_axis_at(&panel.x, columns[at].way);
-        if (i > 0)
-            plot_page_line(s->page, PLOT_NATURAL, 2, (plot_point[]){{x, panel.y.from}, {x, panel.y.to}});
+        if (i > 0) plot_page_line(s->page, PLOT_NATURAL, 2, (plot_point[]){{x, panel.y.from}, {x, panel.y.to}});
         for (int k = 0; k < s->samples; k++) {
-            for (int j = 0; j < s->parts[i].n; j++)
-                line[j] = (plot_point){columns[at + j].way, columns[at + j].x[k]};
+            for (int j = 0; j < s->parts[i].n; j++) line[j] = (plot_point){columns[at + j].way, columns[at + j].x[k]};
             plot_panel_curve(s->page, &panel, (i % 2 ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC) + RIC_STABLE_NO, s->parts[i].n,
                              line);
         }
@@ -517,26 +494,18 @@ int plot_strobe(int argc, char **argv, const plot_options *common)
         (dof && !cli_parse_integer(dof, "--dof", 1, 100000, &s.dof)))
         return CLI_WRONG;
     int code = take_parts(argc, argv, &s), n = 0;
-    if (code == CLI_DONE && s.n_atlas != 1)
-        code = cli_wrong("plot strobe: one atlas");
-    if (code == CLI_DONE)
-        code = load(&s);
+    if (code == CLI_DONE && s.n_atlas != 1) code = cli_wrong("plot strobe: one atlas");
+    if (code == CLI_DONE) code = load(&s);
     const int n_dof = code == CLI_DONE ? ric_model_n_dof(ric_atlas_model(s.atlases[0])) : 0;
     s.dof = s.dof ? s.dof : n_dof;
-    if (code == CLI_DONE && s.dof > n_dof)
-        code = cli_wrong("--dof %ld: there are displacements 1 to %d", s.dof, n_dof);
-    for (int i = 0; i < s.n; i++)
-        n += s.parts[i].n;
+    if (code == CLI_DONE && s.dof > n_dof) code = cli_wrong("--dof %ld: there are displacements 1 to %d", s.dof, n_dof);
+    for (int i = 0; i < s.n; i++) n += s.parts[i].n;
     column *columns = calloc((size_t)n + 1, sizeof *columns);
     double *x = calloc(((size_t)n + 1) * (size_t)s.samples, sizeof *x);
-    for (int i = 0; columns && i < n; i++)
-        columns[i].x = x + (size_t)i * (size_t)s.samples;
-    if (code == CLI_DONE && (!columns || !x))
-        code = cli_report(RIC_E_NOMEM);
-    if (code == CLI_DONE)
-        code = make_columns(&s, columns);
-    if (code == CLI_DONE)
-        code = draw_columns(&s, n, columns);
+    for (int i = 0; columns && i < n; i++) columns[i].x = x + (size_t)i * (size_t)s.samples;
+    if (code == CLI_DONE && (!columns || !x)) code = cli_report(RIC_E_NOMEM);
+    if (code == CLI_DONE) code = make_columns(&s, columns);
+    if (code == CLI_DONE) code = draw_columns(&s, n, columns);
     free(columns);
     free(x);
     release(&s);

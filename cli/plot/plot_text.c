@@ -15,8 +15,7 @@ static size_t utf8_length(const char *text)
                      : u[0] >= 0xf0 && u[0] < 0xf5 ? 4
                                                    : 0;
     for (size_t i = 1; i < n; i++)
-        if ((u[i] & 0xc0) != 0x80)
-            return 0;
+        if ((u[i] & 0xc0) != 0x80) return 0;
     return n;
 }
 
@@ -25,17 +24,14 @@ void plot_text_escape(const char *text, size_t size, char *out)
     size_t used = 0;
     while (*text) {
         const size_t n = utf8_length(text);
-        if (used + (n ? n : 1) + 2 > size)
-            break;
+        if (used + (n ? n : 1) + 2 > size) break;
         if (n == 0 || (n == 1 && ((unsigned char)*text < 0x20 || *text == 0x7f))) {
             out[used++] = n ? ' ' : '?';
             text++;
             continue;
         }
-        if (n == 1 && strchr("_^{}&~@\\", *text))
-            out[used++] = '\\';
-        for (size_t i = 0; i < n; i++)
-            out[used++] = *text++;
+        if (n == 1 && strchr("_^{}&~@\\", *text)) out[used++] = '\\';
+        for (size_t i = 0; i < n; i++) out[used++] = *text++;
     }
     out[used] = '\0';
 }
@@ -44,8 +40,7 @@ void plot_text_escape(const char *text, size_t size, char *out)
 static void word_text(const char *word, size_t n, size_t size, char *out)
 {
     size_t part = 1;
-    while (part < n && (n % part || memcmp(word, word + part, n - part)))
-        part++;
+    while (part < n && (n % part || memcmp(word, word + part, n - part))) part++;
     if (n / part >= 3 && part <= 8) {
         snprintf(out, size, "[%.*s]^{%zu}", (int)part, word, n / part);
         return;
@@ -56,11 +51,10 @@ static void word_text(const char *word, size_t n, size_t size, char *out)
     }
     size_t used = (size_t)snprintf(out, size, "[");
     for (size_t i = 0, run; i < n && used + 16 < size; i += run) {
-        for (run = 1; i + run < n && word[i + run] == word[i]; run++) {}
-        if (run < 3)
-            used += (size_t)snprintf(out + used, size - used, "%.*s", (int)run, word + i);
-        else
-            used += (size_t)snprintf(out + used, size - used, "%c^{%zu}", word[i], run);
+        for (run = 1; i + run < n && word[i + run] == word[i]; run++) {
+        }
+        if (run < 3) used += (size_t)snprintf(out + used, size - used, "%.*s", (int)run, word + i);
+        else used += (size_t)snprintf(out + used, size - used, "%c^{%zu}", word[i], run);
     }
     snprintf(out + used, size - used, "]");
 }
@@ -68,26 +62,21 @@ static void word_text(const char *word, size_t n, size_t size, char *out)
 /* Points of power-law structures have letters for numbers in the article: Ca_33, Ca8_33. */
 static bool lettered(const char *label, size_t size, char *out)
 {
-    if ((*label != 'C' && *label != 'G') || !islower((unsigned char)label[1]))
-        return false;
+    if ((*label != 'C' && *label != 'G') || !islower((unsigned char)label[1])) return false;
     const size_t n = 1 + strspn(label + 2, "0123456789");
     const char *low = label + 1 + n;
-    if (*low != '_' || !low[1] || strspn(low + 1, "0123456789,") != strlen(low + 1))
-        return false;
+    if (*low != '_' || !low[1] || strspn(low + 1, "0123456789,") != strlen(low + 1)) return false;
     snprintf(out, size, "%c@^{%.*s}_{%s}", *label, (int)n, label + 1, low + 1);
     return true;
 }
 
 void plot_text_label(const char *label, size_t size, char *out)
 {
-    if (lettered(label, size, out))
-        return;
+    if (lettered(label, size, out)) return;
     const char *c = label, *low = NULL;
-    while (isalpha((unsigned char)*c))
-        c++;
+    while (isalpha((unsigned char)*c)) c++;
     const char *digits = c;
-    while (isdigit((unsigned char)*c) || (*c == ',' && c > digits))
-        c++;
+    while (isdigit((unsigned char)*c) || (*c == ',' && c > digits)) c++;
     const char *end = c;
     const char *sign = *c == '+' || *c == '-' ? c++ : NULL;
     int power = 0; /* S2^{3-}[01]: the sign stands behind the number of repeats */
@@ -97,8 +86,7 @@ void plot_text_label(const char *label, size_t size, char *out)
         c += *c == '}';
     } else if (!sign && *c == '_') {
         low = ++c;
-        while (isalnum((unsigned char)*c) || *c == ',')
-            c++;
+        while (isalnum((unsigned char)*c) || *c == ',') c++;
     }
     const char *low_end = c, *word = NULL;
     if (*c == '[' && strspn(c + 1, "0123456789abcdefghijklmnopqrstuvwxyz") + 1 == strcspn(c, "]") &&
@@ -112,22 +100,15 @@ void plot_text_label(const char *label, size_t size, char *out)
     }
     const int letters = (int)(digits - label), n = (int)(end - digits);
     int used;
-    if (low)
-        used = snprintf(out, size, "%.*s@^{%.*s}_{%.*s}", letters, label, n, digits, (int)(low_end - low), low);
+    if (low) used = snprintf(out, size, "%.*s@^{%.*s}_{%.*s}", letters, label, n, digits, (int)(low_end - low), low);
     else if (sign || power) {
         char times[12] = "";
-        if (power)
-            snprintf(times, sizeof times, "%d", power);
+        if (power) snprintf(times, sizeof times, "%d", power);
         const char *raised = !sign ? "" : *sign == '-' ? "\xe2\x88\x92" : "+";
-        if (n > 0)
-            used = snprintf(out, size, "%.*s@^{%s%s}_{%.*s}", letters, label, times, raised, n, digits);
-        else
-            used = snprintf(out, size, "%.*s^{%s%s}", letters, label, times, raised);
-    }
-    else
-        used = snprintf(out, size, "%.*s_{%.*s}", letters, label, n, digits);
-    if (word && used > 0 && (size_t)used < size)
-        word_text(word + 1, strlen(word) - 2, size - (size_t)used, out + used);
+        if (n > 0) used = snprintf(out, size, "%.*s@^{%s%s}_{%.*s}", letters, label, times, raised, n, digits);
+        else used = snprintf(out, size, "%.*s^{%s%s}", letters, label, times, raised);
+    } else used = snprintf(out, size, "%.*s_{%.*s}", letters, label, n, digits);
+    if (word && used > 0 && (size_t)used < size) word_text(word + 1, strlen(word) - 2, size - (size_t)used, out + used);
 }
 
 /* Advance widths of Helvetica in thousandths of an em (Adobe font metrics), for ASCII from the space on. */
@@ -149,39 +130,31 @@ static double item_width(const char **text);
 static double group_width(const char **text)
 {
     double width = 0;
-    while (**text && **text != '}')
-        width += item_width(text);
-    if (**text)
-        ++*text;
+    while (**text && **text != '}') width += item_width(text);
+    if (**text) ++*text;
     return width;
 }
 
 static double item_width(const char **text)
 {
     const unsigned char c = (unsigned char)*(*text)++;
-    if (c == '{')
-        return group_width(text);
-    if (c == '^' || c == '_')
-        return **text ? 0.8 * item_width(text) : 0;
+    if (c == '{') return group_width(text);
+    if (c == '^' || c == '_') return **text ? 0.8 * item_width(text) : 0;
     if (c == '@') { /* the next two stand one above the other */
         const double first = **text ? item_width(text) : 0;
         return fmax(first, **text ? item_width(text) : 0);
     }
-    if (c == '\\')
-        return **text ? glyph_width((unsigned char)*(*text)++) : 0;
-    if (c < 0x80)
-        return glyph_width(c);
+    if (c == '\\') return **text ? glyph_width((unsigned char)*(*text)++) : 0;
+    if (c < 0x80) return glyph_width(c);
     const bool minus = !strncmp(*text - 1, "\xe2\x88\x92", 3);
-    while (((unsigned char)**text & 0xc0) == 0x80)
-        ++*text;
+    while (((unsigned char)**text & 0xc0) == 0x80) ++*text;
     return minus ? 0.584 : 0.77; /* Greek capitals are about the widest */
 }
 
 double plot_text_exact_width(const char *text, const char *end, double size)
 {
     double width = 0;
-    while (text < end && *text)
-        width += *text == '}' ? (text++, 0.) : item_width(&text);
+    while (text < end && *text) width += *text == '}' ? (text++, 0.) : item_width(&text);
     return size * width;
 }
 
@@ -195,7 +168,6 @@ plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upri
 {
     const double width = plot_text_width(text, size), half = (strpbrk(text, "_^") ? 0.82 : 0.62) * size;
     const double start = anchor == PLOT_LEFT ? 0 : anchor == PLOT_CENTRE ? -width / 2 : -width;
-    if (upright)
-        return (plot_box){at.x - half, at.y + start, at.x + half, at.y + start + width};
+    if (upright) return (plot_box){at.x - half, at.y + start, at.x + half, at.y + start + width};
     return (plot_box){at.x + start, at.y - half, at.x + start + width, at.y + half};
 }

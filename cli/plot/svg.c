@@ -22,8 +22,7 @@ static const char *coordinates(const char *c, FILE *out)
             c = end > c ? end : c + 1;
         } else if (isspace((unsigned char)*c)) {
             c += strspn(c, " \t\r\n");
-            if (*c != '\'')
-                fputc(' ', out);
+            if (*c != '\'') fputc(' ', out);
         } else {
             fputc(*c++, out);
         }
@@ -55,10 +54,8 @@ static void squeeze(const char *c, FILE *out)
                 fputs(opens[i], out);
                 c = coordinates(c + strlen(opens[i]), out);
             }
-        if (*c == '\t')
-            c++;
-        else if (*c)
-            fputc(*c++, out);
+        if (*c == '\t') c++;
+        else if (*c) fputc(*c++, out);
     }
 }
 

@@ -29,8 +29,8 @@ typedef struct {
     char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that, for the first
                              * picture, as /api/outline does */
     size_t points_size, outline_size;
-    json_t *rows;           /* branches with their places in `points`, as /api/atlas gives them */
-    int holders;            /* under the lock of the shelf */
+    json_t *rows; /* branches with their places in `points`, as /api/atlas gives them */
+    int holders;  /* under the lock of the shelf */
 } view_data;
 
 typedef struct view_shelf view_shelf; /* holds the newest reading of one file */

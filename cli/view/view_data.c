@@ -10,7 +10,7 @@
 
 #include "view.h"
 
-enum { JOINT = 3 };      /* the flag of a knot that is a junction, or a point on one; others have their ric_stability */
+enum { JOINT = 3 }; /* the flag of a knot that is a junction, or a point on one; others have their ric_stability */
 enum { OUTLINE = 40000 }; /* knots of a first picture, about: a megabyte */
 
 struct view_shelf {
@@ -24,13 +24,15 @@ struct view_shelf {
 
 /* What a branch is drawn from: its stored points, and its interior junctions between them, so that curves pass through
  * the marks. */
-typedef struct { double arclength, energy, frequency; int flag; } knot;
+typedef struct {
+    double arclength, energy, frequency;
+    int flag;
+} knot;
 
 static int by_arclength(const void *a, const void *b)
 {
     const knot *s = a, *t = b;
-    if (s->arclength != t->arclength)
-        return s->arclength < t->arclength ? -1 : 1;
+    if (s->arclength != t->arclength) return s->arclength < t->arclength ? -1 : 1;
     return (s->flag == JOINT) - (t->flag == JOINT);
 }
 
@@ -40,8 +42,7 @@ static ric_status add_joints(const ric_atlas *atlas, const ric_branch *branch, k
     for (int k = 0; k < branch->n_junction; k++) {
         ric_junction junction;
         const ric_status status = ric_atlas_junction(atlas, branch->junctions[k], &junction);
-        if (status)
-            return status;
+        if (status) return status;
         knots[(*n)++] = (knot){branch->junction_at[k], junction.energy,
                                junction.frequency * ric_junction_level(&junction, branch), JOINT};
     }
@@ -85,7 +86,10 @@ static json_t *levels(const ric_atlas *atlas, const ric_branch *branch)
 
 /* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as 64-bit floats, then n
  * bytes of flags. The place and number of the knots of a branch are in its row. */
-typedef struct { double *energy, *frequency, *arclength; unsigned char *flags; } columns;
+typedef struct {
+    double *energy, *frequency, *arclength;
+    unsigned char *flags;
+} columns;
 
 static columns columns_of(char *bytes, size_t total)
 {
@@ -105,8 +109,7 @@ static ric_status pack(view_data *data)
     data->points_size = total * 25;
     data->points = malloc(data->points_size + 1);
     data->rows = json_array();
-    if (!data->points || !data->rows)
-        return RIC_E_NOMEM;
+    if (!data->points || !data->rows) return RIC_E_NOMEM;
     const columns to = columns_of(data->points, total);
     for (int id = 1; !status && id <= n_branch; id++) {
         int n = 0;
@@ -178,8 +181,7 @@ static ric_status pack_outline(view_data *data)
 
 static void data_free(view_data *data)
 {
-    if (!data)
-        return;
+    if (!data) return;
     json_decref(data->rows);
     free(data->points);
     free(data->outline);
@@ -191,12 +193,9 @@ static ric_status data_read(const char *path, view_data **out)
 {
     view_data *data = calloc(1, sizeof *data);
     ric_status status = data ? ric_atlas_read(path, &data->atlas) : RIC_E_NOMEM;
-    if (!status)
-        status = pack(data);
-    if (!status)
-        status = pack_outline(data);
-    if (status)
-        data_free(data);
+    if (!status) status = pack(data);
+    if (!status) status = pack_outline(data);
+    if (status) data_free(data);
     *out = status ? NULL : data;
     return status;
 }
@@ -208,22 +207,17 @@ ric_status view_shelf_open(const char *path, view_shelf **out)
     view_shelf *shelf = calloc(1, sizeof *shelf);
     ric_status status = RIC_E_NOMEM;
     *out = NULL;
-    if (!shelf)
-        return status;
+    if (!shelf) return status;
     pthread_mutex_init(&shelf->lock, NULL);
-    if ((shelf->path = strdup(path)))
-        status = view_shelf_reload(shelf);
-    if (status)
-        view_shelf_close(shelf);
-    else
-        *out = shelf;
+    if ((shelf->path = strdup(path))) status = view_shelf_reload(shelf);
+    if (status) view_shelf_close(shelf);
+    else *out = shelf;
     return status;
 }
 
 void view_shelf_close(view_shelf *shelf)
 {
-    if (!shelf)
-        return;
+    if (!shelf) return;
     data_free(shelf->data);
     pthread_mutex_destroy(&shelf->lock);
     free(shelf->path);
@@ -247,8 +241,7 @@ ric_status view_shelf_reload(view_shelf *shelf)
         old = shelf->data;
         data->generation = old ? old->generation + 1 : 1;
         shelf->data = data;
-        if (old && old->holders == 0)
-            data_free(old);
+        if (old && old->holders == 0) data_free(old);
     }
     pthread_mutex_unlock(&shelf->lock);
     return status;
@@ -259,9 +252,9 @@ bool view_shelf_stale(view_shelf *shelf)
     struct stat now;
     pthread_mutex_lock(&shelf->lock);
     const struct stat *seen = &shelf->seen;
-    const bool stale = !stat(shelf->path, &now)
-        && (now.st_ino != seen->st_ino || now.st_size != seen->st_size || now.st_mtim.tv_sec != seen->st_mtim.tv_sec
-            || now.st_mtim.tv_nsec != seen->st_mtim.tv_nsec);
+    const bool stale = !stat(shelf->path, &now) &&
+                       (now.st_ino != seen->st_ino || now.st_size != seen->st_size ||
+                        now.st_mtim.tv_sec != seen->st_mtim.tv_sec || now.st_mtim.tv_nsec != seen->st_mtim.tv_nsec);
     pthread_mutex_unlock(&shelf->lock);
     return stale;
 }
@@ -278,8 +271,7 @@ view_data *view_data_take(view_shelf *shelf)
 void view_data_release(view_shelf *shelf, view_data *data)
 {
     pthread_mutex_lock(&shelf->lock);
-    if (--data->holders == 0 && data != shelf->data)
-        data_free(data);
+    if (--data->holders == 0 && data != shelf->data) data_free(data);
     pthread_mutex_unlock(&shelf->lock);
 }
 
@@ -288,8 +280,7 @@ void view_data_release(view_shelf *shelf, view_data *data)
 static json_t *numbers(int n, const double *values, double unit)
 {
     json_t *array = json_array();
-    for (int i = 0; i < n; i++)
-        json_array_append_new(array, cli_number(unit * values[i]));
+    for (int i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
     return array;
 }
 
@@ -302,8 +293,7 @@ static json_t *contacts(const ric_model *model)
     for (int i = 0; i < ric_model_n_contact(model); i++) {
         ric_contact contact;
         json_t *one = json_object();
-        if (ric_model_contact(model, i, &contact))
-            break;
+        if (ric_model_contact(model, i, &contact)) break;
         json_object_set_new(one, "name", json_string(contact.name ? contact.name : ""));
         json_object_set_new(one, "normal", numbers(ric_model_n_dof(model), contact.normal, 1));
         json_object_set_new(one, "clearance",
@@ -386,8 +376,7 @@ static json_t *junctions(const ric_atlas *atlas)
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         json_t *row = json_object();
         json_array_append_new(array, row);
-        if (cli_junction_row(atlas, id, 1, row))
-            break;
+        if (cli_junction_row(atlas, id, 1, row)) break;
     }
     return array;
 }

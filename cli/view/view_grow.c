@@ -25,11 +25,11 @@ struct view_grower {
     bool leaving;              /* the server ends */
     const ric_atlas *before;   /* of the running thread: what is extended, and whether it was left as it is */
     bool kept;
-    double news;               /* seconds until the extension came to something that was not done before; 0: not yet */
+    double news; /* seconds until the extension came to something that was not done before; 0: not yet */
     double seconds;
     view_budgets budgets;
     ric_progress progress;
-    char message[400];         /* how the last one ended, "" before the first */
+    char message[400]; /* how the last one ended, "" before the first */
     bool failed;
 };
 
@@ -37,8 +37,7 @@ ric_status view_grower_create(view_shelf *shelf, int workers, view_grower **out)
 {
     view_grower *g = calloc(1, sizeof *g);
     *out = g;
-    if (!g)
-        return RIC_E_NOMEM;
+    if (!g) return RIC_E_NOMEM;
     g->shelf = shelf;
     g->workers = workers;
     pthread_mutex_init(&g->lock, NULL);
@@ -62,11 +61,9 @@ void view_grower_leave(view_grower *g)
 
 void view_grower_free(view_grower *g)
 {
-    if (!g)
-        return;
+    if (!g) return;
     view_grower_leave(g);
-    if (g->begun)
-        pthread_join(g->thread, NULL);
+    if (g->begun) pthread_join(g->thread, NULL);
     pthread_mutex_destroy(&g->lock);
     free(g);
 }
@@ -86,8 +83,7 @@ static bool report(const ric_progress *now, void *user)
     view_grower *g = user;
     pthread_mutex_lock(&g->lock);
     g->progress = *now;
-    if (now->fresh && g->news == 0)
-        g->news = now->seconds;
+    if (now->fresh && g->news == 0) g->news = now->seconds;
     /* as `ricochet run --seconds`: whoever is stopped on the way to where he was never comes further */
     const bool over = g->budgets.seconds > 0 && now->fresh && now->seconds > fmax(g->budgets.seconds, SHARE * g->news);
     const bool stop = g->stop || over;
@@ -118,11 +114,11 @@ static ric_status raise_budgets(ric_study *study, const view_budgets *b)
     if (b->somewhere)
         return ric_study_add_region(study, &(ric_region){.energy = {b->energy[0], b->energy[1]},
                                                          .frequency = {b->frequency[0], b->frequency[1]},
-                                                         .depth = wanted(b->depth), .impacts = wanted(b->impacts),
+                                                         .depth = wanted(b->depth),
+                                                         .impacts = wanted(b->impacts),
                                                          .multiply = wanted(b->multiply)});
     ric_status status = raise_budget(study, "depth", b->depth);
-    if (!status)
-        status = raise_budget(study, "impacts", b->impacts);
+    if (!status) status = raise_budget(study, "impacts", b->impacts);
     return status ? status : raise_budget(study, "multiply", b->multiply);
 }
 
@@ -162,8 +158,7 @@ static void finish(view_grower *g, ric_status status, int n_before, bool kept)
             snprintf(message, sizeof message,
                      "stopped early: the atlas is as before, and the work that was finished is kept in it for the next "
                      "time");
-        else
-            snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n, n == 1 ? "" : "es");
+        else snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n, n == 1 ? "" : "es");
         view_data_release(g->shelf, data);
     }
     pthread_mutex_lock(&g->lock);
@@ -186,10 +181,8 @@ static void *work(void *user)
                             ? ric_fail(RIC_E_IO, "%s: the file is gone, and there is nothing to extend",
                                        view_shelf_path(g->shelf))
                             : study_of(g, data, &larger);
-    if (!status)
-        status = raise_budgets(larger, &g->budgets);
-    if (!status)
-        status = explore(g, larger);
+    if (!status) status = raise_budgets(larger, &g->budgets);
+    if (!status) status = explore(g, larger);
     view_data_release(g->shelf, data);
     finish(g, status, n_before, g->kept);
     ric_study_free(larger);
@@ -224,15 +217,13 @@ static ric_status check(view_grower *g, const view_budgets *b)
 ric_status view_grower_start(view_grower *g, const view_budgets *budgets)
 {
     ric_status status = check(g, budgets);
-    if (status)
-        return status;
+    if (status) return status;
     pthread_mutex_lock(&g->lock);
     if (g->running || g->leaving) {
         pthread_mutex_unlock(&g->lock);
         return RIC_E_BUSY;
     }
-    if (g->begun)
-        pthread_join(g->thread, NULL);
+    if (g->begun) pthread_join(g->thread, NULL);
     g->budgets = *budgets;
     g->stop = g->failed = false;
     g->news = 0;
@@ -249,9 +240,9 @@ json_t *view_grower_status(view_grower *g)
     pthread_mutex_lock(&g->lock);
     const ric_progress *p = &g->progress;
     json_t *object = json_pack("{s:b,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "stopping",
-                               g->stop && g->running, "failed", g->failed,
-                               "message", g->message, "branches", p->branches, "junctions", p->junctions, "open",
-                               p->open, "labels", p->labels, "depth", p->depth, "seconds", p->seconds);
+                               g->stop && g->running, "failed", g->failed, "message", g->message, "branches",
+                               p->branches, "junctions", p->junctions, "open", p->open, "labels", p->labels, "depth",
+                               p->depth, "seconds", p->seconds);
     pthread_mutex_unlock(&g->lock);
     return object;
 }

@@ -27,20 +27,23 @@
 #include "view.h"
 
 enum {
-    BODY_MAX = 4096,            /* bytes of a request; the largest that the page sends has 80 */
-    HEAD_MAX = 1 << 18,         /* bytes of its first lines, and of what is made of them */
-    SWALLOW_MAX = 16 << 20,     /* bytes of a request that is refused, which are read all the same: an answer to
-                                 * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
+    BODY_MAX = 4096,        /* bytes of a request; the largest that the page sends has 80 */
+    HEAD_MAX = 1 << 18,     /* bytes of its first lines, and of what is made of them */
+    SWALLOW_MAX = 16 << 20, /* bytes of a request that is refused, which are read all the same: an answer to
+                             * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
     ARGUMENTS_MAX = 32,
-    IDLE_SECONDS = 30,          /* of an answer that nobody takes */
-    COMPUTING_SECONDS = 20,     /* for one answer */
-    COMPUTING_MAX = 4,          /* computing at one time */
+    IDLE_SECONDS = 30,      /* of an answer that nobody takes */
+    COMPUTING_SECONDS = 20, /* for one answer */
+    COMPUTING_MAX = 4,      /* computing at one time */
     PORTS_TRIED = 20,
     TOKEN_BYTES = 16,
 };
 
 /* So many at once, and so many per second from then on. */
-typedef struct { double burst, rate, left; struct timespec last; } bucket;
+typedef struct {
+    double burst, rate, left;
+    struct timespec last;
+} bucket;
 
 struct view_server {
     view_shelf *shelf;
@@ -48,7 +51,7 @@ struct view_server {
     struct MHD_Daemon *daemon;
     view_lines *lines;
     atomic_bool ending, visited;
-    pthread_mutex_t lock;       /* of the next five */
+    pthread_mutex_t lock;              /* of the next five */
     bucket stray, any, own, computing; /* requests that go by another name; without the token; with it; that compute */
     int n_computing;
     char token[2 * TOKEN_BYTES + 1], mark[17]; /* mark: of this start of the server, for entity tags */
@@ -92,8 +95,7 @@ static bool take_drop(view_server *server, bucket *b)
 
 static bool begin_computing(view_server *server)
 {
-    if (!take_drop(server, &server->computing))
-        return false;
+    if (!take_drop(server, &server->computing)) return false;
     pthread_mutex_lock(&server->lock);
     const bool room = server->n_computing < COMPUTING_MAX;
     server->n_computing += room;
@@ -114,23 +116,18 @@ static bool host_allowed(const view_server *server, const char *host)
 {
     char name[64];
     unsigned char bytes[16];
-    if (!host || strlen(host) >= sizeof name)
-        return false;
+    if (!host || strlen(host) >= sizeof name) return false;
     strcpy(name, host);
     const bool six = name[0] == '[';
     char *end = six ? strchr(name, ']') : strchr(name, ':'), *port = end && six ? end + 1 : end;
-    if (six && !end)
-        return false;
+    if (six && !end) return false;
     if (port && *port) {
         char *rest;
         if (*port != ':' || !isdigit((unsigned char)port[1]) || strtol(port + 1, &rest, 10) != server->port || *rest)
             return false;
-    } else if (server->port != 80)
-        return false;
-    if (end)
-        *end = '\0';
-    if (!strcmp(name, "localhost") || !strcmp(name, "127.0.0.1") || !strcmp(name, "[::1"))
-        return true;
+    } else if (server->port != 80) return false;
+    if (end) *end = '\0';
+    if (!strcmp(name, "localhost") || !strcmp(name, "127.0.0.1") || !strcmp(name, "[::1")) return true;
     return !server->loopback && inet_pton(six ? AF_INET6 : AF_INET, six ? name + 1 : name, bytes) == 1;
 }
 
@@ -138,10 +135,8 @@ static bool host_allowed(const view_server *server, const char *host)
 static bool token_right(const view_server *server, const char *given)
 {
     unsigned char differs = 0;
-    if (!given || strlen(given) != 2 * TOKEN_BYTES)
-        return false;
-    for (int i = 0; i < 2 * TOKEN_BYTES; i++)
-        differs |= (unsigned char)(given[i] ^ server->token[i]);
+    if (!given || strlen(given) != 2 * TOKEN_BYTES) return false;
+    for (int i = 0; i < 2 * TOKEN_BYTES; i++) differs |= (unsigned char)(given[i] ^ server->token[i]);
     return differs == 0;
 }
 
@@ -149,8 +144,7 @@ static bool brings_token(view_server *server, struct MHD_Connection *connection)
 {
     const bool right = token_right(server,
                                    MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "X-Ricochet-Token"));
-    if (right)
-        server->visited = true;
+    if (right) server->visited = true;
     return right;
 }
 
@@ -158,12 +152,15 @@ static bool brings_token(view_server *server, struct MHD_Connection *connection)
 
 static void add_headers(struct MHD_Response *response, const char *type)
 {
-    static const char *const headers[][2] = {
-        {"X-Content-Type-Options", "nosniff"}, {"X-Frame-Options", "DENY"}, {"Referrer-Policy", "no-referrer"},
-        {"Cross-Origin-Resource-Policy", "same-origin"}, {"Cross-Origin-Opener-Policy", "same-origin"},
-        {"Content-Security-Policy",
-         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
-         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
+    static const char *const headers[][2] =
+        {{"X-Content-Type-Options", "nosniff"},
+         {"X-Frame-Options", "DENY"},
+         {"Referrer-Policy", "no-referrer"},
+         {"Cross-Origin-Resource-Policy", "same-origin"},
+         {"Cross-Origin-Opener-Policy", "same-origin"},
+         {"Content-Security-Policy",
+          "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
+          "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
         MHD_add_response_header(response, headers[i][0], headers[i][1]);
     MHD_add_response_header(response, "Content-Type", type);
@@ -171,8 +168,7 @@ static void add_headers(struct MHD_Response *response, const char *type)
 
 static enum MHD_Result queue(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
 {
-    if (!response)
-        return MHD_NO;
+    if (!response) return MHD_NO;
     const enum MHD_Result result = MHD_queue_response(connection, status, response);
     MHD_destroy_response(response);
     return result;
@@ -188,12 +184,9 @@ static enum MHD_Result reply_text(struct MHD_Connection *connection, unsigned st
     }
     add_headers(response, "application/json");
     MHD_add_response_header(response, "Cache-Control", tag ? "no-cache" : "no-store");
-    if (tag)
-        MHD_add_response_header(response, "ETag", tag);
-    if (status == MHD_HTTP_METHOD_NOT_ALLOWED)
-        MHD_add_response_header(response, "Allow", "GET, HEAD, POST");
-    if (status == MHD_HTTP_TOO_MANY_REQUESTS)
-        MHD_add_response_header(response, "Retry-After", "1");
+    if (tag) MHD_add_response_header(response, "ETag", tag);
+    if (status == MHD_HTTP_METHOD_NOT_ALLOWED) MHD_add_response_header(response, "Allow", "GET, HEAD, POST");
+    if (status == MHD_HTTP_TOO_MANY_REQUESTS) MHD_add_response_header(response, "Retry-After", "1");
     return queue(connection, status, response);
 }
 
@@ -223,8 +216,7 @@ static bool known_to_browser(struct MHD_Connection *connection, const char *tag)
 static enum MHD_Result reply_known(struct MHD_Connection *connection, const char *tag)
 {
     struct MHD_Response *response = MHD_create_response_from_buffer(0, (void *)(uintptr_t) "", MHD_RESPMEM_PERSISTENT);
-    if (!response)
-        return MHD_NO;
+    if (!response) return MHD_NO;
     MHD_add_response_header(response, "ETag", tag);
     MHD_add_response_header(response, "Cache-Control", "no-cache");
     return queue(connection, MHD_HTTP_NOT_MODIFIED, response);
@@ -232,12 +224,10 @@ static enum MHD_Result reply_known(struct MHD_Connection *connection, const char
 
 static enum MHD_Result reply_file(struct MHD_Connection *connection, const view_file *file)
 {
-    if (known_to_browser(connection, file->tag))
-        return reply_known(connection, file->tag);
+    if (known_to_browser(connection, file->tag)) return reply_known(connection, file->tag);
     struct MHD_Response *response = MHD_create_response_from_buffer(file->n, (void *)(uintptr_t)file->bytes,
                                                                     MHD_RESPMEM_PERSISTENT);
-    if (!response)
-        return MHD_NO;
+    if (!response) return MHD_NO;
     add_headers(response, file->type);
     MHD_add_response_header(response, "Content-Encoding", "gzip"); /* every browser since 1999 takes it */
     MHD_add_response_header(response, "ETag", file->tag);
@@ -256,8 +246,7 @@ static const char *argument(struct MHD_Connection *connection, const char *name)
 static bool read_number(const char *text, double *out)
 {
     char *end = NULL;
-    if (!text || strlen(text) > 40 || text[strspn(text, "0123456789+-.eE")])
-        return false;
+    if (!text || strlen(text) > 40 || text[strspn(text, "0123456789+-.eE")]) return false;
     *out = strtod(text, &end);
     return end != text && !*end && *out - *out == 0;
 }
@@ -265,8 +254,7 @@ static bool read_number(const char *text, double *out)
 static bool read_integer(const char *text, int most, int *out)
 {
     double value;
-    if (!read_number(text, &value) || !(value >= 0 && value <= most) || value != (double)(int)value)
-        return false;
+    if (!read_number(text, &value) || !(value >= 0 && value <= most) || value != (double)(int)value) return false;
     *out = (int)value;
     return true;
 }
@@ -290,8 +278,7 @@ static const char too_large[] = "a request has at most 4096 bytes";
 
 static answer from_status(ric_status status, json_t *json)
 {
-    if (status)
-        return (answer){http_status(status), NULL, ric_detail()[0] ? ric_detail() : ric_status_text(status)};
+    if (status) return (answer){http_status(status), NULL, ric_detail()[0] ? ric_detail() : ric_status_text(status)};
     return (answer){MHD_HTTP_OK, json, NULL};
 }
 
@@ -362,8 +349,7 @@ static bool read_budgets(const json_t *object, view_budgets *out)
     static const char *const keys[] = {"depth", "impacts", "multiply", "seconds", "energy", "frequency"};
     int seconds = 0;
     size_t known = 0;
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
-        known += json_object_get(object, keys[i]) != NULL;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) known += json_object_get(object, keys[i]) != NULL;
     const bool read = read_budget(object, "depth", &out->depth) && read_budget(object, "impacts", &out->impacts) &&
                       read_budget(object, "multiply", &out->multiply) && read_budget(object, "seconds", &seconds);
     out->seconds = seconds;
@@ -396,8 +382,7 @@ static answer post_extend(view_server *server, const request *r)
     window(object, "frequency", wanted.frequency);
     json_decref(object);
     const ric_status status = view_grower_start(server->grower, &wanted);
-    if (status == RIC_E_BUSY)
-        return (answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
+    if (status == RIC_E_BUSY) return (answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
     if (status == RIC_E_INPUT)
         return (answer){MHD_HTTP_BAD_REQUEST, NULL,
                         wanted.somewhere
@@ -413,7 +398,10 @@ static json_t *server_status(view_server *server, const view_data *data)
 
 /* --------------------------------------------------------------- dispatching */
 
-typedef struct { view_shelf *shelf; view_data *data; } held;
+typedef struct {
+    view_shelf *shelf;
+    view_data *data;
+} held;
 
 static void release_held(void *user)
 {
@@ -427,8 +415,7 @@ static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *
                                     const char *tag)
 {
     held *h = malloc(sizeof *h);
-    if (!h)
-        return MHD_NO;
+    if (!h) return MHD_NO;
     *h = (held){server->shelf, view_data_take(server->shelf)};
     const view_data *data = h->data;
     struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(outline ? data->outline_size
@@ -450,7 +437,10 @@ static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *
 }
 
 /* How long an answer may take. */
-typedef struct { view_server *server; struct timespec since; } patience;
+typedef struct {
+    view_server *server;
+    struct timespec since;
+} patience;
 
 static bool exhausted(void *user)
 {
@@ -465,8 +455,7 @@ typedef answer (*computed)(struct MHD_Connection *connection, const view_data *d
 static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, computed what,
                                const view_data *data)
 {
-    if (!brings_token(server, connection))
-        return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
+    if (!brings_token(server, connection)) return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
     if (!begin_computing(server))
         return refuse(connection, MHD_HTTP_TOO_MANY_REQUESTS, "too many requests at once; again in a second");
     patience p = {.server = server};
@@ -487,26 +476,22 @@ static enum MHD_Result compute(view_server *server, struct MHD_Connection *conne
 static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *connection, const char *path,
                                   const view_data *data)
 {
-    static const struct { const char *path; computed what; } computing[] = {
-        {"/api/orbit", get_orbit}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
+    static const struct {
+        const char *path;
+        computed what;
+    } computing[] = {{"/api/orbit", get_orbit}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
     char tag[48];
     for (const view_file *file = view_page; file->path; file++)
-        if (!strcmp(path, file->path))
-            return reply_file(connection, file);
+        if (!strcmp(path, file->path)) return reply_file(connection, file);
     for (size_t i = 0; i < sizeof computing / sizeof *computing; i++)
-        if (!strcmp(path, computing[i].path))
-            return compute(server, connection, computing[i].what, data);
-    if (!strcmp(path, "/api/status"))
-        return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
+        if (!strcmp(path, computing[i].path)) return compute(server, connection, computing[i].what, data);
+    if (!strcmp(path, "/api/status")) return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
     snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
     const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"),
                outline = !strcmp(path, "/api/outline");
-    if ((atlas || points || outline) && known_to_browser(connection, tag))
-        return reply_known(connection, tag);
-    if (points || outline)
-        return reply_points(server, connection, outline, tag);
-    if (atlas)
-        return reply_json(connection, MHD_HTTP_OK, view_describe(data), tag);
+    if ((atlas || points || outline) && known_to_browser(connection, tag)) return reply_known(connection, tag);
+    if (points || outline) return reply_points(server, connection, outline, tag);
+    if (atlas) return reply_json(connection, MHD_HTTP_OK, view_describe(data), tag);
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
 }
 
@@ -516,8 +501,7 @@ static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *c
     const bool extend = !strcmp(path, "/api/extend");
     if (!extend && strcmp(path, "/api/stop") != 0)
         return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
-    if (!brings_token(server, connection))
-        return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
+    if (!brings_token(server, connection)) return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
     if (!extend) {
         view_grower_stop(server->grower);
         return reply_json(connection, MHD_HTTP_OK, view_grower_status(server->grower), NULL);
@@ -575,8 +559,7 @@ static enum MHD_Result first_look(view_server *server, struct MHD_Connection *co
                                   request **out)
 {
     request *r = *out = calloc(1, sizeof **out);
-    if (!r)
-        return MHD_NO;
+    if (!r) return MHD_NO;
     judge(server, connection, method, r);
     const char *length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
     const bool asks = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Expect") != NULL;
@@ -591,8 +574,7 @@ static bool take_part(request *r, const char *body, size_t size)
         r->verdict = MHD_HTTP_CONTENT_TOO_LARGE;
         r->why = too_large;
     }
-    if (r->verdict)
-        return (r->swallowed += size) <= SWALLOW_MAX;
+    if (r->verdict) return (r->swallowed += size) <= SWALLOW_MAX;
     memcpy(r->body + r->n, body, size);
     r->n += size;
     return true;
@@ -601,10 +583,8 @@ static bool take_part(request *r, const char *body, size_t size)
 static enum MHD_Result answer_request(view_server *server, struct MHD_Connection *connection, const char *path,
                                       const char *method, const request *r)
 {
-    if (r->verdict)
-        return refuse(connection, r->verdict, r->why);
-    if (!strcmp(method, "POST"))
-        return answer_post(server, connection, path, r);
+    if (r->verdict) return refuse(connection, r->verdict, r->why);
+    if (!strcmp(method, "POST")) return answer_post(server, connection, path, r);
     view_data *data = view_data_take(server->shelf);
     const enum MHD_Result result = answer_get(server, connection, path, data);
     view_data_release(server->shelf, data);
@@ -682,12 +662,9 @@ static int listen_at(const struct addrinfo *where, int port)
     struct sockaddr_storage address;
     const int one = 1, fd = socket(where->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
     memcpy(&address, where->ai_addr, where->ai_addrlen);
-    if (where->ai_family == AF_INET)
-        ((struct sockaddr_in *)&address)->sin_port = htons((uint16_t)port);
-    else
-        ((struct sockaddr_in6 *)&address)->sin6_port = htons((uint16_t)port);
-    if (fd < 0)
-        return -1;
+    if (where->ai_family == AF_INET) ((struct sockaddr_in *)&address)->sin_port = htons((uint16_t)port);
+    else ((struct sockaddr_in6 *)&address)->sin6_port = htons((uint16_t)port);
+    if (fd < 0) return -1;
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
     if (bind(fd, (struct sockaddr *)&address, where->ai_addrlen) || listen(fd, 64)) {
         const int reason = errno;
@@ -702,8 +679,7 @@ static int port_of(int fd)
 {
     struct sockaddr_storage address;
     socklen_t n = sizeof address;
-    if (getsockname(fd, (struct sockaddr *)&address, &n))
-        return 0;
+    if (getsockname(fd, (struct sockaddr *)&address, &n)) return 0;
     return ntohs(address.ss_family == AF_INET ? ((struct sockaddr_in *)&address)->sin_port
                                               : ((struct sockaddr_in6 *)&address)->sin6_port);
 }
@@ -720,14 +696,12 @@ static int open_socket(view_server *server, const view_listen *where)
     const char *address = where->address ? where->address : "127.0.0.1";
     struct addrinfo *found = NULL;
     int fd = -1, tried = 0;
-    if (getaddrinfo(address, NULL, &hints, &found))
-        return -1;
-    do
-        fd = listen_at(found, where->port ? where->port + tried : 0);
+    if (getaddrinfo(address, NULL, &hints, &found)) return -1;
+    do fd = listen_at(found, where->port ? where->port + tried : 0);
     while (fd < 0 && errno == EADDRINUSE && !where->exact && ++tried < PORTS_TRIED && where->port + tried < 65536);
     if (fd < 0)
-        cli_say("ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address,
-                where->port, strerror(errno));
+        cli_say("ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address, where->port,
+                strerror(errno));
     else {
         server->loopback = is_loopback(found->ai_addr);
         server->port = port_of(fd);
@@ -742,10 +716,8 @@ static int open_socket(view_server *server, const view_listen *where)
 static bool random_hex(size_t bytes, char *out)
 {
     unsigned char raw[64];
-    if (bytes > sizeof raw || getrandom(raw, bytes, 0) != (ssize_t)bytes)
-        return false;
-    for (size_t i = 0; i < bytes; i++)
-        sprintf(out + 2 * i, "%02x", raw[i]);
+    if (bytes > sizeof raw || getrandom(raw, bytes, 0) != (ssize_t)bytes) return false;
+    for (size_t i = 0; i < bytes; i++) sprintf(out + 2 * i, "%02x", raw[i]);
     return true;
 }
 
@@ -797,11 +769,9 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
 
 void view_server_stop(view_server *server)
 {
-    if (!server)
-        return;
+    if (!server) return;
     server->ending = true;
-    if (server->daemon)
-        MHD_stop_daemon(server->daemon);
+    if (server->daemon) MHD_stop_daemon(server->daemon);
     view_lines_free(server->lines);
     pthread_mutex_destroy(&server->lock);
     free(server);

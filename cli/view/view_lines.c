@@ -25,15 +25,13 @@ struct view_lines {
 view_lines *view_lines_create(void)
 {
     view_lines *lines = calloc(1, sizeof *lines);
-    if (lines)
-        pthread_mutex_init(&lines->lock, NULL);
+    if (lines) pthread_mutex_init(&lines->lock, NULL);
     return lines;
 }
 
 void view_lines_free(view_lines *lines)
 {
-    if (!lines)
-        return;
+    if (!lines) return;
     for (view_line *line = lines->newest, *next; line; line = next) {
         next = line->next;
         free(line);
@@ -88,21 +86,18 @@ static void hang_up_oldest(view_lines *lines)
 view_line *view_lines_open(view_lines *lines, int socket)
 {
     view_line *line = calloc(1, sizeof *line);
-    if (!line)
-        return NULL;
+    if (!line) return NULL;
     line->socket = socket;
     pthread_mutex_lock(&lines->lock);
     put_first(lines, line);
-    if (++lines->n > VIEW_LINES_MAX - VIEW_LINES_SPARE)
-        hang_up_oldest(lines);
+    if (++lines->n > VIEW_LINES_MAX - VIEW_LINES_SPARE) hang_up_oldest(lines);
     pthread_mutex_unlock(&lines->lock);
     return line;
 }
 
 void view_lines_close(view_lines *lines, view_line *line)
 {
-    if (!line)
-        return;
+    if (!line) return;
     pthread_mutex_lock(&lines->lock);
     take_out(lines, line);
     lines->n--;
@@ -112,8 +107,7 @@ void view_lines_close(view_lines *lines, view_line *line)
 
 void view_line_waits(view_lines *lines, view_line *line, bool waits)
 {
-    if (!line)
-        return;
+    if (!line) return;
     pthread_mutex_lock(&lines->lock);
     line->answering = !waits;
     take_out(lines, line);
@@ -125,7 +119,6 @@ void view_lines_tidy(view_lines *lines)
 {
     pthread_mutex_lock(&lines->lock);
     for (view_line *line = lines->oldest; line && waited(line) > VIEW_LINE_SECONDS; line = line->last)
-        if (!line->answering)
-            hang_up(line);
+        if (!line->answering) hang_up(line);
     pthread_mutex_unlock(&lines->lock);
 }

@@ -40,8 +40,7 @@ static void add_flights(history *h, int n_flight, const double *flights, double 
 {
     const double before = 1 - 1e-10;
     double period = 0, begin = 0;
-    for (int k = 0; k < n_flight; k++)
-        period += flights[k];
+    for (int k = 0; k < n_flight; k++) period += flights[k];
     const double wanted = n_flight * (SAMPLES_AT_LEAST + 1) + SAMPLES_ALONE +
                           SAMPLES_PER_CYCLE * period * highest / two_pi;
     const double thin = fmin(1, NUMBERS_AT_MOST / (2.0 * h->n_dof * wanted));
@@ -60,7 +59,12 @@ static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int 
 {
     const int n = ric_model_n_dof(model);
     double *work = calloc(3 * (size_t)n, sizeof *work);
-    history h = {.orbit = orbit, .n_dof = n, .x = work, .v = work + n, .t = json_array(), .xs = json_array(),
+    history h = {.orbit = orbit,
+                 .n_dof = n,
+                 .x = work,
+                 .v = work + n,
+                 .t = json_array(),
+                 .xs = json_array(),
                  .vs = json_array()};
     if (!work || ric_model_frequencies(model, work + 2 * n)) {
         free(work);
@@ -128,15 +132,18 @@ static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, json
 /* An arclength between stored points i and i + 1 as what ric_orbit_find can be asked for: the energy or the frequency
  * at that part of the interval, whichever differs more between the points, so that neither an extremum nor a level
  * branch is asked for what it does not have. */
-typedef struct { ric_at at[2]; double value[2], from, to; int n; } place;
+typedef struct {
+    ric_at at[2];
+    double value[2], from, to;
+    int n;
+} place;
 
 static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, place *out)
 {
     ric_point p, q;
     int i = 0, j = b->n_point - 1;
     ric_status status = ric_atlas_point(atlas, b->id, 0, &p, NULL, NULL);
-    if (!status)
-        status = ric_atlas_point(atlas, b->id, j, &q, NULL, NULL);
+    if (!status) status = ric_atlas_point(atlas, b->id, j, &q, NULL, NULL);
     while (!status && j - i > 1) {
         ric_point middle;
         const int k = i + (j - i) / 2;
@@ -150,8 +157,7 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
             }
         }
     }
-    if (status)
-        return status;
+    if (status) return status;
     *out = (place){.from = p.arclength, .to = q.arclength};
     const double part = q.arclength > p.arclength ? (s - p.arclength) / (q.arclength - p.arclength) : 0;
     if (part <= 0 || part >= 1) {
@@ -201,11 +207,9 @@ static ric_status orbit_at_arclength(const ric_atlas *atlas, const ric_branch *b
         int n = 0;
         const ric_status found = ric_orbit_find(atlas, b->id, where.at[k], where.value[k], &n, &orbits);
         const ric_orbit *best = found ? NULL : nearest(n, orbits, &where, s);
-        if (best)
-            status = add_orbit(atlas, best, rows);
+        if (best) status = add_orbit(atlas, best, rows);
         ric_orbits_free(n, orbits);
-        if (best || (found && found != RIC_E_NUMERIC))
-            return best ? status : found;
+        if (best || (found && found != RIC_E_NUMERIC)) return best ? status : found;
     }
     return status;
 }
@@ -218,12 +222,9 @@ ric_status view_orbits(const ric_atlas *atlas, int id, view_at at, double value,
     ric_branch branch;
     int n = 0;
     ric_status status = ric_atlas_branch(atlas, id, &branch);
-    if (!status && at == VIEW_AT_ARCLENGTH)
-        status = orbit_at_arclength(atlas, &branch, value, rows);
-    else if (!status)
-        status = ric_orbit_find(atlas, id, kinds[at], value, &n, &orbits);
-    for (int i = 0; !status && i < n; i++)
-        status = add_orbit(atlas, orbits[i], rows);
+    if (!status && at == VIEW_AT_ARCLENGTH) status = orbit_at_arclength(atlas, &branch, value, rows);
+    else if (!status) status = ric_orbit_find(atlas, id, kinds[at], value, &n, &orbits);
+    for (int i = 0; !status && i < n; i++) status = add_orbit(atlas, orbits[i], rows);
     ric_orbits_free(n, orbits);
     if (status) {
         json_decref(rows);

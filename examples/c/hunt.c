@@ -22,8 +22,8 @@ static void print(const ric_model *model, const ric_hunt *hunt, const ric_compar
     check(ric_hunt_found(hunt, i, &found, word, NULL, NULL));
     check(ric_comparison_finding(comparison, i, &finding));
     check(ric_word_format(model, found.impacts, word, sizeof text, text));
-    printf("%-8s period %.10f s  trace %12.6g  %s %s\n", text, found.period, found.trace,
-           ric_found_text(finding.state), finding.why);
+    printf("%-8s period %.10f s  trace %12.6g  %s %s\n", text, found.period, found.trace, ric_found_text(finding.state),
+           finding.why);
 }
 
 int main(int argc, char **argv)

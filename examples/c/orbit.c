@@ -19,7 +19,9 @@ static void print(const ric_orbit *orbit, int n)
     double *x = (double *)calloc(2 * (size_t)n, sizeof *x);
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
     printf("energy %.12g  frequency %.12g rad/s  %s\n", point.energy, point.frequency,
-           point.stable == RIC_STABLE_YES ? "stable" : point.stable == RIC_STABLE_NO ? "unstable" : "undecided");
+           point.stable == RIC_STABLE_YES  ? "stable"
+           : point.stable == RIC_STABLE_NO ? "unstable"
+                                           : "undecided");
     for (int k = 0; k <= 8; k++) {
         double t = k * 6.283185307179586 / point.frequency / 8;
         ric_orbit_at_time(orbit, t, x, x + n);

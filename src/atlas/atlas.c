@@ -15,8 +15,7 @@ static_assert(sizeof(ric_point) % sizeof(double) == 0, "points lie one after the
 
 void ric_atlas_branch_record_free(ric_branch_record *branch)
 {
-    if (!branch)
-        return;
+    if (!branch) return;
     free(branch->label);
     free(branch->mirror);
     free(branch->why);
@@ -29,8 +28,7 @@ void ric_atlas_branch_record_free(ric_branch_record *branch)
 
 void ric_atlas_junction_record_free(ric_junction_record *junction)
 {
-    if (!junction)
-        return;
+    if (!junction) return;
     free(junction->label);
     free(junction->name);
     free(junction->refusal);
@@ -60,10 +58,8 @@ ric_status ric_atlas_read(const char *path, ric_atlas **out)
 
 void ric_atlas_free(ric_atlas *atlas)
 {
-    if (!atlas)
-        return;
-    for (int i = 0; atlas->branches && i < atlas->n_branch; i++)
-        ric_atlas_branch_record_free(&atlas->branches[i]);
+    if (!atlas) return;
+    for (int i = 0; atlas->branches && i < atlas->n_branch; i++) ric_atlas_branch_record_free(&atlas->branches[i]);
     for (int i = 0; atlas->junctions && i < atlas->n_junction; i++)
         ric_atlas_junction_record_free(&atlas->junctions[i]);
     free(atlas->branches);
@@ -109,34 +105,29 @@ int ric_atlas_n_junction(const ric_atlas *atlas)
 
 static ric_status check_id(const char *what, int id, int n)
 {
-    if (id >= 1 && id <= n)
-        return RIC_OK;
-    if (n == 0)
-        return ric_fail(RIC_E_RANGE, "no %s %d: the atlas has none yet", what, id);
+    if (id >= 1 && id <= n) return RIC_OK;
+    if (n == 0) return ric_fail(RIC_E_RANGE, "no %s %d: the atlas has none yet", what, id);
     return ric_fail(RIC_E_RANGE, "no %s %d: the numbers run from 1 to %d", what, id, n);
 }
 
 ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out)
 {
     ric_status status = check_id("branch", id, atlas->n_branch);
-    if (!status)
-        *out = atlas->branches[id - 1].row;
+    if (!status) *out = atlas->branches[id - 1].row;
     return status;
 }
 
 ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out)
 {
     ric_status status = check_id("junction", id, atlas->n_junction);
-    if (!status)
-        *out = atlas->junctions[id - 1].row;
+    if (!status) *out = atlas->junctions[id - 1].row;
     return status;
 }
 
 ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights)
 {
     ric_status status = check_id("branch", branch, atlas->n_branch);
-    if (status)
-        return status;
+    if (status) return status;
     const ric_branch_record *record = &atlas->branches[branch - 1];
     int n_point = record->row.n_point;
     if (i < 0 || i >= n_point)
@@ -145,13 +136,10 @@ ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point 
     size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
     size_t n_flight = record->row.letters > 0 ? (size_t)record->row.letters : 1;
     const double *at = record->points + (size_t)i * record->stride;
-    if (point)
-        memcpy(point, at, sizeof *point);
+    if (point) memcpy(point, at, sizeof *point);
     at += sizeof *point / sizeof *at;
-    if (state)
-        memcpy(state, at, n_state * sizeof *state);
-    if (flights)
-        memcpy(flights, at + n_state, n_flight * sizeof *flights);
+    if (state) memcpy(state, at, n_state * sizeof *state);
+    if (flights) memcpy(flights, at + n_state, n_flight * sizeof *flights);
     return RIC_OK;
 }
 
@@ -169,24 +157,51 @@ double ric_point_log_trace(const ric_point *p)
     return fabs(p->trace) + log(-expm1(-2 * fabs(p->trace)));
 }
 
-static double arclength_of(const ric_point *p) { return p->arclength; }
-static double energy_of(const ric_point *p) { return p->energy; }
-static double frequency_of(const ric_point *p) { return p->frequency; }
-static double period_of(const ric_point *p) { return two_pi / p->frequency; }
-static double rotation_of(const ric_point *p) { return p->rotation; }
-static double stable_of(const ric_point *p) { return p->stable; }
-static double reach_of(const ric_point *p) { return p->reach; }
-static double approach_of(const ric_point *p) { return p->approach; }
-static double residual_of(const ric_point *p) { return (double)p->residual; }
+static double arclength_of(const ric_point *p)
+{
+    return p->arclength;
+}
+static double energy_of(const ric_point *p)
+{
+    return p->energy;
+}
+static double frequency_of(const ric_point *p)
+{
+    return p->frequency;
+}
+static double period_of(const ric_point *p)
+{
+    return two_pi / p->frequency;
+}
+static double rotation_of(const ric_point *p)
+{
+    return p->rotation;
+}
+static double stable_of(const ric_point *p)
+{
+    return p->stable;
+}
+static double reach_of(const ric_point *p)
+{
+    return p->reach;
+}
+static double approach_of(const ric_point *p)
+{
+    return p->approach;
+}
+static double residual_of(const ric_point *p)
+{
+    return (double)p->residual;
+}
 
 static const struct {
     const char *name;
     double (*value)(const ric_point *point);
 } columns[] = {
-    {"arclength", arclength_of},      {"energy", energy_of},     {"frequency", frequency_of}, {"period", period_of},
-    {"trace", ric_point_trace},       {"log_trace", ric_point_log_trace},
-    {"rotation", rotation_of},        {"stable", stable_of},     {"reach", reach_of},         {"approach", approach_of},
-    {"residual", residual_of},
+    {"arclength", arclength_of}, {"energy", energy_of},      {"frequency", frequency_of},
+    {"period", period_of},       {"trace", ric_point_trace}, {"log_trace", ric_point_log_trace},
+    {"rotation", rotation_of},   {"stable", stable_of},      {"reach", reach_of},
+    {"approach", approach_of},   {"residual", residual_of},
 };
 
 static void copy_numbers(const ric_branch_record *record, double (*value)(const ric_point *), double *out)
@@ -207,27 +222,26 @@ static void copy_vectors(const ric_branch_record *record, size_t from, size_t wi
 ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width, double *out)
 {
     ric_status status = check_id("branch", branch, atlas->n_branch);
-    if (status)
-        return status;
+    if (status) return status;
     const ric_branch_record *record = &atlas->branches[branch - 1];
     size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas)), n_point = sizeof(ric_point) / sizeof *out;
     if (!strcmp(name, "state") || !strcmp(name, "flights")) {
         bool state = *name == 's';
         size_t n = state ? n_state : record->row.letters > 0 ? (size_t)record->row.letters : 1;
         *width = (int)n;
-        if (out)
-            copy_vectors(record, state ? n_point : n_point + n_state, n, out);
+        if (out) copy_vectors(record, state ? n_point : n_point + n_state, n, out);
         return RIC_OK;
     }
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
         if (!strcmp(name, columns[i].name)) {
             *width = 1;
-            if (out)
-                copy_numbers(record, columns[i].value, out);
+            if (out) copy_numbers(record, columns[i].value, out);
             return RIC_OK;
         }
-    return ric_fail(RIC_E_RANGE, "no column '%s': a point has arclength, energy, frequency, period, trace, log_trace, "
-                    "rotation, stable, reach, approach, residual, state and flights", name);
+    return ric_fail(RIC_E_RANGE,
+                    "no column '%s': a point has arclength, energy, frequency, period, trace, log_trace, "
+                    "rotation, stable, reach, approach, residual, state and flights",
+                    name);
 }
 
 /* ------------------------------------------------------------------- texts */

@@ -10,8 +10,8 @@ typedef struct {
     char *label, *mirror, *why;
     int *word, *junctions;
     double *junction_at;
-    size_t stride;   /* doubles per point: sizeof(ric_point) / 8 + 2 n_dof + max(impacts, 1) */
-    double *points;  /* [n_point * stride]: ric_point, state (x, v), flights */
+    size_t stride;  /* doubles per point: sizeof(ric_point) / 8 + 2 n_dof + max(impacts, 1) */
+    double *points; /* [n_point * stride]: ric_point, state (x, v), flights */
 } ric_branch_record;
 
 typedef struct {
@@ -22,7 +22,7 @@ typedef struct {
 } ric_junction_record;
 
 struct ric_atlas {
-    ric_study *study;   /* owned */
+    ric_study *study; /* owned */
     bool finished;
     int n_unplaced, n_blind;
     int n_branch, n_junction;

@@ -13,17 +13,21 @@
 
 #define MOST_DUPLICATES 64
 
-typedef struct { int site, branch, level, multiple; } meeting;
-typedef struct { int mode, j, drawn; } touch; /* a drawn branch meets the j-duplicate of the backbone of a mode */
+typedef struct {
+    int site, branch, level, multiple;
+} meeting;
+typedef struct {
+    int mode, j, drawn;
+} touch; /* a drawn branch meets the j-duplicate of the backbone of a mode */
 
 typedef struct {
     const ric_atlas *atlas;
     int n_branch, largest;
     int n_meeting;
-    meeting *meetings;  /* by site: the least junction id of those at one orbit */
-    int *mode;          /* [n_branch] of a backbone or linear mode, else 0 */
-    int *parent;        /* [n_branch * largest] drawn branches: (id - 1) * largest + k - 1 */
-    int *lowest;        /* the same; of the root of a cluster: the lowest mode that it touches, 0 = none */
+    meeting *meetings; /* by site: the least junction id of those at one orbit */
+    int *mode;         /* [n_branch] of a backbone or linear mode, else 0 */
+    int *parent;       /* [n_branch * largest] drawn branches: (id - 1) * largest + k - 1 */
+    int *lowest;       /* the same; of the root of a cluster: the lowest mode that it touches, 0 = none */
     int n_touch, room;
     touch *touches;
 } web;
@@ -36,7 +40,7 @@ typedef struct {
 struct ric_bases {
     int largest, n, n_branch;
     base_record *bases;
-    bool *elementary;   /* [n_branch] */
+    bool *elementary; /* [n_branch] */
 };
 
 static ric_status no_memory(void)
@@ -67,19 +71,16 @@ static ric_status gather_meetings(web *w)
     ric_branch branch;
     for (int id = 1; id <= ric_atlas_n_junction(w->atlas); id++)
         n += ric_atlas_junction(w->atlas, id, &junction) ? 0 : junction.n_branch;
-    if (!(w->meetings = calloc((size_t)n + 1, sizeof *w->meetings)))
-        return no_memory();
+    if (!(w->meetings = calloc((size_t)n + 1, sizeof *w->meetings))) return no_memory();
     for (int id = 1; id <= ric_atlas_n_junction(w->atlas); id++) {
         ric_status status = ric_atlas_junction(w->atlas, id, &junction);
         const int site = status ? 0 : site_of(w->atlas, &junction);
         for (int i = 0; !status && i < junction.n_branch; i++) {
-            if ((status = ric_atlas_branch(w->atlas, junction.branches[i], &branch)))
-                break;
+            if ((status = ric_atlas_branch(w->atlas, junction.branches[i], &branch))) break;
             w->meetings[w->n_meeting++] = (meeting){site, branch.id, ric_junction_level(&junction, &branch),
                                                     junction.multiple};
         }
-        if (status)
-            return status;
+        if (status) return status;
     }
     qsort(w->meetings, (size_t)w->n_meeting, sizeof *w->meetings, by_site);
     return RIC_OK;
@@ -89,8 +90,7 @@ static ric_status gather_meetings(web *w)
 
 static int find_root(const web *w, int drawn)
 {
-    while (w->parent[drawn] != drawn)
-        drawn = w->parent[drawn] = w->parent[w->parent[drawn]];
+    while (w->parent[drawn] != drawn) drawn = w->parent[drawn] = w->parent[w->parent[drawn]];
     return drawn;
 }
 
@@ -106,8 +106,7 @@ static ric_status add_touch(web *w, int mode, int j, int drawn)
     if (w->n_touch == w->room) {
         const int room = w->room ? 2 * w->room : 256;
         touch *larger = realloc(w->touches, (size_t)room * sizeof *larger);
-        if (!larger)
-            return no_memory();
+        if (!larger) return no_memory();
         w->touches = larger;
         w->room = room;
     }
@@ -121,17 +120,14 @@ static ric_status join_at(web *w, int n, const meeting *list, int K)
     int first = -1;
     for (int i = 0; i < n; i++) {
         const int drawn = drawn_at(w, &list[i], K);
-        if (drawn < 0 || w->mode[list[i].branch - 1])
-            continue;
-        if (first < 0)
-            first = drawn;
+        if (drawn < 0 || w->mode[list[i].branch - 1]) continue;
+        if (first < 0) first = drawn;
         w->parent[find_root(w, drawn)] = find_root(w, first);
     }
     for (int i = 0; first >= 0 && i < n; i++) {
         const int drawn = drawn_at(w, &list[i], K), mode = w->mode[list[i].branch - 1];
         ric_status status = drawn < 0 || !mode ? RIC_OK : add_touch(w, mode, drawn % w->largest + 1, first);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return RIC_OK;
 }
@@ -145,18 +141,15 @@ static ric_status join_all(web *w, int largest)
     free(w->lowest);
     w->parent = malloc((n + 1) * sizeof *w->parent);
     w->lowest = calloc(n + 1, sizeof *w->lowest);
-    if (!w->parent || !w->lowest)
-        return no_memory();
-    for (size_t i = 0; i < n; i++)
-        w->parent[i] = (int)i;
+    if (!w->parent || !w->lowest) return no_memory();
+    for (size_t i = 0; i < n; i++) w->parent[i] = (int)i;
     for (int from = 0, to; from < w->n_meeting; from = to) {
         int multiple = 1;
         for (to = from; to < w->n_meeting && w->meetings[to].site == w->meetings[from].site; to++)
             multiple = w->meetings[to].multiple > multiple ? w->meetings[to].multiple : multiple;
         for (int K = 1; K <= largest * multiple; K++) {
             ric_status status = join_at(w, to - from, w->meetings + from, K);
-            if (status)
-                return status;
+            if (status) return status;
         }
     }
     for (int i = 0; i < w->n_touch; i++) {
@@ -170,8 +163,7 @@ static ric_status join_all(web *w, int largest)
 static int count_left(const web *w)
 {
     int n = 0;
-    for (int b = 0; b < w->n_branch; b++)
-        n += !w->mode[b] && !w->lowest[find_root(w, b * w->largest)];
+    for (int b = 0; b < w->n_branch; b++) n += !w->mode[b] && !w->lowest[find_root(w, b * w->largest)];
     return n;
 }
 
@@ -182,8 +174,7 @@ static ric_status choose_largest(web *w, int *out)
     *out = 1;
     for (int largest = 1; largest <= MOST_DUPLICATES && fewest; largest++) {
         ric_status status = join_all(w, largest);
-        if (status)
-            return status;
+        if (status) return status;
         const int left = count_left(w);
         if (left < fewest) {
             fewest = left;
@@ -208,12 +199,10 @@ static ric_status fill_base(const web *w, int mode, int j, bool *chosen, base_re
 {
     const int n = w->n_branch * w->largest;
     int count = 0;
-    for (int i = 0; i < n; i++)
-        chosen[i] = false;
+    for (int i = 0; i < n; i++) chosen[i] = false;
     for (int i = 0; i < w->n_touch; i++) {
         const int root = find_root(w, w->touches[i].drawn);
-        if (w->touches[i].mode == mode && w->touches[i].j == j && w->lowest[root] == mode)
-            chosen[root] = true;
+        if (w->touches[i].mode == mode && w->touches[i].j == j && w->lowest[root] == mode) chosen[root] = true;
     }
     for (int i = 0; i < n; i++) { /* a backbone is never in a cluster: its root is itself */
         const int b = i / w->largest;
@@ -223,13 +212,11 @@ static ric_status fill_base(const web *w, int mode, int j, bool *chosen, base_re
     *out = (base_record){.row = {.mode = mode, .j = j, .energy = {NAN, NAN}, .frequency = {NAN, NAN}}};
     out->branches = malloc(((size_t)count + 1) * sizeof *out->branches);
     out->duplicates = malloc((2 * (size_t)count + 1) * sizeof *out->duplicates);
-    if (!out->branches || !out->duplicates)
-        return no_memory();
+    if (!out->branches || !out->duplicates) return no_memory();
     for (int i = 0; i < n; i++) {
         ric_branch branch;
         const int id = i / w->largest + 1, k = i % w->largest + 1;
-        if (!chosen[i] || ric_atlas_branch(w->atlas, id, &branch))
-            continue;
+        if (!chosen[i] || ric_atlas_branch(w->atlas, id, &branch)) continue;
         if (k == 1) {
             out->branches[out->row.n_branch++] = id;
             widen_to(&out->row, &branch);
@@ -249,8 +236,7 @@ static void mark_elementary(ric_bases *bases)
     for (int i = 0; i < bases->n; i++) {
         const ric_base *base = &bases->bases[i].row;
         const bool part = base->j == 1 || (base->j == 2 && base->mode > bases->bases[0].row.mode);
-        for (int k = 0; part && k < base->n_branch; k++)
-            bases->elementary[base->branches[k] - 1] = true;
+        for (int k = 0; part && k < base->n_branch; k++) bases->elementary[base->branches[k] - 1] = true;
     }
 }
 
@@ -269,20 +255,16 @@ static ric_status list_bases(const web *w, ric_bases *out)
     out->n_branch = w->n_branch;
     out->bases = calloc((size_t)n_mode * (size_t)w->largest + 1, sizeof *out->bases);
     out->elementary = calloc((size_t)w->n_branch + 1, sizeof *out->elementary);
-    if (!chosen || !out->bases || !out->elementary)
-        status = no_memory();
+    if (!chosen || !out->bases || !out->elementary) status = no_memory();
     for (int mode = 1; !status && mode <= n_mode; mode++)
         for (int j = 1; !status && j <= w->largest; j++) {
             base_record *base = &out->bases[out->n];
             status = fill_base(w, mode, j, chosen, base);
-            if (status || !base->row.n_branch)
-                base_free(base);
-            else
-                out->n++;
+            if (status || !base->row.n_branch) base_free(base);
+            else out->n++;
         }
     free(chosen);
-    if (!status)
-        mark_elementary(out);
+    if (!status) mark_elementary(out);
     return status;
 }
 
@@ -303,33 +285,24 @@ ric_status ric_bases_find(const ric_atlas *atlas, int largest, ric_bases **out)
     *out = NULL;
     if (largest < 0 || largest > MOST_DUPLICATES)
         status = ric_fail(RIC_E_RANGE, "no %d-duplicates: bases are found for 1 to %d", largest, MOST_DUPLICATES);
-    else if (!bases || !(w.mode = calloc((size_t)w.n_branch + 1, sizeof *w.mode)))
-        status = no_memory();
+    else if (!bases || !(w.mode = calloc((size_t)w.n_branch + 1, sizeof *w.mode))) status = no_memory();
     for (int b = 0; !status && b < w.n_branch; b++) {
         ric_branch branch;
-        if (!(status = ric_atlas_branch(atlas, b + 1, &branch)))
-            w.mode[b] = branch.mode;
+        if (!(status = ric_atlas_branch(atlas, b + 1, &branch))) w.mode[b] = branch.mode;
     }
-    if (!status)
-        status = gather_meetings(&w);
-    if (!status && !largest)
-        status = choose_largest(&w, &largest);
-    if (!status)
-        status = join_all(&w, largest);
-    if (!status)
-        status = list_bases(&w, bases);
+    if (!status) status = gather_meetings(&w);
+    if (!status && !largest) status = choose_largest(&w, &largest);
+    if (!status) status = join_all(&w, largest);
+    if (!status) status = list_bases(&w, bases);
     web_free(&w);
-    if (status)
-        ric_bases_free(bases);
-    else
-        *out = bases;
+    if (status) ric_bases_free(bases);
+    else *out = bases;
     return status;
 }
 
 void ric_bases_free(ric_bases *bases)
 {
-    for (int i = 0; bases && i < bases->n; i++)
-        base_free(&bases->bases[i]);
+    for (int i = 0; bases && i < bases->n; i++) base_free(&bases->bases[i]);
     if (bases) {
         free(bases->bases);
         free(bases->elementary);
@@ -349,8 +322,7 @@ int ric_bases_n(const ric_bases *bases)
 
 ric_status ric_bases_get(const ric_bases *bases, int i, ric_base *out)
 {
-    if (i < 0 || i >= bases->n)
-        return ric_fail(RIC_E_RANGE, "no base %d: there are %d, counted from 0", i, bases->n);
+    if (i < 0 || i >= bases->n) return ric_fail(RIC_E_RANGE, "no base %d: there are %d, counted from 0", i, bases->n);
     *out = bases->bases[i].row;
     return RIC_OK;
 }

@@ -8,9 +8,10 @@
 
 #include "base/room.h"
 
-#define AT_CUT 1e-6     /* of the length of a segment: a stored point this near to its end is the junction itself */
-#define SAME_ORBIT 1e-7 /* of two stored states and energies, relative to 1 + their size: a junction is solved to
-                         * rounding */
+#define AT_CUT 1e-6 /* of the length of a segment: a stored point this near to its end is the junction itself */
+#define SAME_ORBIT                                                                                                     \
+    1e-7 /* of two stored states and energies, relative to 1 + their size: a junction is solved to                     \
+          * rounding */
 
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 {
@@ -38,11 +39,9 @@ static bool same_grazing(int n_state, const ric_junction *a, const ric_junction 
         return false;
     if (a->letters != b->letters) return false;
     for (int i = 0; i < a->letters; i++)
-        if (a->word[i] != b->word[i])
-            return false;
+        if (a->word[i] != b->word[i]) return false;
     for (int i = 0; i < n_state; i++)
-        if (!close_to(a->state[i], b->state[i]))
-            return false;
+        if (!close_to(a->state[i], b->state[i])) return false;
     return true;
 }
 
@@ -50,8 +49,7 @@ int ric_query_twin(const ric_atlas *atlas, const ric_junction *junction, int mul
 {
     const int n_state = 2 * ric_model_n_dof(ric_atlas_model(atlas));
     ric_junction other;
-    if (junction->kind != RIC_KIND_GRAZING)
-        return 0;
+    if (junction->kind != RIC_KIND_GRAZING) return 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
         if (!ric_atlas_junction(atlas, id, &other) && other.multiple == multiple &&
             same_grazing(n_state, junction, &other))
@@ -77,15 +75,18 @@ static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch, const
                          ric_duplicate_point *out)
 {
     const int level = ric_junction_level(junction, branch);
-    if (k % level)
-        return false;
-    const int times = level > 1 ? k : k * junction->multiple,
-              twin = k > 1 ? ric_query_twin(atlas, junction, times) : 0;
-    *out = (ric_duplicate_point){
-        .branch = branch->id, .k = k, .junction = twin ? twin : junction->id, .energy = junction->energy,
-        .origin = level == 1 ? RIC_DUPLICATE_COPY : level == k ? RIC_DUPLICATE_OWN : RIC_DUPLICATE_INHERITED,
-        .times = times, .j = level > 1 ? junction->rotation[0] * (k / level) : 0,
-        .frequency = junction->frequency * level / k};
+    if (k % level) return false;
+    const int times = level > 1 ? k : k * junction->multiple, twin = k > 1 ? ric_query_twin(atlas, junction, times) : 0;
+    *out = (ric_duplicate_point){.branch = branch->id,
+                                 .k = k,
+                                 .junction = twin ? twin : junction->id,
+                                 .energy = junction->energy,
+                                 .origin = level == 1   ? RIC_DUPLICATE_COPY
+                                           : level == k ? RIC_DUPLICATE_OWN
+                                                        : RIC_DUPLICATE_INHERITED,
+                                 .times = times,
+                                 .j = level > 1 ? junction->rotation[0] * (k / level) : 0,
+                                 .frequency = junction->frequency * level / k};
     return true;
 }
 
@@ -94,13 +95,11 @@ ric_status ric_duplicate_points(const ric_atlas *atlas, int id, int k, int *n, r
     ric_branch branch;
     ric_junction junction;
     *n = 0;
-    if (k < 1)
-        return ric_fail(RIC_E_RANGE, "no %d-duplicate: k runs from 1", k);
+    if (k < 1) return ric_fail(RIC_E_RANGE, "no %d-duplicate: k runs from 1", k);
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     for (int i = -1; !status && i <= branch.n_junction; i++) {
         const int at = i < 0 ? branch.from : i < branch.n_junction ? branch.junctions[i] : branch.to;
-        if (!at || (status = ric_atlas_junction(atlas, at, &junction)))
-            continue;
+        if (!at || (status = ric_atlas_junction(atlas, at, &junction))) continue;
         *n += on_duplicate(atlas, &branch, &junction, k, &out[*n]);
     }
     return status;
@@ -109,8 +108,7 @@ ric_status ric_duplicate_points(const ric_atlas *atlas, int id, int k, int *n, r
 ric_status ric_duplicate_label(const ric_branch *branch, int k, size_t size, char *out)
 {
     const char *label = branch->label, *mark = label;
-    while (*mark && (isalpha((unsigned char)*mark) || isdigit((unsigned char)*mark)))
-        mark++;
+    while (*mark && (isalpha((unsigned char)*mark) || isdigit((unsigned char)*mark))) mark++;
     const int head = (int)(mark - label), length = (int)strcspn(mark, "[");
     const int used = k == 1 ? snprintf(out, size, "%s", label)
                             : snprintf(out, size, "%.*s^{%d%.*s}%s", head, label, k, length, mark, mark + length);
@@ -140,13 +138,11 @@ static ric_status find_cut(const ric_atlas *atlas, const ric_branch *branch, int
     ric_junction junction;
     *out = (cut){.junction = inner ? branch->junctions[place] : place < 0 ? branch->from : branch->to};
     ric_status status = ric_atlas_point(atlas, branch->id, place < 0 ? 0 : branch->n_point - 1, &point, NULL, NULL);
-    if (status)
-        return status;
+    if (status) return status;
     out->arclength = inner ? branch->junction_at[place] : point.arclength;
     out->energy = point.energy;
     out->frequency = point.frequency;
-    if (!out->junction || (status = ric_atlas_junction(atlas, out->junction, &junction)))
-        return status;
+    if (!out->junction || (status = ric_atlas_junction(atlas, out->junction, &junction))) return status;
     out->energy = junction.energy;
     out->frequency = junction.frequency * ric_junction_level(&junction, branch);
     return RIC_OK;
@@ -157,17 +153,18 @@ static ric_status measure(const ric_atlas *atlas, const ric_branch *branch, cons
 {
     const double margin = AT_CUT * (b->arclength - a->arclength);
     int n = 0, stable = 0, undecided = 0;
-    *out = (ric_segment){.branch = branch->id, .from = a->junction, .to = b->junction, .energy = {a->energy, a->energy},
+    *out = (ric_segment){.branch = branch->id,
+                         .from = a->junction,
+                         .to = b->junction,
+                         .energy = {a->energy, a->energy},
                          .frequency = {a->frequency, a->frequency}};
     widen(out->energy, b->energy);
     widen(out->frequency, b->frequency);
     for (int i = 0; i < branch->n_point; i++) {
         ric_point point;
         ric_status status = ric_atlas_point(atlas, branch->id, i, &point, NULL, NULL);
-        if (status)
-            return status;
-        if (!(point.arclength > a->arclength + margin && point.arclength < b->arclength - margin))
-            continue;
+        if (status) return status;
+        if (!(point.arclength > a->arclength + margin && point.arclength < b->arclength - margin)) continue;
         widen(out->energy, point.energy);
         widen(out->frequency, point.frequency);
         n++;
@@ -185,12 +182,10 @@ ric_status ric_branch_segments(const ric_atlas *atlas, int id, int *n, ric_segme
     cut a, b;
     *n = 0;
     ric_status status = ric_atlas_branch(atlas, id, &branch);
-    if (status || !branch.n_point)
-        return status;
+    if (status || !branch.n_point) return status;
     status = find_cut(atlas, &branch, -1, &a);
     for (int i = 0; !status && i <= branch.n_junction; i++) {
-        if ((status = find_cut(atlas, &branch, i, &b)) || (status = measure(atlas, &branch, &a, &b, &out[*n])))
-            break;
+        if ((status = find_cut(atlas, &branch, i, &b)) || (status = measure(atlas, &branch, &a, &b, &out[*n]))) break;
         (*n)++;
         a = b;
     }

@@ -51,8 +51,7 @@ static ric_status begin(ric_database file)
 
 static void roll_back(ric_database file)
 {
-    if (!sqlite3_get_autocommit(file.db))
-        sqlite3_exec(file.db, "ROLLBACK", NULL, NULL, NULL);
+    if (!sqlite3_get_autocommit(file.db)) sqlite3_exec(file.db, "ROLLBACK", NULL, NULL, NULL);
 }
 
 /* A transaction holds what it changes in memory until it commits, so that readers wait only for the commit itself.
@@ -60,7 +59,7 @@ static void roll_back(ric_database file)
 static ric_status set_up_writer(ric_database file)
 {
     return ric_store_sqlite_run(file, "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
-                                  "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
+                                      "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
 }
 
 /* An empty file of ours, which SQLite then fills: what another has just laid there is neither filled nor removed. */
@@ -79,27 +78,19 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     ric_status status = exists ? RIC_OK : lay_file(store->path);
     if (status) return status;
     status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
-    if (!status)
-        status = set_up_writer(store->file);
-    if (!status)
-        status = begin(store->file);
-    if (!status)
-        status = ric_store_sqlite_run(store->file, schema);
+    if (!status) status = set_up_writer(store->file);
+    if (!status) status = begin(store->file);
+    if (!status) status = ric_store_sqlite_run(store->file, schema);
     snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
              RIC_FORMAT_VERSION);
-    if (!status)
-        status = ric_store_sqlite_run(store->file, numbers);
-    if (!status)
-        status = ric_store_put_study(store->file, study, false, 0, 0);
-    if (!status)
-        status = ric_store_put_digest(store->file);
-    if (!status)
-        status = ric_store_sqlite_run(store->file, "COMMIT");
+    if (!status) status = ric_store_sqlite_run(store->file, numbers);
+    if (!status) status = ric_store_put_study(store->file, study, false, 0, 0);
+    if (!status) status = ric_store_put_digest(store->file);
+    if (!status) status = ric_store_sqlite_run(store->file, "COMMIT");
     if (status) {
         sqlite3_close(store->file.db);
         store->file.db = NULL;
-        if (!exists)
-            unlink(store->path);
+        if (!exists) unlink(store->path);
     }
     return status;
 }
@@ -107,16 +98,12 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
 static ric_status open_file(ric_store *store, const ric_study *study)
 {
     ric_status status = ric_store_check_identity(store->path);
-    if (!status)
-        status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
-    if (!status)
-        status = ric_store_check_contents(store->file);
-    if (!status)
-        status = ric_store_check_model(store->file, study);
+    if (!status) status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+    if (!status) status = ric_store_check_contents(store->file);
+    if (!status) status = ric_store_check_model(store->file, study);
     if (!status && sqlite3_db_readonly(store->file.db, "main"))
         status = ric_store_sqlite_fail(store->file, SQLITE_READONLY);
-    if (!status)
-        status = set_up_writer(store->file);
+    if (!status) status = set_up_writer(store->file);
     return status;
 }
 
@@ -141,8 +128,7 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     bool exists, empty;
     ric_status status = RIC_OK;
     *out = NULL;
-    if (!store)
-        return ric_store_fail_memory();
+    if (!store) return ric_store_fail_memory();
     store->lock = -1;
     store->path = ric_store_resolve(path);
     store->lock_path = store->path ? malloc(strlen(store->path) + sizeof "-lock") : NULL;
@@ -152,35 +138,27 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     }
     sprintf(store->lock_path, "%s-lock", store->path);
     status = ric_store_look(store->path, &exists, &empty);
-    if (!status)
-        status = ric_store_lock_take(store->path, store->lock_path, &store->lock);
-    if (!status)
-        status = ric_store_check_beside(store->path);
-    if (!status)
-        status = ric_store_look(store->path, &exists, &empty); /* again, now that nobody else creates it */
-    if (!status && exists)
-        status = recover(store, &exists, &empty);
-    if (!status)
-        status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
+    if (!status) status = ric_store_lock_take(store->path, store->lock_path, &store->lock);
+    if (!status) status = ric_store_check_beside(store->path);
+    if (!status) status = ric_store_look(store->path, &exists, &empty); /* again, now that nobody else creates it */
+    if (!status && exists) status = recover(store, &exists, &empty);
+    if (!status) status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
     if (!status)
         status = ric_store_sqlite_prepare(store->file, "SELECT blob, digest FROM trace WHERE key = ?", &store->get);
     if (!status)
-        status = ric_store_sqlite_prepare(store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
-                                      &store->put);
-    if (!status)
-        status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
+        status = ric_store_sqlite_prepare(store->file,
+                                          "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
+                                          &store->put);
+    if (!status) status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
 out:
-    if (status)
-        ric_store_close(store);
-    else
-        *out = store;
+    if (status) ric_store_close(store);
+    else *out = store;
     return status;
 }
 
 void ric_store_close(ric_store *store)
 {
-    if (!store)
-        return;
+    if (!store) return;
     sqlite3_finalize(store->get);
     sqlite3_finalize(store->put);
     sqlite3_finalize(store->drop);
@@ -207,10 +185,8 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
         const void *bytes = sqlite3_column_blob(store->get, 0);
         if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
             status = ric_store_fail_damaged(store->path, "finished work does not match its digest");
-        else if (!(*blob = malloc(n + 1)))
-            status = ric_store_fail_memory();
-        else if (n)
-            memcpy(*blob, bytes, n);
+        else if (!(*blob = malloc(n + 1))) status = ric_store_fail_memory();
+        else if (n) memcpy(*blob, bytes, n);
         *size = status ? 0 : n;
     }
     sqlite3_reset(store->get);
@@ -222,8 +198,7 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
 {
     bool row;
     ric_status status = begin(store->file);
-    if (status)
-        return status;
+    if (status) return status;
     sqlite3_bind_text(store->put, 1, key, -1, SQLITE_STATIC);
     int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
                     : sqlite3_bind_zeroblob(store->put, 2, 0);
@@ -239,12 +214,10 @@ ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status
     sqlite3_stmt *query = NULL;
     bool row = false;
     ric_status status = ric_store_sqlite_prepare(store->file, "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
-    if (status)
-        return status;
+    if (status) return status;
     sqlite3_bind_text(query, 1, ending, -1, SQLITE_STATIC);
     while (!(status = ric_store_sqlite_step(store->file, query, &row)) && row)
-        if ((status = each(user, (const char *)sqlite3_column_text(query, 0))))
-            break;
+        if ((status = each(user, (const char *)sqlite3_column_text(query, 0)))) break;
     sqlite3_finalize(query);
     return status;
 }
@@ -253,8 +226,7 @@ ric_status ric_store_trace_drop(ric_store *store, const char *key)
 {
     bool row;
     ric_status status = begin(store->file);
-    if (status)
-        return status;
+    if (status) return status;
     sqlite3_bind_text(store->drop, 1, key, -1, SQLITE_STATIC);
     status = ric_store_sqlite_step(store->file, store->drop, &row);
     sqlite3_clear_bindings(store->drop);
@@ -274,12 +246,9 @@ ric_status ric_store_starts_get(ric_store *store, char **text)
 /* The end of a transaction that changed the tables: all of it, with the digest that goes with them, or nothing. */
 static ric_status conclude(ric_database file, ric_status status)
 {
-    if (!status)
-        status = ric_store_put_digest(file);
-    if (!status)
-        status = ric_store_sqlite_run(file, "COMMIT");
-    if (status)
-        roll_back(file);
+    if (!status) status = ric_store_put_digest(file);
+    if (!status) status = ric_store_sqlite_run(file, "COMMIT");
+    if (status) roll_back(file);
     return status;
 }
 
@@ -307,10 +276,8 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
         sprintf(all, "%s%s", old ? old : "", lines);
         status = begin(file);
     }
-    if (!status)
-        status = ric_store_put_meta(file, "starts", all);
-    if (!status)
-        status = ric_store_put_meta(file, "finished", "0");
+    if (!status) status = ric_store_put_meta(file, "starts", all);
+    if (!status) status = ric_store_put_meta(file, "finished", "0");
     status = conclude(file, status);
     free(old);
     free(all);
@@ -321,12 +288,12 @@ ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
 {
     ric_database file = store->file;
     ric_status status = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
-    if (!status)
-        status = begin(file);
+    if (!status) status = begin(file);
     store->tables_begun = !status;
     if (!status)
-        status = ric_store_sqlite_run(file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
-                              "DELETE FROM branch; DELETE FROM junction");
+        status = ric_store_sqlite_run(file,
+                                      "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
+                                      "DELETE FROM branch; DELETE FROM junction");
     return status ? status : ric_store_put_branches(file, atlas);
 }
 
@@ -337,10 +304,8 @@ ric_status ric_store_write_junctions(ric_store *store, ric_status before, const 
     if (!store->tables_begun) /* traces that wait for a commit are no part of it */
         return status;
     store->tables_begun = false;
-    if (!status)
-        status = ric_store_put_junctions(file, atlas);
-    if (!status)
-        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
+    if (!status) status = ric_store_put_junctions(file, atlas);
+    if (!status) status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
     return conclude(file, status);
 }
 

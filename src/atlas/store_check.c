@@ -9,7 +9,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-
 /* ---------------------------------------------------------------- identity */
 
 ric_status ric_store_look(const char *path, bool *exists, bool *empty)
@@ -23,7 +22,8 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
         return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
     }
     if (!S_ISREG(found.st_mode))
-        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path, ric_store_file_kind(found.st_mode));
+        return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path,
+                        ric_store_file_kind(found.st_mode));
     *exists = true;
     *empty = found.st_size == 0;
     return RIC_OK;
@@ -42,18 +42,14 @@ ric_status ric_store_check_identity(const char *path)
         goto out;
     }
     int code = ric_store_sqlite_ask(file.db, "PRAGMA application_id", &application);
-    if (!code)
-        code = ric_store_sqlite_ask(file.db, "PRAGMA user_version", &version);
-    if (code)
-        status = (code & 0xff) == SQLITE_CORRUPT ? RIC_OK : ric_store_sqlite_fail(file, code);
-    else if (application != RIC_APPLICATION_ID)
-        status = ric_store_fail_foreign(path);
+    if (!code) code = ric_store_sqlite_ask(file.db, "PRAGMA user_version", &version);
+    if (code) status = (code & 0xff) == SQLITE_CORRUPT ? RIC_OK : ric_store_sqlite_fail(file, code);
+    else if (application != RIC_APPLICATION_ID) status = ric_store_fail_foreign(path);
     else if (version > RIC_FORMAT_VERSION)
         status = ric_fail(RIC_E_FORMAT,
                           "%s: atlas of format %lld, and ricochet %s knows formats up to %d; use a newer ricochet",
                           path, (long long)version, ric_version(), RIC_FORMAT_VERSION);
-    else if (version < 1)
-        status = ric_store_fail_damaged(path, "its format has no number");
+    else if (version < 1) status = ric_store_fail_damaged(path, "its format has no number");
 out:
     sqlite3_close(file.db);
     return status;
@@ -66,8 +62,7 @@ static const uint64_t digest_start = 0xcbf29ce484222325u, digest_prime = 0x10000
 static uint64_t digest_bytes(uint64_t digest, const void *bytes, size_t n)
 {
     const unsigned char *byte = bytes;
-    for (size_t i = 0; i < n; i++)
-        digest = (digest ^ byte[i]) * digest_prime;
+    for (size_t i = 0; i < n; i++) digest = (digest ^ byte[i]) * digest_prime;
     return digest;
 }
 
@@ -81,10 +76,8 @@ uint64_t ric_store_digest(const void *bytes, size_t n)
 static uint64_t digest_number(uint64_t digest, uint64_t value)
 {
     const uint64_t p2 = digest_prime * digest_prime, p4 = p2 * p2;
-    if (value == 0)
-        return digest * (p4 * p4);
-    for (int k = 0; k < 8; k++)
-        digest = (digest ^ (unsigned char)(value >> 8 * k)) * digest_prime;
+    if (value == 0) return digest * (p4 * p4);
+    for (int k = 0; k < 8; k++) digest = (digest ^ (unsigned char)(value >> 8 * k)) * digest_prime;
     return digest;
 }
 
@@ -100,8 +93,7 @@ static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
         size_t n = (size_t)sqlite3_column_bytes(row, column);
         return digest_bytes(digest_number(digest, n), bytes, n);
     }
-    if (type == SQLITE_FLOAT)
-        memcpy(&bits, &(double){sqlite3_column_double(row, column)}, sizeof bits);
+    if (type == SQLITE_FLOAT) memcpy(&bits, &(double){sqlite3_column_double(row, column)}, sizeof bits);
     return digest_number(digest_number(digest,
                                        type == SQLITE_INTEGER ? (uint64_t)sqlite3_column_int64(row, column) : 0),
                          bits);
@@ -126,12 +118,10 @@ static ric_status digest_contents(ric_database file, uint64_t *digest)
         int n = sqlite3_column_count(query);
         while (!status && row) {
             status = ric_store_sqlite_step(file, query, &row);
-            for (int k = 0; !status && row && k < n; k++)
-                *digest = digest_column(*digest, query, k);
+            for (int k = 0; !status && row && k < n; k++) *digest = digest_column(*digest, query, k);
         }
         sqlite3_finalize(query);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return RIC_OK;
 }
@@ -152,10 +142,8 @@ ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
         bool is_text = sqlite3_column_type(query, 0) == SQLITE_TEXT;
         const char *text = is_text ? (const char *)sqlite3_column_text(query, 0) : NULL;
         *value = text ? strdup(text) : NULL;
-        if (!is_text)
-            status = ric_store_fail_damaged(file.path, "table meta: a value is not a text");
-        else if (!*value)
-            status = ric_store_fail_memory();
+        if (!is_text) status = ric_store_fail_damaged(file.path, "table meta: a value is not a text");
+        else if (!*value) status = ric_store_fail_memory();
     }
     sqlite3_finalize(query);
     return status;
@@ -165,7 +153,8 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
 {
     sqlite3_stmt *insert = NULL;
     bool row;
-    ric_status status = ric_store_sqlite_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)", &insert);
+    ric_status status = ric_store_sqlite_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)",
+                                                 &insert);
     if (!status) {
         int code = sqlite3_bind_text(insert, 1, key, -1, SQLITE_STATIC) |
                    sqlite3_bind_text(insert, 2, value, -1, SQLITE_STATIC);
@@ -182,8 +171,7 @@ ric_status ric_store_put_digest(ric_database file)
     uint64_t digest;
     char text[17];
     ric_status status = digest_contents(file, &digest);
-    if (status)
-        return status;
+    if (status) return status;
     snprintf(text, sizeof text, "%016llx", (unsigned long long)digest);
     return ric_store_put_meta(file, "digest", text);
 }
@@ -193,8 +181,7 @@ static ric_status check_digest(ric_database file)
     uint64_t digest;
     char text[17], *stored = NULL;
     ric_status status = digest_contents(file, &digest);
-    if (!status)
-        status = ric_store_get_meta(file, "digest", &stored);
+    if (!status) status = ric_store_get_meta(file, "digest", &stored);
     if (!status) {
         snprintf(text, sizeof text, "%016llx", (unsigned long long)digest);
         if (!stored || strcmp(stored, text))
@@ -210,23 +197,20 @@ ric_status ric_store_check_contents(ric_database file)
     sqlite3_int64 tables = 0;
     bool row = false;
     ric_status status = ric_store_sqlite_prepare(file, "PRAGMA quick_check(1)", &query);
-    if (!status)
-        status = ric_store_sqlite_step(file, query, &row);
+    if (!status) status = ric_store_sqlite_step(file, query, &row);
     if (!status && row) {
         const char *answer = (const char *)sqlite3_column_text(query, 0);
         if (!answer || strcmp(answer, "ok"))
             status = ric_store_fail_damaged(file.path, answer ? answer : "it cannot be checked");
     }
     sqlite3_finalize(query);
-    if (status)
-        return status;
+    if (status) return status;
     int code =
         ric_store_sqlite_ask(file.db,
-                         "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
-                         "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')",
-                         &tables);
-    if (code)
-        return ric_store_sqlite_fail(file, code);
+                             "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
+                             "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')",
+                             &tables);
+    if (code) return ric_store_sqlite_fail(file, code);
     return tables == 7 ? check_digest(file) : ric_store_fail_damaged(file.path, "a table is missing");
 }
 
@@ -237,10 +221,8 @@ char *ric_store_model_text(const char *study)
     const char *begin = NULL, *line = study;
     while (line && *line) {
         const char *next = strchr(line, '\n');
-        if (!begin && !strncmp(line, "model:", 6))
-            begin = line;
-        else if (begin && !strchr(" \t\r\n#-]}", *line))
-            break;
+        if (!begin && !strncmp(line, "model:", 6)) begin = line;
+        else if (begin && !strchr(" \t\r\n#-]}", *line)) break;
         line = next ? next + 1 : line + strlen(line);
     }
     return begin ? strndup(begin, (size_t)(line - begin)) : strdup("");
@@ -257,8 +239,7 @@ static size_t next_token(const char **text)
 static bool same_token(const char *a, size_t n_a, const char *b, size_t n_b)
 {
     char *end_a, *end_b;
-    if (n_a == n_b && !memcmp(a, b, n_a))
-        return true;
+    if (n_a == n_b && !memcmp(a, b, n_a)) return true;
     double x = ric_c_strtod(a, &end_a), y = ric_c_strtod(b, &end_b);
     return n_a && n_b && end_a == a + n_a && end_b == b + n_b && x == y;
 }
@@ -272,8 +253,7 @@ ric_status ric_store_compare_models(const char *path, const char *stored, const 
                             "%s: the atlas of another model (it has `%.*s` where the study has `%.*s`); choose another "
                             "file with -o",
                             path, (int)(n_a > 40 ? 40 : n_a), stored, (int)(n_b > 40 ? 40 : n_b), given);
-        if (!n_a)
-            return RIC_OK;
+        if (!n_a) return RIC_OK;
         stored += n_a;
         given += n_b;
     }
@@ -283,11 +263,9 @@ ric_status ric_store_check_model(ric_database file, const ric_study *study)
 {
     char *stored = NULL, *given = NULL;
     ric_status status = ric_store_get_meta(file, "model", &stored);
-    if (status)
-        goto out;
+    if (status) goto out;
     given = ric_store_model_text(ric_study_text(study));
-    if (!given)
-        status = ric_store_fail_memory();
+    if (!given) status = ric_store_fail_memory();
     else
         status = stored ? ric_store_compare_models(file.path, stored, given)
                         : ric_store_fail_damaged(file.path, "its model is missing");

@@ -65,8 +65,7 @@ static ric_status check_plain(const char *path, const struct stat *found, uid_t 
 {
     if (!S_ISREG(found->st_mode)) return not_ours(path, ric_store_file_kind(found->st_mode), purpose);
     if (found->st_nlink > 1) return not_ours(path, "a file with a second name (a hard link)", purpose);
-    if (found->st_uid != geteuid() && found->st_uid != owner)
-        return not_ours(path, "a file of another user", purpose);
+    if (found->st_uid != geteuid() && found->st_uid != owner) return not_ours(path, "a file of another user", purpose);
     return RIC_OK;
 }
 
@@ -213,7 +212,7 @@ static const char *wrong_journal(int file, off_t size, bool log)
     if (!starts_or_ends(file, size, 0, journal_magic, 8) && !starts_or_ends(file, size, 0, zeros, 8))
         return "a file with other contents";
     return starts_or_ends(file, size, size - 8, journal_magic, 8) && size > 8 ? "a journal that names further files"
-                                                                             : NULL;
+                                                                              : NULL;
 }
 
 static ric_status check_journal(const char *path, uid_t owner, bool log)
@@ -234,7 +233,10 @@ static ric_status check_journal(const char *path, uid_t owner, bool log)
 
 ric_status ric_store_check_beside(const char *atlas)
 {
-    static const struct { const char *ending; bool log; } journals[] = {{"-journal", false}, {"-wal", true}};
+    static const struct {
+        const char *ending;
+        bool log;
+    } journals[] = {{"-journal", false}, {"-wal", true}};
     struct stat found;
     ric_status status = RIC_OK;
     char *real = ric_store_resolve(atlas);

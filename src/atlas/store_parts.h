@@ -108,8 +108,7 @@ ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas);
 
 /* ------------------------------------------------------------- store_write.c */
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced,
-                               int n_blind);
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced, int n_blind);
 ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas);
 ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
 

@@ -39,8 +39,7 @@ static int take_integer(row_reader *row, int min, int max)
 {
     int column = row->column++;
     sqlite3_int64 value = sqlite3_column_int64(row->query, column);
-    if (sqlite3_column_type(row->query, column) == SQLITE_INTEGER && value >= min && value <= max)
-        return (int)value;
+    if (sqlite3_column_type(row->query, column) == SQLITE_INTEGER && value >= min && value <= max) return (int)value;
     fault(row, column, "not a whole number in its range");
     return min;
 }
@@ -48,16 +47,14 @@ static int take_integer(row_reader *row, int min, int max)
 static double take_real(row_reader *row)
 {
     int column = row->column++, type = sqlite3_column_type(row->query, column);
-    if (type == SQLITE_FLOAT)
-        return sqlite3_column_double(row->query, column);
+    if (type == SQLITE_FLOAT) return sqlite3_column_double(row->query, column);
     if (type != SQLITE_NULL) fault(row, column, "not a number");
     return NAN;
 }
 
 static int take_id(row_reader *row, int max)
 {
-    if (sqlite3_column_type(row->query, row->column) != SQLITE_NULL)
-        return take_integer(row, 1, max);
+    if (sqlite3_column_type(row->query, row->column) != SQLITE_NULL) return take_integer(row, 1, max);
     row->column++;
     return 0;
 }
@@ -99,8 +96,7 @@ static int take_choice(row_reader *row, int n, const char *(*text_of)(int))
 {
     int column = row->column, choice = 0;
     char *text = take_text(row);
-    while (text && choice < n && strcmp(text, text_of(choice)))
-        choice++;
+    while (text && choice < n && strcmp(text, text_of(choice))) choice++;
     free(text);
     if (choice == n) fault(row, column, "none of the words that may stand there");
     return choice < n ? choice : 0;
@@ -113,8 +109,7 @@ static void take_float64s(row_reader *row, size_t n, double *values)
                                                                               : NULL;
     if (values && blob && (size_t)sqlite3_column_bytes(row->query, column) == 8 * n)
         ric_store_take_float64(blob, n, values);
-    else
-        fault(row, column, "not as many bytes as the model and the word ask for");
+    else fault(row, column, "not as many bytes as the model and the word ask for");
 }
 
 /* A word with `impacts` impacts; *n letters. */
@@ -126,8 +121,7 @@ static int *take_word(row_reader *row, const ric_model *model, int impacts, int 
     row->no_memory |= text && !word;
     if (!text || (word && *n < 0)) fault(row, column, "no word of faces of the model");
     else if (word && ric_word_impacts(model, *n, word) != impacts) fault(row, column, "not as long as its impacts");
-    if (row->wrong || !word)
-        *n = 0;
+    if (row->wrong || !word) *n = 0;
     free(text);
     return word;
 }
@@ -135,16 +129,14 @@ static int *take_word(row_reader *row, const ric_model *model, int impacts, int 
 static ric_status reader_status(const row_reader *row, ric_database file, const char *table)
 {
     char what[200], sub[32] = "";
-    if (row->no_memory)
-        return ric_store_fail_memory();
-    if (!row->wrong)
-        return RIC_OK;
+    if (row->no_memory) return ric_store_fail_memory();
+    if (!row->wrong) return RIC_OK;
     if (sqlite3_errcode(file.db) == SQLITE_NOMEM) /* a value that SQLite could not hand out is no fault of the file */
         return ric_store_fail_memory();
     if (sqlite3_column_count(row->query) > 1 && strcmp(sqlite3_column_name(row->query, 0), "id"))
         snprintf(sub, sizeof sub, ", %lld", (long long)sqlite3_column_int64(row->query, 1));
-    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table,
-             (long long)sqlite3_column_int64(row->query, 0), sub, sqlite3_column_name(row->query, row->at), row->wrong);
+    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table, (long long)sqlite3_column_int64(row->query, 0),
+             sub, sqlite3_column_name(row->query, row->at), row->wrong);
     return ric_store_fail_damaged(file.path, what);
 }
 
@@ -292,8 +284,7 @@ static ric_status read_points(ric_database file, ric_atlas *atlas, int *counts)
         if (counts[k] != record->row.n_point)
             return ric_store_fail_damaged(file.path, "points of a branch are missing");
         record->points = calloc((size_t)counts[k] + 1, record->stride * sizeof *record->points);
-        if (!record->points)
-            return ric_store_fail_memory();
+        if (!record->points) return ric_store_fail_memory();
     }
     return status ? status : take_rows(file, &points_of_branches, atlas->n_branch, counts, take_point, atlas);
 }
@@ -306,8 +297,7 @@ static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int
         record->row.n_junction = counts[k];
         record->row.junctions = record->junctions = calloc((size_t)counts[k] + 1, sizeof *record->junctions);
         record->row.junction_at = record->junction_at = calloc((size_t)counts[k] + 1, sizeof *record->junction_at);
-        if (!record->junctions || !record->junction_at)
-            return ric_store_fail_memory();
+        if (!record->junctions || !record->junction_at) return ric_store_fail_memory();
     }
     return status ? status
                   : take_rows(file, &junctions_of_branches, atlas->n_branch, counts, take_branch_junction, atlas);
@@ -316,8 +306,7 @@ static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int
 static ric_status read_branches(ric_database file, ric_atlas *atlas, int *counts)
 {
     ric_status status = take_rows(file, &branches, atlas->n_branch, NULL, take_branch, atlas);
-    if (!status)
-        status = read_points(file, atlas, counts);
+    if (!status) status = read_points(file, atlas, counts);
     return status ? status : read_branch_junctions(file, atlas, counts);
 }
 
@@ -367,14 +356,12 @@ static void take_junction_branch(row_reader *row, int i, ric_atlas *atlas)
 static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *counts)
 {
     ric_status status = take_rows(file, &junctions, atlas->n_junction, NULL, take_junction, atlas);
-    if (!status)
-        status = count_owned(file, &branches_of_junctions, atlas->n_junction, counts);
+    if (!status) status = count_owned(file, &branches_of_junctions, atlas->n_junction, counts);
     for (int k = 0; !status && k < atlas->n_junction; k++) {
         ric_junction_record *record = &atlas->junctions[k];
         record->row.n_branch = counts[k];
         record->row.branches = record->branches = calloc((size_t)counts[k] + 1, sizeof *record->branches);
-        if (!record->branches)
-            return ric_store_fail_memory();
+        if (!record->branches) return ric_store_fail_memory();
     }
     return status ? status
                   : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
@@ -416,24 +403,18 @@ static ric_status read_study(ric_database file, ric_atlas *atlas)
 {
     char *study = NULL, *finished = NULL;
     ric_status status = ric_store_get_meta(file, "study", &study);
-    if (!status)
-        status = ric_store_get_meta(file, "finished", &finished);
-    if (!status)
-        status = read_count(file, "unplaced", 0, &atlas->n_unplaced);
-    if (!status)
-        status = read_count(file, "blind", 0, &atlas->n_blind);
-    if (!status && (!study || !finished))
-        status = ric_store_fail_damaged(file.path, "its study is missing");
-    if (status)
-        goto out;
+    if (!status) status = ric_store_get_meta(file, "finished", &finished);
+    if (!status) status = read_count(file, "unplaced", 0, &atlas->n_unplaced);
+    if (!status) status = read_count(file, "blind", 0, &atlas->n_blind);
+    if (!status && (!study || !finished)) status = ric_store_fail_damaged(file.path, "its study is missing");
+    if (status) goto out;
     atlas->finished = !strcmp(finished, "1");
     if (!atlas->finished && strcmp(finished, "0")) {
         status = ric_store_fail_damaged(file.path, "table meta, row finished: neither 0 nor 1");
         goto out;
     }
     status = ric_study_parse(study, file.path, ".", &atlas->study);
-    if (status && status != RIC_E_NOMEM)
-        status = ric_store_fail_damaged(file.path, "its study cannot be read");
+    if (status && status != RIC_E_NOMEM) status = ric_store_fail_damaged(file.path, "its study cannot be read");
     if (!status) status = check_study(file, study, ric_study_model(atlas->study));
 out:
     free(study);
@@ -445,12 +426,9 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
 {
     int n_branch = 0, n_junction = 0;
     ric_status status = read_study(file, atlas);
-    if (!status)
-        status = count_rows(file, &branches, &n_branch);
-    if (!status)
-        status = count_rows(file, &junctions, &n_junction);
-    if (status)
-        return status;
+    if (!status) status = count_rows(file, &branches, &n_branch);
+    if (!status) status = count_rows(file, &junctions, &n_junction);
+    if (status) return status;
     atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
     atlas->junctions = calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
     int *counts = calloc((size_t)(n_branch > n_junction ? n_branch : n_junction) + 1, sizeof *counts);
@@ -461,8 +439,7 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
     atlas->n_branch = n_branch;
     atlas->n_junction = n_junction;
     status = read_branches(file, atlas, counts);
-    if (!status)
-        status = read_junctions(file, atlas, counts);
+    if (!status) status = read_junctions(file, atlas, counts);
 out:
     free(counts);
     return status;
@@ -472,16 +449,15 @@ out:
 static ric_status open_reader(const char *path, ric_database *file)
 {
     static const char begin[] = "BEGIN; SELECT count(*) FROM sqlite_master";
-    ric_status status = ric_store_left_ahead(path) ? ric_store_sqlite_open_still(path, file)
-                                                   : ric_store_sqlite_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
-    if (status)
-        return status;
+    ric_status status = ric_store_left_ahead(path)
+                            ? ric_store_sqlite_open_still(path, file)
+                            : ric_store_sqlite_open(path, SQLITE_OPEN_READONLY, READER_WAIT, file);
+    if (status) return status;
     int code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
     if (code == SQLITE_READONLY_ROLLBACK) {
         sqlite3_close(file->db);
         status = ric_store_sqlite_open(path, SQLITE_OPEN_READWRITE, READER_WAIT, file);
-        if (status)
-            return status;
+        if (status) return status;
         code = sqlite3_exec(file->db, begin, NULL, NULL, NULL);
     }
     return code ? ric_store_sqlite_fail(*file, code) : RIC_OK;
@@ -495,28 +471,20 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
     ric_status status;
     *out = NULL;
     status = ric_store_look(path, &exists, &empty);
-    if (!status && !exists)
-        status = ric_fail(RIC_E_IO, "%s: no such file; make an atlas with `ricochet run`", path);
+    if (!status && !exists) status = ric_fail(RIC_E_IO, "%s: no such file; make an atlas with `ricochet run`", path);
     else if (!status && empty)
         status = ric_fail(RIC_E_FORMAT, "%s: the file is empty; make an atlas with `ricochet run`", path);
-    if (!status)
-        status = ric_store_check_identity(path);
-    if (!status)
-        status = ric_store_check_beside(path);
-    if (!status)
-        status = open_reader(path, &file);
-    if (!status)
-        status = ric_store_check_contents(file);
-    if (status)
-        goto out;
+    if (!status) status = ric_store_check_identity(path);
+    if (!status) status = ric_store_check_beside(path);
+    if (!status) status = open_reader(path, &file);
+    if (!status) status = ric_store_check_contents(file);
+    if (status) goto out;
     atlas = calloc(1, sizeof *atlas);
     status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
     if (!status) status = ric_store_check_numbers(path, atlas);
 out:
     sqlite3_close(file.db);
-    if (status)
-        ric_atlas_free(atlas);
-    else
-        *out = atlas;
+    if (status) ric_atlas_free(atlas);
+    else *out = atlas;
     return status;
 }

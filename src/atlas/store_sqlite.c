@@ -29,10 +29,8 @@ ric_status ric_store_fail_foreign(const char *path)
 ric_status ric_store_sqlite_fail(ric_database file, int code)
 {
     switch (code == SQLITE_IOERR_NOMEM ? SQLITE_NOMEM : code & 0xff) {
-    case SQLITE_NOMEM:
-        return ric_store_fail_memory();
-    case SQLITE_NOTADB:
-        return ric_store_fail_foreign(file.path);
+    case SQLITE_NOMEM: return ric_store_fail_memory();
+    case SQLITE_NOTADB: return ric_store_fail_foreign(file.path);
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
         return ric_fail(RIC_E_BUSY, "%s: another program keeps the atlas locked; close it and try again", file.path);
@@ -57,8 +55,7 @@ ric_status ric_store_sqlite_fail(ric_database file, int code)
                         sqlite3_errstr(code));
     case SQLITE_TOOBIG:
         return ric_fail(RIC_E_RANGE, "%s: one record is larger than the file can hold; use a smaller study", file.path);
-    default:
-        return ric_store_fail_damaged(file.path, sqlite3_errmsg(file.db));
+    default: return ric_store_fail_damaged(file.path, sqlite3_errmsg(file.db));
     }
 }
 
@@ -81,8 +78,7 @@ ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *r
     int code = sqlite3_step(query);
     ric_status status = code == SQLITE_ROW || code == SQLITE_DONE ? RIC_OK : ric_store_sqlite_fail(file, code);
     *row = code == SQLITE_ROW;
-    if (!*row)
-        sqlite3_reset(query);
+    if (!*row) sqlite3_reset(query);
     return status;
 }
 
@@ -121,8 +117,7 @@ ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_data
 static char *immutable_uri(const char *path)
 {
     char *uri = malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;
-    if (!uri)
-        return NULL;
+    if (!uri) return NULL;
     out += sprintf(out, "file:");
     for (const char *c = path; *c; c++)
         out += strchr("?#%", *c) ? sprintf(out, "%%%02X", (unsigned)*c) : sprintf(out, "%c", *c);
@@ -146,8 +141,7 @@ void ric_store_put_float64(unsigned char *out, size_t n, const double *values)
     for (size_t i = 0; i < n; i++) {
         uint64_t bits;
         memcpy(&bits, &values[i], sizeof bits);
-        for (int k = 0; k < 8; k++)
-            *out++ = (unsigned char)(bits >> 8 * k);
+        for (int k = 0; k < 8; k++) *out++ = (unsigned char)(bits >> 8 * k);
     }
 }
 
@@ -155,8 +149,7 @@ void ric_store_take_float64(const unsigned char *in, size_t n, double *values)
 {
     for (size_t i = 0; i < n; i++) {
         uint64_t bits = 0;
-        for (int k = 0; k < 8; k++)
-            bits |= (uint64_t)*in++ << 8 * k;
+        for (int k = 0; k < 8; k++) bits |= (uint64_t)*in++ << 8 * k;
         memcpy(&values[i], &bits, sizeof bits);
     }
 }

@@ -59,8 +59,7 @@ static ric_status refuse(const judge *j, const char *field, const char *format, 
 static ric_status check_range(const judge *j, const char *field, double value, double min, double max, bool given)
 {
     if (isnan(value)) return given ? refuse(j, field, "not a number") : RIC_OK;
-    return value >= min && value <= max ? RIC_OK
-                                        : refuse(j, field, "%.6g is not between %g and %g", value, min, max);
+    return value >= min && value <= max ? RIC_OK : refuse(j, field, "%.6g is not between %g and %g", value, min, max);
 }
 
 static bool is_finite(int n, const double *values, double max)

@@ -19,8 +19,7 @@ static ric_status writer_start(row_writer *row, ric_database file, const char *t
     char sql[1024];
     size_t n = (size_t)snprintf(sql, sizeof sql, "INSERT INTO %s (%s) VALUES (?", table, columns);
     for (const char *c = columns; *c && n < sizeof sql - 4; c++)
-        if (*c == ',')
-            n += (size_t)sprintf(sql + n, ",?");
+        if (*c == ',') n += (size_t)sprintf(sql + n, ",?");
     strcpy(sql + n, ")");
     *row = (row_writer){.file = file};
     return ric_store_sqlite_prepare(file, sql, &row->insert);
@@ -47,10 +46,8 @@ static void put_finite(row_writer *row, double value)
 
 static void put_id(row_writer *row, int id)
 {
-    if (id)
-        put_integer(row, id);
-    else
-        row->code |= sqlite3_bind_null(row->insert, ++row->column);
+    if (id) put_integer(row, id);
+    else row->code |= sqlite3_bind_null(row->insert, ++row->column);
 }
 
 static void put_text(row_writer *row, const char *text)
@@ -61,8 +58,7 @@ static void put_text(row_writer *row, const char *text)
 static void put_float64s(row_writer *row, size_t n, const double *values)
 {
     unsigned char *blob = malloc(8 * n + 1);
-    if (blob)
-        ric_store_put_float64(blob, n, values);
+    if (blob) ric_store_put_float64(blob, n, values);
     row->code |= blob ? sqlite3_bind_blob64(row->insert, ++row->column, blob, 8 * n, free) : SQLITE_NOMEM;
 }
 
@@ -70,10 +66,8 @@ static void put_word(row_writer *row, const ric_model *model, int n, const int *
 {
     size_t size = 12 * (size_t)n + 1;
     char *text = calloc(size, 1);
-    if (!text || (n > 0 && ric_word_format(model, n, word, size, text)))
-        row->code |= SQLITE_NOMEM;
-    else
-        put_text(row, text);
+    if (!text || (n > 0 && ric_word_format(model, n, word, size, text))) row->code |= SQLITE_NOMEM;
+    else put_text(row, text);
     free(text);
 }
 
@@ -175,10 +169,8 @@ ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas)
     int n_dof = ric_model_n_dof(model);
     row_writer branch = {0}, point = {0}, junction = {0};
     ric_status status = writer_start(&branch, file, "branch", BRANCH_COLUMNS);
-    if (!status)
-        status = writer_start(&point, file, "point", POINT_COLUMNS);
-    if (!status)
-        status = writer_start(&junction, file, "branch_junction", BRANCH_JUNCTION_COLUMNS);
+    if (!status) status = writer_start(&point, file, "point", POINT_COLUMNS);
+    if (!status) status = writer_start(&junction, file, "branch_junction", BRANCH_JUNCTION_COLUMNS);
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         const ric_branch_record *record = &atlas->branches[k];
         status = write_branch(&branch, model, &record->row);
@@ -202,8 +194,7 @@ ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
 {
     row_writer junction = {0}, branch = {0};
     ric_status status = writer_start(&junction, file, "junction", JUNCTION_COLUMNS);
-    if (!status)
-        status = writer_start(&branch, file, "junction_branch", JUNCTION_BRANCH_COLUMNS);
+    if (!status) status = writer_start(&branch, file, "junction_branch", JUNCTION_BRANCH_COLUMNS);
     for (int k = 0; !status && k < atlas->n_junction; k++) {
         const ric_junction *row = &atlas->junctions[k].row;
         status = write_junction(&junction, ric_atlas_model(atlas), row);
@@ -218,32 +209,24 @@ ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
     return status;
 }
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced,
-                               int n_blind)
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced, int n_blind)
 {
     char text[64];
     char *model = ric_store_model_text(ric_study_text(study));
     ric_status status = model ? ric_store_put_meta(file, "study", ric_study_text(study)) : ric_store_fail_memory();
-    if (!status)
-        status = ric_store_put_meta(file, "model", model);
-    if (!status)
-        status = ric_store_put_meta(file, "program", "ricochet " RIC_VERSION);
+    if (!status) status = ric_store_put_meta(file, "model", model);
+    if (!status) status = ric_store_put_meta(file, "program", "ricochet " RIC_VERSION);
     locale_t before = ric_c_locale_enter();
     snprintf(text, sizeof text, "%.17g", ric_study_options(study)->tolerance);
     ric_c_locale_leave(before);
-    if (!status)
-        status = ric_store_put_meta(file, "tolerance", text);
+    if (!status) status = ric_store_put_meta(file, "tolerance", text);
     snprintf(text, sizeof text, "%d", ric_model_n_dof(ric_study_model(study)));
-    if (!status)
-        status = ric_store_put_meta(file, "n_dof", text);
-    if (!status)
-        status = ric_store_put_meta(file, "finished", finished ? "1" : "0");
+    if (!status) status = ric_store_put_meta(file, "n_dof", text);
+    if (!status) status = ric_store_put_meta(file, "finished", finished ? "1" : "0");
     snprintf(text, sizeof text, "%d", n_unplaced);
-    if (!status)
-        status = ric_store_put_meta(file, "unplaced", text);
+    if (!status) status = ric_store_put_meta(file, "unplaced", text);
     snprintf(text, sizeof text, "%d", n_blind);
-    if (!status)
-        status = ric_store_put_meta(file, "blind", text);
+    if (!status) status = ric_store_put_meta(file, "blind", text);
     free(model);
     return status;
 }

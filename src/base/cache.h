@@ -17,7 +17,7 @@ void ric_cache_put(ric_cache *memo, const void *key, size_t key_size, const void
 void *ric_cache_take(ric_cache *memo, const void *key, size_t key_size, size_t *size);
 /* Calls `each` for every entry, and empties the memo. */
 void ric_cache_drain(ric_cache *memo,
-                    void (*each)(const void *key, size_t key_size, const void *value, size_t size, void *user),
-                    void *user);
+                     void (*each)(const void *key, size_t key_size, const void *value, size_t size, void *user),
+                     void *user);
 
 #endif

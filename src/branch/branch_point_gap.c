@@ -7,10 +7,10 @@
 
 #include "base/room.h"
 
-#define GAP 1e-3        /* of the next singular value, below which two belong to the kernel (branch_point.c) */
-#define GAP_STEPS 3     /* Newton steps towards a crossing: they converge quadratically from 1e-3 */
-#define LEFT 1e-3       /* distance, relative, from a crossing at which another one is looked at */
-#define LARGE 300       /* unknowns from which on dense singular value decompositions cost more than the rest */
+#define GAP 1e-3    /* of the next singular value, below which two belong to the kernel (branch_point.c) */
+#define GAP_STEPS 3 /* Newton steps towards a crossing: they converge quadratically from 1e-3 */
+#define LEFT 1e-3   /* distance, relative, from a crossing at which another one is looked at */
+#define LARGE 300   /* unknowns from which on dense singular value decompositions cost more than the rest */
 
 /* Newton's method in the range of the Jacobian without its smallest singular values, of which two are those of the
  * kernel: the right hand side that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the

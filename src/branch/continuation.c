@@ -12,44 +12,50 @@
 #include "multiple_cover.h"
 
 #define TWO_PI 6.283185307179586477
-#define STEP_ANGLE 0.08      /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
-#define STEP_ANGLE_MAX 0.35  /* a step that turns more is refused: it may have changed branch */
-#define GIVEN 1e-6           /* drift of a step that ends at a solved point: the first one from a singular start may,
-                              * and is no guess */
-#define STEP_DRIFT 0.25      /* so is one whose corrector moved more than this part of the step */
-#define SOFT_STEP 0.1        /* first step from the grazing of a spring, of its compliance */
-#define FIRST_STEP 3e-5      /* of the size of the unknowns */
-#define SMALLEST_STEP 1e-11  /* of the size of the unknowns: below it the branch counts as failed */
+#define STEP_ANGLE 0.08     /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
+#define STEP_ANGLE_MAX 0.35 /* a step that turns more is refused: it may have changed branch */
+#define GIVEN                                                                                                          \
+    1e-6                    /* drift of a step that ends at a solved point: the first one from a singular start may,   \
+                             * and is no guess */
+#define STEP_DRIFT 0.25     /* so is one whose corrector moved more than this part of the step */
+#define SOFT_STEP 0.1       /* first step from the grazing of a spring, of its compliance */
+#define FIRST_STEP 3e-5     /* of the size of the unknowns */
+#define SMALLEST_STEP 1e-11 /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
-#define FLOOR 0.03           /* of the tolerance: where another Newton step changes nothing */
-#define ACCEPTED 4           /* tolerances: the largest residual of an orbit that is stored */
-#define LOST 2.5e-10         /* the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is
-                              * known of an orbit */
-#define STEEP 1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a
-                              * stored start */
-#define MEASURED 4           /* safety of a measured error */
+#define FLOOR 0.03 /* of the tolerance: where another Newton step changes nothing */
+#define ACCEPTED 4 /* tolerances: the largest residual of an orbit that is stored */
+#define LOST                                                                                                           \
+    2.5e-10 /* the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is                \
+             * known of an orbit */
+#define STEEP                                                                                                          \
+    1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a               \
+                    * stored start */
+#define MEASURED 4 /* safety of a measured error */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
-#define NEAR_BORDER 100      /* of the error of rho: nearer to the border of stability it is measured */
-#define ALIKE 1e-8           /* length, of the size of the unknowns, of a step in which resonances are not told apart */
-#define PERIODS 8            /* points of a step at which its period is looked at */
-#define BRANCH_POINT 1e-7    /* smallest end pivot at the start below which it is one */
-#define ON_OTHER 1e-9        /* of the size: an orbit this near to one with more symmetry is that one */
-#define LAST_STEP 1e-3       /* of the size, towards a zero of the bordered determinant: crossings are read off from
-                              * there (event.c) */
-#define MARGIN 1e-11         /* margins that count as rounding */
-#define BORDER 5e-13         /* slack of a window: what lies on its border is inside, whatever the rounding */
-#define AT_LOWEST 1e-9       /* relative: a start this near to the lower end of the energy window lies on it */
-#define MERGED 1e-5          /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the
-                              * orbit is known to rounding / time */
+#define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
+#define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
+#define PERIODS 8         /* points of a step at which its period is looked at */
+#define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
+#define ON_OTHER 1e-9     /* of the size: an orbit this near to one with more symmetry is that one */
+#define LAST_STEP                                                                                                      \
+    1e-3               /* of the size, towards a zero of the bordered determinant: crossings are read off from         \
+                        * there (event.c) */
+#define MARGIN 1e-11   /* margins that count as rounding */
+#define BORDER 5e-13   /* slack of a window: what lies on its border is inside, whatever the rounding */
+#define AT_LOWEST 1e-9 /* relative: a start this near to the lower end of the energy window lies on it */
+#define MERGED                                                                                                         \
+    1e-5 /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the                       \
+          * orbit is known to rounding / time */
 
-ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], const double frequency[2], double max_step,
-                            int max_points)
+ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], const double frequency[2],
+                                   double max_step, int max_points)
 {
     double lowest = m->smooth ? fmax(energy[0], m->linear_energy) : energy[0];
     double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
     return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
                         .period = {TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
-                        .max_step = max_step, .max_points = max_points};
+                        .max_step = max_step,
+                        .max_points = max_points};
 }
 
 /* ---------------------------------------------------------------- corrector */
@@ -85,8 +91,8 @@ bool ric_continuation_solved(const ric_shooting *c)
     return c->residual <= ACCEPTED * fmin(ric_continuation_tolerance(c), LOST);
 }
 
-bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, const double *normal, double target, double *du,
-                       int *iterations)
+bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, const double *normal, double target,
+                              double *du, int *iterations)
 {
     int size = c->n_unknown;
     /* with springs most displacements are met better than they may be */
@@ -273,8 +279,7 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
            steep = at < 0 ? (2 + at) / 2 * ((2 + at) / 2) : 1, error = f->error * steep,
            blur = 1 + (1 + 1 / approach) * c->scale / c->smallest,
            move = rounding(c) * c->scale * (1 + 1 / c->smallest), moved[size];
-    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * f->rough * steep * blur))
-        return RIC_OK;
+    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * f->rough * steep * blur)) return RIC_OK;
     ric_stability stable = f->stable;
     ric_status status = RIC_OK;
     for (unsigned way = 1; way <= 2 && !status && isfinite(move); way++) {
@@ -333,7 +338,9 @@ ric_status ric_continuation_bound(ric_shooting *c, const double *u, ric_floquet 
     return status;
 }
 
-typedef struct { double reach, approach, closing, time, energy; } margin;
+typedef struct {
+    double reach, approach, closing, time, energy;
+} margin;
 
 /* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
 static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p, margin *out)
@@ -344,15 +351,21 @@ static ric_status measure(ric_continuation *tr, double s, const double *u, ric_s
     if (!status) status = ric_floquet_compute(c, &tr->floquet);
     if (!status) status = ric_continuation_judge(c, u, &tr->floquet);
     if (status) return status;
-    *out = (margin){.reach = ric_reach(c, u, NULL), .approach = smallest_approach(c, false),
-                     .closing = smallest_approach(c, true), .time = ric_shooting_time(c, u),
-                     .energy = ric_shooting_energy(c)};
+    *out = (margin){.reach = ric_reach(c, u, NULL),
+                    .approach = smallest_approach(c, false),
+                    .closing = smallest_approach(c, true),
+                    .time = ric_shooting_time(c, u),
+                    .energy = ric_shooting_energy(c)};
     p->solved = ric_continuation_solved(c);
-    p->row = (ric_point){.arclength = s, .energy = out->energy * m->energy_unit,
-                         .frequency = TWO_PI / out->time * m->omega_ref, .trace = tr->floquet.trace_asinh,
-                         .rotation = tr->floquet.rotation, .reach = out->reach > 0 ? out->reach : NAN,
+    p->row = (ric_point){.arclength = s,
+                         .energy = out->energy * m->energy_unit,
+                         .frequency = TWO_PI / out->time * m->omega_ref,
+                         .trace = tr->floquet.trace_asinh,
+                         .rotation = tr->floquet.rotation,
+                         .reach = out->reach > 0 ? out->reach : NAN,
                          .approach = out->closing < HUGE_VAL ? out->closing * m->length * m->omega_ref : NAN,
-                         .residual = (float)c->residual, .stable = tr->floquet.stable};
+                         .residual = (float)c->residual,
+                         .stable = tr->floquet.stable};
     return RIC_OK;
 }
 
@@ -380,7 +393,8 @@ ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double
     F[RIC_TEST_APPROACH] = fmin(now.approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
-    F[RIC_TEST_SLOPE] = definite(ric_shooting_energy_slope(c, p->t) / c->scale, ric_continuation_blur(c, RIC_TEST_SLOPE));
+    F[RIC_TEST_SLOPE] = definite(ric_shooting_energy_slope(c, p->t) / c->scale,
+                                 ric_continuation_blur(c, RIC_TEST_SLOPE));
     F[RIC_TEST_PERIOD] = definite(slope, ric_continuation_blur(c, RIC_TEST_PERIOD));
     F[RIC_TEST_E_MAX] = lim->energy[1] - now.energy;
     F[RIC_TEST_E_MIN] = now.energy - tr->lowest;
@@ -493,7 +507,7 @@ ric_status ric_continuation_equip(ric_continuation *tr)
 }
 
 ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0, unsigned ignore,
-                            const ric_limits *limits, ric_continuation **out)
+                                   const ric_limits *limits, ric_continuation **out)
 {
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
@@ -616,7 +630,8 @@ static void predict(const ric_continuation *tr, double h, double *u)
 
 /* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no
  * convergence. */
-static bool solve_next(ric_continuation *tr, double h, double *angle, double *drift, int *iterations, double *orientation)
+static bool solve_next(ric_continuation *tr, double h, double *angle, double *drift, int *iterations,
+                       double *orientation)
 {
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
@@ -762,7 +777,8 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
         bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
         tr->evaluations += iterations + 1;
         bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
-        good = good && !symmetric_after_all(tr->chain) && !(tr->may_gain && ric_symmetric_end_gains(tr->chain, tr->next.u));
+        good = good && !symmetric_after_all(tr->chain) &&
+               !(tr->may_gain && ric_symmetric_end_gains(tr->chain, tr->next.u));
         if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT && !crowded(tr, h)) {
             if ((status = ric_continuation_examine(tr, &tr->next, orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {

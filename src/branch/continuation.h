@@ -40,29 +40,31 @@ enum {
     RIC_TEST_A,        /* kernels that break a symmetry of the form (floquet.h) */
     RIC_TEST_B,
     RIC_TEST_D,
-    RIC_TEST_PERIOD,   /* dT/ds */
+    RIC_TEST_PERIOD, /* dT/ds */
     RIC_TEST_E_MAX,
     RIC_TEST_E_MIN,
     RIC_TEST_F_MAX,
     RIC_TEST_F_MIN,
-    RIC_N_TEST,        /* and beyond it, one for every resonance of the trace, and then for all that is asked for */
+    RIC_N_TEST, /* and beyond it, one for every resonance of the trace, and then for all that is asked for */
 };
-#define RIC_SINGULAR_START (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is;
-                                               * t0 is the first step */
-#define RIC_LEAVING 1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are
-                          * rounding */
+#define RIC_SINGULAR_START                                                                                             \
+    (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is;                       \
+                        * t0 is the first step */
+#define RIC_LEAVING                                                                                                    \
+    1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are                  \
+          * rounding */
 
 /* One solved point of a branch. */
 typedef struct {
     double s;
-    double *u, *t;       /* [n_unknown] unknowns and unit tangent */
+    double *u, *t; /* [n_unknown] unknowns and unit tangent */
     double test[RIC_N_TEST];
-    double factor[3];    /* the factors A, B, D of the map over what they are at most: smooth, but next to nothing
-                          * beside a grazing */
-    double hidden[3];    /* below it the sign of their tests is lost in rounding */
-    double *own;         /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
+    double factor[3]; /* the factors A, B, D of the map over what they are at most: smooth, but next to nothing
+                       * beside a grazing */
+    double hidden[3]; /* below it the sign of their tests is lost in rounding */
+    double *own;      /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
-    bool solved;         /* its residual is rounding: only such orbits are stored */
+    bool solved; /* its residual is rounding: only such orbits are stored */
 } ric_station;
 
 /* Points of the step at work whose test functions are known, in order, the present one at `now`, and before it some of
@@ -76,62 +78,62 @@ typedef struct {
 } ric_event_samples;
 
 typedef struct {
-    int test;            /* which function vanished */
+    int test; /* which function vanished */
     double s;
-    double *u, *t;       /* owned */
+    double *u, *t; /* owned */
 } ric_event;
 
 typedef struct {
-    double energy[2];    /* window, internal units */
-    double period[2];    /* smallest and largest period, internal units */
-    double max_step;     /* relative to the size of the unknowns */
+    double energy[2]; /* window, internal units */
+    double period[2]; /* smallest and largest period, internal units */
+    double max_step;  /* relative to the size of the unknowns */
     int max_points;
-    int multiply;        /* largest q of a q-tupling that is looked for; below 2 none */
-    int n_asked;         /* energies and frequencies whose passages are events */
+    int multiply; /* largest q of a q-tupling that is looked for; below 2 none */
+    int n_asked;  /* energies and frequencies whose passages are events */
     ric_user_point asked[RIC_USER_POINTS_MAX];
-    bool ghost;          /* go on past inadmissible points, as long as no flight time is negative */
+    bool ghost;                  /* go on past inadmissible points, as long as no flight time is negative */
     void (*stepped)(void *user); /* NULL, or told of every step */
     void *user;
 } ric_limits;
 
 /* Limits from the windows of a study or a picture: scaled energies, frequencies in rad/s (0: no largest period). */
-ric_limits ric_continuation_limits(const ric_model *model, const double energy[2], const double frequency[2], double max_step,
-                            int max_points);
+ric_limits ric_continuation_limits(const ric_model *model, const double energy[2], const double frequency[2],
+                                   double max_step, int max_points);
 
 typedef struct {
-    ric_shooting *chain;    /* owned */
+    ric_shooting *chain; /* owned */
     const ric_limits *limits;
-    double lowest;       /* energy below which a branch is not followed that starts above it */
+    double lowest; /* energy below which a branch is not followed that starts above it */
     ric_floquet floquet;
     int n_resonance;
     ric_resonance *resonances;
     ric_station now, next, mid, past;
     ric_event_samples samples;
     bool has_past;
-    bool may_gain;       /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
+    bool may_gain;               /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
     double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
     double step, step_max;
     double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
-    double longest;      /* step that still keeps before an orbit of fewer periods that lies ahead */
-    int approaches;      /* attempts to place this step over a crossing */
-    bool avoided;        /* another branch comes near ahead, and does not cross: the zero that the bordered determinant
-                          * heads for is none */
-    unsigned ignore;     /* tests that vanish at the very start, as bits; cleared after the first step */
+    double longest;       /* step that still keeps before an orbit of fewer periods that lies ahead */
+    int approaches;       /* attempts to place this step over a crossing */
+    bool avoided;         /* another branch comes near ahead, and does not cross: the zero that the bordered determinant
+                           * heads for is none */
+    unsigned ignore;      /* tests that vanish at the very start, as bits; cleared after the first step */
     double *du, *guess, *start_u, *start_t;
     /* what was found */
     int n_point, point_capacity;
-    size_t stride;       /* doubles: ric_point, then u */
+    size_t stride; /* doubles: ric_point, then u */
     double *points;
     int n_event, event_capacity;
-    ric_event *events;   /* interior ones, in order */
-    ric_event end;       /* what stopped the branch (end.test = -1: no event) */
+    ric_event *events; /* interior ones, in order */
+    ric_event end;     /* what stopped the branch (end.test = -1: no event) */
     ric_stop stop;
-    bool steep;          /* law power: somewhere more is lost in rounding than it ought to be */
-    int unresolved;      /* places where functions may vanish twice, and too near to tell */
-    double blind;        /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
+    bool steep;     /* law power: somewhere more is lost in rounding than it ought to be */
+    int unresolved; /* places where functions may vanish twice, and too near to tell */
+    double blind;   /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
     double blind_at[2], crowded_at[2]; /* least and largest energy of the steps with lost multipliers, and with places
                                         * that are unresolved; 0 while there are none */
-    bool arrival;        /* the end is a point where the branch meets its own mirror image */
+    bool arrival;                      /* the end is a point where the branch meets its own mirror image */
     ric_why why;
     long evaluations;
 } ric_continuation;
@@ -141,7 +143,7 @@ ric_status ric_continuation_equip(ric_continuation *trace);
 /* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the
  * kernel there, but for a singular start). */
 ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0, unsigned ignore,
-                            const ric_limits *limits, ric_continuation **out);
+                                   const ric_limits *limits, ric_continuation **out);
 void ric_continuation_free(ric_continuation *trace);
 
 /* All that a step changes and the next one reads, but for the stations: those of the last two steps are left alone
@@ -188,7 +190,7 @@ ric_status ric_continuation_end_at(ric_continuation *trace, const double *u);
 /* Newton from u onto the curve within the plane normal . (u - origin) = target; normal NULL: the nearest point. True
  * when converged. */
 bool ric_continuation_correct(ric_shooting *chain, double *u, const double *origin, const double *normal, double target,
-                       double *du, int *iterations);
+                              double *du, int *iterations);
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);

@@ -27,8 +27,8 @@ static size_t packed_size(const ric_continuation *tr)
     size_t unknowns = (size_t)tr->chain->n_unknown, events = (size_t)tr->n_event + 1;
     return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) +
            (size_t)tr->n_point * tr->stride * sizeof(double) +
-           events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) +
-           sizeof(uint64_t) + 5 * sizeof(double) + sizeof(int); /* closed springs, blind, unresolved, and where */
+           events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) + sizeof(uint64_t) + 5 * sizeof(double) +
+           sizeof(int); /* closed springs, blind, unresolved, and where */
 }
 
 static void write(char **to, const void *from, size_t size)
@@ -52,7 +52,7 @@ ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t
     const ric_shooting *c = tr->chain;
     char *start = malloc(packed_size(tr)), *to = start;
     if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
-    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,        c->n_flight, c->parts,
+    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,         c->n_flight, c->parts,
                 tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
     write(&to, &h, sizeof h);
     for (int i = 0; i <= c->n_flight; i++) {
@@ -97,7 +97,7 @@ static bool read_event(const char **from, size_t *left, int size, int n_test, ri
 }
 
 ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
-                            ric_continuation **out)
+                                   ric_continuation **out)
 {
     const char *from = blob;
     header h;
@@ -121,7 +121,7 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
         face[i] = f;
     }
     if ((status = ric_shooting_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face,
-                                   &tr->chain)))
+                                      &tr->chain)))
         goto out;
     uint64_t closed = 0;
     if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
@@ -153,7 +153,7 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     return RIC_OK;
 damaged:
     status = ric_fail(RIC_E_FORMAT, "the atlas holds finished work that cannot be read: the file is "
-                                   "damaged; move it away and run again");
+                                    "damaged; move it away and run again");
 out:
     free(face);
     ric_continuation_free(tr);

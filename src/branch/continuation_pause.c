@@ -61,8 +61,8 @@ static void pass_stations(cursor *c, ric_continuation *tr, ric_continuation_plac
 static size_t fixed_size(int n_unknown, int n_pair, int n_resonance)
 {
     return sizeof(ric_continuation_place) + (2 * station_size(n_unknown, n_pair) + 2 * (size_t)n_unknown +
-                                      RIC_PAST_SAMPLES * (1 + RIC_N_TEST + (size_t)n_resonance)) *
-                                         sizeof(double);
+                                             RIC_PAST_SAMPLES * (1 + RIC_N_TEST + (size_t)n_resonance)) *
+                                                sizeof(double);
 }
 
 ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob, size_t *size)
@@ -107,8 +107,8 @@ static bool sane(const ric_continuation *tr, const ric_continuation_place *p)
            p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!p->has_past || tr->now.s > tr->past.s);
 }
 
-ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size, int *parts,
-                            ric_continuation **out)
+ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
+                                   int *parts, ric_continuation **out)
 {
     const ric_status foreign = RIC_E_FORMAT;
     head h;
@@ -124,8 +124,8 @@ ric_status ric_continuation_resume(const ric_model *model, const ric_limits *lim
         size_t fixed = sizeof h + fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
         if (size < fixed) return foreign;
         ric_status status = ric_continuation_unpack(model, limits, (const char *)blob + fixed, size - fixed, &tr);
-        if (!status && (tr->chain->n_unknown != h.n_unknown || tr->chain->n - 1 != h.n_pair ||
-                        tr->n_resonance != h.n_resonance))
+        if (!status &&
+            (tr->chain->n_unknown != h.n_unknown || tr->chain->n - 1 != h.n_pair || tr->n_resonance != h.n_resonance))
             status = foreign;
         if (!status) status = ric_continuation_equip(tr);
         if (!status) {

@@ -29,17 +29,20 @@
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
-#define POLE 0.1 /* of 1, its largest value: the test of a resonance that is above it where it has changed its sign has
-                  * no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
+#define POLE                                                                                                           \
+    0.1 /* of 1, its largest value: the test of a resonance that is above it where it has changed its sign has         \
+         * no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
 #define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
-#define PASSES 4 /* looks at one step, the later ones with the events of the one before among the points */
-#define BRIDGED 6 /* pieces of a step over a branch point */
-#define NEAREST 1e-7 /* distance from an end with poles, of the size of the orbit, up to which events are looked for:
-                      * nearer by orbits are known to rounding over the distance */
+#define PASSES 4         /* looks at one step, the later ones with the events of the one before among the points */
+#define BRIDGED 6        /* pieces of a step over a branch point */
+#define NEAREST                                                                                                        \
+    1e-7              /* distance from an end with poles, of the size of the orbit, up to which events are looked for: \
+                       * nearer by orbits are known to rounding over the distance */
 #define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
-#define STRETCHES 3 /* of a step, between its extrema of energy and of period */
-#define ROUNDING 1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter
-                        * steps */
+#define STRETCHES 3   /* of a step, between its extrema of energy and of period */
+#define ROUNDING                                                                                                       \
+    1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter                   \
+           * steps */
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |
                                  1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
@@ -127,9 +130,10 @@ ric_status ric_event_arrive(ric_continuation *tr, const ric_station *p)
 
 static void end_by(ric_continuation *tr, int test)
 {
-    static const ric_why edge[RIC_N_TEST] = {
-        [RIC_TEST_E_MAX] = RIC_WHY_ENERGY_MAX, [RIC_TEST_E_MIN] = RIC_WHY_ENERGY_MIN,
-        [RIC_TEST_F_MAX] = RIC_WHY_FREQUENCY_MAX, [RIC_TEST_F_MIN] = RIC_WHY_FREQUENCY_MIN};
+    static const ric_why edge[RIC_N_TEST] = {[RIC_TEST_E_MAX] = RIC_WHY_ENERGY_MAX,
+                                             [RIC_TEST_E_MIN] = RIC_WHY_ENERGY_MIN,
+                                             [RIC_TEST_F_MAX] = RIC_WHY_FREQUENCY_MAX,
+                                             [RIC_TEST_F_MIN] = RIC_WHY_FREQUENCY_MIN};
     tr->stop = edge[test] ? RIC_STOP_WINDOW : RIC_STOP_JUNCTION;
     tr->why = edge[test];
 }
@@ -201,7 +205,10 @@ static ric_status close_up(ric_continuation *tr, const double *home, double s)
     return status ? status : ric_continuation_keep(tr, &tr->mid);
 }
 
-typedef struct { int test; double x; } root;
+typedef struct {
+    int test;
+    double x;
+} root;
 
 static int by_place(const void *a, const void *b)
 {
@@ -236,7 +243,7 @@ static ric_status find_zeros(ric_continuation *tr, int test, double h, root_list
             if (i == q->now || ric_event_samples_values(tr, i - 1)[test] != 0) hidden = q->x[i];
             continue;
         }
-        bool changed = last * f < 0, seen = i > q->now && ric_event_samples_values(tr, i - 1)[test] != 0;
+        bool changed = last * f<0, seen = i> q->now && ric_event_samples_values(tr, i - 1)[test] != 0;
         last = f;
         if (!changed || open || i == q->now) continue;
         if (!seen) {
@@ -244,7 +251,8 @@ static ric_status find_zeros(ric_continuation *tr, int test, double h, root_list
             continue;
         }
         double a = q->x[i - 1], b = q->x[i];
-        ric_status status = ric_event_locate(tr, test, a, ric_event_samples_values(tr, i - 1)[test], b, f, h, &x, &zero);
+        ric_status status = ric_event_locate(tr, test, a, ric_event_samples_values(tr, i - 1)[test], b, f, h, &x,
+                                             &zero);
         if (status) return status;
         /* the factors of the map may jump where rounding hides them; in a piece this short nothing else can have
          * happened. The place of a resonance is known well enough there: the junction is solved anew */
@@ -453,7 +461,8 @@ static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, 
 
 /* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at between the points
  * that are known: multipliers may go to and fro beside it. Room for BRIDGED places; returns their number. */
-static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at, double to, double h, root *out)
+static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at, double to, double h,
+                           root *out)
 {
     int test = RIC_N_TEST + k, n = 0;
     double from = 0, before = ric_event_value(tr, test, &tr->now);
@@ -531,8 +540,7 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
         status = ric_event_keep(tr, roots[i].test, &tr->mid);
     }
     if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
-    for (int i = 0; i < RIC_N_TEST; i++)
-        /* no sign is expected */
+    for (int i = 0; i < RIC_N_TEST; i++) /* no sign is expected */
         if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0;
     if (arrived && !status) ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     free(q.u);
@@ -546,7 +554,8 @@ static double lost_length(const ric_continuation *tr)
     const ric_event_samples *q = &tr->samples;
     double length = 0;
     for (int i = q->now; tr->n_resonance && i + 1 < q->n; i++) {
-        bool lost = isnan(ric_event_samples_values(tr, i)[RIC_N_TEST]) || isnan(ric_event_samples_values(tr, i + 1)[RIC_N_TEST]);
+        bool lost = isnan(ric_event_samples_values(tr, i)[RIC_N_TEST]) ||
+                    isnan(ric_event_samples_values(tr, i + 1)[RIC_N_TEST]);
         double piece = q->x[i + 1] - q->x[i];
         if (lost && piece > RATIO_NEAREST * NEAREST * tr->chain->scale) length += piece;
     }
@@ -564,7 +573,8 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
             status = find_zeros(tr, RIC_N_TEST + k, h, list, retry);
         int before = ric_event_samples_changes(tr, which);
         for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_event_samples_add(tr, list->root[i].x, h);
-        if (!status && !*retry && list->n) status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
+        if (!status && !*retry && list->n)
+            status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
         if (status || *retry || ric_event_samples_changes(tr, which) == before) return status;
     }
     return RIC_OK;
@@ -591,7 +601,7 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
         if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&
             !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
             status = ric_continuation_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
-                                                    * points */
+                                                           * points */
     return status;
 }
 

@@ -71,8 +71,12 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
             d = e = b - a;
         }
         if (fabs(fc) < fabs(fb)) {
-            a = b; b = c; c = a;
-            fa = fb; fb = fc; fc = fa;
+            a = b;
+            b = c;
+            c = a;
+            fa = fb;
+            fb = fc;
+            fc = fa;
         }
         double tolerance = 2e-16 * h + 1e-17, m = (c - b) / 2;
         if (fabs(m) <= tolerance || fb == 0) break;
@@ -181,8 +185,8 @@ ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_brid
 }
 
 /* By bisection on the cubic. */
-double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge *q, int test, double a, double b, double sign,
-                       double known)
+double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge *q, int test, double a, double b,
+                             double sign, double known)
 {
     for (int i = 0; i < 60; i++) {
         double m = (a + b) / 2, fm = ric_event_bridge_test(tr, q, test, m) * (m < known ? -1 : 1);
@@ -192,7 +196,8 @@ double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge 
     return (a + b) / 2;
 }
 
-void ric_event_bridge_station(const ric_continuation *tr, const ric_event_bridge *q, double x, double h, ric_station *out)
+void ric_event_bridge_station(const ric_continuation *tr, const ric_event_bridge *q, double x, double h,
+                              ric_station *out)
 {
     int size = tr->chain->n_unknown;
     double value[4], slope[4], norm = 0;

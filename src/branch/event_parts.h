@@ -36,7 +36,8 @@ ric_status ric_event_samples_add(ric_continuation *trace, double x, double h);
 int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
 /* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows. from, to: places where
  * functions may have poles, or NAN. */
-ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs, double from, double to, double h);
+ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs, double from, double to,
+                                    double h);
 /* More points at distances from `end` that fall from that of `other` to `least`. */
 ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other, double least, double h);
 
@@ -52,9 +53,10 @@ ric_status ric_event_bridge_build(ric_continuation *trace, double h, ric_event_b
 double ric_event_bridge_test(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double x);
 /* Its zero between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided
  * out; `sign` is that at a. */
-double ric_event_bridge_root(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double a, double b, double sign,
-                       double known);
+double ric_event_bridge_root(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double a,
+                             double b, double sign, double known);
 /* The point at x read off the cubics; nothing is solved. */
-void ric_event_bridge_station(const ric_continuation *trace, const ric_event_bridge *bridge, double x, double h, ric_station *out);
+void ric_event_bridge_station(const ric_continuation *trace, const ric_event_bridge *bridge, double x, double h,
+                              ric_station *out);
 
 #endif

@@ -11,10 +11,11 @@
 #include "model/room.h"
 
 #define SAFETY 2
-#define FINEST 1e-8  /* of the size of the orbit: two zeros nearer than this are not looked for */
-#define SEEN 8       /* points at which curves are looked at */
-#define RATIO 16     /* of distances from an end at which functions may have poles: what happens there does so on every
-                      * scale */
+#define FINEST 1e-8 /* of the size of the orbit: two zeros nearer than this are not looked for */
+#define SEEN 8      /* points at which curves are looked at */
+#define RATIO                                                                                                          \
+    16 /* of distances from an end at which functions may have poles: what happens there does so on every              \
+        * scale */
 #define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
 #define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
 
@@ -31,8 +32,7 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
     bool lost = false; /* some pair, in rounding: then the others do not tell what is passed */
     for (int j = 0; j < 2 * tr->floquet.n_pair; j++) lost |= !isfinite(p->own[j]);
     for (int k = 0; k < tr->n_resonance; k++)
-        value[RIC_N_TEST + k] =
-            lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
+        value[RIC_N_TEST + k] = lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
 }
 
 static ric_status insert(ric_continuation *tr, double x, double h, bool *good)

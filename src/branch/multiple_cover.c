@@ -8,18 +8,21 @@
 #include "base/room.h"
 
 #define TWO_PI 6.283185307179586477
-#define NEAR 0.2    /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a
-                     * repeated one */
-#define CLOSE 5e-3  /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
-#define CLOSEST 2e-4 /* where it is given up: along some branches the rotation number changes by all it can within
-                      * 1e-3 */
+#define NEAR                                                                                                           \
+    0.2 /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a           \
+         * repeated one */
+#define CLOSE 5e-3 /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
+#define CLOSEST                                                                                                        \
+    2e-4               /* where it is given up: along some branches the rotation number changes by all it can within   \
+                        * 1e-3 */
 #define CLOSEST_3 1e-6 /* the same of order 3: the branch passes, and is known to rounding / distance all the way */
-#define FASTEST 2    /* how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts
-                      * are nearly isometric; under a power law it was seen to fall twice as fast */
-#define STEPS 8      /* so many steps ahead an orbit of fewer periods is taken into account */
-#define CROSSING 1e-3 /* length of a step over a branch point (event.c): it could reach beyond a node */
-#define REPEATED 1e-7 /* distance below which it is that orbit */
-#define FLAT 1e-6   /* smallest pivot below which no step is made any more */
+#define FASTEST                                                                                                        \
+    2           /* how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts      \
+                 * are nearly isometric; under a power law it was seen to fall twice as fast */
+#define STEPS 8 /* so many steps ahead an orbit of fewer periods is taken into account */
+#define CROSSING 1e-3   /* length of a step over a branch point (event.c): it could reach beyond a node */
+#define REPEATED 1e-7   /* distance below which it is that orbit */
+#define FLAT 1e-6       /* smallest pivot below which no step is made any more */
 #define MULTIPLIER 1e-3 /* accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
 
 /* The word of the chain repeats itself after `step` flights, with the faces exchanged for sign = -1. */

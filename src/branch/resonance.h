@@ -8,10 +8,10 @@
 #include "model/room.h"
 
 typedef struct {
-    double rho;   /* lambda + 1/lambda of the map in use: of half a period on orbits with z(t+T/2) = -z(t), else of the
-                   * period */
-    int p, q;     /* rotation number over the period, in lowest terms; of p and q - p the smaller one where rho is that
-                   * of a period */
+    double rho; /* lambda + 1/lambda of the map in use: of half a period on orbits with z(t+T/2) = -z(t), else of the
+                 * period */
+    int p, q;   /* rotation number over the period, in lowest terms; of p and q - p the smaller one where rho is that
+                 * of a period */
 } ric_resonance;
 
 /* All with 2 <= q <= largest, smallest rho first; *n their number. NULL with *n = 0 if there is none, *n = -1: no

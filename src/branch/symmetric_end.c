@@ -95,7 +95,7 @@ static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, 
         for (int s = op == 0; s < 2 && !found; s++) {
             double shift = time + s * ric_periodic_period(here) / 2, same[c->n_unknown], w[c->n_unknown];
             ric_periodic *image_here = ric_periodic_transform(m, here, 0, op & 1, op & 2),
-                      *image_near = ric_periodic_transform(m, near, 0, op & 1, op & 2);
+                         *image_near = ric_periodic_transform(m, near, 0, op & 1, op & 2);
             if (image_here && image_near) {
                 ric_periodic_shift(m, here, shift, image_here);
                 double distance = ric_periodic_distance(here, image_here);
@@ -253,8 +253,7 @@ ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
     }
     ric_shooting_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (ric_continuation_solved(c) && moved <= SAME_ORBIT * c->scale)
-        memcpy(u, v, (size_t)columns * sizeof *u);
+    if (ric_continuation_solved(c) && moved <= SAME_ORBIT * c->scale) memcpy(u, v, (size_t)columns * sizeof *u);
 out:
     free(J);
     free(r);

@@ -5,7 +5,9 @@
 #include "continuation.h"
 
 /* An orbit of a branch, and neighbours [n_unknown] on either side. */
-typedef struct { const double *at, *beside, *beyond; } ric_crossed;
+typedef struct {
+    const double *at, *beside, *beyond;
+} ric_crossed;
 
 /* Whether an operation of the symmetry group of the structure keeps the orbit and turns the branch round. Then the
  * branch ends there: beyond is its own mirror image. Where one all but does, *aside is how far towards `beside` the

@@ -41,8 +41,8 @@ int ric_symmetry_multiplying(const ric_periodic *c, int p, int q, ric_symmetry o
 {
     int N = c->N * q, order = ric_symmetry_order(c, p, q);
     bool reversible = c->pure >= 0 || c->flip >= 0;
-    for (int i = 0; i < 2; i++) out[i] = (ric_symmetry){.copies = q, .half = c->half && order % 2, .pure = c->pure,
-                                                       .flip = c->flip};
+    for (int i = 0; i < 2; i++)
+        out[i] = (ric_symmetry){.copies = q, .half = c->half && order % 2, .pure = c->pure, .flip = c->flip};
     if (!reversible || order % 2) return 1;
     if (c->half) {
         out[0].flip = -1;

@@ -6,8 +6,8 @@
 #include "orbit/room.h"
 
 typedef struct {
-    int copies;     /* periods of the orbit in one of the problem */
-    bool half;      /* symmetries kept, as in ric_periodic, of the repeated cycle */
+    int copies; /* periods of the orbit in one of the problem */
+    bool half;  /* symmetries kept, as in ric_periodic, of the repeated cycle */
     int pure, flip;
 } ric_symmetry;
 

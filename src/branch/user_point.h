@@ -8,7 +8,7 @@
 #define RIC_USER_POINTS_MAX (2 * RIC_NUMBERS_MAX)
 
 typedef struct {
-    bool frequency;  /* of the orbit, in rad/s; else its scaled energy */
+    bool frequency; /* of the orbit, in rad/s; else its scaled energy */
     double value;
 } ric_user_point;
 

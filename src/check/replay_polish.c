@@ -11,10 +11,11 @@
 #include "base/room.h"
 #include "verify_parts.h"
 
-#define SAME 1e-8      /* polishing stays within this of the stored orbit, relative; times of slow contacts weighed */
+#define SAME 1e-8 /* polishing stays within this of the stored orbit, relative; times of slow contacts weighed */
 #define NO_EQUATION 1e-13 /* rows of the Jacobian smaller than this, of differences of numbers near 1, are rounding */
-#define REGULAR 1e-9   /* singular values below this part of the largest belong to the family and to the energy, not to
-                        * the polishing */
+#define REGULAR                                                                                                        \
+    1e-9 /* singular values below this part of the largest belong to the family and to the energy, not to              \
+          * the polishing */
 
 /* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow
  * the gap. Returns the gap's derivative before the reflection. */

@@ -54,9 +54,10 @@ static ric_status make_faces(ric_simulator *sim, const ric_model *model)
         for (int i = 0; i < n; i++) sim->b[f * n + i] = contact.normal[i];
         for (int side = 1; side >= -1; side -= 2) {
             if (contact.sides == (side > 0 ? RIC_SIDES_LOWER : RIC_SIDES_UPPER)) continue;
-            sim->face[sim->n_face++] = (face_t){
-                .contact = f, .side = side, .limit = contact.clearance / ric_model_length(model),
-                .spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0};
+            sim->face[sim->n_face++] = (face_t){.contact = f,
+                                                .side = side,
+                                                .limit = contact.clearance / ric_model_length(model),
+                                                .spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0};
         }
     }
     return RIC_OK;
@@ -271,8 +272,8 @@ static ric_status toggle(ric_simulator *sim, ric_impact *impact)
     move_state(sim, t);
     if (!face->closed) face->impulse = 0;
     if (impact)
-        *impact = (ric_impact){ric_simulator_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]), (double)face->impulse,
-                               face->closed};
+        *impact = (ric_impact){ric_simulator_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]),
+                               (double)face->impulse, face->closed};
     ric_simulator_frame_change(sim, other);
     ric_simulator_search_begin(sim);
     return RIC_OK;
@@ -297,7 +298,8 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
             "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
             "ends here",
             ric_simulator_search_time(sim, 0), f);
-    if (impact) *impact = (ric_impact){ric_simulator_search_time(sim, t), f, (double)speed, (double)fabs(change), false};
+    if (impact)
+        *impact = (ric_impact){ric_simulator_search_time(sim, t), f, (double)speed, (double)fabs(change), false};
     kink_reach(sim, face, t, change);
     move_state(sim, t);
     for (int i = 0; i < n; i++) sim->p[i] += change * face->c[i];
@@ -420,7 +422,8 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
     if (!sim->started) return ric_fail(RIC_E_INPUT, "the simulator has no state yet; start it first");
     real to = (t - sim->origin) - sim->origin_low;
     if (!isfinite(t) || to < sim->now - 4 * DBL_EPSILON * fabs(t))
-        return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t, ric_simulator_search_time(sim, sim->now));
+        return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t,
+                        ric_simulator_search_time(sim, sim->now));
     to = fmax(to, sim->now);
     if (sim->springs) {
         ric_status gone = ric_simulator_power_go(sim->springs, to - sim->now, sim->y, NULL);

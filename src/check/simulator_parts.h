@@ -1,5 +1,5 @@
-/* What the files of the simulator share: simulator.c (events and interface), simulator_modes.c (the modes of each set of
- * closed springs), simulator_search.c (flights, and where a face is met). No other file needs it. */
+/* What the files of the simulator share: simulator.c (events and interface), simulator_modes.c (the modes of each set
+ * of closed springs), simulator_search.c (flights, and where a face is met). No other file needs it. */
 #ifndef RIC_CHECK_SIMULATOR_PARTS_H
 #define RIC_CHECK_SIMULATOR_PARTS_H
 
@@ -29,62 +29,64 @@ static inline bool is_finite(real t)
 
 typedef struct {
     int contact, side;
-    real limit;          /* scaled clearance: the face is at side * s = limit */
-    real spring;         /* stiffness of law bilinear, 0: rigid */
+    real limit;  /* scaled clearance: the face is at side * s = limit */
+    real spring; /* stiffness of law bilinear, 0: rigid */
     real cc;
-    real noise;          /* what the rounding of the given state leaves uncertain in s */
-    bool closed;         /* the spring is engaged */
-    real impulse;        /* exchanged since the face closed */
+    real noise;   /* what the rounding of the given state leaves uncertain in s */
+    bool closed;  /* the spring is engaged */
+    real impulse; /* exchanged since the face closed */
     /* of the present flight */
-    const real *c;       /* [n] modal normal in its frame */
-    int sign;            /* side, or -side while closed: an event is sign * s rising beyond edge */
-    real edge;           /* limit, or -limit while closed */
-    real start;          /* sign * s - level at its start; exactly 0 on the face */
-    real level;          /* edge, or a little more if the flight starts beyond it by rounding */
-    real D[5];           /* D[k] bounds the k-th derivative of s; D[0] = infinity if a free mode drifts */
-    real rest;           /* s in equilibrium */
-    real band;           /* rounding of s */
+    const real *c; /* [n] modal normal in its frame */
+    int sign;      /* side, or -side while closed: an event is sign * s rising beyond edge */
+    real edge;     /* limit, or -limit while closed */
+    real start;    /* sign * s - level at its start; exactly 0 on the face */
+    real level;    /* edge, or a little more if the flight starts beyond it by rounding */
+    real D[5];     /* D[k] bounds the k-th derivative of s; D[0] = infinity if a free mode drifts */
+    real rest;     /* s in equilibrium */
+    real band;     /* rounding of s */
 } face_t;
 
 /* The structure with some faces closed, in modes of its own. */
 typedef struct frame {
     struct frame *next;
-    bool *closed;        /* [n_face] */
-    real *omega;         /* [n] rad/s, 0 for a free mode */
-    real *phi, *mphi;    /* [n * n] row i is mode i: phi_i and M phi_i */
-    real *c;             /* [n_contact * n] */
-    real *rest;          /* [n] equilibrium */
+    bool *closed;     /* [n_face] */
+    real *omega;      /* [n] rad/s, 0 for a free mode */
+    real *phi, *mphi; /* [n * n] row i is mode i: phi_i and M phi_i */
+    real *c;          /* [n_contact * n] */
+    real *rest;       /* [n] equilibrium */
 } frame;
 
 struct ric_simulator {
-    ric_simulator_power *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing else
-                           * here is used */
+    ric_simulator_power *springs; /* under a power law all motion is theirs: y [2n] = x, v at the time now, and nothing
+                                   * else here is used */
     real *y;
     int n, n_face, n_contact;
     real restitution;
     bool started;
-    frame *open;         /* the frame with every spring open; the others follow as they are met */
-    const frame *frame;  /* of the present flight */
-    const real *omega;   /* [n] of that */
-    const double *M, *K; /* raw matrices, copied */
-    face_t *face;          /* [n_face] */
-    real *b;             /* [n_contact * n] raw normals */
-    real *q, *p;         /* [n] modal state at the start of the flight, from the equilibrium of the frame */
-    real *x;             /* [2n] scratch: displacement, velocity */
-    double *rough;       /* [3n + n_contact n] omega, q, p, c in double, for the search */
+    frame *open;             /* the frame with every spring open; the others follow as they are met */
+    const frame *frame;      /* of the present flight */
+    const real *omega;       /* [n] of that */
+    const double *M, *K;     /* raw matrices, copied */
+    face_t *face;            /* [n_face] */
+    real *b;                 /* [n_contact * n] raw normals */
+    real *q, *p;             /* [n] modal state at the start of the flight, from the equilibrium of the frame */
+    real *x;                 /* [2n] scratch: displacement, velocity */
+    double *rough;           /* [3n + n_contact n] omega, q, p, c in double, for the search */
     real origin, origin_low; /* time of that, with what rounding dropped from it */
-    real now;            /* present time, from the origin */
-    real known;          /* no impact before this time, from the origin */
-    real scanned;        /* reach is known up to here */
-    real next;           /* time of the next impact, infinite if it is not found yet */
+    real now;                /* present time, from the origin */
+    real known;              /* no impact before this time, from the origin */
+    real scanned;            /* reach is known up to here */
+    real next;               /* time of the next impact, infinite if it is not found yet */
     int next_face;
-    bool examined;         /* the start of the flight has been looked at */
+    bool examined; /* the start of the flight has been looked at */
     real reach;
-    real *store;         /* what the arrays above lie in */
+    real *store; /* what the arrays above lie in */
 };
 
 /* A face's gap g = sign * s - level and its first two derivatives at one time. */
-typedef struct { double t, g[3]; } sample;
+typedef struct {
+    double t, g[3];
+} sample;
 
 /* ------------------------------------------------------------------- modes */
 

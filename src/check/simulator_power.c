@@ -18,29 +18,31 @@
 #include "base/room.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };
-#define TOLERANCE 1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred
-                          * roundings of 80 bits */
-#define DEVIATION 1e-12  /* of columns, relative to the largest entry: the table is then off by a hundredth of it, some
-                          * roundings of a double; a motion in a slow mode says nothing of what the fast ones need */
-#define ROUNDINGS 90     /* or as many of what the machine, or what pretends to be one, has instead */
+#define TOLERANCE                                                                                                      \
+    1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred                      \
+            * roundings of 80 bits */
+#define DEVIATION                                                                                                      \
+    1e-12            /* of columns, relative to the largest entry: the table is then off by a hundredth of it, some    \
+                      * roundings of a double; a motion in a slow mode says nothing of what the fast ones need */
+#define ROUNDINGS 90 /* or as many of what the machine, or what pretends to be one, has instead */
 
 typedef ric_real real;
 
 struct ric_simulator_power {
     int n, n_contact;
-    real length;         /* x is displacement / length */
-    real *L;             /* [n * n] Cholesky factor of M */
-    real *K;             /* [n * n] */
-    real *b;             /* [n_contact * n] */
-    real *factor;        /* [n_contact] force on scaled x: factor s^m */
+    real length;  /* x is displacement / length */
+    real *L;      /* [n * n] Cholesky factor of M */
+    real *K;      /* [n * n] */
+    real *b;      /* [n_contact * n] */
+    real *factor; /* [n_contact] force on scaled x: factor s^m */
     int *exponent;
-    real tolerance;      /* TOLERANCE or ROUNDINGS */
-    real step;           /* of the last accepted step */
-    real *table;         /* [(LEVELS + 6) * 2n] */
+    real tolerance; /* TOLERANCE or ROUNDINGS */
+    real step;      /* of the last accepted step */
+    real *table;    /* [(LEVELS + 6) * 2n] */
     /* of deviations: */
-    double *A, *d;       /* [n * n] M^-1 K, [n_contact * n] M^-1 b_f */
-    double *stiff;       /* [n_contact] derivatives of the forces */
-    double *columns;     /* [(LEVELS + 3) * 4 n^2] table, workspace */
+    double *A, *d;   /* [n * n] M^-1 K, [n_contact * n] M^-1 b_f */
+    double *stiff;   /* [n_contact] derivatives of the forces */
+    double *columns; /* [(LEVELS + 3) * 4 n^2] table, workspace */
 };
 
 /* Of a real as it is computed: valgrind gives it the 53 bits of a double. */

@@ -8,7 +8,6 @@
 #include "simulator_parts.h"
 #include "base/room.h"
 
-
 sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t)
 {
     int n = sim->n;
@@ -271,7 +270,8 @@ double ric_simulator_reach(const ric_simulator *sim)
     if (!sim->started || sim->now == 0) return (double)reach;
     for (int f = 0; f < sim->n_face; f++) {
         sample a = ric_simulator_search_look(sim, &sim->face[f], sim->now);
-        if (a.g[1] >= 0 && !sim->face[f].closed) reach = fmax(reach, ric_simulator_search_to_reach(&sim->face[f], a.g[0]));
+        if (a.g[1] >= 0 && !sim->face[f].closed)
+            reach = fmax(reach, ric_simulator_search_to_reach(&sim->face[f], a.g[0]));
     }
     return (double)reach;
 }

@@ -29,17 +29,18 @@
 #include "verify_parts.h"
 #include "verify_smooth.h"
 
-#define FLIGHT 1e-11   /* largest relative error of a flight, and of the energy */
-#define RETURN 1e-9    /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
-#define MISS 8         /* safety of the speed below which an impact may be missed */
+#define FLIGHT 1e-11 /* largest relative error of a flight, and of the energy */
+#define RETURN 1e-9  /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
+#define MISS 8       /* safety of the speed below which an impact may be missed */
 #define AMPLIFIED 1e-7
 #define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
 #define REACH 1e-10    /* a touch shows as reach 1 -+ this */
 #define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-#define LAST_DIGITS 1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of
-                           * their phases */
+#define LAST_DIGITS                                                                                                    \
+    1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of                \
+           * their phases */
 
 /* -------------------------------------------------------------------- setup */
 
@@ -216,7 +217,7 @@ ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch,
 }
 
 ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
-                                 const double *flights)
+                                        const double *flights)
 {
     r->branch = *like;
     ric_status status = prepare(r, model);

@@ -26,7 +26,8 @@ static bool is_joint(const ric_atlas *atlas, const ric_branch *b, int i, double 
     return joint;
 }
 
-ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point, ric_verify_asked *out)
+ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point,
+                                 ric_verify_asked *out)
 {
     ric_branch b;
     ric_orbit **orbits = NULL;

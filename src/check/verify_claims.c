@@ -18,29 +18,29 @@
 #include "verify_smooth.h"
 
 #define NOISE (8 * DBL_EPSILON) /* of a flight and an impact in double, relative to the norm: as many roundings */
-#define NUMBER 1e-11     /* largest relative error of a frequency, and of a speed over the largest */
-#define REACHED 1e-10    /* of a reach */
-#define MOST_OPEN 1e-11  /* no orbit that is more than this open passes */
-#define UNSEEN 1e-12     /* part of a normal below which a mode is not seen */
-#define EQUAL 1e-11      /* relative: squares of frequencies that are one */
-#define BACK 1e-6        /* an orbit that repeats itself is after part of the period where it began, to this part */
-#define IMAGE 1e-9       /* half a period later a symmetric orbit is its image to this part */
-#define UNKNOWN 1e-4     /* where rounding of the stored digits grows to this part of the norm, margins tell nothing */
-#define NO_SPEED 1e-60   /* relative: no impact is slower */
-#define FLAT 1e-7        /* part of the largest speed: a gap that changes no faster may be at a maximum */
-#define BRIEF 1e-7       /* of the period: a flight of that length begins and ends at once */
-#define SHORT 3e-6       /* of the period: within a flight of that length a gap is its largest to (2 pi SHORT)^2 / 8 */
-#define AT_FACE 1e-7     /* of a flight: a largest gap that near to an impact on the same contact is that impact */
+#define NUMBER 1e-11            /* largest relative error of a frequency, and of a speed over the largest */
+#define REACHED 1e-10           /* of a reach */
+#define MOST_OPEN 1e-11         /* no orbit that is more than this open passes */
+#define UNSEEN 1e-12            /* part of a normal below which a mode is not seen */
+#define EQUAL 1e-11             /* relative: squares of frequencies that are one */
+#define BACK 1e-6      /* an orbit that repeats itself is after part of the period where it began, to this part */
+#define IMAGE 1e-9     /* half a period later a symmetric orbit is its image to this part */
+#define UNKNOWN 1e-4   /* where rounding of the stored digits grows to this part of the norm, margins tell nothing */
+#define NO_SPEED 1e-60 /* relative: no impact is slower */
+#define FLAT 1e-7      /* part of the largest speed: a gap that changes no faster may be at a maximum */
+#define BRIEF 1e-7     /* of the period: a flight of that length begins and ends at once */
+#define SHORT 3e-6     /* of the period: within a flight of that length a gap is its largest to (2 pi SHORT)^2 / 8 */
+#define AT_FACE 1e-7   /* of a flight: a largest gap that near to an impact on the same contact is that impact */
 
 /* ------------------------------------------------------------- multipliers */
 
 typedef struct {
     replay *r;
-    real level;          /* of noise */
+    real level; /* of noise */
     real growth;
     unsigned bits;
-    int n_seen, *seen;   /* of each direction that is seen a mode of its frequency */
-    real *share;         /* [n_seen * n] and what it is made of */
+    int n_seen, *seen; /* of each direction that is seen a mode of its frequency */
+    real *share;       /* [n_seen * n] and what it is made of */
 } motion;
 
 static void add_noise(motion *m, int size, real norm, real *w)
@@ -241,8 +241,7 @@ static ric_status check_multipliers(replay *r, const ric_verify_asked *asked, ri
     real share[(r->n + 1) * r->n];
     motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
     m.n_seen = find_seen(r, seen, share);
-    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r),
-                       .asked = asked};
+    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r), .asked = asked};
     pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
     if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     bool found = true;
@@ -474,8 +473,12 @@ static ric_status check_numbers(replay *r, ric_claims *out)
 ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_claims *out)
 {
     replay r = {0};
-    *out = (ric_claims){.branch = branch, .point = i, .multiplier_error = NAN, .multiplier_bound = NAN,
-                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+    *out = (ric_claims){.branch = branch,
+                        .point = i,
+                        .multiplier_error = NAN,
+                        .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED,
+                        .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_UNCHECKED};
     ric_check check;
     ric_verify_asked asked = {0};

@@ -14,15 +14,16 @@ typedef ric_real real;
  * multipliers that say something. Their errors are measured: the whole is computed once as exactly as extended
  * precision can, and three times with the rounding of a double added to every state, time and column. */
 
-#define SAFETY 64         /* times the largest difference between the runs */
+#define SAFETY 64                     /* times the largest difference between the runs */
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
-#define UNSAID 16         /* a flag that the library decides when it is asked again may be stored as undecided this many
-                           * bounds off the border, no farther: between the two lies the rounding of the state */
-#define LOCATED 1e-5      /* where branches meet, rho is on the border to this */
+#define UNSAID                                                                                                         \
+    16               /* a flag that the library decides when it is asked again may be stored as undecided this many    \
+                      * bounds off the border, no farther: between the two lies the rounding of the state */
+#define LOCATED 1e-5 /* where branches meet, rho is on the border to this */
 /* Rounding of the matrix whose pairs are given on request, relative: tens of roundings in each of some hundred steps
  * under a power law. */
 #define GIVEN 1e-12
-#define VAGUE 1e-3        /* beyond this bound, relative, a trace says nothing */
+#define VAGUE 1e-3 /* beyond this bound, relative, a trace says nothing */
 
 real ric_verify_pairs_noise(unsigned *bits)
 {
@@ -187,7 +188,7 @@ bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, 
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++)
             if (!isfinite(B[i * m + j])) return false;
-    if (k == 2) { /* the trace, exact to the last digit where the multipliers are not */
+    if (k == 2) {                        /* the trace, exact to the last digit where the multipliers are not */
         real area = J[2 * m + 3] * B[m]; /* that e_0 and its image span: for a free oscillator negative at first */
         rho[0] = B[0] + B[m + 1];
         *way = area > 0 ? 1 : area < 0 ? -1 : 0;
@@ -351,9 +352,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
     out->multiplier_error = (double)fabs(stored->trace - found);
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);
-    out->multipliers = vague                             ? RIC_AGREES_UNCHECKED
-                       : out->multiplier_error <= bound ? RIC_AGREES_YES
-                                                         : RIC_AGREES_NO;
+    out->multipliers = vague ? RIC_AGREES_UNCHECKED : out->multiplier_error <= bound ? RIC_AGREES_YES : RIC_AGREES_NO;
     if (out->multipliers == RIC_AGREES_NO)
         snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",
                  2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * hypot(2, full(p, 0, 0))));

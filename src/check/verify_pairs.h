@@ -14,29 +14,31 @@ enum { RIC_PAIR_RUNS = 4 }; /* one as exact as can be, and three with the roundi
 
 /* What the library gives of a point on request. */
 typedef struct {
-    bool given, joint;   /* joint: the branch ends in another one, so that the flag is undecided */
+    bool given, joint; /* joint: the branch ends in another one, so that the flag is undecided */
     ric_stability stable;
     int n_pair;
     double error;        /* of the sum of a pair, as the library states it */
     double *multipliers; /* [4 * n_pair] as ric_orbit_multipliers gives them */
 } ric_verify_asked;
 
-ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point, ric_verify_asked *out);
+ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point,
+                                 ric_verify_asked *out);
 void ric_verify_asked_close(ric_verify_asked *asked);
 
 /* What several runs make of the multipliers. */
 typedef struct {
-    int n_pair;           /* beside the trivial one */
-    bool half;            /* own: of the map of half a period, joined with x -> -x */
+    int n_pair;             /* beside the trivial one */
+    bool half;              /* own: of the map of half a period, joined with x -> -x */
     int way[RIC_PAIR_RUNS]; /* of a single pair: as ric_verify_pairs_find gives it */
     const ric_verify_asked *asked;
-    ric_pair *own;        /* [RIC_PAIR_RUNS * n_pair] ascending by real part */
+    ric_pair *own; /* [RIC_PAIR_RUNS * n_pair] ascending by real part */
 } ric_pairs;
 
 /* rho [m / 2 - 1] of A [m * m], without the pair 1, 1 that the flow [m] and the gradient of the energy [m] belong to;
  * columns of A are images of unit vectors, J [m * m] is the symplectic form, all are destroyed. *way, of a single pair:
  * -1 where it turns as a free oscillator does, 1 against it. False: eigenvalues were not found. */
-bool ric_verify_pairs_find(int m, ric_real *A, ric_real *J, ric_real *flow, ric_real *gradient, ric_pair *rho, int *way);
+bool ric_verify_pairs_find(int m, ric_real *A, ric_real *J, ric_real *flow, ric_real *gradient, ric_pair *rho,
+                           int *way);
 
 /* +-1 by a generator of fixed seed (Knuth, The Art of Computer Programming 2, table 3.3.4.1). */
 ric_real ric_verify_pairs_noise(unsigned *bits);

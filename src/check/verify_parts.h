@@ -6,9 +6,9 @@
 #include "simulator.h"
 
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
-#define TOUCH 1e-6     /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
-#define SLOW 1e-3      /* below, the time of the impact is weighed */
-#define BLUNT 1e-9     /* no impact amplifies more than one of this speed */
+#define TOUCH 1e-6 /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
+#define SLOW 1e-3  /* below, the time of the impact is weighed */
+#define BLUNT 1e-9 /* no impact amplifies more than one of this speed */
 
 typedef ric_real real;
 
@@ -23,23 +23,23 @@ typedef struct {
     ric_simulator *sim;
     ric_branch branch;
     ric_point point;
-    int n, n_flight, n_face;     /* n_flight: letters, or 1 */
-    int n_event, *event;         /* faces of the events of the word, in order */
-    bool *closed;                /* [n_flight * n_face] springs in each flight */
-    bool lost;                   /* a frame could not be made */
+    int n, n_flight, n_face; /* n_flight: letters, or 1 */
+    int n_event, *event;     /* faces of the events of the word, in order */
+    bool *closed;            /* [n_flight * n_face] springs in each flight */
+    bool lost;               /* a frame could not be made */
     face_t *face;
-    double *state, *flights;     /* [2n] x, v and [n_flight] as stored */
-    const real *omega;           /* [n] the simulator's */
-    real *kappa;                 /* [n] omega, or 2 pi / period for a free mode */
-    real *tau;                   /* [n_flight] flight times, polished if need be */
-    real *chain;                 /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */
-    real *speed;                 /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
-    real *trig;                  /* [n_flight * 2n] cos and sin of omega tau */
-    real *w;                     /* [2n] q, p of the replay */
-    double *x;                   /* [2n] scratch: x, v */
-    real period, norm, offset;   /* offset: time at which the simulator was started anew behind a touch */
-    double energy, reach;        /* energy: of the state that is replayed */
-    real amplification;          /* logarithm: what the end of the period makes of rounding on the way */
+    double *state, *flights;      /* [2n] x, v and [n_flight] as stored */
+    const real *omega;            /* [n] the simulator's */
+    real *kappa;                  /* [n] omega, or 2 pi / period for a free mode */
+    real *tau;                    /* [n_flight] flight times, polished if need be */
+    real *chain;                  /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */
+    real *speed;                  /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
+    real *trig;                   /* [n_flight * 2n] cos and sin of omega tau */
+    real *w;                      /* [2n] q, p of the replay */
+    double *x;                    /* [2n] scratch: x, v */
+    real period, norm, offset;    /* offset: time at which the simulator was started anew behind a touch */
+    double energy, reach;         /* energy: of the state that is replayed */
+    real amplification;           /* logarithm: what the end of the period makes of rounding on the way */
     bool corner, touched, grazes; /* grazes: a face is touched in some flight, or all but */
     ric_check *check;
     real *store;
@@ -51,7 +51,7 @@ typedef struct {
 ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches);
 /* Any other orbit: letters and word of `like`. */
 ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
-                                 const double *flights);
+                                        const double *flights);
 void ric_verify_replay_close(replay *r);
 real ric_replay_dot(int n, const real *x, const real *y);
 /* |a - b| in the energy norm; b NULL stands for zero. */

@@ -11,14 +11,14 @@
 #include "verify_parts.h"
 #include "verify_smooth.h"
 
-#define SAME 1e-12     /* relative: numbers that are stored twice */
-#define SOLVED 1e-9    /* of clearance and norm: what a located orbit may leave open, and an image may be off */
-#define BETWEEN 1e-2   /* relative: how far a junction between points may extend the frequencies of a branch */
-#define ENERGY 1e-10   /* relative, of a located orbit whose numbers are stored together */
-#define IMAGE 1e-6     /* an orbit that is farther from its image than this is not symmetric */
+#define SAME 1e-12   /* relative: numbers that are stored twice */
+#define SOLVED 1e-9  /* of clearance and norm: what a located orbit may leave open, and an image may be off */
+#define BETWEEN 1e-2 /* relative: how far a junction between points may extend the frequencies of a branch */
+#define ENERGY 1e-10 /* relative, of a located orbit whose numbers are stored together */
+#define IMAGE 1e-6   /* an orbit that is farther from its image than this is not symmetric */
 
-#define EXACT 1e-10    /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
-#define LONG 1e-4      /* of the state: a branch whose orbits differ by less may be beside a symmetric one as a whole */
+#define EXACT 1e-10 /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
+#define LONG 1e-4   /* of the state: a branch whose orbits differ by less may be beside a symmetric one as a whole */
 
 enum { FEW = 4, SAMPLE = 8 }; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
 
@@ -155,8 +155,12 @@ static ric_status check_symmetries(const ric_atlas *atlas, const ric_branch *b, 
 ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out)
 {
     ric_branch b;
-    *out = (ric_claims){.branch = branch, .point = -1, .multiplier_error = NAN, .multiplier_bound = NAN,
-                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+    *out = (ric_claims){.branch = branch,
+                        .point = -1,
+                        .multiplier_error = NAN,
+                        .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED,
+                        .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_YES};
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status || b.n_point == 0 || (status = check_ranges(atlas, &b, out))) return status;
@@ -231,8 +235,12 @@ ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out)
 {
     ric_junction j;
     const ric_model *m = ric_atlas_model(atlas);
-    *out = (ric_claims){.branch = -1, .point = id, .multiplier_error = NAN, .multiplier_bound = NAN,
-                        .multipliers = RIC_AGREES_UNCHECKED, .stable = RIC_AGREES_UNCHECKED,
+    *out = (ric_claims){.branch = -1,
+                        .point = id,
+                        .multiplier_error = NAN,
+                        .multiplier_bound = NAN,
+                        .multipliers = RIC_AGREES_UNCHECKED,
+                        .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_YES};
     ric_status status = ric_atlas_junction(atlas, id, &j);
     if (status) return status;

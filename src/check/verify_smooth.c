@@ -1,5 +1,5 @@
-/* A stored orbit under power-law springs is integrated over its period from the raw matrices (simulator_power.h), and has to
- * return.
+/* A stored orbit under power-law springs is integrated over its period from the raw matrices (simulator_power.h), and
+ * has to return.
  *
  * What the return may lose is measured: the variational equations give the matrix of a period, whose largest multiplier
  * is the condition. The last digits of the stored doubles come back multiplied by its norm, which
@@ -20,14 +20,14 @@
 #include "verify_pairs.h"
 #include "verify_smooth.h"
 
-#define FLIGHT 1e-11    /* largest relative error of the energy, and of a polished orbit */
-#define RETURN 1e-9     /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
+#define FLIGHT 1e-11 /* largest relative error of the energy, and of a polished orbit */
+#define RETURN 1e-9  /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define AMPLIFIED 1e-7
-#define STEEP 1e4       /* beyond it the last digits of the stored doubles matter more than what is checked */
+#define STEEP 1e4               /* beyond it the last digits of the stored doubles matter more than what is checked */
 #define NOISE (8 * DBL_EPSILON) /* of a part in double, relative */
-#define IMAGE 1e-9      /* half a period later a symmetric orbit is its image to this part */
-#define LIGHT 1e3      /* how much less than the stored start the starts of other parts count in a correction */
-#define REGULAR 1e-9    /* singular values below this part of the largest belong to the family and to the energy */
+#define IMAGE 1e-9              /* half a period later a symmetric orbit is its image to this part */
+#define LIGHT 1e3    /* how much less than the stored start the starts of other parts count in a correction */
+#define REGULAR 1e-9 /* singular values below this part of the largest belong to the family and to the energy */
 
 enum { PARTS = 16 };
 
@@ -35,12 +35,12 @@ typedef ric_real real;
 
 typedef struct {
     ric_simulator_power *springs;
-    int n, parts;        /* of 2 n_dof coordinates; of the period */
+    int n, parts;         /* of 2 n_dof coordinates; of the period */
     real period, size[2]; /* largest displacement and velocity of the start */
-    real *start, *end;   /* [parts * n] of every part */
-    double *M, *rate;    /* [parts * n * n] and [parts * n]: derivatives of the ends by the starts and by the period, in
-                          * units of size */
-    double *stored;      /* [n + 1] */
+    real *start, *end;    /* [parts * n] of every part */
+    double *M, *rate; /* [parts * n * n] and [parts * n]: derivatives of the ends by the starts and by the period, in
+                       * units of size */
+    double *stored;   /* [n + 1] */
 } replay;
 
 static real unit(const replay *r, int i)
@@ -322,7 +322,7 @@ static bool run_once(const replay *r, const ric_model *m, int run, ric_pairs *pa
     find_trivial(r, m, flow, gradient);
     return !see_modes(r, m, whole, flow, gradient, J) &&
            ric_verify_pairs_find(2 * (pairs->n_pair + 1), whole, J, flow, gradient, pairs->own + run * pairs->n_pair,
-                          &pairs->way[run]);
+                                 &pairs->way[run]);
 }
 
 /* Half a period later a symmetric orbit is its image. */

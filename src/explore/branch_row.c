@@ -16,7 +16,8 @@ static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
     const ric_continuation *tr = e->trace;
     const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride + sizeof(ric_point) / sizeof(double);
     ric_shooting_fly(tr->chain, p);
-    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, p), *canonical = cycle ? ric_periodic_canonical(m, cycle) : NULL;
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, p),
+                 *canonical = cycle ? ric_periodic_canonical(m, cycle) : NULL;
     bool found = canonical && ric_periodic_match(m, canonical, cycle, 1e-9, &out->shift, &out->reverse, &out->mirror);
     ric_periodic_free(cycle);
     ric_periodic_free(canonical);
@@ -153,7 +154,8 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     ric_branch_record *r = &out->record;
     ric_turn t;
     ric_shooting_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
-    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)), *turned = NULL;
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)),
+                 *turned = NULL;
     if (!cycle) return ric_no_rows();
     if (!canonical_turn(m, e, &t)) t = (ric_turn){0, false, false};
     turned = ric_periodic_transform(m, cycle, t.shift, t.reverse, t.mirror);
@@ -164,10 +166,18 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     r->mirror = mirror_text(tr->chain);
     r->why = ric_branch_row_why(e);
     if (turned && r->word) ric_periodic_word(m, turned, r->word);
-    r->row = (ric_branch){.impacts = ric_periodic_impacts(ric_periodic_springs(m), cycle), .letters = N, .word = r->word,
-                          .symmetric = cycle->half, .reversible = cycle->pure >= 0 || cycle->flip >= 0,
-                          .mirror = r->mirror, .n_point = tr->n_point, .stop = tr->stop, .why = r->why,
-                          .depth = e->depth, .mode = backbone_mode(g, e), .n_junction = e->n_inner};
+    r->row = (ric_branch){.impacts = ric_periodic_impacts(ric_periodic_springs(m), cycle),
+                          .letters = N,
+                          .word = r->word,
+                          .symmetric = cycle->half,
+                          .reversible = cycle->pure >= 0 || cycle->flip >= 0,
+                          .mirror = r->mirror,
+                          .n_point = tr->n_point,
+                          .stop = tr->stop,
+                          .why = r->why,
+                          .depth = e->depth,
+                          .mode = backbone_mode(g, e),
+                          .n_junction = e->n_inner};
     r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
     r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
     ric_periodic_free(cycle);
@@ -189,7 +199,7 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
 }
 
 ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
-                            double energy, ric_branch_row *out)
+                                 double energy, ric_branch_row *out)
 {
     ric_branch_record *r = &out->record;
     int n = m->n_dof;
@@ -203,9 +213,16 @@ ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *
     r->mirror = strdup("centre-rest");
     r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
     if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return ric_no_rows();
-    r->row = (ric_branch){.word = r->word, .symmetric = true, .reversible = true, .mirror = r->mirror,
-                          .n_point = LINEAR_POINTS, .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW,
-                          .why = r->why, .mode = mode + 1, .junctions = r->junctions, .junction_at = r->junction_at};
+    r->row = (ric_branch){.word = r->word,
+                          .symmetric = true,
+                          .reversible = true,
+                          .mirror = r->mirror,
+                          .n_point = LINEAR_POINTS,
+                          .stop = node >= 0 ? RIC_STOP_JUNCTION : RIC_STOP_WINDOW,
+                          .why = r->why,
+                          .mode = mode + 1,
+                          .junctions = r->junctions,
+                          .junction_at = r->junction_at};
     for (int i = 0; i < LINEAR_POINTS; i++) {
         double part = (double)i / (LINEAR_POINTS - 1), E = top * part * part,
                *x = r->points + (size_t)i * r->stride + sizeof(ric_point) / sizeof(double);
@@ -214,9 +231,14 @@ ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *
         double rotation = NAN;
         for (int k = 0; m->n == 2 && k < 2; k++)
             if (m->mode[k] != mode) rotation = fmod(m->frequency[m->mode[k]] / omega, 1);
-        *p = (ric_point){.arclength = q, .energy = E, .frequency = omega, .rotation = rotation,
+        *p = (ric_point){.arclength = q,
+                         .energy = E,
+                         .frequency = omega,
+                         .rotation = rotation,
                          .trace = m->n == 2 && seen >= 0 ? asinh(cos(TWO_PI * rotation)) : NAN,
-                         .reach = isfinite(energy) ? sqrt(E / energy) : 0, .approach = NAN, .residual = 0,
+                         .reach = isfinite(energy) ? sqrt(E / energy) : 0,
+                         .approach = NAN,
+                         .residual = 0,
                          .stable = RIC_STABLE_YES};
         for (int j = 0; j < n; j++) x[j] = m->Phi[j * n + mode] * q;
         x[2 * n] = TWO_PI / omega;
@@ -255,6 +277,7 @@ int ric_branch_row_order(const void *p, const void *q)
     if ((order = ric_compare_numbers(a->frequency_min, b->frequency_min))) return order;
     if ((order = ric_compare_numbers(a->energy_max, b->energy_max))) return order;
     if ((order = strcmp(a->mirror, b->mirror))) return order;
-    for (int i = 0; i < 4 && !order; i++) order = ((const ric_branch_row *)p)->ends[i] - ((const ric_branch_row *)q)->ends[i];
+    for (int i = 0; i < 4 && !order; i++)
+        order = ((const ric_branch_row *)p)->ends[i] - ((const ric_branch_row *)q)->ends[i];
     return order;
 }

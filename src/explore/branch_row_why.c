@@ -56,8 +56,7 @@ char *ric_branch_row_why(const ric_edge *e)
     char *text = malloc(size);
     if (!text) return NULL;
     int used = snprintf(text, size, "%s", why);
-    if (e->n_unplaced)
-        used += list_unplaced(e, used ? "; " : "", size - (size_t)used, text + used);
+    if (e->n_unplaced) used += list_unplaced(e, used ? "; " : "", size - (size_t)used, text + used);
     if (tr->blind > 0) {
         used += snprintf(text + used, size - (size_t)used,
                          "%son up to %g %% of it multipliers are lost in rounding and multiplications not looked for",

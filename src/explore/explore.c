@@ -10,8 +10,9 @@
 
 #define TWO_PI 6.283185307179586477
 #define STIFFEST 1e9
-#define PHASE 1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that
-                   * one orbit takes seconds, and the phase itself loses its digits */
+#define PHASE                                                                                                          \
+    1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that           \
+         * one orbit takes seconds, and the phase itself loses its digits */
 
 /* A mode that turns ten million times while the slowest orbit of the window lasts has no place in it. */
 static ric_status check_phases(const ric_study *study)

@@ -70,8 +70,8 @@ int ric_graph_node_order(const ric_node *a, const ric_node *b)
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
     if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
     if (a->cycle->N != b->cycle->N) return a->cycle->N - b->cycle->N;
-    return ric_periodic_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of the
-                                                               * whole structure */
+    return ric_periodic_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of
+                                                                  * the whole structure */
 }
 
 /* The first place of `by_energy` whose node has at least this energy. */

@@ -16,26 +16,26 @@
 typedef struct {
     int node;
     unsigned choice;
-    double at;               /* arclength */
+    double at; /* arclength */
 } ric_passage;
 
 /* An event whose junction does not converge. */
 typedef struct {
-    int test, p, q;          /* q = 0: no multiplication */
+    int test, p, q;           /* q = 0: no multiplication */
     double energy, frequency; /* as the atlas has them */
 } ric_unplaced;
 
 typedef struct {
     ric_continuation *trace;
-    int from, to;            /* nodes, -1 = none */
-    unsigned leave, arrive;  /* choices at them */
+    int from, to;           /* nodes, -1 = none */
+    unsigned leave, arrive; /* choices at them */
     int n_inner;
-    ric_passage *inner;      /* in order */
+    ric_passage *inner; /* in order */
     int n_unplaced;
-    ric_unplaced *unplaced;  /* in order */
-    double energy[2];        /* least and largest of its points */
-    ric_periodic *first;        /* its first orbit, owned: the word is that of all */
-    int depth, mode;         /* mode: linear mode whose backbone this is, from 0; -1 */
+    ric_unplaced *unplaced; /* in order */
+    double energy[2];       /* least and largest of its points */
+    ric_periodic *first;    /* its first orbit, owned: the word is that of all */
+    int depth, mode;        /* mode: linear mode whose backbone this is, from 0; -1 */
 } ric_edge;
 
 typedef struct ric_graph ric_graph;
@@ -44,28 +44,28 @@ struct ric_graph {
     const ric_model *model;
     const ric_explore_options *options;
     ric_limits limits;
-    ric_limits deep;         /* the same with the largest multiply of a region: for branches that come there */
+    ric_limits deep; /* the same with the largest multiply of a region: for branches that come there */
     ric_budgets largest;
-    ric_store *store;        /* traces of an earlier run; may be NULL */
-    ric_node_cache recall;       /* what workers have computed */
-    const ric_remote *crew;    /* NULL: nobody beside the threads of this process */
+    ric_store *store;           /* traces of an earlier run; may be NULL */
+    ric_node_cache recall;      /* what workers have computed */
+    const ric_remote *crew;     /* NULL: nobody beside the threads of this process */
     const ric_run_options *run; /* of the present exploration; may be NULL */
     ric_progress progress;
     struct timespec start;
-    atomic_bool stopping;    /* somebody asked to stop */
-    atomic_int fresh;        /* steps, traces and labels that this exploration has added to what is kept */
-    ric_graph *owner;        /* of a worker's graph; NULL: it is the owner's own */
-    int n_worker;            /* departures that are followed at a time */
-    ric_workers *workers;    /* NULL: none beside the owner */
-    ric_starts starts;       /* orbits given to start from, owned */
-    bool only_given;         /* from these alone, not from the modes */
+    atomic_bool stopping; /* somebody asked to stop */
+    atomic_int fresh;     /* steps, traces and labels that this exploration has added to what is kept */
+    ric_graph *owner;     /* of a worker's graph; NULL: it is the owner's own */
+    int n_worker;         /* departures that are followed at a time */
+    ric_workers *workers; /* NULL: none beside the owner */
+    ric_starts starts;    /* orbits given to start from, owned */
+    bool only_given;      /* from these alone, not from the modes */
     int n_node, node_capacity;
     ric_node **nodes;
-    int *by_energy;          /* the same, by increasing energy */
+    int *by_energy; /* the same, by increasing energy */
     int n_edge, edge_capacity;
     ric_edge *edges;
-    uint64_t shuffle;        /* 0; else departures of one depth are taken in another order: for tests, which expect the
-                              * same atlas */
+    uint64_t shuffle; /* 0; else departures of one depth are taken in another order: for tests, which expect the
+                       * same atlas */
 };
 
 /* RIC_E_INPUT for a model that an exploration cannot begin with. */

@@ -10,14 +10,15 @@
 #include "branch/room.h"
 
 #define TWO_PI 6.283185307179586477
-#define AT_END 1e-9   /* arclength within which an event belongs to the end of its branch */
+#define AT_END 1e-9     /* arclength within which an event belongs to the end of its branch */
 #define SAME_EVENT 1e-5 /* arclength, relative, within which two events of one place lie */
-#define NEAR_END 1e-2 /* part of a branch near its end where that end's own junction is not met again */
-#define PARTS 16      /* of a period, between inner nodes, the first time that they are needed */
-#define MORE_PARTS 4  /* and each time that they do not suffice */
+#define NEAR_END 1e-2   /* part of a branch near its end where that end's own junction is not met again */
+#define PARTS 16        /* of a period, between inner nodes, the first time that they are needed */
+#define MORE_PARTS 4    /* and each time that they do not suffice */
 #define MOST_PARTS 64
-#define NO_BRANCH 1e-6 /* of the size: what is lost nearer to its start than this is rounding beside a family of more
-                        * parameters, and no branch */
+#define NO_BRANCH                                                                                                      \
+    1e-6              /* of the size: what is lost nearer to its start than this is rounding beside a family of more   \
+                       * parameters, and no branch */
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
 /* ------------------------------------------------------------------- tracing */
@@ -43,8 +44,8 @@ static void trace_key(const course *way, char *key, size_t size)
     locale_t before = ric_c_locale_enter();
     int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
                         node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, way->choice,
-                        way->side,
-                        l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply, hash);
+                        way->side, l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply,
+                        hash);
     ric_c_locale_leave(before);
     if (l->n_asked)
         used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_user_point_key(l->n_asked, l->asked));
@@ -85,7 +86,8 @@ static ric_status keep_paused(ric_graph *g, const char *key, int parts, const ri
 }
 
 /* *out stays NULL where there is none; what cannot be read is traced from its start. */
-static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char *key, int *parts, ric_continuation **out)
+static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char *key, int *parts,
+                              ric_continuation **out)
 {
     char name[1040];
     void *blob = NULL;
@@ -171,8 +173,8 @@ static int more_parts(const ric_model *m, const course *way, int parts)
 }
 
 /* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
- * sought once more with inner nodes, and with more of them (shooting_nodes.h). What the last attempt finds counts. *parts: the
- * attempt, 0 the first; with *out it is one that was broken off. */
+ * sought once more with inner nodes, and with more of them (shooting_nodes.h). What the last attempt finds counts.
+ * *parts: the attempt, 0 the first; with *out it is one that was broken off. */
 static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts, ric_continuation **out)
 {
     for (;;) {
@@ -365,9 +367,9 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
     if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(tr, tr->end.u);
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-    ric_defining solve = {.kind = tr->arrival                                                      ? RIC_DEFINING_ARRIVAL
-                               : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_DEFINING_CORNER
-                                                                                       : RIC_DEFINING_GRAZING};
+    ric_defining solve = {.kind = tr->arrival                                             ? RIC_DEFINING_ARRIVAL
+                                  : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_DEFINING_CORNER
+                                                                                          : RIC_DEFINING_GRAZING};
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
@@ -385,7 +387,8 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
                 tr->why = RIC_WHY_NO_FIT;
                 *index = -1;
             } else *choice = (unsigned)found;
-        } else if (ric_multiplication_applies(g->nodes[*index], RIC_SIDE)) status = ring_choice(g, tr, g->nodes[*index], choice);
+        } else if (ric_multiplication_applies(g->nodes[*index], RIC_SIDE))
+            status = ring_choice(g, tr, g->nodes[*index], choice);
         else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
     if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
@@ -458,7 +461,8 @@ static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event 
     ric_unplaced *more = realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
     if (!more) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
     e->unplaced = more;
-    more[e->n_unplaced++] = (ric_unplaced){.test = event->test, .p = resonance ? resonance->p : 0,
+    more[e->n_unplaced++] = (ric_unplaced){.test = event->test,
+                                           .p = resonance ? resonance->p : 0,
                                            .q = resonance ? resonance->q : 0,
                                            .energy = ric_periodic_energy(g->model, cycle) * g->model->energy_unit,
                                            .frequency = TWO_PI / ric_periodic_period(cycle) * g->model->omega_ref};
@@ -481,10 +485,11 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     bool aside = !doubling && breaks_or_crosses(event->test) &&
                  (ric_periodic_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
     const ric_user_point *asked = ric_continuation_user_point(e->trace, event->test);
-    ric_defining solve = aside       ? (ric_defining){.kind = RIC_DEFINING_ARRIVAL}
-                      : asked     ? (ric_defining){.kind = RIC_DEFINING_USER, .asked = *asked}
-                      : resonance ? (ric_defining){.kind = RIC_DEFINING_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
-                                  : (ric_defining){.kind = RIC_DEFINING_INTERIOR, .test = event->test};
+    ric_defining solve = aside   ? (ric_defining){.kind = RIC_DEFINING_ARRIVAL}
+                         : asked ? (ric_defining){.kind = RIC_DEFINING_USER, .asked = *asked}
+                         : resonance
+                             ? (ric_defining){.kind = RIC_DEFINING_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
+                             : (ric_defining){.kind = RIC_DEFINING_INTERIOR, .test = event->test};
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) status = add_unplaced(g, e, event, resonance, cycle);
     ric_periodic_free(cycle);
@@ -502,8 +507,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 }
 
 /* Traces again from the far end, so that what is stored does not depend on which end was found first. */
-static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive, ric_continuation **tr,
-                                   bool *turned)
+static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive,
+                                   ric_continuation **tr, bool *turned)
 {
     ric_continuation *back = NULL;
     int home = -1;
@@ -542,8 +547,8 @@ static ric_status note_orbits(ric_edge *e)
     return e->first ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a branch");
 }
 
-static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to, unsigned arrive, int depth,
-                              int mode)
+static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to, unsigned arrive,
+                              int depth, int mode)
 {
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {

@@ -9,7 +9,7 @@
 
 #define ABOVE 1e-6 /* part by which a start lies above the lower edge of the window */
 #define TWO_PI 6.283185307179586477
-#define EQUAL 1e-11 /* difference of two squared frequencies, relative, that rounding makes */
+#define EQUAL 1e-11  /* difference of two squared frequencies, relative, that rounding makes */
 #define UNMOVED 1e-9 /* share of a force that counts as none */
 #define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
 
@@ -58,7 +58,8 @@ static ric_status no_start(const ric_model *m, int mode)
     if (other < 0) other = nearest_mode(m, mode);
     if (m->n_part > 1 || other < 0)
         return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge", m->mode[mode] + 1);
-    return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy is not known: its frequency is that of mode "
+    return ric_fail(RIC_E_NUMERIC,
+                    "the motion of mode %d at small energy is not known: its frequency is that of mode "
                     "%d up to %.1e, and the power laws decide which mixtures of the two have branches",
                     m->mode[mode] + 1, m->mode[other] + 1, fabs(m->omega[other] / m->omega[mode] - 1));
 }
@@ -110,8 +111,10 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     }
     if (energy > limits.energy[0]) cycle = ric_periodic_from_chain(chain, u);
     else {
-        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + ABOVE)}, .period = {0, HUGE_VAL},
-                              .max_step = limits.max_step, .max_points = limits.max_points};
+        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + ABOVE)},
+                              .period = {0, HUGE_VAL},
+                              .max_step = limits.max_step,
+                              .max_points = limits.max_points};
         memset(t, 0, sizeof t);
         t[mode] = 1;
         status = ric_continuation_create(chain, u, t, 0, &limits, &way);

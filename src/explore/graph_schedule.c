@@ -73,11 +73,11 @@ static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choic
     double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
     const ric_budgets here = budgets_at(g, node, node->multiple);
     const bool outside = !here.inside && node->depth > 0; /* modes start wherever branches are followed */
-    *which = period < g->limits.period[0] || period > g->limits.period[1] || outside              ? RIC_BUDGET_WINDOW
-             : astray(g, node, choice, here.multiply)                                             ? RIC_BUDGET_MULTIPLY
-             : ric_node_impacts(node, choice) > here.impacts                                      ? RIC_BUDGET_IMPACTS
-             : g->options->symmetric_only && !ric_node_half(g->model, node, choice)               ? RIC_BUDGET_SYMMETRIC
-                                                                                                  : RIC_N_BUDGET;
+    *which = period < g->limits.period[0] || period > g->limits.period[1] || outside ? RIC_BUDGET_WINDOW
+             : astray(g, node, choice, here.multiply)                                ? RIC_BUDGET_MULTIPLY
+             : ric_node_impacts(node, choice) > here.impacts                         ? RIC_BUDGET_IMPACTS
+             : g->options->symmetric_only && !ric_node_half(g->model, node, choice)  ? RIC_BUDGET_SYMMETRIC
+                                                                                     : RIC_N_BUDGET;
     return *which != RIC_N_BUDGET;
 }
 
@@ -243,8 +243,13 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
         ric_node_free(node);
         return;
     }
-    *alone = (ric_graph){.model = g->model, .options = g->options, .limits = g->limits, .deep = g->deep,
-                         .largest = g->largest, .recall = {g->recall.memo, true}, .owner = g};
+    *alone = (ric_graph){.model = g->model,
+                         .options = g->options,
+                         .limits = g->limits,
+                         .deep = g->deep,
+                         .largest = g->largest,
+                         .recall = {g->recall.memo, true},
+                         .owner = g};
     alone->limits.stepped = alone->deep.stepped = count_step;
     alone->limits.user = alone->deep.user = g;
     ric_halt_ask(owner_stopped, g);
@@ -271,7 +276,8 @@ static void offer_one(ric_graph *g, ric_node *node, ric_departure *d)
 static int offer_order(const void *a, const void *b)
 {
     const open_departure *p = a, *q = b;
-    int less = p->index != q->index ? 0 : ric_node_impacts(q->node, q->node->departures[q->place].choice) -
+    int less = p->index != q->index ? 0
+                                    : ric_node_impacts(q->node, q->node->departures[q->place].choice) -
                                           ric_node_impacts(p->node, p->node->departures[p->place].choice);
     return less ? less : departure_order(a, b);
 }

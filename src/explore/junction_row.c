@@ -26,9 +26,7 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
         case RIC_DEPARTURE_KNOWN: d->known++; break;
         case RIC_DEPARTURE_INADMISSIBLE: d->inadmissible++; break;
         case RIC_DEPARTURE_REFUSED: d->refused++; break;
-        default:
-            d->over_budget++;
-            d->over[node->departures[i].budget % RIC_N_BUDGET]++;
+        default: d->over_budget++; d->over[node->departures[i].budget % RIC_N_BUDGET]++;
         }
 }
 
@@ -55,7 +53,8 @@ static ric_periodic *solved_again(const ric_model *m, const ric_periodic *cycle)
     ric_shooting *chain = NULL;
     double *u = NULL;
     ric_periodic *solved = NULL, *out = NULL;
-    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) solved = ric_periodic_from_chain(chain, u);
+    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u))
+        solved = ric_periodic_from_chain(chain, u);
     if (solved) out = ric_periodic_canonical(m, solved);
     ric_periodic_free(solved);
     ric_shooting_free(chain);
@@ -109,11 +108,17 @@ ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int i
         r->flights[i] = cycle->tau[i] / m->omega_ref;
     }
     if (!N) r->flights[0] = node->period / m->omega_ref;
-    r->row = (ric_junction){.kind = node->kind, .impacts = cycle ? ric_periodic_impacts(node->springs, cycle) : 0,
-                            .letters = N, .word = r->word,
-                            .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0, .multiple = node->multiple,
-                            .rotation = {node->rotation[0], node->rotation[1]}, .energy = energy * m->energy_unit,
-                            .state = r->state, .flights = r->flights, .refusal = r->refusal};
+    r->row = (ric_junction){.kind = node->kind,
+                            .impacts = cycle ? ric_periodic_impacts(node->springs, cycle) : 0,
+                            .letters = N,
+                            .word = r->word,
+                            .grazings = node->kind == RIC_KIND_GRAZING ? node->n_touch : 0,
+                            .multiple = node->multiple,
+                            .rotation = {node->rotation[0], node->rotation[1]},
+                            .energy = energy * m->energy_unit,
+                            .state = r->state,
+                            .flights = r->flights,
+                            .refusal = r->refusal};
     r->row.frequency = TWO_PI / period * m->omega_ref / r->row.multiple;
     count_departures(node, r);
 out:
@@ -136,8 +141,14 @@ static ric_status mark_linear(const ric_model *m, int mode, double energy, int i
     if (!r->word || !r->state || !r->flights || !r->refusal) return ric_no_rows();
     for (int i = 0; i < n; i++) r->state[i] = m->Phi[i * n + mode] * ric_linear_amplitude(omega, energy);
     r->flights[0] = TWO_PI / omega;
-    r->row = (ric_junction){.kind = RIC_KIND_USER, .word = r->word, .multiple = 1, .energy = energy, .frequency = omega,
-                            .state = r->state, .flights = r->flights, .refusal = r->refusal};
+    r->row = (ric_junction){.kind = RIC_KIND_USER,
+                            .word = r->word,
+                            .multiple = 1,
+                            .energy = energy,
+                            .frequency = omega,
+                            .state = r->state,
+                            .flights = r->flights,
+                            .refusal = r->refusal};
     return RIC_OK;
 }
 

@@ -22,7 +22,8 @@ static bool departed(const ric_node *node)
     return false;
 }
 
-static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int *n, ric_junction_row *marks, int *n_mark)
+static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int *n, ric_junction_row *marks,
+                                int *n_mark)
 {
     const ric_model *m = g->model;
     double *energy = calloc((size_t)m->n_dof, sizeof *energy);
@@ -79,7 +80,8 @@ static ric_status list_branches(ric_junction_row *marks, int n, const ric_branch
         if (s->from >= 0) status = list_branch(&marks[id[s->from] - 1], i + 1);
         if (s->to >= 0 && !status) status = list_branch(&marks[id[s->to] - 1], i + 1);
         for (int j = 0; j < s->record.row.n_junction && !status; j++)
-            if (ric_branch_row_passed(s, j) >= 0) status = list_branch(&marks[id[ric_branch_row_passed(s, j)] - 1], i + 1);
+            if (ric_branch_row_passed(s, j) >= 0)
+                status = list_branch(&marks[id[ric_branch_row_passed(s, j)] - 1], i + 1);
     }
     return status;
 }
@@ -138,8 +140,8 @@ static ric_status put_in_order(int n_mark, ric_junction_row *marks, int n_sheet,
 }
 
 /* An atlas with room for junctions, and with the records of branches, which stay the sheets' own until all is done. */
-static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *sheets, int n_mark,
-                                ric_atlas *atlas)
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *sheets,
+                                int n_mark, ric_atlas *atlas)
 {
     ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
     if (status) return status;

@@ -10,10 +10,10 @@
 
 typedef struct {
     ric_branch_record record;
-    int from, to;      /* nodes */
+    int from, to; /* nodes */
     const ric_edge *edge;
-    int user;          /* first of the marks on a linear mode, in the numbering of nodes */
-    int ends[4];       /* ids of the junctions and ways out of them, which tell apart what is alike in all else */
+    int user;    /* first of the marks on a linear mode, in the numbering of nodes */
+    int ends[4]; /* ids of the junctions and ways out of them, which tell apart what is alike in all else */
 } ric_branch_row;
 
 typedef struct {
@@ -53,8 +53,8 @@ ric_status ric_branch_row_make(const ric_graph *graph, const ric_edge *edge, ric
 
 /* A linear mode from rest to where it touches, at `energy` (or to the end of the energy window): states at its mirror
  * point. seen: its index among the seen modes, or -1; node: where it touches, or -1. */
-ric_status ric_branch_row_linear(const ric_model *model, const ric_explore_options *options, int mode, int seen, int node,
-                            double energy, ric_branch_row *out);
+ric_status ric_branch_row_linear(const ric_model *model, const ric_explore_options *options, int mode, int seen,
+                                 int node, double energy, ric_branch_row *out);
 
 /* qsort: linear modes, backbones without impacts, then by depth, word, energy, frequency, mirror points and ends. */
 int ric_branch_row_order(const void *p, const void *q);
@@ -63,7 +63,8 @@ int ric_branch_row_order(const void *p, const void *q);
 ric_status ric_junction_row_make(const ric_model *model, const ric_node *node, int index, ric_junction_row *out);
 
 /* What was asked for on a linear mode: energies; its frequency is one number and passes nothing. marks [*n] grows. */
-ric_status ric_junction_row_energies(const ric_graph *graph, int mode, ric_branch_row *sheet, ric_junction_row *marks, int *n);
+ric_status ric_junction_row_energies(const ric_graph *graph, int mode, ric_branch_row *sheet, ric_junction_row *marks,
+                                     int *n);
 
 /* qsort: by impacts, energy, frequency and kind. */
 int ric_junction_row_order(const void *p, const void *q);

@@ -8,8 +8,8 @@
 #include "base/room.h"
 #include "branch/room.h"
 
-#define NEAR 1e-6       /* a start that moves farther, relative to its size, when it is solved is none */
-#define LONGEST 4096    /* impacts: explore.impacts goes no further */
+#define NEAR 1e-6    /* a start that moves farther, relative to its size, when it is solved is none */
+#define LONGEST 4096 /* impacts: explore.impacts goes no further */
 
 void ric_starts_release(ric_starts *s)
 {

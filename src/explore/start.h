@@ -10,8 +10,8 @@ typedef struct {
     ric_periodic **cycle; /* with the symmetries that they were given with; not yet solved */
 } ric_starts;
 
-/* One orbit per line: N, half (0 or 1), pure, flip (periodic.h), then N faces, N flights in seconds, n_dof displacements
- * and velocities, scaled, after impact 0. NULL: none. RIC_E_FORMAT if it is not that. */
+/* One orbit per line: N, half (0 or 1), pure, flip (periodic.h), then N faces, N flights in seconds, n_dof
+ * displacements and velocities, scaled, after impact 0. NULL: none. RIC_E_FORMAT if it is not that. */
 ric_status ric_starts_parse(const ric_model *model, const char *text, ric_starts *out);
 void ric_starts_release(ric_starts *starts);
 

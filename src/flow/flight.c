@@ -41,7 +41,8 @@ double ric_flight_pace(const ric_model *m, const double *w)
 {
     size_t size = ric_power_flow_work(m, 0), small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
-    double *work = size <= SMALL ? stack : malloc(size * sizeof *work), pace = work ? ric_power_flow_pace(m, w, work) : 0;
+    double *work = size <= SMALL ? stack : malloc(size * sizeof *work),
+           pace = work ? ric_power_flow_pace(m, w, work) : 0;
     if (work != stack) free(work);
     return pace;
 }

@@ -45,8 +45,8 @@ void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, c
  * time, whatever the event at the start. */
 void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
                     double *after, double *rate);
-/* The same under a power law; *lost is the rounding on the way (power_flow.h). `matrix` and `lost` may be NULL; without a
- * matrix in place. */
+/* The same under a power law; *lost is the rounding on the way (power_flow.h). `matrix` and `lost` may be NULL; without
+ * a matrix in place. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after);
 /* Under a power law: time in which the motion from w changes its course (power_flow.h); 0 for want of memory. */
 double ric_flight_pace(const ric_model *m, const double *w);

@@ -1,5 +1,5 @@
-/* One step after another of the smooth flow by Taylor series (power_flow.h), for one kind of numbers. This text is included
- * once for each of them, by a file that has defined
+/* One step after another of the smooth flow by Taylor series (power_flow.h), for one kind of numbers. This text is
+ * included once for each of them, by a file that has defined
  *
  *     real            the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once; sum_of
  * adds up one
@@ -29,7 +29,7 @@ typedef struct {
 
 /* The series of one contact: s, its powers on the way to s^(m - 1), which is the last, and s^m. */
 typedef struct {
-    int count;                /* products to s^(m - 1); series 0 is s, series k the k-th product */
+    int count; /* products to s^(m - 1); series 0 is s, series k the k-th product */
     int left[RIC_SMOOTH_PRODUCTS + 1], right[RIC_SMOOTH_PRODUCTS + 1];
     numbers power[RIC_SMOOTH_PRODUCTS + 1];
 } powers;

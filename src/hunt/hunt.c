@@ -6,15 +6,21 @@
 
 #include "base/room.h"
 
-#define SAME 1e-6      /* impacts of one orbit found twice agree within this; other orbits are farther away or counted
-                        * as one */
-#define PERIODS 1e-7   /* the same of periods, relative */
+#define SAME                                                                                                           \
+    1e-6             /* impacts of one orbit found twice agree within this; other orbits are farther away or counted   \
+                      * as one */
+#define PERIODS 1e-7 /* the same of periods, relative */
 #define TWO_PI 6.283185307179586477
 
 void ric_hunt_options_init(ric_hunt_options *o)
 {
-    *o = (ric_hunt_options){.impacts = 6, .period = {0, INFINITY}, .lines = 20000, .rows = 60, .row = 1000,
-                            .random = 250000, .seed = 1};
+    *o = (ric_hunt_options){.impacts = 6,
+                            .period = {0, INFINITY},
+                            .lines = 20000,
+                            .rows = 60,
+                            .row = 1000,
+                            .random = 250000,
+                            .seed = 1};
 }
 
 void ric_hunt_options_bound(ric_hunt_options *o, const ric_study *study)
@@ -39,8 +45,10 @@ static ric_status check_options(const ric_hunt_options *o)
         return ric_fail(RIC_E_INPUT, "period: from %g to %g s is no range; give two times, the smaller one first",
                         o->period[0], o->period[1]);
     if (o->lines < 2 || o->row < 2 || o->rows < 0 || o->random < 0)
-        return ric_fail(RIC_E_INPUT, "lines %d, rows %d of %d, random %d: lines and points of a row are at least 2, "
-                        "the others at least 0", o->lines, o->rows, o->row, o->random);
+        return ric_fail(RIC_E_INPUT,
+                        "lines %d, rows %d of %d, random %d: lines and points of a row are at least 2, "
+                        "the others at least 0",
+                        o->lines, o->rows, o->row, o->random);
     return RIC_OK;
 }
 
@@ -274,7 +282,10 @@ ric_status ric_hunt_found(const ric_hunt *h, int i, ric_found *out, int *word, d
     if (i < 0 || i >= h->n) return ric_fail(RIC_E_RANGE, "no orbit %d: the hunt has found %d, from 0 on", i, h->n);
     const ric_prey *p = &h->prey[i];
     if (out) {
-        *out = (ric_found){.impacts = p->N, .period = p->period, .trace = p->trace, .symmetric = p->symmetric,
+        *out = (ric_found){.impacts = p->N,
+                           .period = p->period,
+                           .trace = p->trace,
+                           .symmetric = p->symmetric,
                            .reversible = p->reversible};
         write_multipliers(p->trace, out->multipliers);
     }

@@ -9,10 +9,10 @@
 /* An orbit: N impacts that repeat. */
 typedef struct {
     int N;
-    ric_hit *hits;       /* [N], in canonical order: smallest word, then smallest numbers */
+    ric_hit *hits;        /* [N], in canonical order: smallest word, then smallest numbers */
     double period, trace; /* seconds; lambda + 1/lambda */
     bool symmetric, reversible;
-    int pure, flip;      /* the reversals that keep it, as periodic.h has them, -1: none */
+    int pure, flip;              /* the reversals that keep it, as periodic.h has them, -1: none */
     int from_mirrors, from_rows; /* how often each search has come to it */
 } ric_prey;
 

@@ -13,8 +13,8 @@
  * alone, within the budgets of the atlas, makes an atlas of their surroundings, and its junctions are compared with
  * those of the other. */
 
-#define MATCH 1e-5     /* an orbit of the atlas is one of the hunt if all impacts agree within this */
-#define JUNCTION 1e-6  /* relative, of energies, frequencies and states of one junction in two atlases */
+#define MATCH 1e-5    /* an orbit of the atlas is one of the hunt if all impacts agree within this */
+#define JUNCTION 1e-6 /* relative, of energies, frequencies and states of one junction in two atlases */
 #define TWO_PI 6.283185307179586477
 
 static ric_status no_memory(void)

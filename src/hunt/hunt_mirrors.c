@@ -16,7 +16,7 @@
 
 #define APART 0.03
 #define SHORTEST 1e-15
-#define CLOSING 16    /* steps towards a change of sign before Newton's method takes over */
+#define CLOSING 16 /* steps towards a change of sign before Newton's method takes over */
 
 typedef enum { IMPACT, REST, CENTRE } mirror_kind;
 
@@ -185,8 +185,16 @@ static ric_status compare(const ric_line *l, const ric_strand *a, const ric_stra
 static ric_status scan(ric_hunt *h, bool (*start)(const ric_line *, double, ric_hit *, double *), int face, double low,
                        double high)
 {
-    ric_line line = {.hunt = h, .low = low, .high = high, .face = face, .K = h->options.impacts / 2 + 2, .times = 2,
-                     .apart = APART, .shortest = SHORTEST, .start = start, .compare = compare};
+    ric_line line = {.hunt = h,
+                     .low = low,
+                     .high = high,
+                     .face = face,
+                     .K = h->options.impacts / 2 + 2,
+                     .times = 2,
+                     .apart = APART,
+                     .shortest = SHORTEST,
+                     .start = start,
+                     .compare = compare};
     return ric_hunt_line_scan(&line, h->options.lines);
 }
 

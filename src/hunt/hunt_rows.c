@@ -18,19 +18,19 @@
  * the face. Rows cross it, and as they are refined where neighbours part they do not step over it; starts at random
  * find it if it is not too narrow. */
 
-#define FAR 0.15       /* largest |d|, in the size of the face */
+#define FAR 0.15 /* largest |d|, in the size of the face */
 #define APART 0.25
 #define SHORTEST 1e-13
-#define CELLS 256      /* the places z + d that count as one guess for one word, per radius */
-#define ATTEMPTS 3     /* at one of them */
+#define CELLS 256  /* the places z + d that count as one guess for one word, per radius */
+#define ATTEMPTS 3 /* at one of them */
 
 typedef struct {
     ric_hunt *hunt;
     int face;
-    uint8_t *tried;      /* attempts by guess, hashed: two guesses in one place at worst share their attempts */
+    uint8_t *tried; /* attempts by guess, hashed: two guesses in one place at worst share their attempts */
     size_t mask;
     uint64_t random;
-    double p;            /* of the present row: P sin(angle) over its largest value */
+    double p; /* of the present row: P sin(angle) over its largest value */
 } search;
 
 /* splitmix64 (Steele, Lea, Flood 2014). */
@@ -131,8 +131,15 @@ static bool start_random(const ric_line *l, double unused, ric_hit *hit, double 
 static ric_status search_face(search *g)
 {
     ric_hunt *h = g->hunt;
-    ric_line line = {.hunt = h, .face = g->face, .K = h->options.impacts + 1, .times = 1, .apart = APART,
-                     .shortest = SHORTEST, .start = start_row, .visit = visit, .user = g};
+    ric_line line = {.hunt = h,
+                     .face = g->face,
+                     .K = h->options.impacts + 1,
+                     .times = 1,
+                     .apart = APART,
+                     .shortest = SHORTEST,
+                     .start = start_row,
+                     .visit = visit,
+                     .user = g};
     ric_status status = RIC_OK;
     for (int i = 0; i < h->options.rows && !status; i++) {
         if ((status = ric_hunt_report(h, "rows", (double)i / h->options.rows))) break;

@@ -8,14 +8,16 @@
 #include "check/room.h"
 #include "base/room.h"
 
-#define UNSEEN 1e-12    /* part of the largest modal normal of a contact below which a mode is not seen by it */
-#define PANEL 0.5       /* search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for
-                         * tiny motions */
-#define ROUNDING 1e-13  /* relative change of the unknowns at which Newton's method has converged; its last step is far
-                         * below */
+#define UNSEEN 1e-12 /* part of the largest modal normal of a contact below which a mode is not seen by it */
+#define PANEL                                                                                                          \
+    0.5 /* search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for                \
+         * tiny motions */
+#define ROUNDING                                                                                                       \
+    1e-13 /* relative change of the unknowns at which Newton's method has converged; its last step is far              \
+           * below */
 #define RIGHT_ANGLE 1.57079632679489661923
-#define STEEPEST 1.6    /* just beyond grazing, so that Newton's method may pass it on its way */
-#define REPLAY 1e-8     /* the simulator's impacts agree with the orbit within this, and, near a grazing, */
+#define STEEPEST 1.6       /* just beyond grazing, so that Newton's method may pass it on its way */
+#define REPLAY 1e-8        /* the simulator's impacts agree with the orbit within this, and, near a grazing, */
 #define NEAR_GRAZING 1e-12 /* within the time that rounding of the gap means: this over the cosine of the angle */
 
 /* ------------------------------------------------------------------ create */
@@ -244,8 +246,8 @@ static double rate(const ric_impact_map_face *face, const double *w)
 
 /* Zero of the gap (order 0), or of its rate (order 1), between times a and b from w, where it changes sign; divided by
  * the time if the flight starts on the face, which takes that zero away. */
-static double zero_between(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, int order, bool leaving,
-                           double a, double b)
+static double zero_between(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, int order,
+                           bool leaving, double a, double b)
 {
     double x = (a + b) / 2, last = b - a, at[4];
     fly(s, w, b, at);
@@ -274,7 +276,7 @@ static double within_panel(const ric_impact_map *s, const ric_impact_map_face *f
     double h = s->panel, g0 = beyond(face, w), g1 = beyond(face, end), v0 = rate(face, w), v1 = rate(face, end);
     if (g1 > 0) return zero_between(s, face, w, 0, leaving, 0, h);
     if (leaving || !(v0 > 0 && v1 < 0)) return INFINITY; /* hops shorter than a panel are left to the simulator */
-    double cross = (g1 - v1 * h - g0) / (v0 - v1); /* where the tangents meet, above the maximum */
+    double cross = (g1 - v1 * h - g0) / (v0 - v1);       /* where the tangents meet, above the maximum */
     if (g0 + v0 * cross < 0) return INFINITY;
     double top = zero_between(s, face, w, 1, false, 0, h), at[4];
     fly(s, w, top, at);
@@ -282,7 +284,7 @@ static double within_panel(const ric_impact_map *s, const ric_impact_map_face *f
 }
 
 bool ric_impact_map_next(const ric_impact_map *s, const double *w, int from, double horizon, double *time, ric_hit *hit,
-                      double *after)
+                         double *after)
 {
     double here[4], end[4];
     memcpy(here, w, sizeof here);

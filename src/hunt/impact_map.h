@@ -14,18 +14,18 @@
 typedef struct {
     int contact, side, mirror; /* mirror: face on the other side, -1 if none */
     double normal[2], along[2], at;
-    double clearance;          /* at = side * clearance / |c| */
-    double norm;               /* |c| */
-    double middle, radius[2];  /* motions on the face: ((y - middle) / radius[0])^2 + (P sin(angle) / radius[1])^2 < 1;
-                                * radius 0: out of reach */
+    double clearance;         /* at = side * clearance / |c| */
+    double norm;              /* |c| */
+    double middle, radius[2]; /* motions on the face: ((y - middle) / radius[0])^2 + (P sin(angle) / radius[1])^2 < 1;
+                               * radius 0: out of reach */
 } ric_impact_map_face;
 
 typedef struct {
     const ric_model *model;
     ric_simulator *sim;
-    int n_dof, mode[2];        /* of the simulator's frame */
+    int n_dof, mode[2]; /* of the simulator's frame */
     double omega[2], energy;
-    double panel, turn[4];     /* a search step, and cos and sin of it per mode */
+    double panel, turn[4]; /* a search step, and cos and sin of it per mode */
     int n_face;
     ric_impact_map_face *face;
 } ric_impact_map;
@@ -49,8 +49,8 @@ bool ric_impact_map_inside(const ric_impact_map *section, const double *w, int b
 /* The next impact of a motion w that leaves face `from` (-1: starts in flight), within `horizon`: its time, and what w
  * is right after it. Impacts slower than the search resolves may be missed: what is found here is checked with the
  * simulator. */
-bool ric_impact_map_next(const ric_impact_map *section, const double *w, int from, double horizon, double *time, ric_hit *hit,
-                      double *after);
+bool ric_impact_map_next(const ric_impact_map *section, const double *w, int from, double horizon, double *time,
+                         ric_hit *hit, double *after);
 /* The matrix D [4] of (y, angle) -> (y', angle') over the flight from a to the face of b; false at a grazing. */
 bool ric_impact_map_slope(const ric_impact_map *section, const ric_hit *a, const ric_hit *b, double *D);
 

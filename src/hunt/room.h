@@ -2,5 +2,4 @@
 #ifndef RIC_HUNT_ROOM_H
 #define RIC_HUNT_ROOM_H
 
-
 #endif

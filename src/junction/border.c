@@ -233,8 +233,8 @@ bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
         q->S[i] = copy[i] = q->X[i] - q->K[i]; /* the first rows of K are those of w_0 */
         if (!isfinite(copy[i])) return false;
     }
-    return !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, copy, m, q->sigma, q->left, m, q->right, m,
-                                      super));
+    return !ric_lapack(
+        LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, copy, m, q->sigma, q->left, m, q->right, m, super));
 }
 
 void ric_border_kernel(const ric_border *q, int i, double *du)

@@ -17,22 +17,22 @@
 #include "orbit/room.h"
 
 typedef struct {
-    int n, N, unknowns;  /* seen modes, flights, 2n + N */
+    int n, N, unknowns; /* seen modes, flights, 2n + N */
     const ric_shooting *chain;
-    double size, T;      /* of w_0; the period */
-    double *map, *rate;  /* [N * stride], [N * 2n] of each flight, as the chain has them but for the moves */
-    double *v, *beta;    /* [N * 2n], [N] Householder vector of each condition */
-    double *pivot;       /* [N] */
-    double *pinned;      /* [N * 2n] what the pinned combination makes of the state at the condition */
-    double *X;           /* [2n * 2n] live columns */
-    double *K;           /* [unknowns * 2n] combinations that are left for the closure, orthonormal columns */
-    double *S;           /* [2n * 2n] */
+    double size, T;               /* of w_0; the period */
+    double *map, *rate;           /* [N * stride], [N * 2n] of each flight, as the chain has them but for the moves */
+    double *v, *beta;             /* [N * 2n], [N] Householder vector of each condition */
+    double *pivot;                /* [N] */
+    double *pinned;               /* [N * 2n] what the pinned combination makes of the state at the condition */
+    double *X;                    /* [2n * 2n] live columns */
+    double *K;                    /* [unknowns * 2n] combinations that are left for the closure, orthonormal columns */
+    double *S;                    /* [2n * 2n] */
     double *left, *right, *sigma; /* singular vectors in columns, in rows; values from the largest down, [2n] */
-    double *small;       /* [(4n)^2] the bordered S, factorised */
-    int *swap;           /* [4n] */
-    int b;               /* columns of the border */
-    double *U, *V;       /* [2n * b] rows of the closure; [unknowns * b] of (w_0, tau) */
-    long operations;     /* multiplications so far on columns of flights */
+    double *small;                /* [(4n)^2] the bordered S, factorised */
+    int *swap;                    /* [4n] */
+    int b;                        /* columns of the border */
+    double *U, *V;                /* [2n * b] rows of the closure; [unknowns * b] of (w_0, tau) */
+    long operations;              /* multiplications so far on columns of flights */
 } ric_border;
 
 /* NULL: no memory. For flights and borders of the size of this chain. */

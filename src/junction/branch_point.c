@@ -11,18 +11,19 @@
 #define SMALL 1e-8      /* singular values below this part of the largest, */
 #define GAP 1e-3        /* and this part of the next one, belong to the kernel (switching.c) */
 #define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit */
-#define DISTINCT 1e-3   /* smallest sine of the angle between two directions that can be told apart at the first step,
-                         * 1e-3 of the orbit */
-#define NEIGHBOUR 0.1   /* an orbit farther away, relative, is no neighbour */
+#define DISTINCT                                                                                                       \
+    1e-3              /* smallest sine of the angle between two directions that can be told apart at the first step,   \
+                       * 1e-3 of the orbit */
+#define NEIGHBOUR 0.1 /* an orbit farther away, relative, is no neighbour */
 
 typedef struct {
     ric_shooting *chain;
     int size;
     double *u0;
-    double *kernel;     /* [2 * size] */
-    double *left;       /* [size] left null vector that is not the redundant equation's */
-    double *J, *U, *V;  /* [size^2 each] */
-    double way[2][2];   /* directions in the kernel: THROUGH, SIDE */
+    double *kernel;    /* [2 * size] */
+    double *left;      /* [size] left null vector that is not the redundant equation's */
+    double *J, *U, *V; /* [size^2 each] */
+    double way[2][2];  /* directions in the kernel: THROUGH, SIDE */
     double *memory;
 } crossing;
 
@@ -135,7 +136,7 @@ static ric_status solve(const ric_model *m, const ric_node *node, crossing *q)
 }
 
 ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
-                               double **u0, double **t0)
+                                   double **u0, double **t0)
 {
     crossing q;
     int largest = 0;

@@ -8,9 +8,10 @@
  * along which the energy changes faster, SIDE the other; both allocated. RIC_E_NUMERIC: refused, the reason in
  * ric_detail(). */
 ric_status ric_branch_point_depart(const ric_model *model, const ric_node *node, unsigned choice, ric_shooting **chain,
-                               double **u0, double **t0);
+                                   double **u0, double **t0);
 
 /* Which of the two an orbit near the node lies on. */
-ric_status ric_branch_point_choice(const ric_model *model, const ric_node *node, const ric_periodic *near, unsigned *choice);
+ric_status ric_branch_point_choice(const ric_model *model, const ric_node *node, const ric_periodic *near,
+                                   unsigned *choice);
 
 #endif

@@ -31,7 +31,7 @@ int ric_corner_pairs(const ric_model *m, const ric_periodic *c, double speed, in
 }
 
 ric_periodic *ric_corner_swap(const ric_model *m, const ric_periodic *c, int n_pair, const int *pairs, unsigned choice,
-                           double tolerance)
+                              double tolerance)
 {
     ric_periodic *out = ric_periodic_copy(c);
     if (!out) return NULL;
@@ -55,7 +55,8 @@ static int symmetries(const ric_periodic *c)
     return c->half + (c->pure >= 0) + (c->flip >= 0);
 }
 
-ric_periodic *ric_corner_least(const ric_model *m, const ric_periodic *c, int n_pair, const int *pairs, double tolerance)
+ric_periodic *ric_corner_least(const ric_model *m, const ric_periodic *c, int n_pair, const int *pairs,
+                               double tolerance)
 {
     ric_periodic *best = NULL;
     for (unsigned choice = 0; choice < 1u << n_pair; choice++) {

@@ -21,15 +21,16 @@ int ric_corner_pairs(const ric_model *model, const ric_periodic *cycle, double s
 /* The same motion with the letters of every pair in `choice` (bit i: pair i) exchanged, its symmetries found anew.
  * NULL: no memory. */
 ric_periodic *ric_corner_swap(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs,
-                           unsigned choice, double tolerance);
+                              unsigned choice, double tolerance);
 
 /* Of all orders of the pairs the one with most symmetries, and of these the smallest canonical word. NULL: no
  * memory. */
 ric_periodic *ric_corner_least(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs,
-                            double tolerance);
+                               double tolerance);
 
 /* Whether another order of the pairs is the same motion, run backwards or mirrored: then the orbit belongs to a family
  * on which they stay together. */
-bool ric_corner_fixed(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs, double tolerance);
+bool ric_corner_fixed(const ric_model *model, const ric_periodic *cycle, int n_pair, const int *pairs,
+                      double tolerance);
 
 #endif

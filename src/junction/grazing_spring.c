@@ -13,16 +13,16 @@
  * are met for which alpha_i x > 0: one way out on either side, whatever is found at some distance. For stiff springs
  * that distance is short, and a trial step would land on orbits that do not join this one. */
 
-#define STEP 1e-6      /* of the size of the orbit: difference that gives the slopes alpha */
-#define NO_SLOPE 1e-5  /* of the size of the normal: a slope below it has no certain sign */
-#define SIMPLE 1e-6    /* smallest pivot of a kernel of one dimension */
-#define ALONG 0.99     /* cosine of that kernel with the direction expected */
-#define NO_TIME 1e-7   /* scaled time that counts as none */
+#define STEP 1e-6     /* of the size of the orbit: difference that gives the slopes alpha */
+#define NO_SLOPE 1e-5 /* of the size of the normal: a slope below it has no certain sign */
+#define SIMPLE 1e-6   /* smallest pivot of a kernel of one dimension */
+#define ALONG 0.99    /* cosine of that kernel with the direction expected */
+#define NO_TIME 1e-7  /* scaled time that counts as none */
 #define SAME 1e-5
 
 typedef struct {
-    double alpha, bend;    /* of one touch: slope along the family, |s''| */
-    const double *w;       /* [2n] state there */
+    double alpha, bend; /* of one touch: slope along the family, |s''| */
+    const double *w;    /* [2n] state there */
     int face;
 } touch;
 
@@ -111,7 +111,9 @@ static bool find_touches(const ric_model *m, const ric_node *node, double *W, to
         memcpy(W + 2 * n * i, all + 2 * n * place, 2 * (size_t)n * sizeof *W);
         ric_flight_rate(m, closed, all + 2 * n * place, rate);
         bool closes = closed >> c->face[place] & 1; /* the first event of the pair does: the gap is open around it */
-        touches[i] = (touch){.alpha = closes ? 1 : -1, .bend = fabs(ric_dot(n, face->c, rate + n)), .w = W + 2 * n * i,
+        touches[i] = (touch){.alpha = closes ? 1 : -1,
+                             .bend = fabs(ric_dot(n, face->c, rate + n)),
+                             .w = W + 2 * n * i,
                              .face = c->face[place]};
     }
     free(all);
@@ -196,8 +198,8 @@ static ric_status leave(const ric_model *m, const ric_node *node, unsigned choic
     return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular) : no_memory();
 }
 
-ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain, double **u0,
-                           double **t0, bool *singular)
+ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
+                                     double **u0, double **t0, bool *singular)
 {
     ric_status status = RIC_OK;
     int n = m->n, first = 0, N = node->cycle->N;

@@ -6,9 +6,9 @@
 #include "corner.h"
 #include "orbit/room.h"
 
-#define TOUCH 1e-9      /* reach within this of 1 at a located event is a touch */
-#define SAME 1e-6       /* two located orbits closer than this (relative) are one */
-#define FITS 1e-4       /* distance within which the end of a branch is the orbit of its junction */
+#define TOUCH 1e-9 /* reach within this of 1 at a located event is a touch */
+#define SAME 1e-6  /* two located orbits closer than this (relative) are one */
+#define FITS 1e-4  /* distance within which the end of a branch is the orbit of its junction */
 
 /* ------------------------------------------------------------------ touches */
 
@@ -79,10 +79,15 @@ ric_periodic *ric_grazing_words_keep(const ric_model *m, const ric_periodic *who
 
 /* An operation on the orbit gone through `multiple` times: element 0 identity, 1 half period, 2 reversal, 3 both, then
  * `shift` periods. */
-typedef struct { int element, shift; } operation;
+typedef struct {
+    int element, shift;
+} operation;
 
 /* What an element makes of bit i: bit to[i], later[i] periods on. */
-typedef struct { bool exists; int to[RIC_MAX_TOUCHES], later[RIC_MAX_TOUCHES]; } action;
+typedef struct {
+    bool exists;
+    int to[RIC_MAX_TOUCHES], later[RIC_MAX_TOUCHES];
+} action;
 
 /* At a corner a bit stands for an event and the next one, which a reversal exchanges. */
 static void act_on_pairs(const ric_node *node, action out[4])
@@ -101,8 +106,8 @@ static void act_on_pairs(const ric_node *node, action out[4])
 }
 
 /* The time that each element adds, of reversals the sum of the times of an event and its image; NAN: the motion lacks
- * it. Two contacts that close at one instant hide a reversal (ric_grazing_words_keep): then the orbit without touches tells,
- * and where that is a linear mode, at rest when it touches. */
+ * it. Two contacts that close at one instant hide a reversal (ric_grazing_words_keep): then the orbit without touches
+ * tells, and where that is a linear mode, at rest when it touches. */
 static bool times_of(const ric_model *m, const ric_node *node, const double *t, double sums[4])
 {
     const ric_periodic *c = node->cycle;
@@ -126,8 +131,7 @@ static bool times_of(const ric_model *m, const ric_node *node, const double *t, 
     int pure = rest ? rest->pure : 0, flip = rest ? rest->flip : 0;
     if (isnan(sums[1]) && half) sums[1] = period / 2;
     if (isnan(sums[2]) && pure >= 0) sums[2] = rest ? t[event[0]] + t[event[pure]] : 2 * t[node->touch[0]];
-    if (isnan(sums[3]) && flip >= 0)
-        sums[3] = rest ? t[event[0]] + t[event[flip]] : 2 * t[node->touch[0]] + period / 2;
+    if (isnan(sums[3]) && flip >= 0) sums[3] = rest ? t[event[0]] + t[event[flip]] : 2 * t[node->touch[0]] + period / 2;
     ric_periodic_free(rest);
     return true;
 }
@@ -264,8 +268,8 @@ static bool add(ric_node *node, int *capacity, ric_departure departure)
 bool ric_grazing_words_list(const ric_model *m, ric_node *node)
 {
     int n, capacity = 0;
-    if (node->refusal) return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET,
-                                                                   .budget = RIC_BUDGET_TOUCHES});
+    if (node->refusal)
+        return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET, .budget = RIC_BUDGET_TOUCHES});
     unsigned char *table = permutations(m, node, &n);
     bool good = table;
     for (unsigned choice = 0; good && choice < 1u << (node->n_touch * node->multiple); choice++)
@@ -283,7 +287,7 @@ ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, 
     if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, p, node->touch, choice, SAME);
     action actions[4];
     ric_periodic *whole = find_actions(m, node, actions) ? ric_periodic_repeat(node->cycle, node->multiple) : NULL,
-              *out = NULL;
+                 *out = NULL;
     if (!whole) return NULL;
     for (int i = 0; i < all; i++) keep[i] = true;
     for (int bit = 0; bit < p * node->multiple; bit++) {
@@ -324,7 +328,8 @@ int ric_grazing_words_choice(const ric_model *m, const ric_node *node, const ric
     bool reverse, mirror, *kept = NULL;
     if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
     action actions[4];
-    ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept), *whole = ric_periodic_repeat(node->cycle, node->multiple);
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept),
+                 *whole = ric_periodic_repeat(node->cycle, node->multiple);
     if (full && kept && whole && find_actions(m, node, actions) && full->N == all &&
         ric_periodic_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
         unsigned choice = 0;

@@ -10,43 +10,49 @@
 #include "base/room.h"
 
 #define TWO_PI 6.283185307179586477
-#define SMALL 1e-8      /* singular values below this part of the largest, */
-#define GAP 1e-3        /* and this part of the next one, belong to the kernel; as for branch points with a plane
-                         * (switching.c) */
-#define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit: their error, its square, is as large
-                         * as their rounding */
-#define TURNS 1e-4      /* the shift, from such differences, is a rotation of its order within this */
-#define RADIUS 1e-3     /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding
-                         * (continuation.c) */
-#define RADII 8         /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is
-                         * rounding */
-#define BEND 1.0        /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the
-                         * node behind */
-#define CLEAR 1e3       /* the angular equation must stand out of rounding by this factor: its roots then keep three
-                         * digits */
-#define SAMPLES 12      /* of a sector, which holds one period of a sine */
+#define SMALL 1e-8 /* singular values below this part of the largest, */
+#define GAP                                                                                                            \
+    1e-3 /* and this part of the next one, belong to the kernel; as for branch points with a plane                     \
+          * (switching.c) */
+#define DIFFERENCE                                                                                                     \
+    1e-5           /* half step of central differences, relative to the orbit: their error, its square, is as large    \
+                    * as their rounding */
+#define TURNS 1e-4 /* the shift, from such differences, is a rotation of its order within this */
+#define RADIUS                                                                                                         \
+    1e-3 /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding                  \
+          * (continuation.c) */
+#define RADII                                                                                                          \
+    8 /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is                  \
+       * rounding */
+#define BEND                                                                                                           \
+    1.0 /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the                \
+         * node behind */
+#define CLEAR                                                                                                          \
+    1e3            /* the angular equation must stand out of rounding by this factor: its roots then keep three        \
+                    * digits */
+#define SAMPLES 12 /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
-#define STALLED 4       /* of the tolerance: what is left where Newton's method stalls, as on branches (continuation.c) */
+#define STALLED 4 /* of the tolerance: what is left where Newton's method stalls, as on branches (continuation.c) */
 #define ROOT_STEPS 60
-#define NEIGHBOUR 0.25  /* an orbit farther away than the widest circle is no neighbour of the node */
+#define NEIGHBOUR 0.25 /* an orbit farther away than the widest circle is no neighbour of the node */
 
 typedef struct {
     ric_shooting *chain;
     int size, order;
-    int sign;         /* of the state after one period of the map: -1 where the map is over half a period of an S
-                       * orbit */
+    int sign; /* of the state after one period of the map: -1 where the map is over half a period of an S
+               * orbit */
     double *memory;
-    double *u0;       /* [size] the orbit gone through r times */
-    double *tangent;  /* [size] T, of the branch that is repeated */
-    double *plane;    /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
-    double *dual;     /* [2 * size] z_i = dual_i . (u - u0) */
-    double *left;     /* [2 * size] left null vectors that are not the energy's */
-    double *energy;   /* [size] left null vector of the redundant equation */
+    double *u0;        /* [size] the orbit gone through r times */
+    double *tangent;   /* [size] T, of the branch that is repeated */
+    double *plane;     /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
+    double *dual;      /* [2 * size] z_i = dual_i . (u - u0) */
+    double *left;      /* [2 * size] left null vectors that are not the energy's */
+    double *energy;    /* [size] left null vector of the redundant equation */
     double *J, *A, *b; /* [size^2], [(size + 2)^2], [size + 2] */
-    double M[4];      /* d^2(left . equations) / ds dz */
+    double M[4];       /* d^2(left . equations) / ds dz */
     double radius;
-    double angle[2];  /* the two roots of the first sector, in the order of ric_multiplication_depart */
-    double *start;    /* [2 * size] orbits there */
+    double angle[2]; /* the two roots of the first sector, in the order of ric_multiplication_depart */
+    double *start;   /* [2 * size] orbits there */
 } ring;
 
 bool ric_multiplication_applies(const ric_node *node, unsigned choice)
@@ -476,7 +482,8 @@ static bool primitive(ring *q, const double *u)
 {
     ric_shooting_fly(q->chain, u);
     ric_periodic *cycle = ric_periodic_from_chain(q->chain, u);
-    bool result = cycle && ric_periodic_find_symmetries(q->chain->model, cycle, 0.01 * q->radius / q->chain->scale) == 1;
+    bool result = cycle &&
+                  ric_periodic_find_symmetries(q->chain->model, cycle, 0.01 * q->radius / q->chain->scale) == 1;
     ric_periodic_free(cycle);
     return result;
 }
@@ -509,8 +516,8 @@ out:
 
 /* ----------------------------------------------------------------- interface */
 
-ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_shooting **chain,
-                           double **u0, double **t0)
+ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, unsigned choice, int side,
+                                     ric_shooting **chain, double **u0, double **t0)
 {
     ring q;
     *chain = NULL;
@@ -557,7 +564,7 @@ static double angle_of(const ric_model *m, const ring *q, const ric_periodic *ho
 static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_periodic *near, double off[2])
 {
     ric_periodic *repeated = ric_periodic_repeat(node->cycle, node->multiple),
-              *home = repeated ? ric_periodic_nearest(m, repeated, near, NEIGHBOUR) : NULL;
+                 *home = repeated ? ric_periodic_nearest(m, repeated, near, NEIGHBOUR) : NULL;
     bool turned = q->order > node->multiple; /* each shift is half a period, joined with x -> -x */
     off[0] = off[1] = HUGE_VAL;
     for (int k = 0; home && k < q->order; k++) {
@@ -572,7 +579,8 @@ static bool compare(const ric_model *m, const ric_node *node, const ring *q, con
     return off[0] < HUGE_VAL;
 }
 
-ric_status ric_multiplication_class(const ric_model *m, const ric_node *node, const ric_periodic *near, unsigned *choice, int *side)
+ric_status ric_multiplication_class(const ric_model *m, const ric_node *node, const ric_periodic *near,
+                                    unsigned *choice, int *side)
 {
     ring q;
     double off[2];

@@ -9,18 +9,23 @@
 #include "base/room.h"
 
 #define ROUNDING (2 * DBL_EPSILON) /* of entries of J and of the unknowns, relative */
-#define MARGIN 2     /* of an error that is the largest of a few measured ones */
-#define CLEAR 30     /* a number above its error by this factor is none of a zero; in between nobody can tell */
-#define STEP 1e-8    /* of the unknowns, along the branch: the orbit is left by its square, which is rounding */
-#define PLACED 1e-6  /* a junction that is known less exactly has no label: what changes with its place is no longer
-                      * linear */
-#define EXACT 5e-9   /* a zero that the kind of a junction does not demand is one only if its error is that small: two
-                      * points farther apart are not taken for one */
+#define MARGIN 2                   /* of an error that is the largest of a few measured ones */
+#define CLEAR 30  /* a number above its error by this factor is none of a zero; in between nobody can tell */
+#define STEP 1e-8 /* of the unknowns, along the branch: the orbit is left by its square, which is rounding */
+#define PLACED                                                                                                         \
+    1e-6 /* a junction that is known less exactly has no label: what changes with its place is no longer               \
+          * linear */
+#define EXACT                                                                                                          \
+    5e-9 /* a zero that the kind of a junction does not demand is one only if its error is that small: two             \
+          * points farther apart are not taken for one */
 enum {
-    MOST_B = 4,      /* kernels beyond that are not counted */
-    ORDERS = 5,      /* a - b is smaller */
-    READINGS = 4,    /* with entries moved by rounding */
-    SIGMA = 0, DET = SIGMA + MOST_B + 1, BLOCK = DET + ORDERS, NUMBERS = BLOCK + MOST_B * MOST_B
+    MOST_B = 4,   /* kernels beyond that are not counted */
+    ORDERS = 5,   /* a - b is smaller */
+    READINGS = 4, /* with entries moved by rounding */
+    SIGMA = 0,
+    DET = SIGMA + MOST_B + 1,
+    BLOCK = DET + ORDERS,
+    NUMBERS = BLOCK + MOST_B * MOST_B
 };
 
 /* What the kind of a junction lets expect (docs/theory.md section 7). */
@@ -34,7 +39,7 @@ static void expected(const ric_node *node, int *a, int *b)
     bool doubling = node->multiple == 2 && !half;
     *b = doubling ? 2 : 3;
     *a = doubling && ric_periodic_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight,
-                                                                  * too */
+                                                                     * too */
 }
 
 /* What is read off J: small singular values, from the least up, and the determinant of the border, order by order.
@@ -92,11 +97,11 @@ static bool read_border(ric_border *q, double *x, reading *out)
 typedef struct {
     const ric_model *model;
     ric_shooting *chain;
-    double *u, *at, *x;       /* unknowns of the chain, moved ones; workspace */
+    double *u, *at, *x; /* unknowns of the chain, moved ones; workspace */
     ric_border *base, *moved;
-    double rounding;          /* of the flights */
-    int a, b;                 /* of the kind, least */
-    bool more;                /* there may be more: where flights are fixed, or a branch of one frequency leaves */
+    double rounding; /* of the flights */
+    int a, b;        /* of the kind, least */
+    bool more;       /* there may be more: where flights are fixed, or a branch of one frequency leaves */
 } gauge;
 
 /* The orbit of the junction gone through as often as it is multiplied, in the general form. */
@@ -116,7 +121,8 @@ static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int mult
     return RIC_OK;
 }
 
-/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle turned (shooting.c). */
+/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle turned (shooting.c).
+ */
 static double rounding_of(const ric_model *m, const ric_periodic *whole)
 {
     int n = 2 * m->n;

@@ -10,12 +10,13 @@
 #include "grazing_words.h"
 #include "base/room.h"
 
-#define NO_SPEED 1e-7   /* approach speed below this (scaled) at a located event is a touch that was kept */
-#define SAME 1e-6       /* two located orbits closer than this (relative) are one */
-#define FIXED 1e-5      /* distance of an orbit from its image at which a corner counts as its own */
-#define ALONE 0.25       /* a multiplier nearer to one root of unity than this part of its distance to the next one
-                          * means that one */
-#define ARRIVED 1e-3     /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
+#define NO_SPEED 1e-7 /* approach speed below this (scaled) at a located event is a touch that was kept */
+#define SAME 1e-6     /* two located orbits closer than this (relative) are one */
+#define FIXED 1e-5    /* distance of an orbit from its image at which a corner counts as its own */
+#define ALONE                                                                                                          \
+    0.25             /* a multiplier nearer to one root of unity than this part of its distance to the next one        \
+                      * means that one */
+#define ARRIVED 1e-3 /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
 
 void ric_node_free(ric_node *node)
 {
@@ -324,8 +325,8 @@ ric_status ric_node_start(const ric_model *m, const ric_periodic *cycle, ric_nod
 }
 
 /* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch arrives on a sharp turn
- * rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no other is near, and ric_node_solve tells whether
- * it is met. rho alone does not tell p from q - p unless it is that of half a period: then the smaller one. */
+ * rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no other is near, and ric_node_solve tells
+ * whether it is met. rho alone does not tell p from q - p unless it is that of half a period: then the smaller one. */
 static int rotation_of(const ric_model *m, const ric_periodic *cycle, int q)
 {
     ric_shooting *chain = NULL;
@@ -472,9 +473,10 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
     unsigned result = RIC_SIDE;
     int shift;
     bool reverse, mirror;
-    ric_periodic *repeated = node->multiple > 1 && node->n_departure > 2 ? ric_periodic_repeat(node->cycle, node->multiple)
-                                                                      : NULL,
-              *home = NULL;
+    ric_periodic *repeated = node->multiple > 1 && node->n_departure > 2
+                                 ? ric_periodic_repeat(node->cycle, node->multiple)
+                                 : NULL,
+                 *home = NULL;
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
     ric_periodic *here = ric_periodic_copy(cycle);
     bool found = here && (!m->smooth || ric_periodic_mark(here, repeated->N));
@@ -516,7 +518,8 @@ int ric_node_impacts(const ric_node *node, unsigned choice)
 
 bool ric_node_half(const ric_model *m, const ric_node *node, unsigned choice)
 {
-    ric_periodic *c = ric_node_chooses(node) ? ric_grazing_words_cycle(m, node, choice) : ric_periodic_copy(node->cycle);
+    ric_periodic *c = ric_node_chooses(node) ? ric_grazing_words_cycle(m, node, choice)
+                                             : ric_periodic_copy(node->cycle);
     bool half = c && c->half && !ric_node_leaves(node, choice);
     ric_periodic_free(c);
     return ric_node_leaves(node, choice) ? ric_node_problem(node, choice).half : half;

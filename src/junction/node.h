@@ -27,9 +27,9 @@ enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2, RIC_IMAGE_SIDE = 3 };
 typedef struct {
     unsigned choice;
     ric_departure_state state;
-    char *why;           /* for refused, owned */
-    ric_budget budget;   /* the one that it exceeds */
-    int job;             /* number under which workers prepare it; 0: they do not */
+    char *why;         /* for refused, owned */
+    ric_budget budget; /* the one that it exceeds */
+    int job;           /* number under which workers prepare it; 0: they do not */
 } ric_departure;
 
 /* Why no branch leaves a junction at all. */
@@ -38,24 +38,24 @@ const char *ric_node_refusal_text(ric_refusal refusal);
 
 typedef struct {
     ric_kind kind;
-    ric_periodic *cycle;    /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a
+    ric_periodic *cycle; /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a
                           * spring with no time between */
     uint64_t springs;    /* faces that are springs */
     int n_touch;
     int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; of a pair, and at a corner, of the first impact of each
                                  * pair */
-    int test;            /* which test function vanishes on the branch that passes; -1 */
+    int test;                   /* which test function vanishes on the branch that passes; -1 */
     int multiple, rotation[2];
     int a, b;
     double energy, period; /* internal units, of the original orbit */
-    int n_departure;     /* of a grazing or a corner only when ric_grazing_words_list has listed them */
+    int n_departure;       /* of a grazing or a corner only when ric_grazing_words_list has listed them */
     ric_departure *departures;
     ric_refusal refusal;
-    ric_user_point asked;     /* of kind user */
-    int mode;            /* linear mode that grazes here, from 0; -1 */
+    ric_user_point asked; /* of kind user */
+    int mode;             /* linear mode that grazes here, from 0; -1 */
     int depth;
-    bool expanded;       /* its duplicates are listed */
-    bool mirrors;        /* x -> -x takes motions of the structure to motions: images of its ways out are no others */
+    bool expanded; /* its duplicates are listed */
+    bool mirrors;  /* x -> -x takes motions of the structure to motions: images of its ways out are no others */
 } ric_node;
 
 void ric_node_free(ric_node *node);
@@ -75,7 +75,8 @@ ric_status ric_node_corner(const ric_model *model, const ric_periodic *cycle, ri
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
 ric_status ric_node_interior(const ric_model *model, const ric_periodic *cycle, int test, ric_node **out);
 /* A point of a branch where an energy or a frequency is what was asked for. */
-ric_status ric_node_user(const ric_model *model, const ric_periodic *cycle, const ric_user_point *asked, ric_node **out);
+ric_status ric_node_user(const ric_model *model, const ric_periodic *cycle, const ric_user_point *asked,
+                         ric_node **out);
 /* A regular orbit to start from. */
 ric_status ric_node_start(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* The symmetric orbit that a branch arrives at. */

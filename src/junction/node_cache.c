@@ -97,11 +97,21 @@ ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size)
     if (!to) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
     node_head h;
     memset(&h, 0, sizeof h);
-    h = (node_head){.kind = (int32_t)node->kind, .n_touch = node->n_touch, .test = node->test,
-                    .multiple = node->multiple, .rotation = {node->rotation[0], node->rotation[1]}, .a = node->a,
-                    .b = node->b, .refusal = (int32_t)node->refusal, .mode = node->mode, .mirrors = node->mirrors,
-                    .n_departure = node->n_departure, .frequency = node->asked.frequency, .energy = node->energy,
-                    .period = node->period, .asked = node->asked.value};
+    h = (node_head){.kind = (int32_t)node->kind,
+                    .n_touch = node->n_touch,
+                    .test = node->test,
+                    .multiple = node->multiple,
+                    .rotation = {node->rotation[0], node->rotation[1]},
+                    .a = node->a,
+                    .b = node->b,
+                    .refusal = (int32_t)node->refusal,
+                    .mode = node->mode,
+                    .mirrors = node->mirrors,
+                    .n_departure = node->n_departure,
+                    .frequency = node->asked.frequency,
+                    .energy = node->energy,
+                    .period = node->period,
+                    .asked = node->asked.value};
     for (int i = 0; i < node->n_touch; i++) h.touch[i] = node->touch[i];
     put(&to, &h, sizeof h);
     put_cycle(&to, node->cycle);
@@ -186,8 +196,8 @@ static void keep(ric_cache *memo, const char *key, size_t key_size, ric_status s
     free(bytes);
 }
 
-ric_status ric_node_cache_solve(const ric_model *m, ric_node_cache recall, ric_defining solve, const ric_periodic *cycle,
-                          ric_node **out)
+ric_status ric_node_cache_solve(const ric_model *m, ric_node_cache recall, ric_defining solve,
+                                const ric_periodic *cycle, ric_node **out)
 {
     size_t key_size = 0, size = 0;
     char *key = recall.memo ? make_key(&solve, cycle, &key_size) : NULL;

@@ -8,7 +8,7 @@
 
 typedef struct {
     ric_cache *memo; /* NULL: everything is computed */
-    bool worker;    /* puts results in; else takes them out */
+    bool worker;     /* puts results in; else takes them out */
 } ric_node_cache;
 
 typedef enum {
@@ -23,13 +23,13 @@ typedef enum {
 /* Which of the functions of node.h, and its arguments. */
 typedef struct {
     ric_defining_kind kind;
-    int test;         /* of an interior point */
-    int p, q;         /* of a multiplication */
-    ric_user_point asked;  /* of kind user */
+    int test;             /* of an interior point */
+    int p, q;             /* of a multiplication */
+    ric_user_point asked; /* of kind user */
 } ric_defining;
 
-ric_status ric_node_cache_solve(const ric_model *model, ric_node_cache recall, ric_defining solve, const ric_periodic *cycle,
-                          ric_node **out);
+ric_status ric_node_cache_solve(const ric_model *model, ric_node_cache recall, ric_defining solve,
+                                const ric_periodic *cycle, ric_node **out);
 
 /* A node with its departures (none of the reasons), and back; bytes of one machine type and version. */
 ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size);

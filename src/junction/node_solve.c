@@ -8,35 +8,41 @@
 #include "base/room.h"
 
 #define TWO_PI 6.283185307179586477
-#define FAR 1e-3        /* a located orbit that moves farther when it is solved on its own equations is another one */
-#define AT_ZERO 1e-6    /* a determinant whose zero is farther away than this, by its slope, has none here: the sign
-                         * changed at a pole */
-#define FINE 1e-12      /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in
-                         * higher precision */
-#define PLACED 1e-6     /* an extremum is listed if its place is known to this part of the size of the orbit
+#define FAR 1e-3 /* a located orbit that moves farther when it is solved on its own equations is another one */
+#define AT_ZERO                                                                                                        \
+    1e-6 /* a determinant whose zero is farther away than this, by its slope, has none here: the sign                  \
+          * changed at a pole */
+#define FINE                                                                                                           \
+    1e-12 /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in               \
+           * higher precision */
+#define PLACED                                                                                                         \
+    1e-6                /* an extremum is listed if its place is known to this part of the size of the orbit           \
                          * (a bound: the error is a tenth) */
-#define NARROWEST 1e-10  /* of the size: shorter branches are none */
-#define STRAIGHT 0.2     /* part of its ends by which a function may be off a straight line that passes zero */
-#define AT_ROOT 1e-6 /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
-#define NEAR_ROOT 1e-4   /* the same with an error that is larger: farther away there is none */
+#define NARROWEST 1e-10 /* of the size: shorter branches are none */
+#define STRAIGHT 0.2    /* part of its ends by which a function may be off a straight line that passes zero */
+#define AT_ROOT 1e-6    /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
+#define NEAR_ROOT 1e-4  /* the same with an error that is larger: farther away there is none */
 #define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
-#define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
+#define BESIDE 1e-4      /* distance, relative, of the points whose slopes tell how sharp it is */
 #define UNDECIDED (-1)
-#define MET 1e-8         /* relative distance at which it is: beside a branch point orbits are known to rounding /
-                          * distance */
-#define GRAIN 0x1p-32   /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
-                         * where they came from */
+#define MET                                                                                                            \
+    1e-8 /* relative distance at which it is: beside a branch point orbits are known to rounding /                     \
+          * distance */
+#define GRAIN                                                                                                          \
+    0x1p-32      /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember         \
+                  * where they came from */
 #define PASSES 5 /* most of them: where a place is known to less than a grain they need not come to an end */
-#define COARSE_GRAIN 0x1p-28 /* the same where what vanishes is regular: the fewer orbits that differ by rounding are
-                              * rounded to different ones */
+#define COARSE_GRAIN                                                                                                   \
+    0x1p-28 /* the same where what vanishes is regular: the fewer orbits that differ by rounding are                   \
+             * rounded to different ones */
 
 /* What vanishes at a junction, as a function of the point on the curve. */
 typedef struct {
     ric_shooting *chain;
     ric_floquet floquet;
     int test;
-    int place;     /* in the chain, of the impact or flight in question */
-    bool soft;     /* at a grazing: a flight between two switches of a spring, and no impact */
+    int place; /* in the chain, of the impact or flight in question */
+    bool soft; /* at a grazing: a flight between two switches of a spring, and no impact */
     const double *u;
     int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
     const ric_user_point *asked;
@@ -113,7 +119,7 @@ static double off_asked(const criterion *q, const double *u)
 {
     const ric_model *m = q->chain->model;
     return ric_user_point_off(q->asked, ric_shooting_energy(q->chain) * m->energy_unit,
-                         TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
+                              TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
 }
 
 static double evaluate(criterion *q, const double *u, const double *t, double orientation)
@@ -363,15 +369,18 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     bool done = false;
     double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
     for (int pass = 0; pass < PASSES && !done; pass++) {
-        criterion q = {.test = what.test, .rotation = {what.rotation[0], what.rotation[1]}, .asked = what.asked,
-                       .last = pass > 0, .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
+        criterion q = {.test = what.test,
+                       .rotation = {what.rotation[0], what.rotation[1]},
+                       .asked = what.asked,
+                       .last = pass > 0,
+                       .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
         double *u = NULL;
         ric_periodic *source = pass ? canonical : ric_periodic_copy(cycle);
         bool good = source && !ric_periodic_to_chain(m, source, &q.chain, &u);
         done = good && pass && settled(q.chain->n_unknown, grain, u, &n_grid, &grid);
         if (good && !done && !ric_floquet_create(m->n, &q.floquet)) {
-            ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the rounded
-                                             * unknowns */
+            ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the
+                                                * rounded unknowns */
             if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
             if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
             good = good && solve_criterion(&q, u);

@@ -11,8 +11,8 @@ enum {
 };
 
 typedef struct {
-    int test;               /* of continuation.h, or one of these */
-    int rotation[2];        /* p / q of a multiplication */
+    int test;        /* of continuation.h, or one of these */
+    int rotation[2]; /* p / q of a multiplication */
     const ric_user_point *asked;
 } ric_criterion;
 

@@ -16,12 +16,13 @@
 
 #include "flow/taylor_quad.h"
 
-#define SETTLED 1e-17     /* an orbit is corrected until it moves by less, relative; the next time it would move by a
-                           * billionth of that */
-#define PLACED 1e-18      /* and the branch point until it does */
-#define FIRST 1e-8        /* first step of the secant */
-#define REGULAR 1e-9      /* smaller singular values, relative, belong to the family and to the phase */
-#define NEAR 1e-2         /* a branch point farther away, relative, is another one */
+#define SETTLED                                                                                                        \
+    1e-17            /* an orbit is corrected until it moves by less, relative; the next time it would move by a       \
+                      * billionth of that */
+#define PLACED 1e-18 /* and the branch point until it does */
+#define FIRST 1e-8   /* first step of the secant */
+#define REGULAR 1e-9 /* smaller singular values, relative, belong to the family and to the phase */
+#define NEAR 1e-2    /* a branch point farther away, relative, is another one */
 enum { CORRECTIONS = 12, SECANTS = 20 };
 
 typedef struct {
@@ -29,11 +30,11 @@ typedef struct {
     const ric_model *m;
     int kind, n, rows;
     double scale;
-    real *w, *X;         /* [2n] and [2n * columns] state and neighbours */
-    int columns;         /* unknowns of the orbit in one flight: inner nodes count for nothing here */
-    real *u, *residual;  /* a point of the branch [columns] and what it leaves of the conditions at its end [rows] */
-    double *inverse;     /* [columns * rows] of their derivatives */
-    real *B;             /* [(2n)^2], and at least [(n + 1)^2] */
+    real *w, *X;        /* [2n] and [2n * columns] state and neighbours */
+    int columns;        /* unknowns of the orbit in one flight: inner nodes count for nothing here */
+    real *u, *residual; /* a point of the branch [columns] and what it leaves of the conditions at its end [rows] */
+    double *inverse;    /* [columns * rows] of their derivatives */
+    real *B;            /* [(2n)^2], and at least [(n + 1)^2] */
     real *work;
 } fine;
 

@@ -14,13 +14,14 @@
 #include "base/room.h"
 #include "orbit/room.h"
 
-#define TRIAL 1e-4      /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
-#define SECANT 1e-4     /* distance, relative, of the point that gives the direction of a side branch */
-#define NEAR 1e-5       /* the same of points that are not solved: directions are their differences */
-#define ITSELF 1e-2     /* of an orbit and its image, one is the orbit itself if its distance is less than this part of
-                         * the other's */
-#define LARGE 300       /* unknowns from which on a dense singular value decomposition costs more than the rest */
-#define SECOND 1e-6     /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
+#define TRIAL 1e-4  /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
+#define SECANT 1e-4 /* distance, relative, of the point that gives the direction of a side branch */
+#define NEAR 1e-5   /* the same of points that are not solved: directions are their differences */
+#define ITSELF                                                                                                         \
+    1e-2            /* of an orbit and its image, one is the orbit itself if its distance is less than this part of    \
+                     * the other's */
+#define LARGE 300   /* unknowns from which on a dense singular value decomposition costs more than the rest */
+#define SECOND 1e-6 /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
 
 /* Two contacts of a kept word that close at one instant. */
 static const char *together(const ric_model *m, const ric_periodic *c)
@@ -159,8 +160,10 @@ static ric_status neighbour(const ric_model *m, ric_shooting *form, const double
     ric_shooting *chain = NULL;
     ric_status status;
     for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
-    ric_periodic *home = ric_turn_cycle(m, form, point, turn), *repeated = home ? ric_symmetry_cycle(home, problem) : NULL;
-    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_periodic *home = ric_turn_cycle(m, form, point, turn),
+                 *repeated = home ? ric_symmetry_cycle(home, problem) : NULL;
+    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u)
+                      : ric_fail(RIC_E_NOMEM, "no memory for a departure");
     ric_shooting_free(chain);
     ric_periodic_free(home);
     ric_periodic_free(repeated);
@@ -168,7 +171,8 @@ static ric_status neighbour(const ric_model *m, ric_shooting *form, const double
 }
 
 /* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component positive. */
-static ric_status side_direction(ric_shooting *c, const double *u0, const double *before, const double *after, double *t0)
+static ric_status side_direction(ric_shooting *c, const double *u0, const double *before, const double *after,
+                                 double *t0)
 {
     int size = c->n_unknown, largest = 0;
     double kernel[2 * size], p = 0, q = 0;
@@ -257,8 +261,8 @@ static bool turns_round(const ric_node *node)
            ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
 }
 
-static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain, double **u0,
-                              double **t0)
+static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
+                              double **u0, double **t0)
 {
     ric_symmetry problem = ric_node_problem(node, choice);
     ric_shooting *form = NULL;
@@ -299,7 +303,8 @@ out:
     return status;
 }
 
-static ric_status depart_through(const ric_model *m, const ric_node *node, ric_shooting **chain, double **u0, double **t0)
+static ric_status depart_through(const ric_model *m, const ric_node *node, ric_shooting **chain, double **u0,
+                                 double **t0)
 {
     ric_status status = ric_periodic_to_chain(m, node->cycle, chain, u0);
     if (status) return status;
@@ -325,8 +330,8 @@ static bool keeps_soft(const ric_node *node, unsigned choice)
     return false;
 }
 
-ric_status ric_switching_depart(const ric_model *m, const ric_node *node, unsigned choice, int side, ric_shooting **chain,
-                           double **u0, double **t0, unsigned *ignore)
+ric_status ric_switching_depart(const ric_model *m, const ric_node *node, unsigned choice, int side,
+                                ric_shooting **chain, double **u0, double **t0, unsigned *ignore)
 {
     const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
     bool singular = false;
@@ -356,7 +361,8 @@ ric_status ric_switching_depart(const ric_model *m, const ric_node *node, unsign
         return status;
     }
     *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-    if (ric_multiplication_applies(node, choice)) return ric_multiplication_depart(m, node, choice, side, chain, u0, t0);
+    if (ric_multiplication_applies(node, choice))
+        return ric_multiplication_depart(m, node, choice, side, chain, u0, t0);
     ric_status status = depart_side(m, node, choice, chain, u0, t0);
     if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
     return status;

@@ -141,8 +141,8 @@ void ric_model_complement(int n, const double *h, double *E)
 }
 
 #define LINEAR_ENERGY 1e-6 /* amplitudes of a thousandth of the length at which a power law acts */
-#define FAST 20.0 /* ratio to the lowest frequency */
-#define NEAR_ONE 4 /* powers of two by which a unit may be off before it is changed: a digit */
+#define FAST 20.0          /* ratio to the lowest frequency */
+#define NEAR_ONE 4         /* powers of two by which a unit may be off before it is changed: a digit */
 
 /* The length at which a contact acts: its clearance, or where the force of a power law is that of the structure,
  * k_c s^m c.c = omega_ref^2 s. */
@@ -234,10 +234,16 @@ static void make_faces(ric_model *m)
             if (side > 0 && m->contact[f].sides == RIC_SIDES_LOWER) continue;
             if (side < 0 && m->contact[f].sides == RIC_SIDES_UPPER) continue;
             int mirror = !both ? -1 : side > 0 ? m->n_face + 1 : m->n_face - 1;
-            m->face[m->n_face++] = (ric_face){
-                .contact = f, .side = side, .mirror = mirror,
-                .gap = side * m->contact[f].clearance / m->contact[0].clearance / m->length, .spring = m->spring[f],
-                .c = m->c + f * n, .g = m->g + f * n, .cc = ric_dot(n, m->c + f * n, m->c + f * n), .E = E};
+            m->face[m->n_face++] = (ric_face){.contact = f,
+                                              .side = side,
+                                              .mirror = mirror,
+                                              .gap = side * m->contact[f].clearance / m->contact[0].clearance /
+                                                     m->length,
+                                              .spring = m->spring[f],
+                                              .c = m->c + f * n,
+                                              .g = m->g + f * n,
+                                              .cc = ric_dot(n, m->c + f * n, m->c + f * n),
+                                              .E = E};
         }
     }
 }
@@ -339,20 +345,47 @@ void ric_model_free(ric_model *m)
 
 /* ---------------------------------------------------------------- queries */
 
-int ric_model_n_dof(const ric_model *m) { return m->n_dof; }
-int ric_model_n_mode(const ric_model *m) { return m->n; }
-int ric_model_n_contact(const ric_model *m) { return m->n_contact; }
-int ric_model_n_face(const ric_model *m) { return m->n_face; }
-int ric_model_n_part(const ric_model *m) { return m->n_part; }
-bool ric_model_symmetric(const ric_model *m) { return m->symmetric; }
+int ric_model_n_dof(const ric_model *m)
+{
+    return m->n_dof;
+}
+int ric_model_n_mode(const ric_model *m)
+{
+    return m->n;
+}
+int ric_model_n_contact(const ric_model *m)
+{
+    return m->n_contact;
+}
+int ric_model_n_face(const ric_model *m)
+{
+    return m->n_face;
+}
+int ric_model_n_part(const ric_model *m)
+{
+    return m->n_part;
+}
+bool ric_model_symmetric(const ric_model *m)
+{
+    return m->symmetric;
+}
 double ric_model_length(const ric_model *m)
 {
     const ric_contact *first = &m->contact[0];
     return first->law != RIC_LAW_POWER ? first->clearance : first->length > 0 ? first->length : 1;
 }
-double ric_model_restitution(const ric_model *m) { return m->restitution; }
-const double *ric_model_mass(const ric_model *m) { return m->M; }
-const double *ric_model_stiffness(const ric_model *m) { return m->K; }
+double ric_model_restitution(const ric_model *m)
+{
+    return m->restitution;
+}
+const double *ric_model_mass(const ric_model *m)
+{
+    return m->M;
+}
+const double *ric_model_stiffness(const ric_model *m)
+{
+    return m->K;
+}
 
 ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
 {

@@ -26,15 +26,15 @@ typedef struct {
 struct ric_model {
     /* raw data */
     int n_dof, n_contact;
-    double *M, *K, *b;  /* [n_dof^2], [n_dof^2], [n_contact * n_dof] */
+    double *M, *K, *b;    /* [n_dof^2], [n_dof^2], [n_contact * n_dof] */
     ric_contact *contact; /* [n_contact], own names (may be NULL) and normals in b */
     double restitution;
     /* all modes */
-    double *frequency;  /* [n_dof] rad/s */
+    double *frequency;     /* [n_dof] rad/s */
     double *frequency_low; /* [n_dof] what rounding took from it */
-    double *Phi;        /* [n_dof^2], column i is mode i, mass-normalised */
-    double *normal;     /* [n_contact * n_dof], phi_i . b_f */
-    bool *seen;         /* [n_dof] */
+    double *Phi;           /* [n_dof^2], column i is mode i, mass-normalised */
+    double *normal;        /* [n_contact * n_dof], phi_i . b_f */
+    bool *seen;            /* [n_dof] */
     int n_part;
     bool symmetric;
     /* scaled frame of the seen modes */
@@ -58,8 +58,8 @@ struct ric_model {
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
     double linear_energy; /* public scaled energy at which branches of law power start, if their window reaches that
                            * low: there they leave the linear modes */
-    double *to_modal;   /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d, q by L */
-    double *to_space;   /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
+    double *to_modal;     /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d, q by L */
+    double *to_space;     /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
     struct ric_phases *phases; /* regime.h: what contacts of law bilinear make of the modes while they are closed */
 };
 

@@ -8,14 +8,15 @@
 
 #include "base/room.h"
 
-#define SMALL 0.25   /* phases y below which differences of 1, cos y and sin y / y are summed as series */
-#define NO_STIFFNESS 64 /* eigenvalues below this many last digits of the largest, in extended precision, are those of
-                         * free modes */
+#define SMALL 0.25 /* phases y below which differences of 1, cos y and sin y / y are summed as series */
+#define NO_STIFFNESS                                                                                                   \
+    64 /* eigenvalues below this many last digits of the largest, in extended precision, are those of                  \
+        * free modes */
 
 struct ric_phases {
     int n_set;
-    int *place;                         /* [n_face] 3^k of the contact, 0 if rigid */
-    _Atomic(ric_regime *) *table;        /* [n_set] */
+    int *place;                   /* [n_face] 3^k of the contact, 0 if rigid */
+    _Atomic(ric_regime *) *table; /* [n_set] */
 };
 
 /* --------------------------------------------------------------------- sets */
@@ -328,7 +329,7 @@ static void turn(const ric_regime *p, int i, double tau, double *co, double *si)
 }
 
 void ric_regime_fly(const ric_regime *p, const ric_face *closing, double tau, const double *w, double *after,
-                   double *pull)
+                    double *pull)
 {
     int n = p->n;
     double z[2 * n];
@@ -395,7 +396,7 @@ static void ratios(double y, double *h1, double *h2, double *d1, double *d2)
 }
 
 double ric_regime_chord(const ric_regime *p, const ric_face *closing, int contact, double tau, const double *w,
-                       double *by_w, double *by_tau)
+                        double *by_w, double *by_tau)
 {
     int n = p->n;
     const double *G = p->G + contact * n;

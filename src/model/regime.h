@@ -49,7 +49,7 @@ void ric_regime_leave(const ric_regime *phase, const double *z, double *w);
  * the distance to equilibrium; formed of the state, whose displacements are rounded, it would be off by the stiffness
  * times as much. O(n^2). */
 void ric_regime_fly(const ric_regime *phase, const ric_face *closing, double tau, const double *w, double *after,
-                   double *pull);
+                    double *pull);
 /* Its derivative by w, D [2n * 2n] by rows, of a flight that does not start with a closing. O(n^3). */
 void ric_regime_matrix(const ric_regime *phase, double tau, double *D);
 
@@ -60,6 +60,6 @@ void ric_regime_onto(int n, const ric_face *closing, int ld, double *X);
  * ds/dt, and for either sign of tau; by_w [2n] and *by_tau, its derivatives, may be NULL; by_w is that of a flight that
  * does not start with a closing. O(n^2). */
 double ric_regime_chord(const ric_regime *phase, const ric_face *closing, int contact, double tau, const double *w,
-                       double *by_w, double *by_tau);
+                        double *by_w, double *by_tau);
 
 #endif

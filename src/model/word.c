@@ -28,8 +28,7 @@ static bool has_flip(const ric_model *model)
 static int mirror_of(const ric_model *model, int face)
 {
     int mirror = -1;
-    if (!model)
-        return 1 - face;
+    if (!model) return 1 - face;
     return ric_model_face(model, face, NULL, NULL, &mirror) ? -1 : mirror;
 }
 
@@ -65,12 +64,9 @@ static int least_rotation(int n, const int *word)
             k++;
             continue;
         }
-        if (a > b)
-            i += k + 1;
-        else
-            j += k + 1;
-        if (i == j)
-            j++;
+        if (a > b) i += k + 1;
+        else j += k + 1;
+        if (i == j) j++;
         k = 0;
     }
     return i < j ? i : j;
@@ -78,15 +74,13 @@ static int least_rotation(int n, const int *word)
 
 static void rotate(int n, const int *word, int start, int *out)
 {
-    for (int i = 0; i < n; i++)
-        out[i] = word[(start + i) % n];
+    for (int i = 0; i < n; i++) out[i] = word[(start + i) % n];
 }
 
 static int compare(int n, const int *a, const int *b)
 {
     for (int i = 0; i < n; i++)
-        if (a[i] != b[i])
-            return a[i] < b[i] ? -1 : 1;
+        if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
     return 0;
 }
 
@@ -95,8 +89,7 @@ ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bo
     int *copy = NULL, *image = NULL, *rotated = NULL;
     ric_status status = n < 0 ? ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 0 or more", n)
                               : check_letters(model, n, word);
-    if (status || n == 0)
-        return status;
+    if (status || n == 0) return status;
     copy = malloc((size_t)n * sizeof *copy);
     image = malloc((size_t)n * sizeof *image);
     rotated = malloc((size_t)n * sizeof *rotated);
@@ -108,15 +101,13 @@ ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bo
     rotate(n, copy, least_rotation(n, copy), out);
     for (int form = 1; form < 4; form++) {
         bool flip = form & 1, reverse = form & 2;
-        if ((flip && !has_flip(model)) || (reverse && !reversal))
-            continue;
+        if ((flip && !has_flip(model)) || (reverse && !reversal)) continue;
         for (int i = 0; i < n; i++) {
             int letter = copy[reverse ? n - 1 - i : i];
             image[i] = flip ? mirror_of(model, letter) : letter;
         }
         rotate(n, image, least_rotation(n, image), rotated);
-        if (compare(n, rotated, out) < 0)
-            memcpy(out, rotated, (size_t)n * sizeof *out);
+        if (compare(n, rotated, out) < 0) memcpy(out, rotated, (size_t)n * sizeof *out);
     }
 out:
     free(copy);
@@ -132,8 +123,7 @@ static bool power(uint64_t k, int e, wide limit, wide *out)
 {
     *out = 1;
     for (int i = 0; i < e; i++) {
-        if (*out > limit / k)
-            return false;
+        if (*out > limit / k) return false;
         *out *= k;
     }
     return true;
@@ -145,8 +135,7 @@ static int totient(int n)
     for (int p = 2; p <= n / p; p++)
         if (n % p == 0) {
             phi -= phi / p;
-            while (n % p == 0)
-                n /= p;
+            while (n % p == 0) n /= p;
         }
     return n > 1 ? phi - phi / n : phi;
 }
@@ -157,10 +146,8 @@ static bool fixed_by_rotations(uint64_t k, int n, bool flip, wide limit, wide *s
 {
     wide words;
     for (int d = 1; d <= n; d++) {
-        if (n % d)
-            continue;
-        if (!power(k, n / d, limit, &words))
-            return false;
+        if (n % d) continue;
+        if (!power(k, n / d, limit, &words)) return false;
         *sum += words * (wide)totient(d) * (flip && d % 2 == 0 ? 2 : 1);
     }
     return true;
@@ -170,12 +157,9 @@ static bool fixed_by_rotations(uint64_t k, int n, bool flip, wide limit, wide *s
 static bool fixed_by_reflections(uint64_t k, int n, bool flip, wide limit, wide *sum)
 {
     wide half, more;
-    if (!power(k, n / 2, limit, &half) || !power(k, n / 2 + 1, limit, &more))
-        return false;
-    if (n % 2)
-        *sum += (wide)n * more;
-    else
-        *sum += (wide)(n / 2) * (half + more + (flip ? half : 0));
+    if (!power(k, n / 2, limit, &half) || !power(k, n / 2 + 1, limit, &more)) return false;
+    if (n % 2) *sum += (wide)n * more;
+    else *sum += (wide)(n / 2) * (half + more + (flip ? half : 0));
     return true;
 }
 
@@ -183,8 +167,7 @@ ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t
 {
     bool flip = has_flip(model);
     int faces = n_face(model);
-    if (n < 0)
-        return ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 0 or more", n);
+    if (n < 0) return ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 0 or more", n);
     if (n == 0 || faces < 2) {
         *out = n == 0 || faces == 1;
         return RIC_OK;
@@ -192,8 +175,8 @@ ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t
     wide group = (wide)n * (flip ? 2 : 1) * (reversal ? 2 : 1), sum = 0;
     /* a power above this makes a count above 64 bits; n < 2^31 such powers times their totients stay below 2^128 */
     wide limit = group * UINT64_MAX;
-    bool fits = n < 256 && fixed_by_rotations((uint64_t)faces, n, flip, limit, &sum)
-                && (!reversal || fixed_by_reflections((uint64_t)faces, n, flip, limit, &sum));
+    bool fits = n < 256 && fixed_by_rotations((uint64_t)faces, n, flip, limit, &sum) &&
+                (!reversal || fixed_by_reflections((uint64_t)faces, n, flip, limit, &sum));
     if (!fits || sum / group > UINT64_MAX)
         return ric_fail(RIC_E_RANGE,
                         "the number of words of %d letters on %d faces does not fit 64 bits; ask for fewer impacts", n,
@@ -208,13 +191,10 @@ ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t
  * n. Returns the length of what is repeated, 0 at the end. */
 static int step(int k, int n, int length, int *word)
 {
-    while (length > 0 && word[length - 1] == k - 1)
-        length--;
-    if (length == 0)
-        return 0;
+    while (length > 0 && word[length - 1] == k - 1) length--;
+    if (length == 0) return 0;
     word[length - 1]++;
-    for (int i = length; i < n; i++)
-        word[i] = word[i - length];
+    for (int i = length; i < n; i++) word[i] = word[i - length];
     return length;
 }
 
@@ -231,18 +211,14 @@ static int undercut(int n, const int *word, const int *mirror, bool flip, bool r
     for (int i = 0; i < n; i++) {
         for (int p = i; flip && p < first; p++) {
             int letter = mirror[word[p]];
-            if (letter < word[p - i])
-                first = p;
-            if (letter != word[p - i])
-                break;
+            if (letter < word[p - i]) first = p;
+            if (letter != word[p - i]) break;
         }
         for (int form = 0; reversal && i < first && form < (flip ? 2 : 1); form++)
             for (int j = 0; j <= i; j++) {
                 int letter = letter_image(mirror, form == 1, word[i - j]);
-                if (letter < word[j])
-                    first = i;
-                if (letter != word[j])
-                    break;
+                if (letter < word[j]) first = i;
+                if (letter != word[j]) break;
             }
     }
     return first;
@@ -254,16 +230,13 @@ static ric_status next_canonical(const ric_model *model, int n, bool reversal, c
     int k = n_face(model), length = n;
     bool flip = has_flip(model);
     *more = true;
-    if (word[0] == -1)
-        memset(word, 0, (size_t)n * sizeof *word);
-    else
-        length = step(k, n, n, word);
+    if (word[0] == -1) memset(word, 0, (size_t)n * sizeof *word);
+    else length = step(k, n, n, word);
     while (length > 0) {
         int p = undercut(n, word, mirror, flip, reversal);
         if (p == n && n % length == 0) {
             ric_status status = ric_word_canonical(model, n, word, reversal, image);
-            if (status || !compare(n, image, word))
-                return status;
+            if (status || !compare(n, image, word)) return status;
         }
         length = step(k, n, p < n ? p + 1 : n, word);
     }
@@ -276,20 +249,16 @@ ric_status ric_word_next(const ric_model *model, int n, bool reversal, int *word
     int k = n_face(model), *mirror = NULL, *image = NULL;
     ric_status status = RIC_OK;
     *more = false;
-    if (n < 1)
-        return ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 1 or more", n);
-    if (k < 1)
-        return RIC_OK;
-    if (word[0] != -1 && (status = check_letters(model, n, word)))
-        return status;
+    if (n < 1) return ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 1 or more", n);
+    if (k < 1) return RIC_OK;
+    if (word[0] != -1 && (status = check_letters(model, n, word))) return status;
     mirror = malloc((size_t)k * sizeof *mirror);
     image = malloc((size_t)n * sizeof *image);
     if (!mirror || !image) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a word of %d letters", n);
         goto out;
     }
-    for (int face = 0; face < k; face++)
-        mirror[face] = mirror_of(model, face);
+    for (int face = 0; face < k; face++) mirror[face] = mirror_of(model, face);
     status = next_canonical(model, n, reversal, mirror, word, image, more);
 out:
     free(mirror);
@@ -310,18 +279,14 @@ ric_status ric_word_format(const ric_model *model, int n, const int *word, size_
     bool dots = faces > 36;
     size_t used = 0;
     ric_status status = RIC_OK;
-    if (size > 0)
-        out[0] = '\0';
+    if (size > 0) out[0] = '\0';
     for (int i = 0; i < n && !status; i++) {
         int face = word[i] >= faces && is_spring(model, word[i] - faces) ? word[i] - faces : word[i];
         char text[16];
-        if ((status = check_letters(model, 1, &face)) || implied(n, word, i, faces))
-            continue;
+        if ((status = check_letters(model, 1, &face)) || implied(n, word, i, faces)) continue;
         const char *sign = word[i] == face ? "" : "-";
-        if (dots)
-            snprintf(text, sizeof text, "%s%s%d", used ? "." : "", sign, face);
-        else
-            snprintf(text, sizeof text, "%s%c", sign, letters[face]);
+        if (dots) snprintf(text, sizeof text, "%s%s%d", used ? "." : "", sign, face);
+        else snprintf(text, sizeof text, "%s%c", sign, letters[face]);
         size_t length = strlen(text);
         if (used + length + 1 > size)
             return ric_fail(RIC_E_RANGE, "the text of a word of %d letters needs more than %zu bytes", n, size);
@@ -343,21 +308,17 @@ static int read_letters(const ric_model *model, const char *text, int *word)
 {
     int faces = n_face(model), n = 0;
     while (*text) {
-        if (faces > 36 && n > 0 && *text++ != '.')
-            return -1;
+        if (faces > 36 && n > 0 && *text++ != '.') return -1;
         bool opens = *text == '-';
         text += opens;
         long face = letter_value(*text);
         if (faces > 36) {
             char *end;
-            if (*text < '0' || *text > '9')
-                return -1;
+            if (*text < '0' || *text > '9') return -1;
             face = strtol(text, &end, 10);
             text = end;
-        } else
-            text += *text != '\0';
-        if (face >= faces || (opens && !is_spring(model, (int)face)))
-            return -1;
+        } else text += *text != '\0';
+        if (face >= faces || (opens && !is_spring(model, (int)face))) return -1;
         word[n++] = (int)face + (opens ? faces : 0);
     }
     return n;
@@ -368,12 +329,10 @@ static int read_letters(const ric_model *model, const char *text, int *word)
 static bool opens_at_once(const ric_model *model, int n, const int *word, int i)
 {
     int faces = n_face(model);
-    if (word[i] >= faces || !is_spring(model, word[i]))
-        return false;
+    if (word[i] >= faces || !is_spring(model, word[i])) return false;
     for (int k = 1; k < n; k++) {
         int other = word[(i + k) % n];
-        if (other % faces == word[i])
-            return other < faces;
+        if (other % faces == word[i]) return other < faces;
     }
     return true;
 }
@@ -386,11 +345,9 @@ int *ric_word_read(const ric_model *model, const char *text, int *n)
     *n = 0;
     for (int i = 0; i < written; i++) {
         word[(*n)++] = raw[i];
-        if (opens_at_once(model, written, raw, i))
-            word[(*n)++] = raw[i] + n_face(model);
+        if (opens_at_once(model, written, raw, i)) word[(*n)++] = raw[i] + n_face(model);
     }
-    if (raw && word && written < 0)
-        *n = -1;
+    if (raw && word && written < 0) *n = -1;
     if (!raw) {
         free(word);
         word = NULL;
@@ -402,7 +359,6 @@ int *ric_word_read(const ric_model *model, const char *text, int *n)
 int ric_word_impacts(const ric_model *model, int n, const int *word)
 {
     int impacts = 0, faces = n_face(model);
-    for (int i = 0; i < n; i++)
-        impacts += word[i] < faces;
+    for (int i = 0; i < n; i++) impacts += word[i] < faces;
     return impacts;
 }

@@ -12,15 +12,17 @@
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
-#define SMOOTH_STEPS 12 /* of law power, in the same units: several of its steps make one error, tens of them a
-                         * period */
+#define SMOOTH_STEPS                                                                                                   \
+    12 /* of law power, in the same units: several of its steps make one error, tens of them a                         \
+        * period */
 #define NO_SPEED 1e-60
-#define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
-#define LOST 1e-3     /* error of rho, over 1 + |rho|, from which on it is not given */
+#define ACCURATE 1e-6    /* error of rho from which on the factors of the map are not multiplied */
+#define LOST 1e-3        /* error of rho, over 1 + |rho|, from which on it is not given */
 #define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
-#define MOST_PAIRS 64 /* up to which the halves are taken apart, or extended precision is used: they need 32 k^2
-                       * numbers */
-#define ROUGH 1e-12   /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
+#define MOST_PAIRS                                                                                                     \
+    64              /* up to which the halves are taken apart, or extended precision is used: they need 32 k^2         \
+                     * numbers */
+#define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
 #define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
 
@@ -107,7 +109,8 @@ static void section_columns(const ric_shooting *c, ric_mirror mirror, const doub
 
 /* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side
  * that V is on. */
-static void project(const ric_shooting *c, bool on_face, const double *w, int face, const double *E, double *V, double *P)
+static void project(const ric_shooting *c, bool on_face, const double *w, int face, const double *E, double *V,
+                    double *P)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
@@ -345,8 +348,8 @@ static bool rho_of_product(int k, const double *b, const double *cc, int exponen
 }
 
 /* The same where the rounding of the largest matters, with the error of each. B [k * k] is workspace, like H. */
-static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double rounding, double *B,
-                          double *H, double *rho, double *error)
+static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double rounding, double *B, double *H,
+                          double *rho, double *error)
 {
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++) B[i * k + j] = b[j * k + i];
@@ -606,8 +609,8 @@ static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, d
     int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
     if (c->model->springs || c->model->smooth || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
     const ric_face *first = &c->model->face[c->face[0]], *second = &c->model->face[c->face[middle]];
-    double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld,
-           *H = Y + ld * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
+    double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld,
+           growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
     const double *w = c->w + 2 * n * middle;
     section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], first->E, V);
     propagate(c, 0, middle, V, &exponent[0], &growth[0]);
@@ -620,8 +623,7 @@ static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, d
     add_inverse(k, P1, c->sigma, P2, Y);
     double size = fmax(growth[0], growth[1]);
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
-    if (!isfinite(size) ||
-        !ric_eigen_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
+    if (!isfinite(size) || !ric_eigen_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
         return false;
     pair_up(k, mu, rho, apart);
     for (int i = 0; i < k; i++) {

@@ -10,15 +10,15 @@
  * eig(b'c), rho + 2 = 4 eig(d'a). The chain's own map M is over half a period, or over a quarter joined with x -> -x
  * twice: then M is the half-period map. */
 typedef struct {
-    int n_pair;            /* n - 1 */
-    double *rho;           /* [2 * n_pair] re, im of lambda + 1/lambda over the full period */
-    double *own;           /* [2 * n_pair] the same of the chain's own map, of which the full period may be the
-                            * square */
-    double error;          /* of rho, absolute, from rounding */
-    double *each;          /* [n_pair] of each rho, over the full period */
-    double rough;          /* the same of the map in double, which another one may have replaced (floquet_fine.h) */
-    double trace_asinh;    /* asinh(tau2 / 2), n = 2 only, else NaN */
-    double rotation;       /* gamma, n = 2 on the unit circle, else NaN */
+    int n_pair;         /* n - 1 */
+    double *rho;        /* [2 * n_pair] re, im of lambda + 1/lambda over the full period */
+    double *own;        /* [2 * n_pair] the same of the chain's own map, of which the full period may be the
+                         * square */
+    double error;       /* of rho, absolute, from rounding */
+    double *each;       /* [n_pair] of each rho, over the full period */
+    double rough;       /* the same of the map in double, which another one may have replaced (floquet_fine.h) */
+    double trace_asinh; /* asinh(tau2 / 2), n = 2 only, else NaN */
+    double rotation;    /* gamma, n = 2 on the unit circle, else NaN */
     ric_stability stable;
     /* signed determinants, scaled to finite numbers, whose zeros are branch points with a symmetry broken:
      * det_b  the reversor (or, general form, unused: 1); det_a, det_d  one kind of mirror point is kept and the period

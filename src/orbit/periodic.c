@@ -498,7 +498,8 @@ double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b)
     return sum;
 }
 
-static bool same_word(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse, bool mirror)
+static bool same_word(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse,
+                      bool mirror)
 {
     int N = a->N;
     for (int i = 0; i < N; i++) {
@@ -534,7 +535,7 @@ bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_per
 }
 
 bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance, int *shift,
-                     bool *reverse, bool *mirror)
+                        bool *reverse, bool *mirror)
 {
     double nearest = HUGE_VAL;
     if (a->N != b->N) return false;
@@ -546,8 +547,9 @@ bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_per
             *shift = s;
             *reverse = op & 1;
             *mirror = op & 2;
-            if (distance <= EXACT) return true; /* the images of an orbit with symmetries differ by rounding: the first
-                                                 * one */
+            if (distance <= EXACT)
+                return true; /* the images of an orbit with symmetries differ by rounding: the first
+                              * one */
         }
     return nearest < HUGE_VAL;
 }
@@ -572,7 +574,8 @@ bool ric_periodic_repeats(const ric_model *m, const ric_periodic *c, double tole
     return false;
 }
 
-ric_periodic *ric_periodic_nearest(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near, double limit)
+ric_periodic *ric_periodic_nearest(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
+                                   double limit)
 {
     ric_periodic *best = NULL;
     double least = limit;

@@ -11,17 +11,17 @@
 
 typedef struct {
     int n, N;
-    int *face;     /* [N] */
-    double *tau;   /* [N] */
-    double *w;     /* [2n] state right after impact 0 */
+    int *face;        /* [N] */
+    double *tau;      /* [N] */
+    double *w;        /* [2n] state right after impact 0 */
     double *opposite; /* law power: [2n] half a period on, where the solved orbit tells: to fly there may lose digits;
                        * else NULL */
-    uint64_t closed; /* springs that are closed after it (flight.h) */
-    bool half;     /* z(t+T/2) = -z(t) */
-    int pure;      /* reversal i -> pure - i keeps the orbit; -1: none */
-    int flip;      /* the same joined with x -> -x; -1: none */
-    int parts;     /* law power: of the period, between nodes at which chains let it start anew (shooting_nodes.h), at least; 0:
-                    * chains have none */
+    uint64_t closed;  /* springs that are closed after it (flight.h) */
+    bool half;        /* z(t+T/2) = -z(t) */
+    int pure;         /* reversal i -> pure - i keeps the orbit; -1: none */
+    int flip;         /* the same joined with x -> -x; -1: none */
+    int parts; /* law power: of the period, between nodes at which chains let it start anew (shooting_nodes.h), at
+                * least; 0: chains have none */
 } ric_periodic;
 
 ric_periodic *ric_periodic_create(int n, int N);
@@ -59,7 +59,8 @@ double ric_periodic_energy(const ric_model *model, const ric_periodic *cycle);
 int ric_periodic_operations(const ric_model *model);
 /* The same orbit started at impact `shift`, then run backwards (impact 0 stays first), then mirrored. NULL: no memory,
  * or a face that it meets has no opposite. */
-ric_periodic *ric_periodic_transform(const ric_model *model, const ric_periodic *cycle, int shift, bool reverse, bool mirror);
+ric_periodic *ric_periodic_transform(const ric_model *model, const ric_periodic *cycle, int shift, bool reverse,
+                                     bool mirror);
 /* Whether x -> -x takes every face of the orbit to a face. */
 bool ric_periodic_mirrors(const ric_model *model, const ric_periodic *cycle);
 /* Only the impacts with keep[i]; the others, of no speed, are flown through. At least one is kept. Symmetries that the
@@ -76,14 +77,15 @@ double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b);
 /* Whether some image of b has the same word as a: without that no operation takes the one to the other. */
 bool ric_periodic_alike(const ric_model *model, const ric_periodic *a, const ric_periodic *b);
 /* The operation that takes b nearest to a, within `tolerance`: found or not. */
-bool ric_periodic_match(const ric_model *model, const ric_periodic *a, const ric_periodic *b, double tolerance, int *shift,
-                     bool *reverse, bool *mirror);
+bool ric_periodic_match(const ric_model *model, const ric_periodic *a, const ric_periodic *b, double tolerance,
+                        int *shift, bool *reverse, bool *mirror);
 /* Whether there is one, however it reads. */
 bool ric_periodic_same(const ric_model *model, const ric_periodic *a, const ric_periodic *b, double tolerance);
 /* Whether the cycle is one of fewer impacts gone through several times. */
 bool ric_periodic_repeats(const ric_model *model, const ric_periodic *cycle, double tolerance);
 /* The image of `near` under the group that is nearest to `orbit`. NULL: none within `limit`, or no memory. */
-ric_periodic *ric_periodic_nearest(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near, double limit);
+ric_periodic *ric_periodic_nearest(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near,
+                                   double limit);
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
 int ric_periodic_find_symmetries(const ric_model *model, ric_periodic *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */
@@ -91,7 +93,6 @@ int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_peri
 /* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as
  * equal). */
 ric_periodic *ric_periodic_canonical(const ric_model *model, const ric_periodic *cycle);
-
 
 /* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no
  * memory. */
@@ -105,7 +106,8 @@ ric_status ric_periodic_to_smooth(const ric_model *model, const ric_periodic *cy
 double ric_periodic_phase(const ric_model *model, const ric_periodic *orbit, ric_periodic *near);
 void ric_periodic_shift(const ric_model *model, const ric_periodic *orbit, double time, ric_periodic *near);
 /* ric_periodic_nearest of such orbits. */
-ric_periodic *ric_periodic_nearest_phase(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near, double limit);
+ric_periodic *ric_periodic_nearest_phase(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near,
+                                         double limit);
 /* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts at one of them
  * afterwards. */
 bool ric_periodic_find_mirrors(const ric_model *model, ric_periodic *cycle, int copies, double tolerance);

@@ -1,6 +1,6 @@
 /* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face -1 and without
- * effect, to which the operations of periodic.h refer. An orbit with mirror points starts at one of them; one without at
- * the instant of largest |s| of the first contact, which every symmetry respects (docs/theory.md section 10). */
+ * effect, to which the operations of periodic.h refer. An orbit with mirror points starts at one of them; one without
+ * at the instant of largest |s| of the first contact, which every symmetry respects (docs/theory.md section 10). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,9 +9,9 @@
 #include "shooting_nodes.h"
 #include "base/room.h"
 
-#define SAMPLES 48       /* of an orbit per turn of the fastest mode, at least */
-#define PIECES 3         /* and of every step of a flight */
-#define SHORTEST 1e-6    /* a piece shorter than this part of the longest is none: the flow cannot be followed */
+#define SAMPLES 48    /* of an orbit per turn of the fastest mode, at least */
+#define PIECES 3      /* and of every step of a flight */
+#define SHORTEST 1e-6 /* a piece shorter than this part of the longest is none: the flow cannot be followed */
 #define NEWTON_STEPS 8
 
 bool ric_periodic_mark(ric_periodic *c, int marks)
@@ -185,7 +185,8 @@ void ric_periodic_shift(const ric_model *m, const ric_periodic *orbit, double ti
     onto_plane(m, orbit->w, piece(m, ric_periodic_period(near), orbit->w), near->w, &(double){0});
 }
 
-ric_periodic *ric_periodic_nearest_phase(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near, double limit)
+ric_periodic *ric_periodic_nearest_phase(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
+                                         double limit)
 {
     ric_periodic *best = NULL;
     double least = limit;
@@ -270,7 +271,8 @@ ric_status ric_periodic_to_smooth(const ric_model *m, const ric_periodic *c, ric
         start = end = RIC_MIRROR_CENTRE;
         from = c->flip;
     }
-    ric_status status = ric_shooting_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face, chain);
+    ric_status status = ric_shooting_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face,
+                                            chain);
     *u = NULL;
     if (status) return status;
     int parts = (c->parts + (*chain)->multiple - 1) / (*chain)->multiple;

@@ -18,8 +18,9 @@
 #define LEVELS 48
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
-#define NO_TIME 1e-12 /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding
-                       * throughout */
+#define NO_TIME                                                                                                        \
+    1e-12          /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding      \
+                    * throughout */
 #define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
 
 typedef struct {
@@ -30,16 +31,16 @@ typedef struct {
     const ric_shooting *chain;
     int flight, contact, n;
     const ric_regime *phase; /* NULL while all springs are open */
-    double *start, *end; /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
+    double *start, *end;     /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
     const double *omega, *kappa, *g; /* [n] of the phase; g of the contact */
-    double rest; /* of the gap coordinate */
-    bool closed; /* a face of the contact is: only that one counts, the other way round */
-    int upper, lower; /* faces, -1 if none */
-    double gap;       /* > 0 */
-    bool mirrored;    /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
-                       * other */
+    double rest;                     /* of the gap coordinate */
+    bool closed;                     /* a face of the contact is: only that one counts, the other way round */
+    int upper, lower;                /* faces, -1 if none */
+    double gap;                      /* > 0 */
+    bool mirrored; /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
+                    * other */
     double D3, D4, tau;
-    bool own_start, own_end; /* the flight starts or ends on this contact */
+    bool own_start, own_end;     /* the flight starts or ends on this contact */
     double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
     /* outcome */
     double best, threshold;
@@ -355,8 +356,12 @@ double ric_reach(const ric_shooting *chain, const double *u, ric_touch *where)
 
 int ric_reach_all(const ric_shooting *chain, const double *u, double threshold, int capacity, ric_touch *touches)
 {
-    search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain), .threshold = threshold,
-                .capacity = capacity, .touches = touches};
+    search q = {.chain = chain,
+                .n = chain->n,
+                .mirrored = shows_image(chain),
+                .threshold = threshold,
+                .capacity = capacity,
+                .touches = touches};
     if (chain->model->smooth) return 0;
     search_all(&q, u);
     return q.count;

@@ -8,8 +8,8 @@ typedef struct {
     double value; /* gap over clearance, 1 = touch */
     int flight;   /* of the chain */
     int face;
-    double time;  /* since the start of the flight */
-    bool kink;    /* at an impact of another contact: no stationary point */
+    double time; /* since the start of the flight */
+    bool kink;   /* at an impact of another contact: no stationary point */
 } ric_touch;
 
 /* The largest value of s / gap over all faces at stationary points in flight (maxima towards the face) and at impacts

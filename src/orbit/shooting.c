@@ -7,8 +7,9 @@
 
 #include "base/room.h"
 
-#define SMOOTH_ROUNDING 4 /* of what a flight of law power says it loses (power_flow.h): of 600 flights 599 keep within
-                           * it */
+#define SMOOTH_ROUNDING                                                                                                \
+    4 /* of what a flight of law power says it loses (power_flow.h): of 600 flights 599 keep within                    \
+       * it */
 
 static int count_start(const ric_model *m, ric_mirror start)
 {
@@ -27,7 +28,7 @@ static int count_periods(ric_mirror start, ric_mirror end, int sigma)
 }
 
 ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
-                            const int *face, ric_shooting **out)
+                               const int *face, ric_shooting **out)
 {
     int n = model->n;
     ric_shooting *c = calloc(1, sizeof *c);
@@ -120,9 +121,7 @@ static double start_state(ric_shooting *c, const double *u)
     double *w = c->w;
     const ric_face *face = c->face[0] >= 0 ? &c->model->face[c->face[0]] : NULL;
     switch (c->start) {
-    case RIC_MIRROR_NONE:
-        memcpy(w, u, 2 * (size_t)n * sizeof *w);
-        return face ? ric_gap(n, face, w) - face->gap : 0;
+    case RIC_MIRROR_NONE: memcpy(w, u, 2 * (size_t)n * sizeof *w); return face ? ric_gap(n, face, w) - face->gap : 0;
     case RIC_MIRROR_REST:
         memcpy(w, u, (size_t)n * sizeof *w);
         memset(w + n, 0, (size_t)n * sizeof *w);
@@ -282,8 +281,8 @@ static inline __attribute__((always_inline)) double chord_row(const ric_shooting
 }
 
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
-static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n, int nz, int k, double gap, bool pinned,
-                                                          int rows, int ld)
+static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n, int nz, int k, double gap,
+                                                          bool pinned, int rows, int ld)
 {
     const ric_model *m = c->model;
     const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
@@ -369,8 +368,7 @@ static void end_rows_reversible(ric_shooting *c)
 {
     int n = c->n, ld = c->ld;
     double *X = c->X;
-    if (c->end == RIC_MIRROR_REST)
-        memmove(X, X + n * ld, (size_t)n * ld * sizeof *X);
+    if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * ld * sizeof *X);
     else if (c->end == RIC_MIRROR_IMPACT) {
         const ric_face *face = &c->model->face[c->face[c->n_flight]];
         for (int r = 0; r < n - 1; r++)
@@ -398,7 +396,8 @@ static void eliminate_end(ric_shooting *c, int columns, double sign)
     c->end_det = sign;
 }
 
-static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, const double *u, int n, bool whole, bool nodes)
+static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, const double *u, int n, bool whole,
+                                                           bool nodes)
 {
     int rows = whole ? 4 * n : 2 * n, ld = nodes ? c->ld : whole ? 2 * n + 1 : n + 2, nz = c->n_start;
     double gap = start_state(c, u), largest = fabs(gap), sign = 1;

@@ -23,48 +23,48 @@ typedef struct {
     int sigma;             /* general form: +1 or -1 */
     int multiple;          /* period = multiple * sum of the flight times */
     int n_flight;
-    int *face;             /* [n_flight + 1]: face at the start, then at the end of each flight; -1 where there is no
-                            * impact */
-    double fastest;        /* largest frequency while springs are closed, 0 if none ever is */
-    uint64_t *closed;      /* [n_flight + 1] springs that are closed in each flight, and after the end (flight.h) */
-    bool plain;            /* no divided differences, and no state moved onto a face: the equations as they are written
-                            * down */
-    int n_start;           /* unknowns of the start block: w (general), a (rest), p (centre), a and speed (impact) */
-    int parts;             /* law power: of the flight, equally long, between inner nodes; 1: it has none */
-    int n_unknown;         /* n_start + n_flight + 2n (parts - 1) */
+    int *face;        /* [n_flight + 1]: face at the start, then at the end of each flight; -1 where there is no
+                       * impact */
+    double fastest;   /* largest frequency while springs are closed, 0 if none ever is */
+    uint64_t *closed; /* [n_flight + 1] springs that are closed in each flight, and after the end (flight.h) */
+    bool plain;       /* no divided differences, and no state moved onto a face: the equations as they are written
+                       * down */
+    int n_start;      /* unknowns of the start block: w (general), a (rest), p (centre), a and speed (impact) */
+    int parts;        /* law power: of the flight, equally long, between inner nodes; 1: it has none */
+    int n_unknown;    /* n_start + n_flight + 2n (parts - 1) */
 
     /* set by ric_shooting_evaluate */
-    double *w;             /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if
-                            * there is one, but before it at an impact that is the end mirror) */
-    double *tau;           /* [n_flight] */
-    double *before;        /* [n_flight * n] velocities at the end of each flight, before the impact */
-    double *rate;          /* [n_flight * 2n] dw/dt at the end of each dense flight */
-    size_t stride;         /* doubles in the map of a flight */
-    double *map;           /* [n_flight * stride]: 3n of cos, kappa sin / omega, omega sin / kappa, or a matrix
-                            * (flight.h) */
-    double *approach;      /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an
-                            * impact mirror */
-    double residual;       /* largest residual relative to 1 + |w| */
-    double scale;          /* 1 + |w| */
-    double stiff;          /* what closed springs make of an error of the displacements, relative to scale: a velocity
-                            * so much larger */
-    double grain;          /* how far the state moves within the last digit of the longest flight time, relative to
-                            * scale, over epsilon */
-    double end_det;        /* product of the end pivots, signed: with the tangent's orientation, the sign of the
-                            * bordered determinant */
-    double smallest;       /* smallest end pivot in modulus: 0 where the kernel has more than one dimension */
-    bool singular;         /* a pivot vanished */
+    double *w;        /* [(n_flight + 1) * 2n] start state, then the state after each flight (after the impact, if
+                       * there is one, but before it at an impact that is the end mirror) */
+    double *tau;      /* [n_flight] */
+    double *before;   /* [n_flight * n] velocities at the end of each flight, before the impact */
+    double *rate;     /* [n_flight * 2n] dw/dt at the end of each dense flight */
+    size_t stride;    /* doubles in the map of a flight */
+    double *map;      /* [n_flight * stride]: 3n of cos, kappa sin / omega, omega sin / kappa, or a matrix
+                       * (flight.h) */
+    double *approach; /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an
+                       * impact mirror */
+    double residual;  /* largest residual relative to 1 + |w| */
+    double scale;     /* 1 + |w| */
+    double stiff;     /* what closed springs make of an error of the displacements, relative to scale: a velocity
+                       * so much larger */
+    double grain;     /* how far the state moves within the last digit of the longest flight time, relative to
+                       * scale, over epsilon */
+    double end_det;   /* product of the end pivots, signed: with the tangent's orientation, the sign of the
+                       * bordered determinant */
+    double smallest;  /* smallest end pivot in modulus: 0 where the kernel has more than one dimension */
+    bool singular;    /* a pivot vanished */
 
     /* factorisation */
-    int n_end;             /* end conditions */
-    double *hv;            /* Householder vectors, ld per row: start constraint, one per flight, n_end */
-    double *beta, *zeta;   /* per Householder vector */
-    double *X;             /* live columns */
-    double *flown;         /* law power: [2n + 1 + 2n (parts - 1)] start, time and nodes that `w`, `map` and `lost`
-                            * belong to */
-    double lost;           /* law power: rounding along the flight, of the part that loses most, over epsilon
-                            * (power_flow.h) */
-    double *part;          /* with inner nodes [parts * (4n^2 + 4n)]: of each part its map, its end, and dw/dt there */
+    int n_end;           /* end conditions */
+    double *hv;          /* Householder vectors, ld per row: start constraint, one per flight, n_end */
+    double *beta, *zeta; /* per Householder vector */
+    double *X;           /* live columns */
+    double *flown;       /* law power: [2n + 1 + 2n (parts - 1)] start, time and nodes that `w`, `map` and `lost`
+                          * belong to */
+    double lost;         /* law power: rounding along the flight, of the part that loses most, over epsilon
+                          * (power_flow.h) */
+    double *part;        /* with inner nodes [parts * (4n^2 + 4n)]: of each part its map, its end, and dw/dt there */
     int ld;
 } ric_shooting;
 
@@ -105,7 +105,7 @@ static inline bool ric_shooting_touches(const ric_shooting *c, int k)
 
 /* A chain over `face` [n_flight + 1]; sigma counts only in the general form. */
 ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
-                            const int *face, ric_shooting **out);
+                               const int *face, ric_shooting **out);
 /* The springs that are closed in the first flight; those in the others follow from the faces. None at creation. */
 void ric_shooting_close(ric_shooting *chain, uint64_t closed);
 ric_shooting *ric_shooting_copy(const ric_shooting *chain);

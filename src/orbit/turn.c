@@ -17,7 +17,7 @@ ric_periodic *ric_turn_cycle(const ric_model *m, ric_shooting *c, const double *
 {
     ric_shooting_fly(c, u);
     ric_periodic *raw = ric_periodic_from_chain(c, u),
-              *turned = raw ? ric_periodic_transform(m, raw, t->shift, t->reverse, t->mirror) : NULL;
+                 *turned = raw ? ric_periodic_transform(m, raw, t->shift, t->reverse, t->mirror) : NULL;
     ric_periodic_free(raw);
     return turned;
 }
@@ -29,7 +29,8 @@ ric_status ric_turn_write(const ric_model *m, ric_shooting *c, const double *u, 
     if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
     if (x && v) ric_model_to_state(m, cycle->w, x, v);
     if (flights && m->smooth) flights[0] = ric_periodic_period(cycle) / m->omega_ref;
-    else for (int k = 0; flights && k < cycle->N; k++) flights[k] = cycle->tau[k] / m->omega_ref;
+    else
+        for (int k = 0; flights && k < cycle->N; k++) flights[k] = cycle->tau[k] / m->omega_ref;
     ric_periodic_free(cycle);
     return RIC_OK;
 }

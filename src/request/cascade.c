@@ -13,19 +13,20 @@
 #include "branch/room.h"
 
 #define MAX_POINTS 20000
-#define PART 0.1          /* first largest step on a family, of the length of the one before: doublings shrink by 4 from
-                           * one to the next */
-#define GROWTH 1.2        /* of that step from point to point, back to that of the study */
-#define LEAST_STEP 1e-9   /* below this part of the orbit its digits do not tell neighbours apart */
-#define TOUCH 1e-6        /* scaled speed below which the simulator's impact is a touch */
+#define PART                                                                                                           \
+    0.1                 /* first largest step on a family, of the length of the one before: doublings shrink by 4 from \
+                         * one to the next */
+#define GROWTH 1.2      /* of that step from point to point, back to that of the study */
+#define LEAST_STEP 1e-9 /* below this part of the orbit its digits do not tell neighbours apart */
+#define TOUCH 1e-6      /* scaled speed below which the simulator's impact is a touch */
 #define TWO_PI 6.283185307179586477
 
 /* One multiplication, or the end. */
 typedef struct {
-    ric_node *node;       /* NULL at an end that is no junction */
+    ric_node *node;          /* NULL at an end that is no junction */
     ric_periodic *orbit;     /* without touches */
-    ric_continuation *trace;     /* of the family followed to it; NULL for the first */
-    int n_point;          /* of the trace, up to here */
+    ric_continuation *trace; /* of the family followed to it; NULL for the first */
+    int n_point;             /* of the trace, up to here */
     int multiple, p, grazings;
     ric_stop stop;
     double energy, frequency, residual, return_error, ratio;
@@ -39,9 +40,9 @@ struct ric_cascade {
     const ric_cascade_options *options;
     double study_step;
     int n, room;
-    stage *stages;          /* [room] */
-    int deepest;            /* multiplications found on the best attempt */
-    char where[160];        /* why it went no further */
+    stage *stages;   /* [room] */
+    int deepest;     /* multiplications found on the best attempt */
+    char where[160]; /* why it went no further */
 };
 
 static ric_status no_memory(void)
@@ -208,7 +209,10 @@ static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr,
     *found = !status;
     if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
     stage *s = &c->stages[c->n++];
-    *s = (stage){.node = node, .orbit = ric_periodic_copy(node->cycle), .multiple = r->q, .p = node->rotation[0],
+    *s = (stage){.node = node,
+                 .orbit = ric_periodic_copy(node->cycle),
+                 .multiple = r->q,
+                 .p = node->rotation[0],
                  .ratio = NAN};
     return s->orbit ? measure(c->model, s) : no_memory();
 }
@@ -438,13 +442,22 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     ric_status status = check_step(c, step);
     if (status) return status;
     const stage *s = &c->stages[step];
-    *out = (ric_cascade_step){.multiple = s->multiple, .rotation = {s->p, s->p ? s->multiple : 0},
+    *out = (ric_cascade_step){.multiple = s->multiple,
+                              .rotation = {s->p, s->p ? s->multiple : 0},
                               .impacts = ric_periodic_impacts(ric_periodic_springs(c->model), s->orbit),
-                              .letters = ric_periodic_letters(s->orbit), .word = s->word,
-                              .symmetric = s->orbit->half, .grazings = s->grazings, .stop = s->stop,
-                              .energy = s->energy, .frequency = s->frequency, .residual = s->residual,
-                              .return_error = s->return_error, .ratio = s->ratio, .state = s->state,
-                              .flights = s->flights, .n_point = s->n_point};
+                              .letters = ric_periodic_letters(s->orbit),
+                              .word = s->word,
+                              .symmetric = s->orbit->half,
+                              .grazings = s->grazings,
+                              .stop = s->stop,
+                              .energy = s->energy,
+                              .frequency = s->frequency,
+                              .residual = s->residual,
+                              .return_error = s->return_error,
+                              .ratio = s->ratio,
+                              .state = s->state,
+                              .flights = s->flights,
+                              .n_point = s->n_point};
     return RIC_OK;
 }
 

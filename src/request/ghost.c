@@ -12,7 +12,8 @@
  * grazing. The orbit problem is regular there, since no impact speed is divided by; only the margins change sign. */
 
 #define TWO_PI 6.283185307179586477
-#define RESONATES 1e-6  /* distance of lambda + 1/lambda from that of a root of unity at which an event is a
+#define RESONATES                                                                                                      \
+    1e-6                /* distance of lambda + 1/lambda from that of a root of unity at which an event is a           \
                          * multiplication */
 #define MAX_POINTS 2000 /* of one ghost; a branch of the examples has at most a few hundred */
 #define TOUCH 1e-9      /* margin, scaled, below which it counts as zero; at a stored end it is 1e-10 at most */
@@ -23,7 +24,7 @@ struct ric_ghost {
     ric_limits limits;
     ric_continuation *trace;
     ric_turn turn;
-    double origin;          /* arclength of the end */
+    double origin; /* arclength of the end */
     ric_ghost_data data;
 };
 
@@ -49,7 +50,8 @@ void ric_ghost_limits_init(const ric_atlas *a, ric_ghost_limits *limits)
 {
     const ric_explore_options *o = ric_study_options(ric_atlas_study(a));
     *limits = (ric_ghost_limits){.energy = {o->energy[0], o->energy[1]},
-                                 .frequency = {o->frequency[0], o->frequency[1]}, .max_points = MAX_POINTS};
+                                 .frequency = {o->frequency[0], o->frequency[1]},
+                                 .max_points = MAX_POINTS};
 }
 
 bool ric_point_admissible(const ric_point *p)
@@ -107,7 +109,8 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
     tip->half = near->half;
     tip->pure = near->pure;
     tip->flip = near->flip;
-    if ((status = ric_periodic_to_chain(m, near, &other, t)) || (status = ric_periodic_to_chain(m, tip, chain, u))) goto out;
+    if ((status = ric_periodic_to_chain(m, near, &other, t)) || (status = ric_periodic_to_chain(m, tip, chain, u)))
+        goto out;
     if (!ric_turn_find(m, other, *t, near, &g->turn))
         status = ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
     for (int i = 0; i < (*chain)->n_unknown; i++) (*t)[i] = (*u)[i] - (*t)[i];
@@ -130,8 +133,11 @@ static const ric_point *row(const ric_ghost *g, int i)
 static void describe(ric_ghost *g, ric_end end)
 {
     const ric_continuation *tr = g->trace;
-    g->data = (ric_ghost_data){.end = end, .n_point = tr->n_point, .again = -1, .stop = tr->stop,
-                              .why = ric_continuation_why_text(tr->why)};
+    g->data = (ric_ghost_data){.end = end,
+                               .n_point = tr->n_point,
+                               .again = -1,
+                               .stop = tr->stop,
+                               .why = ric_continuation_why_text(tr->why)};
     if (tr->arrival) {
         g->data.why = "it meets its own mirror image";
         g->data.n_point--; /* the last one is read off beside a branch point, not solved; no junction is solved there */
@@ -156,7 +162,7 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
     if (!g) return no_memory();
     g->model = ric_atlas_model(a);
     g->limits = ric_continuation_limits(g->model, limits->energy, limits->frequency,
-                                 ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
+                                        ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
     g->limits.ghost = true;
     g->limits.multiply = limits->multiply;
     ric_status status = start_at_end(a, b, end, g, &chain, &u, &t);

@@ -14,12 +14,12 @@
 
 struct ric_orbit {
     const ric_model *model; /* borrowed from the atlas */
-    ric_periodic *cycle;       /* NULL for a linear mode */
+    ric_periodic *cycle;    /* NULL for a linear mode */
     ric_point point;
     double *state, *flights;
-    double *multipliers;    /* 2 (n - 1) complex */
-    double error;           /* of the sum of a pair */
-    ric_stability stable;   /* as they have it */
+    double *multipliers;  /* 2 (n - 1) complex */
+    double error;         /* of the sum of a pair */
+    ric_stability stable; /* as they have it */
 };
 
 static void orbit_free(ric_orbit *o)
@@ -46,8 +46,8 @@ static ric_status no_memory(void)
 /* -------------------------------------------------------------- one orbit */
 
 /* Everything that leaves, from a converged chain. */
-static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, const ric_turn *t, const ric_point *stored,
-                         ric_orbit **out)
+static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, const ric_turn *t,
+                         const ric_point *stored, ric_orbit **out)
 {
     ric_status status = RIC_OK;
     ric_floquet floquet = {0};
@@ -80,11 +80,15 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] >= 0)
             approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
-    o->point = (ric_point){.arclength = stored->arclength, .energy = ric_shooting_energy(c) * m->energy_unit,
-                           .frequency = TWO_PI / ric_shooting_time(c, u) * m->omega_ref, .trace = floquet.trace_asinh,
-                           .rotation = floquet.rotation, .reach = reach > 0 ? reach : NAN,
+    o->point = (ric_point){.arclength = stored->arclength,
+                           .energy = ric_shooting_energy(c) * m->energy_unit,
+                           .frequency = TWO_PI / ric_shooting_time(c, u) * m->omega_ref,
+                           .trace = floquet.trace_asinh,
+                           .rotation = floquet.rotation,
+                           .reach = reach > 0 ? reach : NAN,
                            .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
-                           .residual = (float)c->residual, .stable = floquet.stable};
+                           .residual = (float)c->residual,
+                           .stable = floquet.stable};
     /* what memory was missing for looks undecided or lost, not missing */
     if ((status = ric_trust(RIC_OK))) goto out;
     *out = o;
@@ -128,7 +132,8 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
 
 static double quantity(const ric_model *m, const ric_shooting *c, const double *u, ric_at at)
 {
-    return at == RIC_AT_ENERGY ? ric_shooting_energy(c) * m->energy_unit : TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
+    return at == RIC_AT_ENERGY ? ric_shooting_energy(c) * m->energy_unit
+                               : TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
 }
 
 /* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. */

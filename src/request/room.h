@@ -2,5 +2,4 @@
 #ifndef RIC_REQUEST_ROOM_H
 #define RIC_REQUEST_ROOM_H
 
-
 #endif

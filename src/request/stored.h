@@ -5,7 +5,8 @@
 #include "orbit/room.h"
 
 /* Point i of a branch as a cycle without symmetries. */
-ric_status ric_stored_cycle(const ric_atlas *atlas, const ric_branch *branch, int i, ric_point *point, ric_periodic **out);
+ric_status ric_stored_cycle(const ric_atlas *atlas, const ric_branch *branch, int i, ric_point *point,
+                            ric_periodic **out);
 /* The symmetries that the branch has as a whole, with their places in the cycle; found at a stored point, which is
  * converged. */
 void ric_stored_symmetries(const ric_model *model, const ric_branch *branch, ric_periodic *cycle);

@@ -23,19 +23,16 @@ static ric_status read_all(int file, const char *path, size_t limit, char **text
 {
     size_t room = 1 << 16, used = 0;
     char *buffer = malloc(room);
-    if (!buffer)
-        return ric_fail(RIC_E_NOMEM, "%s: no memory for the file", path);
+    if (!buffer) return ric_fail(RIC_E_NOMEM, "%s: no memory for the file", path);
     for (;;) {
         ssize_t got = read(file, buffer + used, room - used - 1);
-        if (got < 0 && errno == EINTR)
-            continue;
+        if (got < 0 && errno == EINTR) continue;
         if (got < 0) {
             free(buffer);
             return ric_fail(RIC_E_IO, "%s: %s", path, strerror(errno));
         }
         used += (size_t)got;
-        if (got == 0 || used > limit)
-            break;
+        if (got == 0 || used > limit) break;
         if (room - used < 2) {
             char *larger = realloc(buffer, room *= 2);
             if (!larger) {
@@ -61,16 +58,11 @@ ric_status ric_file_read(const char *path, size_t limit, bool regular, char **te
     ric_status status = RIC_OK;
     /* O_NONBLOCK: opening a pipe that nobody writes to must not hang where only plain files will do. */
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | (regular ? O_NONBLOCK : 0));
-    if (file < 0)
-        return ric_fail(RIC_E_INPUT, "%s: %s", path, strerror(errno));
-    if (fstat(file, &about))
-        status = ric_fail(RIC_E_IO, "%s: %s", path, strerror(errno));
-    else if (S_ISDIR(about.st_mode))
-        status = ric_fail(RIC_E_INPUT, "%s: this is a folder; name a file in it", path);
-    else if (regular && !S_ISREG(about.st_mode))
-        status = ric_fail(RIC_E_INPUT, "%s: not a plain file", path);
-    else
-        status = read_all(file, path, limit, text, size);
+    if (file < 0) return ric_fail(RIC_E_INPUT, "%s: %s", path, strerror(errno));
+    if (fstat(file, &about)) status = ric_fail(RIC_E_IO, "%s: %s", path, strerror(errno));
+    else if (S_ISDIR(about.st_mode)) status = ric_fail(RIC_E_INPUT, "%s: this is a folder; name a file in it", path);
+    else if (regular && !S_ISREG(about.st_mode)) status = ric_fail(RIC_E_INPUT, "%s: not a plain file", path);
+    else status = read_all(file, path, limit, text, size);
     close(file);
     return status;
 }
@@ -107,10 +99,8 @@ static void skip(scanner *s)
         if (*s->at == '\n') {
             s->line++;
             if (s->at + 1 < s->end && s->at[1] == '%')
-                while (s->at + 1 < s->end && s->at[1] != '\n')
-                    s->at++;
-        } else if (!isspace((unsigned char)*s->at))
-            return;
+                while (s->at + 1 < s->end && s->at[1] != '\n') s->at++;
+        } else if (!isspace((unsigned char)*s->at)) return;
     }
 }
 
@@ -122,10 +112,8 @@ static bool next(scanner *s, char out[TOKEN_MAX])
     bool whole = true;
     skip(s);
     for (; s->at < s->end && !isspace((unsigned char)*s->at); s->at++)
-        if (n + 1 < TOKEN_MAX)
-            out[n++] = isprint((unsigned char)*s->at) ? *s->at : '?';
-        else
-            whole = false;
+        if (n + 1 < TOKEN_MAX) out[n++] = isprint((unsigned char)*s->at) ? *s->at : '?';
+        else whole = false;
     out[n] = '\0';
     return whole;
 }
@@ -139,10 +127,8 @@ static ric_status too_long(const scanner *s, const char *word)
 static ric_status next_integer(scanner *s, const char *what, long max, long *out)
 {
     char word[TOKEN_MAX];
-    if (!next(s, word))
-        return too_long(s, word);
-    if (!word[0])
-        return bad(s, "the file ends where %s should be", what);
+    if (!next(s, word)) return too_long(s, word);
+    if (!word[0]) return bad(s, "the file ends where %s should be", what);
     if (!ric_option_text_integer(word, out) || *out < 1 || *out > max)
         return bad(s, "%s is '%s'; it must be a whole number from 1 to %ld", what, word, max);
     return RIC_OK;
@@ -151,10 +137,8 @@ static ric_status next_integer(scanner *s, const char *what, long max, long *out
 static ric_status next_real(scanner *s, long row, long column, double *out)
 {
     char word[TOKEN_MAX];
-    if (!next(s, word))
-        return too_long(s, word);
-    if (!word[0])
-        return bad(s, "the file ends where the entry of row %ld, column %ld should be", row, column);
+    if (!next(s, word)) return too_long(s, word);
+    if (!word[0]) return bad(s, "the file ends where the entry of row %ld, column %ld should be", row, column);
     switch (ric_option_text_real(word, out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
     case RIC_TEXT_NOT_FINITE:
@@ -168,8 +152,7 @@ static ric_status next_real(scanner *s, long row, long column, double *out)
 
 static void lower(char *text)
 {
-    for (; *text; text++)
-        *text = (char)tolower((unsigned char)*text);
+    for (; *text; text++) *text = (char)tolower((unsigned char)*text);
 }
 
 static ric_status read_banner(scanner *s, header *out)
@@ -182,8 +165,7 @@ static ric_status read_banner(scanner *s, header *out)
     snprintf(line, sizeof line, "%.*s", (int)length, s->at);
     lower(line);
     scanner words = {line, line + strlen(line), s->label, 1};
-    for (int i = 0; i < 5; i++)
-        next(&words, word[i]);
+    for (int i = 0; i < 5; i++) next(&words, word[i]);
     if (strcmp(word[0], "%%matrixmarket") || strcmp(word[1], "matrix"))
         return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' "
                       "or similar");
@@ -203,19 +185,15 @@ static ric_status read_header(scanner *s, header *out)
 {
     long rows = 0, columns = 0;
     ric_status status = read_banner(s, out);
-    if (!status)
-        status = next_integer(s, "the number of rows", RIC_MATRIX_MAX, &rows);
-    if (!status)
-        status = next_integer(s, "the number of columns", RIC_MATRIX_MAX, &columns);
+    if (!status) status = next_integer(s, "the number of rows", RIC_MATRIX_MAX, &rows);
+    if (!status) status = next_integer(s, "the number of columns", RIC_MATRIX_MAX, &columns);
     if (!status && rows != columns)
         status = bad(s, "%ld rows but %ld columns; mass and stiffness are square", rows, columns);
-    if (status)
-        return status;
+    if (status) return status;
     long full = out->symmetric ? rows * (rows + 1) / 2 : rows * rows;
     out->n = (int)rows;
     out->entries = full;
-    if (out->coordinate)
-        status = next_integer(s, "the number of entries", ENTRIES_MAX, &out->entries);
+    if (out->coordinate) status = next_integer(s, "the number of entries", ENTRIES_MAX, &out->entries);
     return status;
 }
 
@@ -227,10 +205,8 @@ static ric_status read_array(scanner *s, const header *h, double *out)
     for (long column = 0; column < n; column++)
         for (long row = h->symmetric ? column : 0; row < n; row++) {
             ric_status status = next_real(s, row + 1, column + 1, &out[row * n + column]);
-            if (status)
-                return status;
-            if (h->symmetric)
-                out[column * n + row] = out[row * n + column];
+            if (status) return status;
+            if (h->symmetric) out[column * n + row] = out[row * n + column];
         }
     return RIC_OK;
 }
@@ -241,33 +217,28 @@ static ric_status read_entry(scanner *s, const header *h, bool *given, double *o
     long row = 0, column = 0, n = h->n;
     double value = 0;
     ric_status status = next_integer(s, "a row", n, &row);
-    if (!status)
-        status = next_integer(s, "a column", n, &column);
-    if (status)
-        return status;
+    if (!status) status = next_integer(s, "a column", n, &column);
+    if (status) return status;
     long at = (row - 1) * n + column - 1, across = (column - 1) * n + row - 1;
     if (h->symmetric && row != column && given[across])
-        return bad(s, "row %ld, column %ld, and row %ld, column %ld as well: whether that is one entry or the sum of "
-                      "two cannot be told; write one half of a symmetric matrix, or general in the first line", row,
-                   column, column, row);
+        return bad(s,
+                   "row %ld, column %ld, and row %ld, column %ld as well: whether that is one entry or the sum of "
+                   "two cannot be told; write one half of a symmetric matrix, or general in the first line",
+                   row, column, column, row);
     *repeated += given[at];
     given[at] = true;
     if ((status = next_real(s, row, column, &value))) return status;
     out[at] += value;
-    if (h->symmetric)
-        out[across] = out[at];
-    return isfinite(out[at]) ? RIC_OK
-                             : bad(s, "the entries of row %ld, column %ld have no finite sum", row, column);
+    if (h->symmetric) out[across] = out[at];
+    return isfinite(out[at]) ? RIC_OK : bad(s, "the entries of row %ld, column %ld have no finite sum", row, column);
 }
 
 static ric_status read_coordinate(scanner *s, const header *h, double *out, long *repeated)
 {
     ric_status status = RIC_OK;
     bool *given = calloc((size_t)h->n * (size_t)h->n, sizeof *given);
-    if (!given)
-        return ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", s->label);
-    for (long i = 0; i < h->entries && !status; i++)
-        status = read_entry(s, h, given, out, repeated);
+    if (!given) return ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", s->label);
+    for (long i = 0; i < h->entries && !status; i++) status = read_entry(s, h, given, out, repeated);
     free(given);
     return status;
 }
@@ -280,8 +251,7 @@ ric_status ric_matrix_market_parse(const char *text, size_t size, const char *la
     char word[TOKEN_MAX];
     double *matrix = NULL;
     ric_status status = read_header(&s, &h);
-    if (status)
-        goto out;
+    if (status) goto out;
     matrix = calloc((size_t)h.n * (size_t)h.n, sizeof *matrix);
     if (!matrix) {
         status = ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", label);
@@ -289,8 +259,7 @@ ric_status ric_matrix_market_parse(const char *text, size_t size, const char *la
     }
     long twice = 0;
     status = h.coordinate ? read_coordinate(&s, &h, matrix, &twice) : read_array(&s, &h, matrix);
-    if (status)
-        goto out;
+    if (status) goto out;
     next(&s, word);
     if (word[0]) {
         status = bad(&s, "'%s' follows after the last of %ld entries; check the size line", word, h.entries);
@@ -310,8 +279,7 @@ ric_status ric_matrix_market_read(const char *path, int *n, double **out, long *
     char *text = NULL;
     size_t size = 0;
     ric_status status = ric_file_read(path, FILE_MAX, true, &text, &size);
-    if (!status)
-        status = ric_matrix_market_parse(text, size, path, n, out, repeated);
+    if (!status) status = ric_matrix_market_parse(text, size, path, n, out, repeated);
     free(text);
     return status;
 }

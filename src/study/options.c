@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 #define FIELD(name) offsetof(ric_explore_options, name)
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 #define TEXT_OF(value) #value
@@ -17,36 +16,140 @@
 
 static const ric_option RIC_OPTIONS[] = {
     /* section, key, type, field, default, min, max, above, unit, help */
-    {"explore", "start", RIC_OPTION_MODES, FIELD(start), {0, 0}, 1, 1000, false, "mode numbers",
+    {"explore",
+     "start",
+     RIC_OPTION_MODES,
+     FIELD(start),
+     {0, 0},
+     1,
+     1000,
+     false,
+     "mode numbers",
      "linear modes to start from: modes for all, or a list such as [1, 2]"},
-    {"explore", "energy", RIC_OPTION_WINDOW, FIELD(energy), {0, 0}, 0, 1e18, false, "scaled energy",
+    {"explore",
+     "energy",
+     RIC_OPTION_WINDOW,
+     FIELD(energy),
+     {0, 0},
+     0,
+     1e18,
+     false,
+     "scaled energy",
      "energy window, auto, or multiples of an onset, {first_touch_of: 1, times: [0, 100]}; a branch that begins below "
      "its lower end is followed up into it, one that comes down to it ends "
      "there"},
-    {"explore", "frequency", RIC_OPTION_WINDOW, FIELD(frequency), {0, 0}, 0, 1e12, true, "rad/s",
+    {"explore",
+     "frequency",
+     RIC_OPTION_WINDOW,
+     FIELD(frequency),
+     {0, 0},
+     0,
+     1e12,
+     true,
+     "rad/s",
      "window of the frequency that belongs to the shortest period, or auto"},
-    {"explore", "impacts", RIC_OPTION_INTEGER, FIELD(impacts), {12, 0}, 1, 4096, false, "impacts",
+    {"explore",
+     "impacts",
+     RIC_OPTION_INTEGER,
+     FIELD(impacts),
+     {12, 0},
+     1,
+     4096,
+     false,
+     "impacts",
      "largest number of impacts per period"},
-    {"explore", "multiply", RIC_OPTION_INTEGER, FIELD(multiply), {2, 0}, 1, 1000, false, "periods",
+    {"explore",
+     "multiply",
+     RIC_OPTION_INTEGER,
+     FIELD(multiply),
+     {2, 0},
+     1,
+     1000,
+     false,
+     "periods",
      "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
-    {"explore", "base", RIC_OPTION_INTEGER, FIELD(base), {0, 0}, 0, 1000, false, "periods",
+    {"explore",
+     "base",
+     RIC_OPTION_INTEGER,
+     FIELD(base),
+     {0, 0},
+     0,
+     1000,
+     false,
+     "periods",
      "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k that divide K; 0 = "
      "all"},
-    {"explore", "depth", RIC_OPTION_INTEGER, FIELD(depth), {3, 0}, 0, 1000000, false, "departures",
+    {"explore",
+     "depth",
+     RIC_OPTION_INTEGER,
+     FIELD(depth),
+     {3, 0},
+     0,
+     1000000,
+     false,
+     "departures",
      "departures from the start along the shortest path; 0 = unlimited"},
-    {"explore", "cascade", RIC_OPTION_CASCADE, FIELD(cascade), {0, 0}, 2, 64, false, "periods",
+    {"explore",
+     "cascade",
+     RIC_OPTION_CASCADE,
+     FIELD(cascade),
+     {0, 0},
+     2,
+     64,
+     false,
+     "periods",
      "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 first, by 2 on what "
      "leaves there, by 4 on that"},
-    {"explore", "step", RIC_OPTION_REAL, FIELD(max_step), {0.03, 0}, 0, 10, true, "relative to 1 + norm of the state",
+    {"explore",
+     "step",
+     RIC_OPTION_REAL,
+     FIELD(max_step),
+     {0.03, 0},
+     0,
+     10,
+     true,
+     "relative to 1 + norm of the state",
      "largest arclength step"},
-    {"explore", "symmetric", RIC_OPTION_SWITCH, FIELD(symmetric_only), {0, 0}, 0, 1, false, "",
+    {"explore",
+     "symmetric",
+     RIC_OPTION_SWITCH,
+     FIELD(symmetric_only),
+     {0, 0},
+     0,
+     1,
+     false,
+     "",
      "depart only to branches with z(t + T/2) = -z(t)"},
-    {"explore", "at_energy", RIC_OPTION_NUMBERS, FIELD(at_energy), {0, 0}, 0, 1e18, true, "scaled energy",
+    {"explore",
+     "at_energy",
+     RIC_OPTION_NUMBERS,
+     FIELD(at_energy),
+     {0, 0},
+     0,
+     1e18,
+     true,
+     "scaled energy",
      "energies, or multiples of an onset, that become junctions of kind user on every branch that passes them, such as "
      "[1.5, 10]"},
-    {"explore", "at_frequency", RIC_OPTION_NUMBERS, FIELD(at_frequency), {0, 0}, 0, 1e12, true, "rad/s",
+    {"explore",
+     "at_frequency",
+     RIC_OPTION_NUMBERS,
+     FIELD(at_frequency),
+     {0, 0},
+     0,
+     1e12,
+     true,
+     "rad/s",
      "the same for frequencies of the orbit, such as [1.2, 1.6]"},
-    {"", "tolerance", RIC_OPTION_REAL, FIELD(tolerance), {1e-12, 0}, 1e-14, 1e-4, false, "relative",
+    {"",
+     "tolerance",
+     RIC_OPTION_REAL,
+     FIELD(tolerance),
+     {1e-12, 0},
+     1e-14,
+     1e-4,
+     false,
+     "relative",
      "accuracy asked for"},
 };
 
@@ -59,8 +162,7 @@ const ric_option *ric_options_list(int *n)
 const ric_option *ric_option_find(const char *section, const char *key)
 {
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
-        if (!strcmp(RIC_OPTIONS[i].section, section) && !strcmp(RIC_OPTIONS[i].key, key))
-            return &RIC_OPTIONS[i];
+        if (!strcmp(RIC_OPTIONS[i].section, section) && !strcmp(RIC_OPTIONS[i].key, key)) return &RIC_OPTIONS[i];
     return NULL;
 }
 
@@ -91,16 +193,14 @@ static void store(const ric_option *option, const double value[2], ric_explore_o
 void ric_explore_options_init(ric_explore_options *options)
 {
     memset(options, 0, sizeof *options);
-    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
-        store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++) store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
 }
 
 /* ----------------------------------------------------------------- numbers */
 
 static const char *digits(const char *text)
 {
-    while (isdigit((unsigned char)*text))
-        text++;
+    while (isdigit((unsigned char)*text)) text++;
     return text;
 }
 
@@ -132,11 +232,9 @@ static bool names_no_finite(const char *text)
     char lower[12] = "";
     text += *text == '-' || *text == '+';
     text += *text == '.';
-    for (size_t i = 0; i + 1 < sizeof lower && text[i]; i++)
-        lower[i] = (char)tolower((unsigned char)text[i]);
+    for (size_t i = 0; i + 1 < sizeof lower && text[i]; i++) lower[i] = (char)tolower((unsigned char)text[i]);
     for (int i = 0; i < COUNT(names); i++)
-        if (!strcmp(lower, names[i]))
-            return true;
+        if (!strcmp(lower, names[i])) return true;
     return false;
 }
 
@@ -145,12 +243,10 @@ enum { FORTRAN_MAX = 64 }; /* characters of a number whose exponent is a d; 25 n
 ric_text_kind ric_option_text_real(const char *text, double *out)
 {
     char copy[FORTRAN_MAX];
-    if (!is_decimal(text))
-        return names_no_finite(text) ? RIC_TEXT_NOT_FINITE : RIC_TEXT_NO_NUMBER;
+    if (!is_decimal(text)) return names_no_finite(text) ? RIC_TEXT_NOT_FINITE : RIC_TEXT_NO_NUMBER;
     const size_t mark = strcspn(text, "dD");
     if (text[mark]) {
-        if (strlen(text) >= sizeof copy)
-            return RIC_TEXT_NO_NUMBER;
+        if (strlen(text) >= sizeof copy) return RIC_TEXT_NO_NUMBER;
         strcpy(copy, text);
         copy[mark] = 'e';
         text = copy;
@@ -162,8 +258,7 @@ ric_text_kind ric_option_text_real(const char *text, double *out)
 bool ric_option_text_integer(const char *text, long *out)
 {
     const char *first = text + (*text == '-' || *text == '+');
-    if (!isdigit((unsigned char)*first) || *digits(first))
-        return false;
+    if (!isdigit((unsigned char)*first) || *digits(first)) return false;
     errno = 0;
     *out = strtol(text, NULL, 10);
     return errno == 0;
@@ -175,8 +270,7 @@ void ric_option_text_write(double value, FILE *out)
     locale_t before = ric_c_locale_enter();
     for (int precision = 15; precision <= 17; precision++) {
         snprintf(text, sizeof text, "%.*g", precision, value);
-        if (strtod(text, NULL) == value)
-            break;
+        if (strtod(text, NULL) == value) break;
     }
     ric_c_locale_leave(before);
     fputs(text, out);
@@ -210,8 +304,7 @@ static ric_status read_window(const ric_option *option, bool list, int n, const 
                               int *item)
 {
     out[0] = out[1] = 0;
-    if (!list && !strcmp(texts[0], "auto"))
-        return RIC_OK;
+    if (!list && !strcmp(texts[0], "auto")) return RIC_OK;
     if (!list || n != 2)
         return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [0.2, 10], or auto");
     for (int i = 0; i < 2; i++) {
@@ -221,8 +314,7 @@ static ric_status read_window(const ric_option *option, bool list, int n, const 
             return status;
         }
     }
-    if (out[0] < out[1])
-        return RIC_OK;
+    if (out[0] < out[1]) return RIC_OK;
     return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first", out[0], out[1],
                     out[0] == out[1] ? "empty" : "reversed");
 }
@@ -244,16 +336,14 @@ static ric_status read_list(const ric_option *option, const char *word, bool lis
 {
     double number;
     *n_out = 0;
-    if (!list && !strcmp(texts[0], word))
-        return RIC_OK;
+    if (!list && !strcmp(texts[0], word)) return RIC_OK;
     if (!list || n < 1 || n > room)
         return ric_fail(RIC_E_INPUT, "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]", word,
                         room, word, option->min);
     for (int i = 0; i < n; i++) {
         *item = i;
         ric_status status = read_number(option, texts[i], &number);
-        if (status)
-            return status;
+        if (status) return status;
         out[i] = (int)number;
     }
     *item = -1;
@@ -266,8 +356,7 @@ static ric_status read_modes(const ric_option *option, bool list, int n, const c
 {
     int start[COUNT(out->start)];
     ric_status status = read_list(option, "modes", list, n, texts, COUNT(start), start, &n, item);
-    if (status)
-        return status;
+    if (status) return status;
     qsort(start, (size_t)n, sizeof *start, compare_integers);
     for (int i = 1; i < n; i++)
         if (start[i] == start[i - 1])
@@ -287,15 +376,13 @@ static ric_status read_numbers(const ric_option *option, bool list, int n, const
                                int *item)
 {
     ric_numbers numbers = {.n = n};
-    if (!list)
-        return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
+    if (!list) return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
     if (n > RIC_NUMBERS_MAX)
         return ric_fail(RIC_E_INPUT, "more than %d numbers; leave some for another study", RIC_NUMBERS_MAX);
     for (int i = 0; i < n; i++) {
         *item = i;
         ric_status status = read_number(option, texts[i], &numbers.value[i]);
-        if (status)
-            return status;
+        if (status) return status;
         for (int j = 0; j < i; j++)
             if (numbers.value[j] == numbers.value[i])
                 return ric_fail(RIC_E_INPUT, "%.40s is listed twice; give each number once", texts[i]);
@@ -312,24 +399,18 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
     double value[2] = {0, 0};
     ric_status status = RIC_OK;
     *item = -1;
-    if (option->type == RIC_OPTION_MODES)
-        return read_modes(option, list, n, texts, out, item);
-    if (option->type == RIC_OPTION_NUMBERS)
-        return read_numbers(option, list, n, texts, field(option, out), item);
+    if (option->type == RIC_OPTION_MODES) return read_modes(option, list, n, texts, out, item);
+    if (option->type == RIC_OPTION_NUMBERS) return read_numbers(option, list, n, texts, field(option, out), item);
     if (option->type == RIC_OPTION_CASCADE)
         return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade, &out->n_cascade, item);
-    if (option->type == RIC_OPTION_WINDOW)
-        status = read_window(option, list, n, texts, value, item);
-    else if (list)
-        return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
+    if (option->type == RIC_OPTION_WINDOW) status = read_window(option, list, n, texts, value, item);
+    else if (list) return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
     else if (option->type == RIC_OPTION_SWITCH) {
         value[0] = !strcmp(texts[0], "true");
         if (!value[0] && strcmp(texts[0], "false"))
             return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them", texts[0]);
-    } else
-        status = read_number(option, texts[0], &value[0]);
-    if (!status)
-        store(option, value, out);
+    } else status = read_number(option, texts[0], &value[0]);
+    if (!status) store(option, value, out);
     return status;
 }
 
@@ -339,8 +420,7 @@ static void write_numbers(int n, const double *values, FILE *out)
 {
     fputc('[', out);
     for (int i = 0; i < n; i++) {
-        if (i)
-            fputs(", ", out);
+        if (i) fputs(", ", out);
         ric_option_text_write(values[i], out);
     }
     fputc(']', out);
@@ -348,10 +428,8 @@ static void write_numbers(int n, const double *values, FILE *out)
 
 static void write_list(const char *word, int n, const int *list, FILE *out)
 {
-    if (n == 0)
-        fputs(word, out);
-    for (int i = 0; i < n; i++)
-        fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
+    if (n == 0) fputs(word, out);
+    for (int i = 0; i < n; i++) fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
 }
 
 void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out)
@@ -391,8 +469,7 @@ void ric_options_template(const char *section, FILE *out)
     char value[64], line[96];
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
         const ric_option *option = &RIC_OPTIONS[i];
-        if (strcmp(option->section, section))
-            continue;
+        if (strcmp(option->section, section)) continue;
         write_default(option, sizeof value, value);
         snprintf(line, sizeof line, "%s%s: %s", section[0] ? "  " : "", option->key, value);
         fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit,
@@ -419,7 +496,8 @@ void ric_options_document(FILE *out)
     char value[64], range[64];
     fputs("## explore\n\n"
           "Keys of the section `explore` of a study, and one at its top. All are optional.\n\n"
-          "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n", out);
+          "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n",
+          out);
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
         const ric_option *option = &RIC_OPTIONS[i];
         write_default(option, sizeof value, value);
@@ -443,5 +521,6 @@ void ric_options_document(FILE *out)
           "then followed as far as the\n"
           "smallest windows that hold it too, linear modes start there, and departures from junctions in neither are "
           "`outside the windows`. At\n"
-          "most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n", out);
+          "most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n",
+          out);
 }

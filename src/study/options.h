@@ -21,10 +21,10 @@ typedef struct {
     const char *section; /* "explore", or "" for a key at the top of the study */
     const char *key;
     ric_option_type type;
-    size_t offset;       /* in struct ric_explore_options */
-    double initial[2];   /* default; the second one for windows only, 0, 0 for auto; lists of numbers are empty */
-    double min, max;     /* allowed values */
-    bool above;          /* min itself is not allowed */
+    size_t offset;     /* in struct ric_explore_options */
+    double initial[2]; /* default; the second one for windows only, 0, 0 for auto; lists of numbers are empty */
+    double min, max;   /* allowed values */
+    bool above;        /* min itself is not allowed */
     const char *unit;
     const char *help;
 } ric_option;

@@ -28,7 +28,7 @@ struct ric_study {
     size_t restitution_line;
     ric_explore_options options;
     char remark[400]; /* "" from an atlas */
-    bool chosen[2]; /* the windows of energy and frequency, by the program */
+    bool chosen[2];   /* the windows of energy and frequency, by the program */
     int n_name;
     ric_name *names;
 };
@@ -54,8 +54,7 @@ static ric_status read_option(const ric_yaml *r, const ric_option *option, const
         texts[i] = ric_yaml_text(part);
     }
     ric_status status = ric_option_read(option, list, n < LONGEST ? n : LONGEST, texts, out, &item);
-    if (status != RIC_E_INPUT)
-        return status;
+    if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     return ric_yaml_wrong(r, list && item >= 0 ? ric_yaml_item(r, value, item) : value, key, "%s", why);
 }
@@ -159,12 +158,10 @@ static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, con
     for (int i = 0; from->key && i < n && !status; i++) {
         ric_yaml_join(key, "explore", keys[i]);
         multiples m = {.mode = 0};
-        if (slots[i].key)
-            status = read_energies(r, found[i], key, slots[i].value, out, &m);
+        if (slots[i].key) status = read_energies(r, found[i], key, slots[i].value, out, &m);
         if (found[i]->type == RIC_OPTION_NUMBERS) keep_multiples(all, &m, out->at_energy.n, out->at_energy.value);
         else keep_multiples(all, &m, 2, out->energy);
-        if (found[i]->type == RIC_OPTION_MODES)
-            *start = slots[i].value;
+        if (found[i]->type == RIC_OPTION_MODES) *start = slots[i].value;
     }
     return status;
 }
@@ -184,11 +181,11 @@ static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int
 static ric_status check_kind(const ric_yaml *r, const ric_yaml_node *value, const char *key)
 {
     for (int kind = RIC_KIND_START; kind <= RIC_KIND_USER; kind++)
-        if (!strcmp(ric_yaml_text(value), ric_kind_text((ric_kind)kind)))
-            return RIC_OK;
+        if (!strcmp(ric_yaml_text(value), ric_kind_text((ric_kind)kind))) return RIC_OK;
     return ric_yaml_wrong(r, value, key,
                           "'%.40s' is no kind of junction; write start, grazing, corner, extremum, branch-point, "
-                          "multiplication, period-extremum or user", ric_yaml_text(value));
+                          "multiplication, period-extremum or user",
+                          ric_yaml_text(value));
 }
 
 static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_name *out)
@@ -203,12 +200,9 @@ static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const c
             status =
                 ric_yaml_wrong(r, map, key,
                                "missing; a name is {name: C1_32, kind: branch-point, energy: 1.9, frequency: 1.4}");
-        else if (i < 2)
-            status = ric_yaml_string(r, slots[i].value, key, &texts[i]);
-        else
-            status = ric_yaml_real(r, slots[i].value, key, i == 2 ? &out->energy : &out->frequency);
-        if (!status && i == 1)
-            status = check_kind(r, slots[1].value, key);
+        else if (i < 2) status = ric_yaml_string(r, slots[i].value, key, &texts[i]);
+        else status = ric_yaml_real(r, slots[i].value, key, i == 2 ? &out->energy : &out->frequency);
+        if (!status && i == 1) status = check_kind(r, slots[1].value, key);
     }
     out->name = texts[0];
     out->kind = texts[1];
@@ -226,8 +220,7 @@ static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const c
 static ric_status read_names(const ric_yaml *r, const ric_yaml_slot *from, ric_study *study)
 {
     char key[RIC_KEY_MAX];
-    if (!from->key)
-        return RIC_OK;
+    if (!from->key) return RIC_OK;
     if (!ric_yaml_is_list(from->value))
         return ric_yaml_wrong(r, from->value, "names",
                               "expected a list, found %s; write '- {name: C1_32, kind: branch-point, energy: 1.9, "
@@ -237,14 +230,12 @@ static ric_status read_names(const ric_yaml *r, const ric_yaml_slot *from, ric_s
     if (n > NAME_MAX_COUNT)
         return ric_yaml_wrong(r, from->value, "names", "%d names; at most %d are read", n, NAME_MAX_COUNT);
     study->names = calloc((size_t)n + 1, sizeof *study->names);
-    if (!study->names)
-        return ric_yaml_no_memory(r);
+    if (!study->names) return ric_yaml_no_memory(r);
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "names[%d]", i + 1);
         study->n_name = i + 1;
         ric_status status = read_name(r, ric_yaml_item(r, from->value, i), key, &study->names[i]);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return RIC_OK;
 }
@@ -271,8 +262,8 @@ static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const
                               all_multiples *all)
 {
     multiples m, relative = {.mode = 0};
-    ric_explore_options given = options_of(&(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME,
-                                                         .multiply = RIC_REGION_SAME});
+    ric_explore_options given = options_of(
+        &(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME, .multiply = RIC_REGION_SAME});
     ric_yaml_slot slots[REGION_KEYS];
     char key[RIC_KEY_MAX];
     ric_status status = ric_yaml_map(r, map, path, REGION_KEYS, region_keys, slots);
@@ -299,8 +290,7 @@ static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric
                                all_multiples *all)
 {
     char key[RIC_KEY_MAX];
-    if (!from->key)
-        return RIC_OK;
+    if (!from->key) return RIC_OK;
     if (!ric_yaml_is_list(from->value))
         return ric_yaml_wrong(
             r, from->value, "regions",
@@ -316,8 +306,7 @@ static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "regions[%d]", i + 1);
         ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i], all);
-        if (status)
-            return status;
+        if (status) return status;
     }
     out->n_region = n;
     return RIC_OK;
@@ -327,16 +316,14 @@ static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric
 
 static void write_regions(const ric_explore_options *options, FILE *out)
 {
-    if (options->n_region)
-        fputs("regions:\n", out);
+    if (options->n_region) fputs("regions:\n", out);
     for (int i = 0; i < options->n_region; i++) {
         const ric_region *region = &options->region[i];
         const ric_explore_options o = options_of(region);
         const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME,
                                          region->impacts != RIC_REGION_SAME, region->multiply != RIC_REGION_SAME};
         for (int k = 0; k < REGION_KEYS; k++) {
-            if (!given[k])
-                continue;
+            if (!given[k]) continue;
             fprintf(out, "%s%s: ", k ? ", " : "  - {", region_keys[k]);
             ric_option_write(ric_option_find("explore", region_keys[k]), &o, out);
         }
@@ -349,11 +336,9 @@ static void write_options(const ric_explore_options *options, FILE *out)
     int n;
     const ric_option *list = ric_options_list(&n);
     for (int top = 0; top < 2; top++) {
-        if (!top)
-            fputs("explore:\n", out);
+        if (!top) fputs("explore:\n", out);
         for (int i = 0; i < n; i++) {
-            if ((list[i].section[0] == '\0') != top)
-                continue;
+            if ((list[i].section[0] == '\0') != top) continue;
             fprintf(out, "%s%s: ", top ? "" : "  ", list[i].key);
             ric_option_write(&list[i], options, out);
             fputc('\n', out);
@@ -364,8 +349,7 @@ static void write_options(const ric_explore_options *options, FILE *out)
 
 static void write_names(const ric_study *study, FILE *out)
 {
-    if (study->n_name)
-        fputs("names:\n", out);
+    if (study->n_name) fputs("names:\n", out);
     for (int i = 0; i < study->n_name; i++) {
         fputs("  - {name: ", out);
         ric_yaml_write(study->names[i].name, out);
@@ -382,28 +366,23 @@ static void write_names(const ric_study *study, FILE *out)
 static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 {
     ric_buffer written;
-    if (!ric_buffer_open(&written))
-        return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
+    if (!ric_buffer_open(&written)) return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
     FILE *out = written.file;
     if (raw) {
         fputs("title: ", out);
         ric_yaml_write(study->title, out);
         fputc('\n', out);
         ric_study_model_write(raw, out);
-    } else
-        fwrite(study->text, 1, study->explore_at, out);
+    } else fwrite(study->text, 1, study->explore_at, out);
     ric_buffer_sync(&written);
     size_t begin = written.size;
     write_options(&study->options, out);
     ric_buffer_sync(&written);
     size_t end = written.size;
-    if (raw)
-        write_names(study, out);
-    else
-        fputs(study->text + study->explore_end, out);
+    if (raw) write_names(study, out);
+    else fputs(study->text + study->explore_end, out);
     char *text = ric_buffer_take(&written);
-    if (!text)
-        return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
+    if (!text) return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
     free(study->text);
     study->text = text;
     study->explore_at = begin;
@@ -436,18 +415,13 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     ric_yaml_slot slots[S_COUNT];
     const ric_yaml_node *root = ric_yaml_root(r), *start = NULL;
     ric_status status = ric_yaml_map(r, root, "", S_COUNT, study_keys, slots);
-    if (status)
-        return status;
-    if (slots[S_TITLE].key)
-        status = ric_yaml_string(r, slots[S_TITLE].value, "title", &study->title);
-    else if (!(study->title = strdup("")))
-        status = ric_yaml_no_memory(r);
-    if (status)
-        return status;
+    if (status) return status;
+    if (slots[S_TITLE].key) status = ric_yaml_string(r, slots[S_TITLE].value, "title", &study->title);
+    else if (!(study->title = strdup(""))) status = ric_yaml_no_memory(r);
+    if (status) return status;
     /* cheap sections first: a wrong option is told before the eigenvalues of a large model are computed */
     ric_explore_options_init(&study->options);
-    if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options, &relative)))
-        return status;
+    if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options, &relative))) return status;
     if (slots[S_TOLERANCE].key)
         status = read_option(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
                              &study->options);
@@ -456,8 +430,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
-    if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model)))
-        return status;
+    if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model))) return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
@@ -476,20 +449,17 @@ static ric_status parse(const char *text, size_t size, const char *label, const 
     /* numbers have a decimal point, whatever the locale of the calling program */
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0), before = plain ? uselocale(plain) : (locale_t)0;
     ric_status status = plain ? RIC_OK : ric_yaml_no_memory(&r);
-    if (status || (status = ric_yaml_load(&r, text, size)))
-        goto out;
+    if (status || (status = ric_yaml_load(&r, text, size))) goto out;
     loaded = true;
     study = calloc(1, sizeof *study);
     status = study ? read_study(&r, study, &raw) : ric_yaml_no_memory(&r);
-    if (status)
-        goto out;
+    if (status) goto out;
     *out = study;
     study = NULL;
 out:
     ric_study_free(study);
     ric_study_model_free(&raw);
-    if (loaded)
-        ric_yaml_unload(&r);
+    if (loaded) ric_yaml_unload(&r);
     if (plain) {
         uselocale(before);
         freelocale(plain);
@@ -519,8 +489,7 @@ ric_status ric_study_read(const char *path, ric_study **out)
                           strerror(errno));
     if (!status && size >= strlen(sqlite) && !memcmp(text, sqlite, strlen(sqlite)))
         status = ric_fail(RIC_E_INPUT, "%.200s: this is an atlas; name the study that it was made from", path);
-    if (status)
-        goto out;
+    if (status) goto out;
     base = strdup(path);
     if (!base) {
         status = ric_fail(RIC_E_NOMEM, "%.200s: no memory for the study", path);
@@ -539,14 +508,14 @@ out:
 static ric_status raw_of(const ric_model *m, ric_raw_model *out)
 {
     ric_status status = RIC_OK;
-    *out = (ric_raw_model){.n = ric_model_n_dof(m), .n_contact = ric_model_n_contact(m),
-                           .mass = (double *)ric_model_mass(m), .stiffness = (double *)ric_model_stiffness(m),
+    *out = (ric_raw_model){.n = ric_model_n_dof(m),
+                           .n_contact = ric_model_n_contact(m),
+                           .mass = (double *)ric_model_mass(m),
+                           .stiffness = (double *)ric_model_stiffness(m),
                            .restitution = ric_model_restitution(m)};
     out->contacts = calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
-    if (!out->contacts)
-        return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
-    for (int i = 0; i < out->n_contact && !status; i++)
-        status = ric_model_contact(m, i, &out->contacts[i]);
+    if (!out->contacts) return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
+    for (int i = 0; i < out->n_contact && !status; i++) status = ric_model_contact(m, i, &out->contacts[i]);
     return status;
 }
 
@@ -561,12 +530,9 @@ ric_status ric_study_create(const ric_model *model, const ric_explore_options *o
     else ric_explore_options_init(&made.options);
     made.title = strdup(title ? title : "");
     ric_status status = raw_of(model, &raw);
-    if (!status && !made.title)
-        status = ric_fail(RIC_E_NOMEM, "no memory for a study");
-    if (!status)
-        status = write_text(&made, &raw);
-    if (!status)
-        status = ric_study_parse(made.text, "study", ".", out);
+    if (!status && !made.title) status = ric_fail(RIC_E_NOMEM, "no memory for a study");
+    if (!status) status = write_text(&made, &raw);
+    if (!status) status = ric_study_parse(made.text, "study", ".", out);
     free(raw.contacts);
     free(made.title);
     free(made.text);
@@ -580,15 +546,13 @@ ric_status ric_study_override(ric_study *study, const char *section, const char 
     ric_explore_options before = study->options;
     char why[300];
     int item;
-    if (!option)
-        return ric_fail(RIC_E_INPUT, "%s: there is no option '%s'", label, key);
+    if (!option) return ric_fail(RIC_E_INPUT, "%s: there is no option '%s'", label, key);
     ric_status status = ric_option_read(option, false, 1, &text, &study->options, &item);
     if (status == RIC_E_INPUT) {
         snprintf(why, sizeof why, "%s", ric_detail());
         return ric_fail(status, "%s: %s", label, why);
     }
-    if ((status = write_text(study, NULL)))
-        study->options = before;
+    if ((status = write_text(study, NULL))) study->options = before;
     return status;
 }
 
@@ -600,11 +564,9 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
         return ric_fail(RIC_E_INPUT,
                         "explore.cascade says what is departed from, wherever it is: such a study has no regions");
     for (int i = 0; i < o->n_region; i++)
-        if (ric_region_covers(&o->region[i], region))
-            return RIC_OK;
+        if (ric_region_covers(&o->region[i], region)) return RIC_OK;
     for (int i = 0; i < o->n_region; i++)
-        if (!ric_region_covers(region, &before.region[i]))
-            o->region[n++] = before.region[i];
+        if (!ric_region_covers(region, &before.region[i])) o->region[n++] = before.region[i];
     o->n_region = n;
     ric_status status = RIC_OK;
     if (n >= RIC_REGIONS_MAX)
@@ -615,15 +577,13 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
         o->region[o->n_region++] = *region;
         status = write_text(study, NULL);
     }
-    if (status)
-        study->options = before;
+    if (status) study->options = before;
     return status;
 }
 
 void ric_study_free(ric_study *study)
 {
-    if (!study)
-        return;
+    if (!study) return;
     for (int i = 0; i < study->n_name; i++) {
         free((void *)(uintptr_t)study->names[i].name);
         free((void *)(uintptr_t)study->names[i].kind);

@@ -28,8 +28,7 @@ static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const ch
         const ric_yaml_node *item = ric_yaml_item(r, row, j);
         snprintf(entry, sizeof entry, "%s, row %d, column %d", key, i + 1, j + 1);
         ric_status status = ric_yaml_real(r, item, entry, &out[j]);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return RIC_OK;
 }
@@ -40,12 +39,10 @@ static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const 
     if (*n < 1 || *n > RIC_MATRIX_MAX)
         return ric_yaml_wrong(r, list, key, "%d rows; there must be 1 to %d", *n, RIC_MATRIX_MAX);
     *out = malloc((size_t)*n * (size_t)*n * sizeof **out);
-    if (!*out)
-        return ric_yaml_no_memory(r);
+    if (!*out) return ric_yaml_no_memory(r);
     for (int i = 0; i < *n; i++) {
         ric_status status = read_row(r, ric_yaml_item(r, list, i), key, i, *n, *out + (size_t)i * (size_t)*n);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return RIC_OK;
 }
@@ -70,14 +67,12 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
     ric_yaml_slot file;
     char *name = NULL, *path = NULL, why[600];
     ric_status status = ric_yaml_map(r, map, key, 1, keys, &file);
-    if (status)
-        goto out;
+    if (status) goto out;
     if (!file.key) {
         status = ric_yaml_wrong(r, map, key, "no key 'file'; write {file: M.mtx}");
         goto out;
     }
-    if ((status = ric_yaml_string(r, file.value, key, &name)))
-        goto out;
+    if ((status = ric_yaml_string(r, file.value, key, &name))) goto out;
     if (!name[0]) {
         status = ric_yaml_wrong(r, file.value, key, "the file has no name; write {file: M.mtx}");
         goto out;
@@ -131,9 +126,9 @@ static ric_status not_symmetric(const ric_yaml *r, const ric_yaml_node *value, c
                                 const int at[2])
 {
     const ric_yaml_node *row = ric_yaml_is_list(value) ? ric_yaml_item(r, value, at[0]) : value;
-    return ric_yaml_wrong(r, row, key,
-                          "not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; %s", at[0] + 1,
-                          at[1] + 1, entry(A, n, at[0], at[1]), at[1] + 1, at[0] + 1, entry(A, n, at[1], at[0]),
+    return ric_yaml_wrong(r, row, key, "not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; %s",
+                          at[0] + 1, at[1] + 1, entry(A, n, at[0], at[1]), at[1] + 1, at[0] + 1,
+                          entry(A, n, at[1], at[0]),
                           is_half(n, A) ? "all on one side of the diagonal is zero: if this is half of the matrix, "
                                           "write the other half, or symmetric in the first line of its file"
                                         : "make them equal");
@@ -143,16 +138,13 @@ static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value,
                                   ric_raw_model *raw)
 {
     double largest = 0, worst = 0;
-    for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
-        largest = fmax(largest, fabs(A[i]));
+    for (size_t i = 0; i < (size_t)n * (size_t)n; i++) largest = fmax(largest, fabs(A[i]));
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) {
             double *low = &A[(size_t)i * (size_t)n + (size_t)j], *high = &A[(size_t)j * (size_t)n + (size_t)i];
-            const double off = fabs(*low - *high),
-                         size = sqrt(fabs(entry(A, n, i, i))) * sqrt(fabs(entry(A, n, j, j)));
+            const double off = fabs(*low - *high), size = sqrt(fabs(entry(A, n, i, i))) * sqrt(fabs(entry(A, n, j, j)));
             if (!(off <= ROUNDING * largest)) {
-                if (!(off <= SYMMETRY_TOLERANCE * size))
-                    return not_symmetric(r, value, key, n, A, (const int[]){i, j});
+                if (!(off <= SYMMETRY_TOLERANCE * size)) return not_symmetric(r, value, key, n, A, (const int[]){i, j});
                 worst = fmax(worst, off / size);
             }
             *low = *high = *low == *high ? *low : 0.5 * *low + 0.5 * *high;
@@ -169,8 +161,7 @@ static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, co
 {
     int rows = 0;
     ric_status status;
-    if (ric_yaml_is_list(matrix->value))
-        status = read_rows(r, matrix->value, key, &rows, out);
+    if (ric_yaml_is_list(matrix->value)) status = read_rows(r, matrix->value, key, &rows, out);
     else if (matrix->value->type == YAML_MAPPING_NODE)
         status = read_matrix_file(r, matrix->value, key, &rows, out, raw);
     else
@@ -181,8 +172,7 @@ static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, co
         status = ric_yaml_wrong(r, matrix->key, key,
                                 "%d x %d, but the mass matrix is %d x %d; both have one row per displacement", rows,
                                 rows, *n, *n);
-    if (!status)
-        status = check_symmetric(r, matrix->value, key, rows, *out, raw);
+    if (!status) status = check_symmetric(r, matrix->value, key, rows, *out, raw);
     *n = rows;
     return status;
 }
@@ -190,8 +180,8 @@ static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, co
 /* ---------------------------------------------------------------- contacts */
 
 enum { C_NAME, C_NORMAL, C_CLEARANCE, C_SIDES, C_LAW, C_STIFFNESS, C_EXPONENT, C_LENGTH, C_REFERENCE, C_COUNT };
-static const char *const contact_keys[C_COUNT] = {"name", "normal", "clearance", "sides", "law",
-                                                  "stiffness", "exponent", "length", "reference"};
+static const char *const contact_keys[C_COUNT] = {"name",      "normal",   "clearance", "sides",    "law",
+                                                  "stiffness", "exponent", "length",    "reference"};
 static const char *const law_names[] = {"rigid", "bilinear", "power"};
 static const char *const side_names[] = {"both", "upper", "lower"};
 
@@ -211,8 +201,7 @@ static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map, const
                               ric_yaml_length(from->value), n);
     for (int j = 0; j < n; j++) {
         ric_status status = ric_yaml_real(r, ric_yaml_item(r, from->value, j), key, &out[j]);
-        if (status)
-            return status;
+        if (status) return status;
         zero = zero && out[j] == 0;
     }
     if (zero)
@@ -225,8 +214,7 @@ static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map, const
 static ric_status read_positive(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, const char *key,
                                 const char *meaning, double *out)
 {
-    if (!from->key)
-        return ric_yaml_wrong(r, map, key, "missing; give %s, a number > 0", meaning);
+    if (!from->key) return ric_yaml_wrong(r, map, key, "missing; give %s, a number > 0", meaning);
     ric_status status = ric_yaml_real(r, from->value, key, out);
     if (!status && *out <= 0)
         status = ric_yaml_wrong(r, from->value, key, "%.10g is not positive; give %s, a number > 0", *out, meaning);
@@ -236,8 +224,7 @@ static ric_status read_positive(const ric_yaml *r, const ric_yaml_node *map, con
 static ric_status read_clearance(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from,
                                  const char *key, double *out)
 {
-    if (!from->key)
-        return ric_yaml_wrong(r, map, key, "missing; give the distance d > 0 from rest to the stop");
+    if (!from->key) return ric_yaml_wrong(r, map, key, "missing; give the distance d > 0 from rest to the stop");
     ric_status status = ric_yaml_real(r, from->value, key, out);
     if (!status && *out == 0)
         return ric_yaml_wrong(r, from->value, key,
@@ -258,7 +245,12 @@ static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, 
     static const bool allowed[][C_COUNT] = {
         {[C_NAME] = 1, [C_NORMAL] = 1, [C_CLEARANCE] = 1, [C_SIDES] = 1, [C_LAW] = 1},
         {[C_NAME] = 1, [C_NORMAL] = 1, [C_CLEARANCE] = 1, [C_SIDES] = 1, [C_LAW] = 1, [C_STIFFNESS] = 1},
-        {[C_NAME] = 1, [C_NORMAL] = 1, [C_LAW] = 1, [C_EXPONENT] = 1, [C_STIFFNESS] = 1, [C_LENGTH] = 1,
+        {[C_NAME] = 1,
+         [C_NORMAL] = 1,
+         [C_LAW] = 1,
+         [C_EXPONENT] = 1,
+         [C_STIFFNESS] = 1,
+         [C_LENGTH] = 1,
          [C_REFERENCE] = 1},
     };
     static const char *const takes[] = {"normal, clearance and sides", "normal, clearance, sides and stiffness",
@@ -316,31 +308,22 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
     double *normal = calloc((size_t)n, sizeof *normal);
     ric_status status;
     out->normal = normal; /* released with the contact, also on failure */
-    if (!normal)
-        return ric_yaml_no_memory(r);
-    if ((status = ric_yaml_map(r, map, path, C_COUNT, contact_keys, slots)))
-        return status;
+    if (!normal) return ric_yaml_no_memory(r);
+    if ((status = ric_yaml_map(r, map, path, C_COUNT, contact_keys, slots))) return status;
     ric_yaml_join(key, path, "law");
-    if ((status = ric_yaml_choice(r, &slots[C_LAW], key, COUNT(law_names), law_names, &law)))
-        return status;
-    if ((status = check_law_keys(r, slots, path, law)))
-        return status;
+    if ((status = ric_yaml_choice(r, &slots[C_LAW], key, COUNT(law_names), law_names, &law))) return status;
+    if ((status = check_law_keys(r, slots, path, law))) return status;
     ric_yaml_join(key, path, "name");
-    if (slots[C_NAME].key && (status = ric_yaml_string(r, slots[C_NAME].value, key, &name)))
-        return status;
+    if (slots[C_NAME].key && (status = ric_yaml_string(r, slots[C_NAME].value, key, &name))) return status;
     out->name = name;
     ric_yaml_join(key, path, "normal");
-    if ((status = read_normal(r, map, &slots[C_NORMAL], key, n, normal)))
-        return status;
+    if ((status = read_normal(r, map, &slots[C_NORMAL], key, n, normal))) return status;
     out->law = (ric_law)law;
-    if (law == RIC_LAW_POWER)
-        return read_power(r, map, slots, path, out);
+    if (law == RIC_LAW_POWER) return read_power(r, map, slots, path, out);
     ric_yaml_join(key, path, "clearance");
-    if ((status = read_clearance(r, map, &slots[C_CLEARANCE], key, &out->clearance)))
-        return status;
+    if ((status = read_clearance(r, map, &slots[C_CLEARANCE], key, &out->clearance))) return status;
     ric_yaml_join(key, path, "sides");
-    if ((status = ric_yaml_choice(r, &slots[C_SIDES], key, COUNT(side_names), side_names, &sides)))
-        return status;
+    if ((status = ric_yaml_choice(r, &slots[C_SIDES], key, COUNT(side_names), side_names, &sides))) return status;
     out->sides = (ric_sides)sides;
     ric_yaml_join(key, path, "stiffness");
     if (law == RIC_LAW_BILINEAR)
@@ -378,14 +361,12 @@ static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, con
                               "%d contacts; there must be 1 to %d, without any the structure is linear", n,
                               CONTACT_MAX);
     raw->contacts = calloc((size_t)n, sizeof *raw->contacts);
-    if (!raw->contacts)
-        return ric_yaml_no_memory(r);
+    if (!raw->contacts) return ric_yaml_no_memory(r);
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "model.contacts[%d]", i + 1);
         raw->n_contact = i + 1;
         ric_status status = read_contact(r, ric_yaml_item(r, from->value, i), key, raw->n, &raw->contacts[i]);
-        if (status)
-            return status;
+        if (status) return status;
     }
     return check_laws(r, from->value, raw);
 }
@@ -414,8 +395,7 @@ static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, cons
     char why[600];
     ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts,
                                          raw->restitution, out);
-    if (status != RIC_E_INPUT)
-        return status;
+    if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     for (int i = 0; i < COUNT(words); i++)
         if (!strncmp(why, words[i], strlen(words[i])))
@@ -428,26 +408,21 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ri
     ric_yaml_slot slots[M_COUNT];
     int n = 0;
     ric_status status = ric_yaml_map(r, from->value, "model", M_COUNT, model_keys, slots);
-    if (status)
-        return status;
+    if (status) return status;
     if (!slots[M_MASS].key)
         return ric_yaml_wrong(r, from->key, "model.mass",
                               "missing; give rows such as [[2, 0], [0, 1]], or {file: M.mtx}");
     if (!slots[M_STIFFNESS].key)
         return ric_yaml_wrong(r, from->key, "model.stiffness",
                               "missing; give rows such as [[9, -1], [-1, 1]], or {file: K.mtx}");
-    if ((status = read_matrix(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw)))
-        return status;
+    if ((status = read_matrix(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw))) return status;
     raw->n = n;
-    if ((status = read_matrix(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness, raw)))
-        return status;
-    if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw)))
-        return status;
+    if ((status = read_matrix(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness, raw))) return status;
+    if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw))) return status;
     raw->restitution = 1;
     const ric_yaml_node *restitution = slots[M_RESTITUTION].value;
     raw->restitution_line = restitution ? restitution->start_mark.line + 1 : 0;
-    if (restitution && (status = ric_yaml_real(r, restitution, "model.restitution", &raw->restitution)))
-        return status;
+    if (restitution && (status = ric_yaml_real(r, restitution, "model.restitution", &raw->restitution))) return status;
     if (raw->restitution < 0 || raw->restitution > 1)
         return ric_yaml_wrong(r, restitution, "model.restitution",
                               "%.10g is out of range; give a number in [0, 1], 1 for an atlas", raw->restitution);

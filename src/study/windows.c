@@ -9,13 +9,14 @@
 /* The energy window ends at so many times the first onset, at seventeen times its amplitudes: there gaps are crossed in
  * a short part of a turn, and a spring of a power law is as stiff as the structure a hundred times or more. */
 #define MANY 300.0
-#define LOWEST 4.0    /* and at this many times that of the lowest mode, which is looked for first: */
-#define FAR 1e4       /* unless its onset is so much higher than that of another, as near a node of the mode */
-#define LOOSE 0.04    /* the window of a loose mass, which moves at any energy, begins at so many times the onset, at a
-                       * fifth of its speeds: below, families of long periods lie densely and cost most of a run */
-#define OVERTONE 5.0  /* the frequency window ends at so many times the highest mode that is met in it */
-#define PHASE 1e7     /* a mode turns less within the longest period: the limit of a run */
-#define FREE_LOW 0.1  /* gaps that a body without any spring crosses in a second, for want of another time */
+#define LOWEST 4.0 /* and at this many times that of the lowest mode, which is looked for first: */
+#define FAR 1e4    /* unless its onset is so much higher than that of another, as near a node of the mode */
+#define LOOSE                                                                                                          \
+    0.04             /* the window of a loose mass, which moves at any energy, begins at so many times the onset, at a \
+                      * fifth of its speeds: below, families of long periods lie densely and cost most of a run */
+#define OVERTONE 5.0 /* the frequency window ends at so many times the highest mode that is met in it */
+#define PHASE 1e7    /* a mode turns less within the longest period: the limit of a run */
+#define FREE_LOW 0.1 /* gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_HIGH 10.0
 #define FREE_PART 1e-4 /* of the top of an energy window that is given, where frequencies begin if that begins at 0 */
 
@@ -40,8 +41,8 @@ typedef struct {
     double first, lowest; /* smallest onset, and that of the lowest mode; +inf: none */
     double slow, fast;    /* frequencies of the modes that are met up to `top` */
     double top;
-    bool loose;           /* a seen mode has no frequency */
-    double cc;            /* c.c of the loose modes at the first contact */
+    bool loose; /* a seen mode has no frequency */
+    double cc;  /* c.c of the loose modes at the first contact */
 } range;
 
 static bool is_started(const ric_explore_options *o, int mode)

@@ -24,8 +24,7 @@ static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const 
     char what[700];
     vsnprintf(what, sizeof what, format, arguments);
     for (char *c = what; *c; c++)
-        if (iscntrl((unsigned char)*c))
-            *c = '?';
+        if (iscntrl((unsigned char)*c)) *c = '?';
     return ric_fail(RIC_E_INPUT, "%.200s:%zu: %s: %s", r->label, line, key, what);
 }
 
@@ -64,8 +63,7 @@ static int utf8_length(const unsigned char *c)
     int n = c[0] < 0x80 ? 1 : c[0] >> 5 == 6 ? 2 : c[0] >> 4 == 14 ? 3 : c[0] >> 3 == 30 ? 4 : 0;
     unsigned code = n < 2 ? c[0] : c[0] & (0x7Fu >> n);
     for (int i = 1; i < n; i++) {
-        if (c[i] >> 6 != 2)
-            return 0;
+        if (c[i] >> 6 != 2) return 0;
         code = code << 6 | (c[i] & 0x3Fu);
     }
     return n < 2 || (code >= least[n] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF)) ? n : 0;
@@ -78,16 +76,14 @@ static ric_status check_bytes(const ric_yaml *r, const char *text, size_t size)
     for (size_t i = 0; i < size;) {
         unsigned char c = (unsigned char)text[i];
         int length = utf8_length((const unsigned char *)text + i);
-        if (length == 0)
-            return wrong_at(r, line, "text", "byte 0x%02X is not UTF-8; save the study as UTF-8 text", c);
+        if (length == 0) return wrong_at(r, line, "text", "byte 0x%02X is not UTF-8; save the study as UTF-8 text", c);
         if (c == 0x7F || (c < 0x20 && c != '\n' && c != '\r' && c != '\t'))
             return wrong_at(r, line, "text", "control character 0x%02X; a study is plain UTF-8 text", c);
         content = content || !isspace(c);
         line += c == '\n';
         i += (size_t)length;
     }
-    if (!content)
-        return wrong_at(r, 1, "model", "the study is empty; `ricochet new NAME` writes one to start from");
+    if (!content) return wrong_at(r, 1, "model", "the study is empty; `ricochet new NAME` writes one to start from");
     return RIC_OK;
 }
 
@@ -124,8 +120,14 @@ static ric_status count_event(const ric_yaml *r, const yaml_event_t *event, tall
     const yaml_char_t *anchor = NULL;
     switch (event->type) {
     case YAML_SCALAR_EVENT: anchor = event->data.scalar.anchor; break;
-    case YAML_SEQUENCE_START_EVENT: anchor = event->data.sequence_start.anchor; t->depth++; break;
-    case YAML_MAPPING_START_EVENT: anchor = event->data.mapping_start.anchor; t->depth++; break;
+    case YAML_SEQUENCE_START_EVENT:
+        anchor = event->data.sequence_start.anchor;
+        t->depth++;
+        break;
+    case YAML_MAPPING_START_EVENT:
+        anchor = event->data.mapping_start.anchor;
+        t->depth++;
+        break;
     case YAML_SEQUENCE_END_EVENT: t->depth--; break;
     case YAML_MAPPING_END_EVENT: t->depth--; break;
     case YAML_DOCUMENT_START_EVENT: t->documents++; break;
@@ -141,8 +143,7 @@ static ric_status count_event(const ric_yaml *r, const yaml_event_t *event, tall
     if (t->nodes > NODE_MAX)
         return wrong_at(r, line, "syntax", "more than %d values; put large matrices into Matrix Market files",
                         NODE_MAX);
-    if (t->documents > 1)
-        return wrong_at(r, line, "syntax", "a second document starts here; one file holds one study");
+    if (t->documents > 1) return wrong_at(r, line, "syntax", "a second document starts here; one file holds one study");
     return RIC_OK;
 }
 
@@ -153,8 +154,7 @@ static ric_status check_limits(const ric_yaml *r, const char *text, size_t size)
     yaml_event_t event;
     tally t = {0, 0, 0, 0};
     ric_status status = RIC_OK;
-    if (!yaml_parser_initialize(&parser))
-        return ric_yaml_no_memory(r);
+    if (!yaml_parser_initialize(&parser)) return ric_yaml_no_memory(r);
     yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
     for (bool end = false; !end && !status;) {
@@ -176,12 +176,10 @@ static ric_status load(ric_yaml *r, const char *text, size_t size)
 {
     yaml_parser_t parser;
     ric_status status = RIC_OK;
-    if (!yaml_parser_initialize(&parser))
-        return ric_yaml_no_memory(r);
+    if (!yaml_parser_initialize(&parser)) return ric_yaml_no_memory(r);
     yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
-    if (!yaml_parser_load(&parser, &r->document))
-        status = parser_failed(r, &parser);
+    if (!yaml_parser_load(&parser, &r->document)) status = parser_failed(r, &parser);
     yaml_parser_delete(&parser);
     return status;
 }
@@ -190,10 +188,8 @@ ric_status ric_yaml_load(ric_yaml *r, const char *text, size_t size)
 {
     r->text = text;
     ric_status status = check_bytes(r, text, size);
-    if (!status)
-        status = check_limits(r, text, size);
-    if (!status)
-        status = load(r, text, size);
+    if (!status) status = check_limits(r, text, size);
+    if (!status) status = load(r, text, size);
     r->text = NULL;
     return status;
 }
@@ -259,10 +255,8 @@ static int edit_distance(const char *a, const char *b)
 {
     enum { LONGEST = 24 };
     int row[LONGEST + 1], n = (int)strlen(b);
-    if (strlen(a) > LONGEST || n > LONGEST)
-        return LONGEST;
-    for (int j = 0; j <= n; j++)
-        row[j] = j;
+    if (strlen(a) > LONGEST || n > LONGEST) return LONGEST;
+    for (int j = 0; j <= n; j++) row[j] = j;
     for (int i = 1; a[i - 1]; i++) {
         int diagonal = row[0];
         row[0] = i;
@@ -318,12 +312,9 @@ static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const
     }
     ric_yaml_join(full, path, ric_yaml_text(key));
     for (char *c = full; *c; c++)
-        if (iscntrl((unsigned char)*c))
-            *c = '?';
-    if (none)
-        return ric_yaml_wrong(r, key, full, "unknown key; %s; the keys here are %s", none, all);
-    if (closest)
-        return ric_yaml_wrong(r, key, full, "unknown key; did you mean '%s'?", closest);
+        if (iscntrl((unsigned char)*c)) *c = '?';
+    if (none) return ric_yaml_wrong(r, key, full, "unknown key; %s; the keys here are %s", none, all);
+    if (closest) return ric_yaml_wrong(r, key, full, "unknown key; did you mean '%s'?", closest);
     return ric_yaml_wrong(r, key, full, "unknown key; the keys here are %s", all);
 }
 
@@ -340,10 +331,8 @@ ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char 
         int i = 0;
         if (!ric_yaml_is_scalar(key))
             return ric_yaml_wrong(r, key, path[0] ? path : "study", "a key is %s; keys are words", ric_yaml_kind(key));
-        while (i < n && strcmp(keys[i], ric_yaml_text(key)))
-            i++;
-        if (i == n)
-            return unknown_key(r, key, path, n, keys);
+        while (i < n && strcmp(keys[i], ric_yaml_text(key))) i++;
+        if (i == n) return unknown_key(r, key, path, n, keys);
         ric_yaml_join(full, path, keys[i]);
         if (slots[i].key)
             return ric_yaml_wrong(r, key, full, "given twice, first in line %zu; keep one of the two",
@@ -362,14 +351,14 @@ ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const ch
                               ric_yaml_text(value));
     switch (ric_option_text_real(ric_yaml_text(value), out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
-    case RIC_TEXT_NOT_FINITE: return ric_yaml_wrong(r, value, key,
-                                                    "'%.40s' is not finite; NaN and infinities have no meaning here, "
-                                                    "give a number",
-                                                    ric_yaml_text(value));
+    case RIC_TEXT_NOT_FINITE:
+        return ric_yaml_wrong(r, value, key,
+                              "'%.40s' is not finite; NaN and infinities have no meaning here, "
+                              "give a number",
+                              ric_yaml_text(value));
     case RIC_TEXT_NO_NUMBER: break;
     }
-    if (!ric_yaml_text(value)[0])
-        return ric_yaml_wrong(r, value, key, "no value; give a number");
+    if (!ric_yaml_text(value)[0]) return ric_yaml_wrong(r, value, key, "no value; give a number");
     return ric_yaml_wrong(r, value, key, "'%.40s' is not a number; write it in decimal, for example 0.5 or 2.5e-3",
                           ric_yaml_text(value));
 }
@@ -389,8 +378,7 @@ ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const c
                            const char *const *names, int *out)
 {
     char all[100] = "";
-    if (!from->key)
-        return RIC_OK;
+    if (!from->key) return RIC_OK;
     for (int i = 0; i < n; i++) {
         if (ric_yaml_is_scalar(from->value) && !strcmp(ric_yaml_text(from->value), names[i])) {
             *out = i;
@@ -416,14 +404,11 @@ void ric_yaml_write(const char *text, FILE *out)
     while (*c) {
         int length = utf8_length(c);
         unsigned code = length < 2 ? c[0] : c[0] & (0x7Fu >> length);
-        for (int i = 1; i < length; i++)
-            code = code << 6 | (c[i] & 0x3Fu);
-        if (code == '"' || code == '\\')
-            fprintf(out, "\\%c", (int)code);
+        for (int i = 1; i < length; i++) code = code << 6 | (c[i] & 0x3Fu);
+        if (code == '"' || code == '\\') fprintf(out, "\\%c", (int)code);
         else if (code < 0x20 || (code >= 0x7F && code <= 0xA0) || (code >= 0x2028 && code <= 0x2029) || code >= 0xFEFF)
             fprintf(out, "\\U%08X", code);
-        else
-            fwrite(c, 1, (size_t)length, out);
+        else fwrite(c, 1, (size_t)length, out);
         c += length ? length : 1;
     }
     fputc('"', out);

@@ -95,7 +95,10 @@ static int totient(int n)
     int count = 0;
     for (int i = 1; i <= n; i++) {
         int a = n, b = i;
-        while (b) { int r = a % b; a = b, b = r; }
+        while (b) {
+            int r = a % b;
+            a = b, b = r;
+        }
         count += a == 1;
     }
     return count;

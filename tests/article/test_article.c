@@ -176,7 +176,8 @@ static char *make_page(int *wrong)
           "Written by `tests/article/test_article.c`, which checks every line against computed atlases; `UPDATE=1 "
           "build/tests/test_article` writes it\n"
           "anew. Points carry the article's names, words are in canonical form (A3[010] is A3[001]).\n\n"
-          "| no. | place | the article says | the program finds | verdict |\n|---|---|---|---|---|\n", out);
+          "| no. | place | the article says | the program finds | verdict |\n|---|---|---|---|---|\n",
+          out);
     for (int i = 0; i < N_ENTRY; i++) {
         finding f = {{0}, 0};
         const entry *e = &table[i];

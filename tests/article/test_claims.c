@@ -49,7 +49,10 @@ static void plant(ric_atlas *atlas, int branch, int i)
     /* 2 cos(2 pi gamma) = trace: where its slope vanishes, a small error of the trace is a large one of gamma */
     double slope = 4 * PI * fabs(sin(2 * PI * p->rotation)), trace = 2 * sinh(p->trace),
            turned = slope > 1e-4 ? fmax(1e-6, 10 * before.multiplier_bound * hypot(2, trace) / slope) : NAN;
-    struct { const char *name; double *at, off; } const numbers[] = {
+    struct {
+        const char *name;
+        double *at, off;
+    } const numbers[] = {
         {"energy", &p->energy, 1e-6 * fabs(p->energy)},
         {"frequency", &p->frequency, 1e-6 * p->frequency},
         {"reach", &p->reach, 1e-6 * fmax(p->reach, 1e-3)},

@@ -337,7 +337,8 @@ static void any_step_length_with_multiplications(void **state)
         snprintf(text, sizeof text,
                  "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                  "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                 "explore: {energy: [0, 200], frequency: [0.2, 10], %s}\n", options[i]);
+                 "explore: {energy: [0, 200], frequency: [0.2, 10], %s}\n",
+                 options[i]);
         if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
         ric_atlas *usual = explore(study, 0, NULL);
         for (int k = 0; k < 4; k++) {

@@ -69,4 +69,11 @@ done
 wide=$(grep -nE '^.{121}' src/*/*.[ch] cli/*/*.[ch] include/*.h tests/*/*.[ch] bench/*.c fuzz/*.[ch])
 ok 'CONTRIBUTING.md: no line of C has more than 120 columns' test -z "$wide"
 
+if command -v clang-format >/dev/null; then
+    ok 'CONTRIBUTING.md: .clang-format is how the sources look' clang-format --dry-run -Werror src/*/*.[ch] cli/*/*.[ch] \
+        include/*.h tests/*/*.[ch] mpi/*.c bench/*.c fuzz/*.[ch] examples/c/*.c
+else
+    left_out 'CONTRIBUTING.md: .clang-format is how the sources look' 'clang-format is missing (Debian: clang-format)'
+fi
+
 finish

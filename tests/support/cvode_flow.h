@@ -14,10 +14,10 @@
 
 typedef struct {
     int n, n_contact;
-    const double *K;            /* [n * n] */
+    const double *K; /* [n * n] */
     const ric_contact *contacts;
-    double length;              /* d: x is displacement / d */
-    double *L;                  /* [n * n] Cholesky factor of M */
+    double length; /* d: x is displacement / d */
+    double *L;     /* [n * n] Cholesky factor of M */
 } raw_power;
 
 static inline int cvode_rate(sunrealtype t, N_Vector y, N_Vector dy, void *user)

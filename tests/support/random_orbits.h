@@ -54,10 +54,11 @@ static inline void random_word(const ric_model *m, int form, int n_flight, int *
 
 /* A chain over such a word, with random unknowns; those of the start block up to `size`. */
 static inline ric_shooting *random_chain_over(const ric_model *m, int form, int n_flight, const int *face, double size,
-                                           double *u)
+                                              double *u)
 {
     ric_shooting *chain = NULL;
-    assert_int_equal(ric_shooting_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face, &chain),
+    assert_int_equal(ric_shooting_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face,
+                                         &chain),
                      RIC_OK);
     for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-size, size);
     for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);

@@ -59,7 +59,8 @@ static inline ric_model *make_random(uint64_t seed, int n, int n_contact, double
     random_definite(n, n, 0.1 * n, K);
     for (int f = 0; f < n_contact; f++) {
         for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2),
+        contacts[f] = (ric_contact){.normal = normal + f * n,
+                                    .clearance = uniform(0.5, 2),
                                     .sides = f % 3 == 2 ? RIC_SIDES_UPPER : RIC_SIDES_BOTH};
     }
     return make(n, M, K, n_contact, contacts, restitution);

@@ -20,18 +20,17 @@
 #include "random_models.h"
 #include "atlas/store.h"
 
-static const char pair_text[] =
-    "title: A pair\n"
-    "model:\n"
-    "  mass: [[2, 0], [0, 1]]\n"
-    "  stiffness: [[9, -1], [-1, 1]]\n"
-    "  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore:\n"
-    "  energy: [0, 200]\n"
-    "  frequency: [0.2, 10]\n"
-    "  impacts: 24\n"
-    "  multiply: 1\n";
+static const char pair_text[] = "title: A pair\n"
+                                "model:\n"
+                                "  mass: [[2, 0], [0, 1]]\n"
+                                "  stiffness: [[9, -1], [-1, 1]]\n"
+                                "  contacts:\n"
+                                "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                                "explore:\n"
+                                "  energy: [0, 200]\n"
+                                "  frequency: [0.2, 10]\n"
+                                "  impacts: 24\n"
+                                "  multiply: 1\n";
 
 static char folder[256];
 
@@ -49,8 +48,7 @@ static inline ric_study *study_of(const char *text)
 {
     ric_study *study = NULL;
     ric_status status = ric_study_parse(text, "test", ".", &study);
-    if (status)
-        print_error("%s\n", ric_detail());
+    if (status) print_error("%s\n", ric_detail());
     assert_int_equal(status, RIC_OK);
     return study;
 }
@@ -91,8 +89,7 @@ static inline void fill_orbit(const ric_model *model, int n_flight, double *stat
 static inline int *random_word(int n, int n_face)
 {
     int *word = calloc((size_t)n + 1, sizeof *word);
-    for (int i = 0; i < n; i++)
-        word[i] = below(n_face);
+    for (int i = 0; i < n; i++) word[i] = below(n_face);
     return word;
 }
 
@@ -106,9 +103,15 @@ static inline void fill_points(ric_branch_record *branch, const ric_model *model
         double *at = branch->points + (size_t)i * branch->stride, *state = at + sizeof(ric_point) / sizeof *at, energy,
                frequency;
         fill_orbit(model, n_flight, state, state + 2 * n_dof, &energy, &frequency);
-        ric_point point = {arclength += random_share(), energy, frequency, random_or_nothing(),
-                           below(3) ? random_share() : NAN, random_or_nothing(), random_or_nothing(),
-                           (float)(below(1000) * 1e-16), below(3)};
+        ric_point point = {arclength += random_share(),
+                           energy,
+                           frequency,
+                           random_or_nothing(),
+                           below(3) ? random_share() : NAN,
+                           random_or_nothing(),
+                           random_or_nothing(),
+                           (float)(below(1000) * 1e-16),
+                           below(3)};
         memcpy(at, &point, sizeof point);
     }
 }
@@ -132,14 +135,29 @@ static inline ric_branch_record random_branch(int id, int n_junction, const ric_
         branch.junction_at[i] = random_number();
     }
     double energy = fabs(random_number()), frequency = fabs(random_number());
-    branch.row = (ric_branch){
-        .id = id, .label = branch.label, .impacts = n, .letters = n, .word = branch.word, .symmetric = below(2),
-        .reversible = below(2), .mirror = branch.mirror, .stable_fraction = id == 2 ? NAN : 0.25,
-        .n_point = 1 + below(30), .energy_min = energy, .energy_max = energy * (1 + random_share()),
-        .frequency_min = frequency, .frequency_max = id % 3 ? frequency : NAN,
-        .from = below(n_junction + 1), .to = below(n_junction + 1),
-        .stop = (ric_stop)below(6), .why = branch.why, .n_junction = n_inner, .junctions = branch.junctions,
-        .junction_at = branch.junction_at, .depth = below(9), .mode = below(ric_model_n_dof(model)) + 1};
+    branch.row = (ric_branch){.id = id,
+                              .label = branch.label,
+                              .impacts = n,
+                              .letters = n,
+                              .word = branch.word,
+                              .symmetric = below(2),
+                              .reversible = below(2),
+                              .mirror = branch.mirror,
+                              .stable_fraction = id == 2 ? NAN : 0.25,
+                              .n_point = 1 + below(30),
+                              .energy_min = energy,
+                              .energy_max = energy * (1 + random_share()),
+                              .frequency_min = frequency,
+                              .frequency_max = id % 3 ? frequency : NAN,
+                              .from = below(n_junction + 1),
+                              .to = below(n_junction + 1),
+                              .stop = (ric_stop)below(6),
+                              .why = branch.why,
+                              .n_junction = n_inner,
+                              .junctions = branch.junctions,
+                              .junction_at = branch.junction_at,
+                              .depth = below(9),
+                              .mode = below(ric_model_n_dof(model)) + 1};
     fill_points(&branch, model);
     return branch;
 }
@@ -158,13 +176,25 @@ static inline ric_junction_record random_junction(int id, int n_branch, const ri
     double energy, frequency;
     int multiple = 1 + below(6), turns = below(6);
     fill_orbit(model, n_flight, junction.state, junction.flights, &energy, &frequency);
-    junction.row = (ric_junction){
-        .id = id, .kind = (ric_kind)below(8), .label = junction.label, .name = junction.name, .impacts = n,
-        .letters = n, .word = junction.word, .grazings = below(7), .multiple = multiple,
-        .rotation = {below(turns + 1), turns}, .a = below(4), .b = below(4), .energy = energy,
-        .frequency = frequency / multiple, .state = junction.state, .flights = junction.flights,
-        .branches = junction.branches, .departures = {below(9), below(9), below(9), below(9), below(9)},
-        .refusal = junction.refusal};
+    junction.row = (ric_junction){.id = id,
+                                  .kind = (ric_kind)below(8),
+                                  .label = junction.label,
+                                  .name = junction.name,
+                                  .impacts = n,
+                                  .letters = n,
+                                  .word = junction.word,
+                                  .grazings = below(7),
+                                  .multiple = multiple,
+                                  .rotation = {below(turns + 1), turns},
+                                  .a = below(4),
+                                  .b = below(4),
+                                  .energy = energy,
+                                  .frequency = frequency / multiple,
+                                  .state = junction.state,
+                                  .flights = junction.flights,
+                                  .branches = junction.branches,
+                                  .departures = {below(9), below(9), below(9), below(9), below(9)},
+                                  .refusal = junction.refusal};
     return junction;
 }
 
@@ -196,10 +226,8 @@ static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_br
     atlas->n_junction = n_junction;
     atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
     atlas->junctions = calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
-    for (int i = 0; i < n_branch; i++)
-        atlas->branches[i] = random_branch(i + 1, n_junction, model);
-    for (int i = 0; i < n_junction; i++)
-        atlas->junctions[i] = random_junction(i + 1, n_branch, model);
+    for (int i = 0; i < n_branch; i++) atlas->branches[i] = random_branch(i + 1, n_junction, model);
+    for (int i = 0; i < n_junction; i++) atlas->junctions[i] = random_junction(i + 1, n_branch, model);
     list_branches(atlas);
     return atlas;
 }
@@ -211,16 +239,13 @@ static inline bool same_bits(double a, double b)
 
 static inline bool same_points(const ric_branch_record *a, const ric_branch_record *b)
 {
-    if (a->stride != b->stride)
-        return false;
+    if (a->stride != b->stride) return false;
     for (int i = 0; i < a->row.n_point; i++) {
         const double *x = a->points + (size_t)i * a->stride, *y = b->points + (size_t)i * a->stride;
         size_t k = offsetof(ric_point, residual) / sizeof *x; /* the slot of two smaller numbers */
         for (size_t j = 0; j < a->stride; j++)
-            if (j != k && !same_bits(x[j], y[j]))
-                return false;
-        if (memcmp(&x[k], &y[k], sizeof *x))
-            return false;
+            if (j != k && !same_bits(x[j], y[j])) return false;
+        if (memcmp(&x[k], &y[k], sizeof *x)) return false;
     }
     return true;
 }
@@ -251,22 +276,18 @@ static inline bool same_junction(const ric_junction *a, const ric_junction *b, i
                 a->rotation[1] == b->rotation[1] && a->a == b->a && a->b == b->b && same_bits(a->energy, b->energy) &&
                 same_bits(a->frequency, b->frequency) && a->n_branch == b->n_branch &&
                 !memcmp(&a->departures, &b->departures, sizeof a->departures) && !strcmp(a->refusal, b->refusal);
-    for (int i = 0; same && i < 2 * n_dof; i++)
-        same = same_bits(a->state[i], b->state[i]);
-    for (int i = 0; same && i < n_flight; i++)
-        same = same_bits(a->flights[i], b->flights[i]);
-    for (int i = 0; same && i < a->n_branch; i++)
-        same = a->branches[i] == b->branches[i];
+    for (int i = 0; same && i < 2 * n_dof; i++) same = same_bits(a->state[i], b->state[i]);
+    for (int i = 0; same && i < n_flight; i++) same = same_bits(a->flights[i], b->flights[i]);
+    for (int i = 0; same && i < a->n_branch; i++) same = a->branches[i] == b->branches[i];
     return same;
 }
 
 static inline bool same_atlas(const ric_atlas *a, const ric_atlas *b)
 {
     bool same = !strcmp(ric_study_text(a->study), ric_study_text(b->study)) && a->finished == b->finished &&
-                a->n_unplaced == b->n_unplaced && a->n_blind == b->n_blind &&
-                a->n_branch == b->n_branch && a->n_junction == b->n_junction;
-    for (int i = 0; same && i < a->n_branch; i++)
-        same = same_branch(&a->branches[i], &b->branches[i]);
+                a->n_unplaced == b->n_unplaced && a->n_blind == b->n_blind && a->n_branch == b->n_branch &&
+                a->n_junction == b->n_junction;
+    for (int i = 0; same && i < a->n_branch; i++) same = same_branch(&a->branches[i], &b->branches[i]);
     for (int i = 0; same && i < a->n_junction; i++)
         same = same_junction(&a->junctions[i].row, &b->junctions[i].row, ric_model_n_dof(ric_atlas_model(a)));
     return same;
@@ -274,8 +295,7 @@ static inline bool same_atlas(const ric_atlas *a, const ric_atlas *b)
 
 static inline void assert_done(ric_status status)
 {
-    if (status)
-        print_error("%s\n", ric_detail());
+    if (status) print_error("%s\n", ric_detail());
     assert_int_equal(status, RIC_OK);
 }
 
@@ -300,8 +320,7 @@ static inline content content_of(const char *path)
 {
     content c = {0};
     FILE *file = fopen(path, "rb");
-    if (!file)
-        return c;
+    if (!file) return c;
     fseek(file, 0, SEEK_END);
     c.n = (size_t)ftell(file);
     rewind(file);
@@ -323,8 +342,7 @@ static inline int files_in_folder(void)
 {
     int n = 0;
     DIR *dir = opendir(folder);
-    while (readdir(dir))
-        n++;
+    while (readdir(dir)) n++;
     closedir(dir);
     return n - 2;
 }
@@ -343,8 +361,7 @@ static inline int tear_down(void **state)
     chmod(folder, 0755);
     DIR *dir = opendir(folder);
     for (struct dirent *entry; (entry = readdir(dir));)
-        if (entry->d_name[0] != '.')
-            remove(in_folder(entry->d_name));
+        if (entry->d_name[0] != '.') remove(in_folder(entry->d_name));
     closedir(dir);
     return rmdir(folder);
 }
@@ -358,12 +375,10 @@ static inline void assert_refused(const char *path, const char *study_text, ric_
     int n_before = files_in_folder();
     assert_int_equal(ric_store_open(path, study, &store), expected);
     assert_null(store);
-    if (!strstr(ric_detail(), reason))
-        fail_msg("expected \"%s\" in: %s", reason, ric_detail());
+    if (!strstr(ric_detail(), reason)) fail_msg("expected \"%s\" in: %s", reason, ric_detail());
     content after = content_of(path);
     assert_int_equal(before.n, after.n);
-    if (before.n)
-        assert_memory_equal(before.bytes, after.bytes, before.n);
+    if (before.n) assert_memory_equal(before.bytes, after.bytes, before.n);
     assert_int_equal(files_in_folder(), n_before);
     free(before.bytes);
     free(after.bytes);

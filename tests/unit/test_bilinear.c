@@ -28,7 +28,8 @@ static ric_model *make_soft(unsigned seed, int n, int n_contact, int rigid, doub
         for (int j = 0; j < n; j++) normals[i * n + j] = uniform(-1, 1);
         normals[i * n + below(n)] += 1;
         bool soft = i >= rigid;
-        contacts[i] = (ric_contact){.normal = normals + i * n, .clearance = uniform(0.5, 1.5),
+        contacts[i] = (ric_contact){.normal = normals + i * n,
+                                    .clearance = uniform(0.5, 1.5),
                                     .sides = i % 3 == 2 ? RIC_SIDES_UPPER : RIC_SIDES_BOTH,
                                     .law = soft ? RIC_LAW_BILINEAR : RIC_LAW_RIGID,
                                     .stiffness = soft ? pow(10, uniform(0, stiffest)) : 0};
@@ -438,8 +439,7 @@ static double off_root(const ric_model *m, const ric_node *node)
     ric_shooting_fly(chain, u);
     assert_int_equal(ric_floquet_compute(chain, &floquet), RIC_OK);
     double rho = ric_symmetry_rho(ric_shooting_halves(chain), node->rotation[0], node->rotation[1]);
-    for (int i = 0; i < floquet.n_pair; i++)
-        off = fmin(off, hypot(floquet.own[2 * i] - rho, floquet.own[2 * i + 1]));
+    for (int i = 0; i < floquet.n_pair; i++) off = fmin(off, hypot(floquet.own[2 * i] - rho, floquet.own[2 * i + 1]));
     ric_floquet_release(&floquet);
     ric_shooting_free(chain);
     free(u);
@@ -457,7 +457,9 @@ static void doubling_of_a_touch(void **state)
         ric_study_parse("model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 3]]\n  contacts:\n"
                         "    - {normal: [-1, 1], clearance: 11.4, sides: upper, law: bilinear, stiffness: 1487000}\n"
                         "explore: {energy: [0, 4.236], frequency: [0.2828, 5.196], impacts: 5, multiply: 2, depth: 1}"
-                        "\n", "test", ".", &study), RIC_OK);
+                        "\n",
+                        "test", ".", &study),
+        RIC_OK);
     assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
     assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
     for (int i = 0; i < graph->n_node; i++)
@@ -473,10 +475,17 @@ static void doubling_of_a_touch(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(flights),  cmocka_unit_test(deviations), cmocka_unit_test(energies),
-        cmocka_unit_test(chords),   cmocka_unit_test(sets),       cmocka_unit_test(accelerations),
-        cmocka_unit_test(one_mass), cmocka_unit_test(starts),     cmocka_unit_test(replay),
-        cmocka_unit_test(one_sided), cmocka_unit_test(reach_of_a_short_rest),
+        cmocka_unit_test(flights),
+        cmocka_unit_test(deviations),
+        cmocka_unit_test(energies),
+        cmocka_unit_test(chords),
+        cmocka_unit_test(sets),
+        cmocka_unit_test(accelerations),
+        cmocka_unit_test(one_mass),
+        cmocka_unit_test(starts),
+        cmocka_unit_test(replay),
+        cmocka_unit_test(one_sided),
+        cmocka_unit_test(reach_of_a_short_rest),
         cmocka_unit_test(doubling_of_a_touch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

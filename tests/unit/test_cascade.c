@@ -16,10 +16,10 @@
 
 #define DELTA 8.721097200 /* ratio of successive parameter differences of doublings of area-preserving maps */
 
-static const char *const article =
-    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
+static const char
+    *const article = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                     "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
 
 /* The cubic spring of section 3.3: both backbones and nothing else, and the same with what leaves them by doubling. */
 static const char *const cubic =
@@ -200,7 +200,7 @@ static void path_at_n_3(void **state)
 {
     (void)state;
     const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
-    const double energy[] = {109.859528466023, 737.247544040769, 719.909796156005};    /* those of docs/gallery.md */
+    const double energy[] = {109.859528466023, 737.247544040769, 719.909796156005};      /* those of docs/gallery.md */
     const double frequency[] = {1.61672208528233, 0.799503810679707, 0.199896817752509}; /* over the multiplicity */
     ric_atlas *atlas = explore_cubic(1, 1);
     ric_cascade *cascade = follow(atlas, "S-", 3, q, p, true);

@@ -13,14 +13,13 @@
 
 #define TWO_PI 6.283185307179586
 
-static const char text[] =
-    "title: Two masses\n"
-    "model:\n"
-    "  mass: [[2, 0], [0, 1]]\n"
-    "  stiffness: [[9, -1], [-1, 1]]\n"
-    "  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 1}\n";
+static const char text[] = "title: Two masses\n"
+                           "model:\n"
+                           "  mass: [[2, 0], [0, 1]]\n"
+                           "  stiffness: [[9, -1], [-1, 1]]\n"
+                           "  contacts:\n"
+                           "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                           "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 1}\n";
 
 static int width_of(const ric_atlas *atlas, int branch, const char *name)
 {
@@ -46,7 +45,7 @@ static bool same(double a, double b)
 
 static void check_numbers(const ric_atlas *atlas, int id)
 {
-    static const char *const names[] = {"arclength", "energy", "frequency", "period", "trace", "log_trace",
+    static const char *const names[] = {"arclength", "energy", "frequency", "period",   "trace",   "log_trace",
                                         "rotation",  "stable", "reach",     "approach", "residual"};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         double *column = column_of(atlas, id, names[k]);
@@ -54,8 +53,9 @@ static void check_numbers(const ric_atlas *atlas, int id)
         for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
             ric_point p;
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
-            const double wanted[] = {p.arclength, p.energy, p.frequency, TWO_PI / p.frequency, ric_point_trace(&p),
-                                     ric_point_log_trace(&p), p.rotation, p.stable, p.reach, p.approach, p.residual};
+            const double wanted[] =
+                {p.arclength, p.energy, p.frequency, TWO_PI / p.frequency, ric_point_trace(&p), ric_point_log_trace(&p),
+                 p.rotation,  p.stable, p.reach,     p.approach,           p.residual};
             assert_true(same(column[i], wanted[k]));
             /* moderate traces: the logarithm is that of the trace */
             if (fabs(p.trace) < 100 && p.trace != 0)

@@ -17,7 +17,8 @@
 
 #define FIXED 1e-6 /* distance of an orbit from its image that counts as none */
 
-#define EXACT 1e-10 /* relative distance of images of one orbit; of a neighbour of one with more symmetry it is more */
+#define EXACT 1e-10 /* relative distance of images of one orbit; of a neighbour of one with more symmetry it is more   \
+                     */
 
 enum { FEW = 4 }; /* points of a branch: of fewer nothing follows */
 enum { MAX_BITS = 16, MAX_GROUP = 4096, MAX_TEXT = 1024 };
@@ -26,7 +27,10 @@ enum { MAX_BITS = 16, MAX_GROUP = 4096, MAX_TEXT = 1024 };
 
 /* Which impact of `c` the first one of its image is, for every operation that maps the orbit to itself: shifts, then
  * run backwards, mirrored or not. Found by carrying each out, not from the symmetries that the program has noted. */
-typedef struct { int shift; bool reverse; } operation;
+typedef struct {
+    int shift;
+    bool reverse;
+} operation;
 
 static int group_of(const ric_model *m, const ric_periodic *c, operation *group)
 {
@@ -129,8 +133,8 @@ static int count_passing(const ric_graph *g, int node, bool aside)
     for (int i = 0; i < g->n_edge; i++)
         for (int k = 0; k < g->edges[i].n_inner; k++) {
             if (g->edges[i].inner[k].node != node) continue;
-            ric_periodic *cycle = ric_continuation_cycle(g->edges[i].trace,
-                                               g->edges[i].trace->points + sizeof(ric_point) / sizeof(double));
+            ric_periodic *cycle = ric_continuation_cycle(g->edges[i].trace, g->edges[i].trace->points +
+                                                                                sizeof(ric_point) / sizeof(double));
             bool less = (c->half && !cycle->half) || (c->flip >= 0 && cycle->flip < 0);
             n += (cycle->N > c->N || less) == aside;
             ric_periodic_free(cycle);
@@ -259,7 +263,8 @@ static void check_classes(const ric_graph *g, int i, const char *name)
     const ric_node *node = g->nodes[i];
     ric_periodic *orbit[node->n_departure + 1];
     if (node->kind != RIC_KIND_GRAZING || node->refusal) return;
-    for (int k = 0; k < node->n_departure; k++) orbit[k] = ric_grazing_words_cycle(g->model, node, node->departures[k].choice);
+    for (int k = 0; k < node->n_departure; k++)
+        orbit[k] = ric_grazing_words_cycle(g->model, node, node->departures[k].choice);
     for (int k = 0; k < node->n_departure; k++)
         for (int j = 0; j < k; j++)
             if (orbit[j] && orbit[k] && there(&node->departures[j]) && there(&node->departures[k]) &&
@@ -450,8 +455,8 @@ static void sharp_arrival(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(examples), cmocka_unit_test(multiplications),
-                                       cmocka_unit_test(three_modes), cmocka_unit_test(one_start),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(examples),       cmocka_unit_test(multiplications),
+                                       cmocka_unit_test(three_modes),    cmocka_unit_test(one_start),
                                        cmocka_unit_test(hidden_by_wall), cmocka_unit_test(hidden_by_order),
                                        cmocka_unit_test(sharp_arrival)};
     return cmocka_run_group_tests_name("departures", tests, NULL, NULL);

@@ -131,16 +131,16 @@ static ric_claims claims_of(const ric_atlas *atlas, int id, int i)
 static void margins_through_stiff_springs(void **state)
 {
     (void)state;
-    static const char *const studies[] = {
-        "model:\n  mass: [[1.203125, 0.28125, 0.15625], [0.28125, 2.03125, 0.09375], [0.15625, 0.09375, 0.875]]\n"
-        "  stiffness: [[1.625, 1.375, 0.25], [1.375, 3.5, 2.5], [0.25, 2.5, 5.25]]\n  contacts:\n"
-        "    - {normal: [0, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 0.5579}\n"
-        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 472900}\n"
-        "explore: {energy: [0, 4.204], frequency: [0.1388, 7.679], impacts: 6, multiply: 2, depth: 2}\n",
-        "model:\n  mass: [[0.5, 0], [0, 0.5]]\n  stiffness: [[875000, -625000], [-625000, 2312500]]\n  contacts:\n"
-        "    - {normal: [1, -1], law: bilinear, clearance: 0.0013, sides: lower, stiffness: 3941000}\n"
-        "    - {normal: [1, 0], law: bilinear, clearance: 0.000539, sides: both, stiffness: 664500000}\n"
-        "explore: {energy: [0, 2025000], frequency: [226.5, 6770], impacts: 8, multiply: 2, depth: 2}\n"};
+    static const char *const studies[] =
+        {"model:\n  mass: [[1.203125, 0.28125, 0.15625], [0.28125, 2.03125, 0.09375], [0.15625, 0.09375, 0.875]]\n"
+         "  stiffness: [[1.625, 1.375, 0.25], [1.375, 3.5, 2.5], [0.25, 2.5, 5.25]]\n  contacts:\n"
+         "    - {normal: [0, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 0.5579}\n"
+         "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 472900}\n"
+         "explore: {energy: [0, 4.204], frequency: [0.1388, 7.679], impacts: 6, multiply: 2, depth: 2}\n",
+         "model:\n  mass: [[0.5, 0], [0, 0.5]]\n  stiffness: [[875000, -625000], [-625000, 2312500]]\n  contacts:\n"
+         "    - {normal: [1, -1], law: bilinear, clearance: 0.0013, sides: lower, stiffness: 3941000}\n"
+         "    - {normal: [1, 0], law: bilinear, clearance: 0.000539, sides: both, stiffness: 664500000}\n"
+         "explore: {energy: [0, 2025000], frequency: [226.5, 6770], impacts: 8, multiply: 2, depth: 2}\n"};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
@@ -167,17 +167,17 @@ static void margins_through_stiff_springs(void **state)
 static void solved_again(void **state)
 {
     (void)state;
-    static const char *const studies[] = {
-        "model:\n  mass: [[0.5, 0, 0], [0, 2, 0], [0, 0, 1.25]]\n"
-        "  stiffness: [[7.75, -7.75, 0], [-7.75, 8.75, -1], [0, -1, 1]]\n  contacts:\n"
-        "    - {normal: [-1, 1, 0], law: rigid, clearance: 9.38, sides: upper}\n"
-        "    - {normal: [1, 0, -1], law: bilinear, clearance: 9.38, sides: lower, stiffness: 3344}\n"
-        "explore: {energy: [0, 27.73], frequency: [0.2185, 13.24], impacts: 4, multiply: 2, depth: 2}\n",
-        "model:\n  mass: [[2.390625, 0.46875, 0.5], [0.46875, 1.625, 0.34375], [0.5, 0.34375, 1.453125]]\n"
-        "  stiffness: [[7.0625, 0.6875, -0.25], [0.6875, 6.625, 1.375], [-0.25, 1.375, 2.5625]]\n  contacts:\n"
-        "    - {normal: [1, -2, -2], law: bilinear, clearance: 0.998, sides: both, stiffness: 20220}\n"
-        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.998, sides: lower, stiffness: 1.79}\n"
-        "explore: {energy: [0, 10.09], frequency: [0.2413, 6.408], impacts: 6, multiply: 2, depth: 2}\n"};
+    static const char *const studies[] =
+        {"model:\n  mass: [[0.5, 0, 0], [0, 2, 0], [0, 0, 1.25]]\n"
+         "  stiffness: [[7.75, -7.75, 0], [-7.75, 8.75, -1], [0, -1, 1]]\n  contacts:\n"
+         "    - {normal: [-1, 1, 0], law: rigid, clearance: 9.38, sides: upper}\n"
+         "    - {normal: [1, 0, -1], law: bilinear, clearance: 9.38, sides: lower, stiffness: 3344}\n"
+         "explore: {energy: [0, 27.73], frequency: [0.2185, 13.24], impacts: 4, multiply: 2, depth: 2}\n",
+         "model:\n  mass: [[2.390625, 0.46875, 0.5], [0.46875, 1.625, 0.34375], [0.5, 0.34375, 1.453125]]\n"
+         "  stiffness: [[7.0625, 0.6875, -0.25], [0.6875, 6.625, 1.375], [-0.25, 1.375, 2.5625]]\n  contacts:\n"
+         "    - {normal: [1, -2, -2], law: bilinear, clearance: 0.998, sides: both, stiffness: 20220}\n"
+         "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.998, sides: lower, stiffness: 1.79}\n"
+         "explore: {energy: [0, 10.09], frequency: [0.2413, 6.408], impacts: 6, multiply: 2, depth: 2}\n"};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
@@ -193,7 +193,8 @@ int main(void)
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
         cmocka_unit_test(no_branch_without_length),
-        cmocka_unit_test(margins_through_stiff_springs), cmocka_unit_test(solved_again),
+        cmocka_unit_test(margins_through_stiff_springs),
+        cmocka_unit_test(solved_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,24 +34,27 @@ static void says(const char *structure, const char *contacts, const char *reason
 static void mixed_modes_say_so(void **state)
 {
     (void)state;
-    says(two, "{normal: [1, 0], law: power, exponent: 5, length: 1, reference: 1},"
-              " {normal: [1, -1], law: power, exponent: 7, length: 1, reference: 1}",
+    says(two,
+         "{normal: [1, 0], law: power, exponent: 5, length: 1, reference: 1},"
+         " {normal: [1, -1], law: power, exponent: 7, length: 1, reference: 1}",
          "its frequency is that of mode", 2, false);
 }
 
 static void the_others_are_followed(void **state)
 {
     (void)state;
-    says(four, "{normal: [1, 0, 1, 0], law: power, exponent: 5, length: 1, reference: 1},"
-               " {normal: [1, -1, 0, 1], law: power, exponent: 3, length: 1, reference: 1}",
+    says(four,
+         "{normal: [1, 0, 1, 0], law: power, exponent: 5, length: 1, reference: 1},"
+         " {normal: [1, -1, 0, 1], law: power, exponent: 3, length: 1, reference: 1}",
          "its frequency is that of mode", 2, true);
 }
 
 static void parts_say_so(void **state)
 {
     (void)state;
-    says(two, "{normal: [1, 0], law: power, exponent: 5, length: 1, reference: 1},"
-              " {normal: [0, 1], law: power, exponent: 7, length: 1, reference: 1}",
+    says(two,
+         "{normal: [1, 0], law: power, exponent: 5, length: 1, reference: 1},"
+         " {normal: [0, 1], law: power, exponent: 7, length: 1, reference: 1}",
          "the structure falls into parts", 2, false);
 }
 

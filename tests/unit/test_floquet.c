@@ -360,8 +360,14 @@ static void print_matrix(int n, const double *A, FILE *out)
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            fprintf(out, "%s%.6f%s", j ? ", " : i ? ", [" : "[[", A[i * n + j],
-                    j + 1 < n ? "" : i + 1 < n ? "]" : "]]");
+            fprintf(out, "%s%.6f%s",
+                    j   ? ", "
+                    : i ? ", ["
+                        : "[[",
+                    A[i * n + j],
+                    j + 1 < n   ? ""
+                    : i + 1 < n ? "]"
+                                : "]]");
 }
 
 /* A stop and one or two springs that close before it is met; walls on one side and on both. */
@@ -407,7 +413,8 @@ static void closed_springs_count(void **state)
             free(text);
         }
     print_message("# mixed: %d orbits, %d stable, %d inner impacts on stops, %d of them with a closed spring, %d left "
-                  "out\n", t.done, t.stable, t.inner, t.closed, t.skipped);
+                  "out\n",
+                  t.done, t.stable, t.inner, t.closed, t.skipped);
     assert_true(t.closed >= 60 / every() && t.stable >= 10 && t.skipped <= t.done / 4);
 }
 
@@ -630,8 +637,8 @@ static void small_beside_large(void **state)
 {
     (void)state;
     static const double exact[][3] = {{6.965465, 232151067027125.0, -66.4621436619562},
-                                    {6.97, 1789962664685.59, -67.1765567981331},
-                                    {7.09, 105078655983410.0, -86.708045551144}};
+                                      {6.97, 1789962664685.59, -67.1765567981331},
+                                      {7.09, 105078655983410.0, -86.708045551144}};
     ric_atlas *atlas = explore_text(wagons);
     int images = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
@@ -749,14 +756,10 @@ static void no_overflow(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(forms_agree),
-        cmocka_unit_test(simulator_agrees),
-        cmocka_unit_test(closed_springs_count),
-        cmocka_unit_test(rows_belong_to_orbits),
-        cmocka_unit_test(flags_agree),
-        cmocka_unit_test(growth_near_grazing),
-        cmocka_unit_test(small_beside_large),
-        cmocka_unit_test(lost_or_right),
+        cmocka_unit_test(forms_agree),          cmocka_unit_test(simulator_agrees),
+        cmocka_unit_test(closed_springs_count), cmocka_unit_test(rows_belong_to_orbits),
+        cmocka_unit_test(flags_agree),          cmocka_unit_test(growth_near_grazing),
+        cmocka_unit_test(small_beside_large),   cmocka_unit_test(lost_or_right),
         cmocka_unit_test(no_overflow),
     };
     return cmocka_run_group_tests_name("floquet", tests, NULL, NULL);

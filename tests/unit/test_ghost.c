@@ -16,10 +16,10 @@ enum { MAX_N = 3, MAX_IMPACT = 16 };
 
 /* ------------------------------------------------------------------ helpers */
 
-static const char *const article =
-    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 1, depth: 3}\n";
+static const char
+    *const article = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                     "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 1, depth: 3}\n";
 
 static const char *const one_sided =
     "title: t\nmodel:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 0.6]]\n  stiffness: [[9, -1, 0], [-1, 3, -1], [0, -1, "

@@ -16,15 +16,15 @@
 #include "random_models.h"
 #include "check/simulator.h"
 
-#define TWO_MASSES \
-    "title: two masses\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n" \
+#define TWO_MASSES                                                                                                     \
+    "title: two masses\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"                           \
     "  contacts:\n    - {name: stop, normal: [-1, 1], clearance: 1.0, sides: both, law: rigid}\n"
-#define LOOSE_MASS \
-    "title: loose mass\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[8, 0], [0, 0]]\n" \
+#define LOOSE_MASS                                                                                                     \
+    "title: loose mass\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[8, 0], [0, 0]]\n"                             \
     "  contacts:\n    - {normal: [-1, 1], clearance: 0.7, sides: both, law: rigid}\n"
-#define TWO_WALLS \
-    "title: two walls\nmodel:\n  mass: [[1, 0], [0, 1.3]]\n  stiffness: [[3, -1], [-1, 2.2]]\n  contacts:\n" \
-    "    - {name: a, normal: [1, 0], clearance: 1.0, sides: upper, law: rigid}\n" \
+#define TWO_WALLS                                                                                                      \
+    "title: two walls\nmodel:\n  mass: [[1, 0], [0, 1.3]]\n  stiffness: [[3, -1], [-1, 2.2]]\n  contacts:\n"           \
+    "    - {name: a, normal: [1, 0], clearance: 1.0, sides: upper, law: rigid}\n"                                      \
     "    - {name: b, normal: [0, 1], clearance: 0.8, sides: lower, law: rigid}\n"
 
 static const double PI = 3.14159265358979323846;
@@ -341,7 +341,11 @@ static void test_fault(void **state)
 /* Contacts of one side each, and a free mode. */
 static void test_other_structures(void **state)
 {
-    static const struct { const char *text; double energy; int least; } cases[] = {
+    static const struct {
+        const char *text;
+        double energy;
+        int least;
+    } cases[] = {
         {TWO_WALLS "explore: {energy: [0, 20], frequency: [0.3, 10], impacts: 8, multiply: 4, depth: 0}\n", 3, 7},
         {LOOSE_MASS "explore: {energy: [0.01, 20], frequency: [0.3, 10], impacts: 6, multiply: 2, depth: 0}\n", 3, 1},
     };
@@ -361,14 +365,9 @@ static void test_other_structures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_map),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_answers),
-        cmocka_unit_test(test_two_ways),
-        cmocka_unit_test(test_article),
-        cmocka_unit_test(test_fault),
-        cmocka_unit_test(test_other_structures),
+        cmocka_unit_test(test_map),     cmocka_unit_test(test_refusals),         cmocka_unit_test(test_closed_forms),
+        cmocka_unit_test(test_answers), cmocka_unit_test(test_two_ways),         cmocka_unit_test(test_article),
+        cmocka_unit_test(test_fault),   cmocka_unit_test(test_other_structures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

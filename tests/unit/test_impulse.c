@@ -265,7 +265,9 @@ static void random_models(void **state)
             used += snprintf(text + used, size - (size_t)used, "%s[", i ? ", " : "");
             for (int j = 0; j < n; j++)
                 used += snprintf(text + used, size - (size_t)used, "%s%.17g", j ? ", " : "",
-                                 i == j ? spring[i] + spring[i + 1] : abs(i - j) == 1 ? -spring[i > j ? i : j] : 0.0);
+                                 i == j            ? spring[i] + spring[i + 1]
+                                 : abs(i - j) == 1 ? -spring[i > j ? i : j]
+                                                   : 0.0);
             used += snprintf(text + used, size - (size_t)used, "]");
         }
         used += snprintf(text + used, size - (size_t)used, "]\n  contacts:\n");

@@ -85,7 +85,7 @@ static void to_hessenberg(int size, long double *A)
 static void characteristic(int size, const double *J, long double *out)
 {
     long double *A = calloc((size_t)size * size, sizeof *A);
-    long double (*p)[WANTED + 1] = calloc((size_t)size + 1, sizeof *p);
+    long double(*p)[WANTED + 1] = calloc((size_t)size + 1, sizeof *p);
     assert_true(A && p);
     for (int i = 0; i < size * size; i++) A[i] = J[i];
     to_hessenberg(size, A);
@@ -173,7 +173,7 @@ static void measure_all(const char *text, tally *t)
     ric_study_free(study);
 }
 
-#define TWO_MASSES                                                                                                    \
+#define TWO_MASSES                                                                                                     \
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"                                 \
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
 
@@ -189,8 +189,7 @@ static void two_masses(void **state)
     assert_true(t.all >= 40 && t.kinds[3][1] > 0 && t.kinds[3][2] > 0 && t.kinds[2][1] > 0 && t.kinds[2][2] > 0 &&
                 t.kinds[3][3] > 0);
     memset(&t, 0, sizeof t);
-    measure_all(TWO_MASSES "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, depth: 2, multiply: 5}\n",
-                &t);
+    measure_all(TWO_MASSES "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, depth: 2, multiply: 5}\n", &t);
     printf("# %d labels, %d decided, %d checked\n", t.all, t.decided, t.checked);
     assert_true(t.kinds[3][3] > 20 && t.kinds[2][2] > 5 && t.decided == t.all);
 }
@@ -229,8 +228,7 @@ static void add_matrix(const char *name, int n)
     double A[n * n];
     random_definite(n, n, 0.4, A);
     add("  %s: [", name);
-    for (int i = 0; i < n * n; i++)
-        add("%s%.17g%s", i % n ? ", " : i ? ", [" : "[", A[i], i % n == n - 1 ? "]" : "");
+    for (int i = 0; i < n * n; i++) add("%s%.17g%s", i % n ? ", " : i ? ", [" : "[", A[i], i % n == n - 1 ? "]" : "");
     add("]\n");
 }
 
@@ -259,7 +257,9 @@ static void random_structures(void **state)
 static ric_shooting *sample_chain(int multiple, ric_graph **graph, ric_study **study, double **u)
 {
     assert_int_equal(ric_study_parse(TWO_MASSES "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, "
-                                                "depth: 1}\n", "test", ".", study), RIC_OK);
+                                                "depth: 1}\n",
+                                     "test", ".", study),
+                     RIC_OK);
     assert_int_equal(ric_graph_create(*study, NULL, graph), RIC_OK);
     assert_int_equal(ric_graph_explore(*graph, NULL), RIC_OK);
     for (int i = 0; i < (*graph)->n_node; i++)
@@ -339,8 +339,7 @@ static void cost(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(solves), cmocka_unit_test(cost), cmocka_unit_test(two_masses), cmocka_unit_test(springs),
-        cmocka_unit_test(random_structures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(solves), cmocka_unit_test(cost), cmocka_unit_test(two_masses),
+                                       cmocka_unit_test(springs), cmocka_unit_test(random_structures)};
     return cmocka_run_group_tests_name("labels", tests, NULL, NULL);
 }

@@ -59,8 +59,11 @@ static void keys_of_work(char keys[20000])
                                 "explore: {energy: [0, 2.5], impacts: 2, depth: 1}\n");
     assert_done(ric_explore(study, in_folder("a"), NULL));
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db, "SELECT group_concat(key) || (SELECT group_concat(value) FROM meta) FROM "
-                                            "(SELECT key FROM trace ORDER BY key)", -1, &query, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db,
+                                        "SELECT group_concat(key) || (SELECT group_concat(value) FROM meta) FROM "
+                                        "(SELECT key FROM trace ORDER BY key)",
+                                        -1, &query, NULL),
+                     SQLITE_OK);
     assert_int_equal(sqlite3_step(query), SQLITE_ROW);
     snprintf(keys, 20000, "%s", (const char *)sqlite3_column_text(query, 0));
     sqlite3_finalize(query);

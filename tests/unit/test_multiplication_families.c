@@ -14,10 +14,12 @@
 #include "explored.h"
 
 #define TWO_PI 6.283185307179586477
-#define RETURNS 1e-8    /* of a simulated member after its period, relative: multipliers near a multiplication are
-                         * small */
-#define NEAR 1e-4       /* arclength, relative, from the junction at which a member is looked at: nearer by it is the
-                         * original */
+#define RETURNS                                                                                                        \
+    1e-8 /* of a simulated member after its period, relative: multipliers near a multiplication are                    \
+          * small */
+#define NEAR                                                                                                           \
+    1e-4 /* arclength, relative, from the junction at which a member is looked at: nearer by it is the                 \
+          * original */
 
 enum { MAX_DOF = 3, MAX_IMPACTS = 32, MAX_LEGS = 4, MAX_Q = 16 };
 
@@ -114,11 +116,11 @@ static double repeats(const motion *z, int step, double sign)
 /* One way out of a multiplication: the side of a branch that ends there, or one of both of a branch that passes. */
 typedef struct {
     ric_branch branch;
-    int first, step;  /* the point next to the junction, and which way the others are */
-    int near;         /* the first one far enough to be told from the original */
+    int first, step; /* the point next to the junction, and which way the others are */
+    int near;        /* the first one far enough to be told from the original */
     double distance;
     ric_stability type; /* of the first one that is decided */
-    double rise;      /* energy there minus that of the junction, relative */
+    double rise;        /* energy there minus that of the junction, relative */
 } leg;
 
 static ric_point point_of(const ric_atlas *atlas, int branch, int i)
@@ -159,8 +161,8 @@ static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original
         (*curves)++;
         double length = point_of(atlas, b.id, b.n_point - 1).arclength;
         if (b.from == j->id) measure(atlas, j, 0, (out[n] = (leg){.branch = b, .first = 0, .step = 1}, &out[n])), n++;
-        if (b.to == j->id) measure(atlas, j, length, (out[n] = (leg){.branch = b, .first = b.n_point - 1,
-                                                                     .step = -1}, &out[n])), n++;
+        if (b.to == j->id)
+            measure(atlas, j, length, (out[n] = (leg){.branch = b, .first = b.n_point - 1, .step = -1}, &out[n])), n++;
         for (int i = 0; i < b.n_junction; i++) {
             int after = 0;
             if (b.junctions[i] != j->id) continue;
@@ -461,7 +463,8 @@ static void labels_far_up(void **state)
         char text[512];
         snprintf(text, sizeof text,
                  "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\nexplore: {%s}\n", options[i]);
+                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\nexplore: {%s}\n",
+                 options[i]);
         ric_atlas *atlas = explore_text(text);
         check_labels(atlas);
         ric_atlas_free(atlas);

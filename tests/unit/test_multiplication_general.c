@@ -218,7 +218,8 @@ static bool check_home(bool found, const char *where)
 }
 
 /* Back from a point of the branch to the node, which is found there again. Order 3 passes. */
-static void come_back(const ric_model *m, const ric_continuation *tr, const ric_node *node, unsigned choice, const char *where)
+static void come_back(const ric_model *m, const ric_continuation *tr, const ric_node *node, unsigned choice,
+                      const char *where)
 {
     const double *from = unknowns(tr, tr->n_point - 1), *to = unknowns(tr, tr->n_point - 2);
     bool passes = ric_node_passes(node, choice), found = false;
@@ -316,7 +317,8 @@ static void check_node(const ric_model *m, const ric_limits *limits, const ric_n
 /* ---------------------------------------------------------------- the branches */
 
 /* count [2][MAX_ORDER]: nodes checked, by sigma and order, of multiplications by `largest` at most. */
-static void check_branch(const ric_graph *g, ric_continuation *tr, const char *name, int largest, int count[2][MAX_ORDER])
+static void check_branch(const ric_graph *g, ric_continuation *tr, const char *name, int largest,
+                         int count[2][MAX_ORDER])
 {
     static const int rotations[][2] = {{1, 3}, {2, 3}, {1, 4}, {3, 4}, {1, 5}, {2, 5}, {4, 5}, {1, 7}, {2, 7}, {3, 7}};
     ric_shooting *c = tr->chain;

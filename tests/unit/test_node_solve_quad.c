@@ -35,8 +35,8 @@ static ric_junction branch_point(const ric_atlas *atlas, double energy)
 }
 
 /* The orbit of a junction as an orbit problem with the mirror points given; u [n_unknown] is the caller's to free. */
-static ric_shooting *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end, int sigma,
-                           double **u)
+static ric_shooting *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end,
+                              int sigma, double **u)
 {
     static const int face[] = {-1, -1};
     const ric_model *m = ric_atlas_model(atlas);
@@ -58,7 +58,8 @@ static void leads_back(const ric_atlas *atlas, const ric_junction *j, ric_mirror
 {
     double *u;
     ric_shooting *c = chain_of(atlas, j, start, end, sigma, &u);
-    double energy = ric_shooting_energy(c), time = ric_shooting_time(c, u), t[8], du[8], from[8], aside = 1e-5 * c->scale;
+    double energy = ric_shooting_energy(c), time = ric_shooting_time(c, u), t[8], du[8], from[8],
+           aside = 1e-5 * c->scale;
     int back = 0, iterations, size = c->n_unknown;
     ric_continuation_tangent(c, NULL, t);
     memcpy(from, u, (size_t)size * sizeof *u);
@@ -71,7 +72,8 @@ static void leads_back(const ric_atlas *atlas, const ric_junction *j, ric_mirror
         ric_shooting_evaluate(c, found);
         if (!ric_node_solve_quad(c, kind, t, found)) continue;
         ric_shooting_evaluate(c, found);
-        back += fabs(ric_shooting_energy(c) / energy - 1) < 1e-12 && fabs(ric_shooting_time(c, found) / time - 1) < 1e-12;
+        back += fabs(ric_shooting_energy(c) / energy - 1) < 1e-12 &&
+                fabs(ric_shooting_time(c, found) / time - 1) < 1e-12;
     }
     if (back != 1) fail_msg("%d kinds of tests lead back to %s", back, j->label);
     ric_shooting_free(c);

@@ -78,8 +78,7 @@ static void every_option_has_a_place_and_words(void **state)
         assert_true(list[i].help[0] != '\0' && list[i].offset < sizeof(ric_explore_options));
         assert_ptr_equal(ric_option_find(list[i].section, list[i].key), &list[i]);
         assert_true(list[i].min < list[i].max);
-        for (int j = 0; j < i; j++)
-            assert_true(list[j].offset != list[i].offset);
+        for (int j = 0; j < i; j++) assert_true(list[j].offset != list[i].offset);
     }
     assert_null(ric_option_find("explore", "no-such-option"));
 }
@@ -91,8 +90,7 @@ static void ranges_are_kept(void **state)
     const ric_option *list = ric_options_list(&n);
     (void)state;
     for (int i = 0; i < n; i++) {
-        if (list[i].type != RIC_OPTION_REAL && list[i].type != RIC_OPTION_INTEGER)
-            continue;
+        if (list[i].type != RIC_OPTION_REAL && list[i].type != RIC_OPTION_INTEGER) continue;
         bool whole = list[i].type == RIC_OPTION_INTEGER;
         double low = whole ? list[i].min - 1 : list[i].above ? list[i].min : nextafter(list[i].min, -INFINITY);
         double high = whole ? list[i].max + 1 : nextafter(list[i].max, INFINITY);
@@ -104,8 +102,7 @@ static void ranges_are_kept(void **state)
             snprintf(text, sizeof text, "%s%s%s%s: %.17g\n", model, list[i].section[0] ? "explore:\n" : "",
                      list[i].section[0] ? "  " : "", list[i].key, values[j]);
             assert_int_equal(ric_study_parse(text, "range", NULL, &study), j < 2 ? RIC_E_INPUT : RIC_OK);
-            if (j < 2)
-                assert_non_null(strstr(ric_detail(), list[i].key));
+            if (j < 2) assert_non_null(strstr(ric_detail(), list[i].key));
             ric_study_free(study);
         }
     }
@@ -136,10 +133,10 @@ static void document_is_up_to_date(void **state)
 
 static void numbers_are_read_strictly(void **state)
 {
-    static const char *const good[] = {"0", "-0", "1.", ".5", "-1e3", "1E-300", "+2.5e+2", "007",
-                                       "1d3", "-2.5D-03", "1.D0"};
-    static const char *const bad[] = {"",   "-",   ".",     "e5",  "1e",  "0x10", "1 2",
-                                      " 1", "1,5", "1_000", "--1", "1e+", "true", "1d", "1d3e1", "d3"};
+    static const char *const good[] = {"0",       "-0",  "1.",  ".5",       "-1e3", "1E-300",
+                                       "+2.5e+2", "007", "1d3", "-2.5D-03", "1.D0"};
+    static const char *const bad[] = {"",    "-",     ".",   "e5",  "1e",   "0x10", "1 2",   " 1",
+                                      "1,5", "1_000", "--1", "1e+", "true", "1d",   "1d3e1", "d3"};
     static const char *const not_finite[] = {"nan", ".nan", ".NaN", "inf", "-.inf", "+Infinity", "1e999", "-1e999"};
     double value;
     long whole;

@@ -89,7 +89,8 @@ static void multiplications(void **state)
         char text[512];
         snprintf(text, sizeof text,
                  "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\nexplore: {%s}\n", options[i]);
+                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\nexplore: {%s}\n",
+                 options[i]);
         ric_study *study = study_of(text);
         check(study, options[i]);
         ric_study_free(study);
@@ -123,7 +124,8 @@ static void windows_from_above(void **state)
         snprintf(text, sizeof text,
                  "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                  "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                 "explore: {energy: [%g, 100], frequency: [0.3, 10], impacts: 8, multiply: 3, depth: 3}\n", lower[i]);
+                 "explore: {energy: [%g, 100], frequency: [0.3, 10], impacts: 8, multiply: 3, depth: 3}\n",
+                 lower[i]);
         ric_atlas *atlas = explore_text(text);
         int count = 0;
         if (!whole) whole = atlas;

@@ -19,7 +19,8 @@ enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FL
 /* ------------------------------------------------------------------ helpers */
 
 /* What runs over random orbits of every form. */
-typedef void check_orbit(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where);
+typedef void check_orbit(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                         const char *where);
 
 static void over_random_orbits(check_orbit *check)
 {
@@ -61,7 +62,8 @@ static bool same_form(const ric_shooting *a, const ric_shooting *b)
     return (as_it_is || exchanged) && a->sigma == b->sigma && a->multiple == b->multiple;
 }
 
-static void check_round_trip(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
+static void check_round_trip(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                             const char *where)
 {
     ric_shooting *back = NULL;
     double *v = NULL;
@@ -106,7 +108,8 @@ static void round_trip(void **state)
 }
 
 /* The states of a cycle close up: the flight after the last impact leads back to the first. */
-static void check_states(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
+static void check_states(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                         const char *where)
 {
     (void)chain;
     (void)u;
@@ -137,14 +140,16 @@ static void states_close_up(void **state)
 /* ------------------------------------------------------------------- group */
 
 /* (s, r, m) takes impact i from s + (-1)^r i. Composition, and what becomes of the symmetries. */
-static void check_group(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
+static void check_group(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                        const char *where)
 {
     (void)chain;
     (void)u;
     int N = cycle->N;
     for (int trial = 0; trial < 24; trial += every()) {
         int s1 = below(N), s2 = below(N), r1 = trial & 1, r2 = trial >> 1 & 1, m1 = trial >> 2 & 1, m2 = below(2);
-        ric_periodic *first = ric_periodic_transform(m, cycle, s1, r1, m1), *both = ric_periodic_transform(m, first, s2, r2, m2);
+        ric_periodic *first = ric_periodic_transform(m, cycle, s1, r1, m1),
+                     *both = ric_periodic_transform(m, first, s2, r2, m2);
         ric_periodic *at_once = ric_periodic_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2, m1 != m2);
         ric_periodic *undone = ric_periodic_transform(m, first, r1 ? s1 : -s1, r1, m1);
         check_distance(both, at_once, where, "two operations and their product");
@@ -155,7 +160,7 @@ static void check_group(const ric_model *m, ric_shooting *chain, const double *u
         for (int kind = 0; kind < 3; kind++) { /* they are symmetries of the image */
             int place = kind == 0 ? first->pure : kind == 1 ? first->flip : first->half ? N / 2 : -1;
             if (place < 0) continue;
-            ric_periodic *image = ric_periodic_transform(m, first, place, kind < 2, kind > 0);
+            ric_periodic *image = ric_periodic_transform(m, first, place, kind<2, kind> 0);
             check_distance(first, image, where,
                            kind == 0   ? "reversal"
                            : kind == 1 ? "reversal with mirror"
@@ -189,7 +194,8 @@ static ric_periodic *repeat(const ric_periodic *c, int q)
     return out;
 }
 
-static void check_symmetries(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
+static void check_symmetries(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                             const char *where)
 {
     (void)u;
     ric_periodic *found = ric_periodic_copy(cycle);
@@ -231,7 +237,8 @@ static void symmetries_are_found(void **state)
 
 /* --------------------------------------------------------- canonical form */
 
-static void check_canonical(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle, const char *where)
+static void check_canonical(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                            const char *where)
 {
     (void)chain;
     (void)u;
@@ -244,7 +251,8 @@ static void check_canonical(const ric_model *m, ric_shooting *chain, const doubl
         for (int s = 0; s < cycle->N; s++) {
             int shift;
             bool reverse, mirror;
-            ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2), *again = ric_periodic_canonical(m, image);
+            ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2),
+                         *again = ric_periodic_canonical(m, image);
             check_distance(canonical, again, where, "canonical form of an image");
             if (canonical->half != again->half || canonical->pure != again->pure || canonical->flip != again->flip)
                 fail_msg("%s: canonical forms with other symmetries", where);
@@ -351,9 +359,9 @@ static void images_that_exist(void **state)
 {
     (void)state;
     double M[] = {0.645, 0, 0, 1.305}, K[] = {5.93, -4.0809, -4.0809, 5.4961}, b[] = {0, 1, -1, 1};
-    ric_contact contacts[2] = {
-        {.normal = b, .clearance = 1.235, .sides = RIC_SIDES_UPPER},
-        {.normal = b + 2, .clearance = 1.582, .sides = RIC_SIDES_LOWER, .law = RIC_LAW_BILINEAR, .stiffness = 300}};
+    ric_contact contacts[2] =
+        {{.normal = b, .clearance = 1.235, .sides = RIC_SIDES_UPPER},
+         {.normal = b + 2, .clearance = 1.582, .sides = RIC_SIDES_LOWER, .law = RIC_LAW_BILINEAR, .stiffness = 300}};
     for (int sides = 0; sides < 2; sides++) {
         ric_model *m = NULL;
         for (int f = 0; sides && f < 2; f++) contacts[f].sides = RIC_SIDES_BOTH;
@@ -363,7 +371,8 @@ static void images_that_exist(void **state)
             ric_periodic *c = ric_periodic_create(2, 1);
             c->tau[0] = 1;
             c->closed = spring ? 2 : 0;
-            ric_periodic *image = ric_periodic_transform(m, c, 0, false, true), *back = ric_periodic_transform(m, c, 0, true, 0);
+            ric_periodic *image = ric_periodic_transform(m, c, 0, false, true),
+                         *back = ric_periodic_transform(m, c, 0, true, 0);
             assert_int_equal(ric_periodic_mirrors(m, c), sides);
             assert_int_equal(image != NULL, sides);
             assert_non_null(back);

@@ -71,7 +71,10 @@ static void article(int exponent, structure *s)
     memcpy(s->M, M, sizeof M);
     memcpy(s->K, K, sizeof K);
     memcpy(s->normal, normal, sizeof normal);
-    s->contacts[0] = (ric_contact){.normal = s->normal, .law = RIC_LAW_POWER, .exponent = exponent, .length = 1,
+    s->contacts[0] = (ric_contact){.normal = s->normal,
+                                   .law = RIC_LAW_POWER,
+                                   .exponent = exponent,
+                                   .length = 1,
                                    .reference = 1};
     create(s);
 }

@@ -14,13 +14,12 @@
 
 #define MOST 9 /* duplicates, as in Fig. 20 */
 
-static const char model_text[] =
-    "title: Two masses\n"
-    "model:\n"
-    "  mass: [[2, 0], [0, 1]]\n"
-    "  stiffness: [[9, -1], [-1, 1]]\n"
-    "  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
+static const char model_text[] = "title: Two masses\n"
+                                 "model:\n"
+                                 "  mass: [[2, 0], [0, 1]]\n"
+                                 "  stiffness: [[9, -1], [-1, 1]]\n"
+                                 "  contacts:\n"
+                                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
 
 /* ------------------------------------------------------------------ helpers */
 
@@ -49,8 +48,7 @@ static ric_branch labelled(const ric_atlas *atlas, const char *label)
     ric_branch found = {0};
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch branch = branch_of(atlas, id);
-        if (strcmp(branch.label, label))
-            continue;
+        if (strcmp(branch.label, label)) continue;
         assert_int_equal(found.id, 0);
         found = branch;
     }
@@ -74,8 +72,7 @@ static int divisor(int a, int b)
 
 static void assert_close(double found, double wanted, double tolerance)
 {
-    if (!(fabs(found - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("%.17g instead of %.17g", found, wanted);
+    if (!(fabs(found - wanted) <= tolerance * fabs(wanted))) fail_msg("%.17g instead of %.17g", found, wanted);
 }
 
 /* --------------------------------------------------------------- duplicates */
@@ -100,8 +97,7 @@ static void backbones_have_one_less(void **state)
                 assert_int_equal(points[p].origin, !j            ? RIC_DUPLICATE_COPY
                                                    : common == 1 ? RIC_DUPLICATE_OWN
                                                                  : RIC_DUPLICATE_INHERITED);
-                if (!j)
-                    continue;
+                if (!j) continue;
                 assert_true(j < k && !seen[j]);
                 seen[j] = true;
                 count++;
@@ -124,8 +120,7 @@ static void tongue_starts_at_four(void **state)
     for (int k = 1; k <= 4; k++) {
         ric_duplicate_point *points;
         int n = points_of(atlas, id, k, &points), count = 0;
-        for (int p = 0; p < n; p++)
-            count += points[p].j > 0;
+        for (int p = 0; p < n; p++) count += points[p].j > 0;
         assert_int_equal(count, k == 4);
         free(points);
     }
@@ -133,7 +128,10 @@ static void tongue_starts_at_four(void **state)
 }
 
 /* Computed independently to 1e-9 or better: rotation number p/q on S2-[01], frequency of the original, energy. */
-static const struct { int q, p; double omega, energy; } resonances[] = {
+static const struct {
+    int q, p;
+    double omega, energy;
+} resonances[] = {
     {2, 1, 3.6000626807, 2.2556893214}, {3, 1, 3.0317165407, 1.8899969588}, {3, 2, 5.0587142884, 3.8487372169},
     {4, 1, 2.894565003, 1.8433727529},  {4, 3, 6.6353971937, 6.3037444738}, {5, 1, 2.8396610567, 1.8319290484},
     {5, 2, 3.1989568372, 1.9736577763}, {5, 3, 4.3012701794, 2.9297465999}, {5, 4, 8.2418979499, 9.5171204595},
@@ -150,8 +148,7 @@ static void resonances_are_where_they_should_be(void **state)
             ric_duplicate_point *points;
             int n = points_of(atlas, id, k, &points), found = 0;
             for (int p = 0; p < n; p++) {
-                if (points[p].j != times * resonances[i].p)
-                    continue;
+                if (points[p].j != times * resonances[i].p) continue;
                 found++;
                 assert_close(points[p].energy, resonances[i].energy, 1e-9);
                 assert_close(points[p].frequency, resonances[i].omega / k, 1e-9);
@@ -188,8 +185,12 @@ static void grazings_are_multiplied(void **state)
 
 static void labels_are_those_of_the_article(void **state)
 {
-    static const struct { const char *label; int k; const char *wanted; } cases[] = {
-        {"S2-[01]", 1, "S2-[01]"}, {"S2-[01]", 3, "S2^{3-}[01]"},    {"S0+", 2, "S0^{2+}"},
+    static const struct {
+        const char *label;
+        int k;
+        const char *wanted;
+    } cases[] = {
+        {"S2-[01]", 1, "S2-[01]"},         {"S2-[01]", 3, "S2^{3-}[01]"},         {"S0+", 2, "S0^{2+}"},
         {"A4[0011]", 12, "A4^{12}[0011]"}, {"S2(3)[0.12]", 2, "S2^{2(3)}[0.12]"},
     };
     char text[32];
@@ -259,8 +260,7 @@ static void stability_changes_between_segments(void **state)
 static bool contains(const ric_base *base, int id)
 {
     for (int i = 0; i < base->n_branch; i++)
-        if (base->branches[i] == id)
-            return true;
+        if (base->branches[i] == id) return true;
     return false;
 }
 
@@ -284,8 +284,7 @@ static void every_branch_has_a_base(void **state)
     (void)state;
     assert_int_equal(ric_bases_find(atlas, 0, &bases), RIC_OK);
     assert_int_equal(ric_bases_largest(bases), 4); /* doublings of doublings */
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        assert_int_not_equal(base_of(bases, id).j, 0);
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) assert_int_not_equal(base_of(bases, id).j, 0);
     for (int i = 0; i < ric_bases_n(bases); i++) {
         assert_int_equal(ric_bases_get(bases, i, &base), RIC_OK);
         for (int k = 0; k < base.n_duplicate; k++) /* A^k{F^j} lies in F^jk */
@@ -304,7 +303,8 @@ static void every_branch_has_a_base(void **state)
 static void elementary_structure(void **state)
 {
     static const struct {
-        const char *label; int mode, j;
+        const char *label;
+        int mode, j;
     } members[] = {
         {"S0+", 1, 1}, {"S2+[01]", 1, 1}, {"S6[010101]", 1, 1}, {"S4[0011]", 1, 1}, {"A4[0001]", 1, 1},
         {"S0-", 2, 1}, {"S2-[01]", 2, 1}, {"A1[0]", 2, 2},      {NULL, 0, 0},
@@ -346,12 +346,10 @@ static void bases_of_triplings(void **state)
     assert_int_equal(ric_bases_find(atlas, 0, &bases), RIC_OK);
     for (int i = 0; i < backbone.n_junction; i++) {
         const ric_junction junction = junction_of(atlas, backbone.junctions[i]);
-        if (junction.multiple != 3)
-            continue;
+        if (junction.multiple != 3) continue;
         for (int k = 0; k < junction.n_branch; k++) {
             const int id = junction.branches[k];
-            if (id == backbone.id)
-                continue;
+            if (id == backbone.id) continue;
             const ric_base base = base_of(bases, id);
             const bool chattering = id == chatter.id;
             assert_int_equal(junction.rotation[0], chattering ? 2 : 1);
@@ -375,8 +373,7 @@ static void one_backbone_a_mode(void **state)
     (void)state;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch branch = branch_of(atlas, id);
-        if (!branch.mode)
-            continue;
+        if (!branch.mode) continue;
         n++;
         const int at = branch.impacts ? branch.from : branch.to;
         assert_int_equal(junction_of(atlas, at).kind, RIC_KIND_GRAZING);
@@ -395,11 +392,9 @@ static void duplicated_grazings_have_the_word_once(void **state)
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         const ric_junction junction = junction_of(atlas, id);
         double period = 0;
-        if (junction.kind != RIC_KIND_GRAZING || junction.multiple == 1)
-            continue;
+        if (junction.kind != RIC_KIND_GRAZING || junction.multiple == 1) continue;
         n++;
-        for (int i = 0; i < (junction.impacts ? junction.impacts : 1); i++)
-            period += junction.flights[i];
+        for (int i = 0; i < (junction.impacts ? junction.impacts : 1); i++) period += junction.flights[i];
         assert_close(junction.frequency * junction.multiple * period, 2 * acos(-1), 1e-12);
     }
     assert_true(n > 5);

@@ -316,11 +316,8 @@ static void no_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_sampling),
-        cmocka_unit_test(touches_at_one),
-        cmocka_unit_test(linear_grazing),
-        cmocka_unit_test(long_flight),
-        cmocka_unit_test(no_numbers),
+        cmocka_unit_test(against_sampling), cmocka_unit_test(touches_at_one), cmocka_unit_test(linear_grazing),
+        cmocka_unit_test(long_flight),      cmocka_unit_test(no_numbers),
     };
     return cmocka_run_group_tests_name("reach", tests, NULL, NULL);
 }

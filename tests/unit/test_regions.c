@@ -14,17 +14,15 @@
 #include "base/status.h"
 #include "study/study.h"
 
-static const char model[] =
-    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
-    "  contacts:\n    - {normal: [-1, 1], clearance: 1.0, sides: both}\n";
+static const char model[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+                            "  contacts:\n    - {normal: [-1, 1], clearance: 1.0, sides: both}\n";
 
 static ric_study *study_with(const char *explore)
 {
     char text[2000];
     ric_study *study = NULL;
     snprintf(text, sizeof text, "%s%s", model, explore);
-    if (ric_study_parse(text, "study", ".", &study))
-        fail_msg("%s", ric_detail());
+    if (ric_study_parse(text, "study", ".", &study)) fail_msg("%s", ric_detail());
     return study;
 }
 
@@ -45,12 +43,10 @@ static void regions_are_read_back_bit_for_bit(void **state)
         "explore: {depth: 3}\nregions:\n  - {frequency: [1.6, 1.7], energy: [0.1, 80], depth: 0}\n"
         "  - {energy: [3, 4], frequency: [0.30000000000000004, 2], impacts: 40, multiply: 5}\nnames: []\n");
     ric_study *again = NULL;
-    if (ric_study_parse(ric_study_text(study), "study", ".", &again))
-        fail_msg("%s", ric_detail());
+    if (ric_study_parse(ric_study_text(study), "study", ".", &again)) fail_msg("%s", ric_detail());
     const ric_explore_options *a = ric_study_options(study), *b = ric_study_options(again);
     assert_int_equal(b->n_region, 2);
-    for (int i = 0; i < 2; i++)
-        assert_true(same_region(&a->region[i], &b->region[i]));
+    for (int i = 0; i < 2; i++) assert_true(same_region(&a->region[i], &b->region[i]));
     assert_int_equal(b->region[0].depth, 0);
     assert_int_equal(b->region[0].impacts, RIC_REGION_SAME);
     assert_int_equal(b->region[1].depth, RIC_REGION_SAME);

@@ -236,8 +236,8 @@ static void check_scalars(ric_shooting *chain, const double *u, const char *wher
         energy[side] = ric_shooting_energy(chain);
     }
     ric_shooting_fly(chain, u);
-    double slope = ric_shooting_energy_slope(chain, du); /* E is a quadratic form of the start block: central differences
-                                                       * are exact */
+    double slope = ric_shooting_energy_slope(chain, du); /* E is a quadratic form of the start block: central
+                                                          * differences are exact */
     if (fabs(slope - (energy[1] - energy[0]) / (2 * h)) > 1e-10 * (1 + fabs(energy[0])))
         fail_msg("%s: dE %.12g against %.12g", where, slope, (energy[1] - energy[0]) / (2 * h));
     for (int i = 0; i < n; i++) {
@@ -387,7 +387,7 @@ static void check_dense(ric_shooting *chain, const double *u, const char *where)
     soft.spring = springs;
     ric_shooting *dense = NULL;
     assert_int_equal(ric_shooting_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
-                                      &dense),
+                                         &dense),
                      RIC_OK);
     ric_shooting_evaluate(chain, u);
     ric_shooting_evaluate(dense, u);

@@ -17,7 +17,10 @@
 
 enum { MOST = 4, PARTS = 5, SIZE = 2 * MOST * (PARTS + 1) + 4 };
 
-typedef struct { ric_mirror start, end; int sigma; } form;
+typedef struct {
+    ric_mirror start, end;
+    int sigma;
+} form;
 static const form forms[] = {{RIC_MIRROR_NONE, RIC_MIRROR_NONE, 1},   {RIC_MIRROR_NONE, RIC_MIRROR_NONE, -1},
                              {RIC_MIRROR_REST, RIC_MIRROR_REST, 1},   {RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1},
                              {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1}, {RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1}};
@@ -34,7 +37,9 @@ static ric_model *random_structure(int n)
     random_definite(n, n, 0.3, K);
     for (int f = 0; f < 2; f++) {
         for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .law = RIC_LAW_POWER, .exponent = exponents[below(4)],
+        contacts[f] = (ric_contact){.normal = normal + f * n,
+                                    .law = RIC_LAW_POWER,
+                                    .exponent = exponents[below(4)],
                                     .stiffness = uniform(0.3, 2)};
     }
     if (ric_model_create(n, M, K, 1 + below(2), contacts, 1, &m)) fail_msg("%s", ric_detail());

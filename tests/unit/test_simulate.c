@@ -298,8 +298,8 @@ static void chain_of_fifty(void **state)
     }
     normal[N - 1] = 1;
     normal[N + 20] = 1;
-    ric_contact contacts[] = {{.normal = normal, .clearance = 0.3}, {.normal = normal + N, .clearance = 0.4,
-                                                                     .sides = RIC_SIDES_LOWER}};
+    ric_contact contacts[] = {{.normal = normal, .clearance = 0.3},
+                              {.normal = normal + N, .clearance = 0.4, .sides = RIC_SIDES_LOWER}};
     ric_model *model = make(N, M, K, 2, contacts, 1);
     seed_now = 50;
     compare_brute_force(model, 40, 2e-4, 3);

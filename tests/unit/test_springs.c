@@ -27,7 +27,9 @@ static ric_model *structure(uint64_t seed, int n, int n_contact, double stiffest
     random_definite(n, n, 0.3, K);
     for (int f = 0; f < n_contact; f++) {
         for (int i = 0; i < n; i++) normal[f * n + i] = uniform(-1, 1);
-        contacts[f] = (ric_contact){.normal = normal + f * n, .clearance = uniform(0.5, 2), .law = RIC_LAW_BILINEAR,
+        contacts[f] = (ric_contact){.normal = normal + f * n,
+                                    .clearance = uniform(0.5, 2),
+                                    .law = RIC_LAW_BILINEAR,
                                     .stiffness = pow(10, uniform(0, stiffest))};
     }
     if (ric_model_create(n, M, K, n_contact, contacts, 1, &model))
@@ -42,7 +44,11 @@ static ric_model *structure(uint64_t seed, int n, int n_contact, double stiffest
 static void jacobians(void **state)
 {
     (void)state;
-    static const struct { ric_mirror start, end; int n_flight, face[8]; uint64_t closed; } cases[] = {
+    static const struct {
+        ric_mirror start, end;
+        int n_flight, face[8];
+        uint64_t closed;
+    } cases[] = {
         {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 2, {-1, 0, -1}, 0},
         {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 4, {-1, 0, 0, 1, -1}, 0},
         {RIC_MIRROR_REST, RIC_MIRROR_REST, 6, {-1, 0, 2, 2, 1, 1, -1}, 1},
@@ -55,7 +61,8 @@ static void jacobians(void **state)
             ric_model *m = structure(seed, 2 + (int)seed % 2, 2, 2);
             ric_shooting *c = NULL;
             double u[MAX], J[MAX * MAX], plus[MAX], minus[MAX], h = 1e-5;
-            assert_int_equal(ric_shooting_create(m, cases[k].start, cases[k].end, 1, cases[k].n_flight, cases[k].face, &c),
+            assert_int_equal(ric_shooting_create(m, cases[k].start, cases[k].end, 1, cases[k].n_flight, cases[k].face,
+                                                 &c),
                              RIC_OK);
             ric_shooting_close(c, cases[k].closed);
             for (int i = 0; i < c->n_start; i++) u[i] = uniform(-2, 2);
@@ -262,9 +269,14 @@ static void words(void **state)
 {
     (void)state;
     ric_model *m = structure(3, 3, 2, 2); /* faces 0 1 2 3; openings 4 5 6 7 */
-    static const struct { int n, word[8]; const char *text; int impacts; } cases[] = {
-        {4, {0, 4, 1, 5}, "01", 2}, {4, {0, 2, 4, 6}, "02-0-2", 2}, {4, {0, 2, 6, 4}, "02-0", 2},
-        {6, {0, 2, 6, 2, 6, 4}, "022-0", 3}, {2, {0, 4}, "0", 1}, {8, {0, 3, 4, 7, 1, 2, 5, 6}, "03-0-312-1-2", 4},
+    static const struct {
+        int n, word[8];
+        const char *text;
+        int impacts;
+    } cases[] = {
+        {4, {0, 4, 1, 5}, "01", 2},   {4, {0, 2, 4, 6}, "02-0-2", 2},
+        {4, {0, 2, 6, 4}, "02-0", 2}, {6, {0, 2, 6, 2, 6, 4}, "022-0", 3},
+        {2, {0, 4}, "0", 1},          {8, {0, 3, 4, 7, 1, 2, 5, 6}, "03-0-312-1-2", 4},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[64];

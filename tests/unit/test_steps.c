@@ -120,8 +120,8 @@ static int places_said(const ric_atlas *atlas)
         double from, to;
         const char *at = strstr(ric_branch_gaps(&b), "not looked for (E ");
         if (!at) continue;
-        if (sscanf(at, "not looked for (E %lf to %lf)", &from, &to) != 2 || !(from < to) ||
-            to < b.energy_min || from > b.energy_max || from < b.energy_min * (1 - 1e-5))
+        if (sscanf(at, "not looked for (E %lf to %lf)", &from, &to) != 2 || !(from < to) || to < b.energy_min ||
+            from > b.energy_max || from < b.energy_min * (1 - 1e-5))
             fail_msg("branch %s from E %g to %g: %s", b.label, b.energy_min, b.energy_max, b.why);
         said++;
     }
@@ -182,7 +182,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro), cmocka_unit_test(beside_the_start),
                                        cmocka_unit_test(determinants_of_rounding),
-                                       cmocka_unit_test(lost_pairs_are_said),
-                                       cmocka_unit_test(doublings_are_sharp)};
+                                       cmocka_unit_test(lost_pairs_are_said), cmocka_unit_test(doublings_are_sharp)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }

@@ -6,30 +6,28 @@
 #include "sample.h"
 
 /* The same model, its numbers written in another way, with other budgets. */
-static const char budget_text[] =
-    "title: A pair, further\n"
-    "model:\n"
-    "  mass: [[2.0, 0e0], [0, 1.00]]\n"
-    "  stiffness:\n"
-    "    - [9, -1]\n"
-    "    - [-1, 1]\n"
-    "  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 10e-1, sides: both, law: rigid}\n"
-    "explore:\n"
-    "  energy: [0, 300]\n"
-    "  frequency: [0.2, 10]\n"
-    "  impacts: 30\n";
+static const char budget_text[] = "title: A pair, further\n"
+                                  "model:\n"
+                                  "  mass: [[2.0, 0e0], [0, 1.00]]\n"
+                                  "  stiffness:\n"
+                                  "    - [9, -1]\n"
+                                  "    - [-1, 1]\n"
+                                  "  contacts:\n"
+                                  "    - {normal: [-1, 1], clearance: 10e-1, sides: both, law: rigid}\n"
+                                  "explore:\n"
+                                  "  energy: [0, 300]\n"
+                                  "  frequency: [0.2, 10]\n"
+                                  "  impacts: 30\n";
 
-static const char other_text[] =
-    "model:\n"
-    "  mass: [[2, 0], [0, 1]]\n"
-    "  stiffness: [[9, -1], [-1, 1.0000000000000002]]\n"
-    "  contacts:\n"
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore:\n"
-    "  energy: [0, 200]\n"
-    "  frequency: [0.2, 10]\n"
-    "  impacts: 24\n";
+static const char other_text[] = "model:\n"
+                                 "  mass: [[2, 0], [0, 1]]\n"
+                                 "  stiffness: [[9, -1], [-1, 1.0000000000000002]]\n"
+                                 "  contacts:\n"
+                                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                                 "explore:\n"
+                                 "  energy: [0, 200]\n"
+                                 "  frequency: [0.2, 10]\n"
+                                 "  impacts: 24\n";
 
 static void assert_unreadable(const char *path, ric_status expected, const char *reason)
 {
@@ -37,8 +35,7 @@ static void assert_unreadable(const char *path, ric_status expected, const char 
     int n_before = files_in_folder();
     assert_int_equal(ric_atlas_read(path, &atlas), expected);
     assert_null(atlas);
-    if (!strstr(ric_detail(), reason))
-        fail_msg("expected \"%s\" in: %s", reason, ric_detail());
+    if (!strstr(ric_detail(), reason)) fail_msg("expected \"%s\" in: %s", reason, ric_detail());
     assert_int_equal(files_in_folder(), n_before);
 }
 
@@ -46,8 +43,7 @@ static void assert_sql(const char *path, const char *sql)
 {
     sqlite3 *db = NULL;
     assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    if (sqlite3_exec(db, sql, NULL, NULL, NULL))
-        fail_msg("%s: %s", sql, sqlite3_errmsg(db));
+    if (sqlite3_exec(db, sql, NULL, NULL, NULL)) fail_msg("%s: %s", sql, sqlite3_errmsg(db));
     sqlite3_close(db);
 }
 
@@ -60,8 +56,7 @@ static void atlases_come_back_bit_for_bit(void **state)
         ric_atlas *made = random_atlas(pair_text, seed, 1 + (int)seed % 7, 1 + (int)seed % 5), *read = NULL;
         make_file(in_folder("a"), made);
         assert_done(ric_atlas_read(in_folder("a"), &read));
-        if (!same_atlas(made, read))
-            fail_msg("seed %d: the atlas has changed", (int)seed);
+        if (!same_atlas(made, read)) fail_msg("seed %d: the atlas has changed", (int)seed);
         ric_atlas_free(made);
         ric_atlas_free(read);
     }
@@ -146,10 +141,8 @@ static void trace_column_is_the_trace(void **state)
         assert_int_equal(sqlite3_column_type(query, 1), i < 7 && i > 0 ? SQLITE_FLOAT : SQLITE_NULL);
         if (i < 6)
             assert_true(fabs(trace - traces[i]) <= 1e-12 * fabs(traces[i]) * (1 + fabs(log(fabs(traces[i]) + 1))));
-        if (i > 0 && i < 6)
-            assert_true(fabs(logarithm - log(fabs(traces[i]))) <= 1e-13 * (1 + fabs(logarithm)));
-        if (i == 6)
-            assert_true(logarithm == 5000);
+        if (i > 0 && i < 6) assert_true(fabs(logarithm - log(fabs(traces[i]))) <= 1e-13 * (1 + fabs(logarithm)));
+        if (i == 6) assert_true(logarithm == 5000);
     }
     sqlite3_finalize(query);
     sqlite3_close(db);
@@ -166,8 +159,7 @@ static void finished_work_is_found_again(void **state)
     size_t size = 9;
     unsigned char *big = malloc(3000000);
     seed_now = 1;
-    for (int i = 0; i < 3000000; i++)
-        big[i] = (unsigned char)random_bits();
+    for (int i = 0; i < 3000000; i++) big[i] = (unsigned char)random_bits();
     assert_done(ric_store_open(in_folder("a"), study, &store));
     assert_done(ric_store_trace_get(store, "big", &blob, &size));
     assert_null(blob);
@@ -497,8 +489,7 @@ static void assert_harmless(const content *damaged, const ric_atlas *made, const
     const char *path = in_folder("damaged");
     write_file(path, damaged->bytes, damaged->n);
     ric_status status = ric_atlas_read(path, &read);
-    if (!status && !same_atlas(made, read))
-        fail_msg("%s at %ld: read without an error, and not the same", what, at);
+    if (!status && !same_atlas(made, read)) fail_msg("%s at %ld: read without an error, and not the same", what, at);
     ric_atlas_free(read);
     status = ric_store_open(path, made->study, &store);
     if (status && damaged->n) {
@@ -562,8 +553,7 @@ static void every_column_is_documented(void **state)
     char heading[96], cell[96];
     make_file(in_folder("a"), made);
     ric_atlas_free(made);
-    if (!text.bytes)
-        skip();
+    if (!text.bytes) skip();
     text.bytes[text.n] = '\0';
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
     assert_int_equal(
@@ -575,12 +565,10 @@ static void every_column_is_documented(void **state)
         snprintf(heading, sizeof heading, "\n## `%s`", (const char *)sqlite3_column_text(query, 0));
         snprintf(cell, sizeof cell, "| `%s` |", (const char *)sqlite3_column_text(query, 1));
         char *section = strstr((char *)text.bytes, heading);
-        if (!section)
-            fail_msg("docs/atlas-format.md has no section%s", heading);
+        if (!section) fail_msg("docs/atlas-format.md has no section%s", heading);
         section += strlen(heading);
         char *end = strstr(section, "\n## "), *found = strstr(section, cell);
-        if (!found || (end && found > end))
-            fail_msg("docs/atlas-format.md: no row %s under%s", cell, heading);
+        if (!found || (end && found > end)) fail_msg("docs/atlas-format.md: no row %s under%s", cell, heading);
     }
     sqlite3_finalize(query);
     sqlite3_close(db);

@@ -19,8 +19,7 @@ static void a_second_run_is_told(void **state)
     if (child == 0) { /* holds the atlas until it is killed, or until the parent is gone */
         close(hold[1]);
         byte = (char)(ric_store_open(in_folder("a"), study, &store) || ric_store_trace_put(store, "k", "v", 1));
-        if (write(ready[1], &byte, 1) == 1 && read(hold[0], &byte, 1) == 0)
-            _exit(0);
+        if (write(ready[1], &byte, 1) == 1 && read(hold[0], &byte, 1) == 0) _exit(0);
         _exit(1);
     }
     assert_int_equal(read(ready[0], &byte, 1), 1);
@@ -48,8 +47,7 @@ static void write_for_ever(int report, ric_atlas *const *atlases)
 {
     ric_store *store = NULL;
     char key[32];
-    if (ric_store_open(in_folder("a"), atlases[0]->study, &store))
-        _exit(1);
+    if (ric_store_open(in_folder("a"), atlases[0]->study, &store)) _exit(1);
     for (int i = 0;; i++) {
         snprintf(key, sizeof key, "%d", i);
         if (ric_store_trace_put(store, key, atlases[0]->branches[0].points, 20000) || ric_store_commit(store) ||
@@ -62,8 +60,7 @@ static void a_kill_loses_nothing_committed(void **state)
 {
     (void)state;
     ric_atlas *atlases[5];
-    for (int i = 0; i < 5; i++)
-        atlases[i] = random_atlas(pair_text, (uint64_t)i + 31, i + 1, 3);
+    for (int i = 0; i < 5; i++) atlases[i] = random_atlas(pair_text, (uint64_t)i + 31, i + 1, 3);
     free(atlases[0]->branches[0].points);
     atlases[0]->branches[0].row.n_point = 2000;
     fill_points(&atlases[0]->branches[0], ric_atlas_model(atlases[0]));
@@ -74,11 +71,9 @@ static void a_kill_loses_nothing_committed(void **state)
         ric_atlas *read_back = NULL;
         assert_int_equal(pipe(report), 0);
         pid_t child = fork();
-        if (child == 0)
-            write_for_ever(report[1], atlases);
+        if (child == 0) write_for_ever(report[1], atlases);
         close(report[1]);
-        if (read(report[0], &last, sizeof last) != sizeof last)
-            fail_msg("the child has stopped by itself");
+        if (read(report[0], &last, sizeof last) != sizeof last) fail_msg("the child has stopped by itself");
         usleep((useconds_t)(rand() % 30000));
         kill(child, SIGKILL);
         waitpid(child, &status, 0);
@@ -105,13 +100,11 @@ static void a_kill_loses_nothing_committed(void **state)
             assert_done(ric_atlas_read(in_folder("a"), &read_back));
         }
         bool known = ric_atlas_n_branch(read_back) == 0;
-        for (int i = 0; i < 5; i++)
-            known |= same_atlas(read_back, atlases[i]);
+        for (int i = 0; i < 5; i++) known |= same_atlas(read_back, atlases[i]);
         assert_true(known);
         ric_atlas_free(read_back);
     }
-    for (int i = 0; i < 5; i++)
-        ric_atlas_free(atlases[i]);
+    for (int i = 0; i < 5; i++) ric_atlas_free(atlases[i]);
 }
 
 static void readers_and_a_run_get_on(void **state)
@@ -125,10 +118,8 @@ static void readers_and_a_run_get_on(void **state)
     if (child == 0) {
         for (int i = 0; i < 60; i++) {
             ric_atlas *atlas = NULL;
-            if (ric_atlas_read(in_folder("a"), &atlas))
-                _exit(1);
-            if (!same_atlas(atlas, atlases[0]) && !same_atlas(atlas, atlases[1]))
-                _exit(2);
+            if (ric_atlas_read(in_folder("a"), &atlas)) _exit(1);
+            if (!same_atlas(atlas, atlases[0]) && !same_atlas(atlas, atlases[1])) _exit(2);
             ric_atlas_free(atlas);
         }
         _exit(0);
@@ -172,8 +163,7 @@ static int as_user(int (*work)(const ric_atlas *), const ric_atlas *atlas)
 {
     int status;
     pid_t child = fork();
-    if (child == 0)
-        _exit(geteuid() == 0 && setuid(65534) ? 99 : work(atlas));
+    if (child == 0) _exit(geteuid() == 0 && setuid(65534) ? 99 : work(atlas));
     waitpid(child, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 98;
 }
@@ -182,8 +172,7 @@ static int read_but_not_write(const ric_atlas *made)
 {
     ric_atlas *atlas = NULL;
     ric_store *store = NULL;
-    if (ric_atlas_read(in_folder("a"), &atlas) || !same_atlas(atlas, made))
-        return 1;
+    if (ric_atlas_read(in_folder("a"), &atlas) || !same_atlas(atlas, made)) return 1;
     ric_atlas_free(atlas);
     if (ric_store_open(in_folder("a"), made->study, &store) != RIC_E_IO ||
         !strstr(ric_detail(), "cannot write in its folder"))
@@ -222,17 +211,13 @@ static int meet_full_disk(const ric_atlas *made)
     const struct rlimit tight = {16384, 16384}, loose = {131072, 131072};
     signal(SIGXFSZ, SIG_IGN);
     if (made->n_branch == 1) {
-        if (setrlimit(RLIMIT_FSIZE, &tight))
-            return 1;
+        if (setrlimit(RLIMIT_FSIZE, &tight)) return 1;
         return ric_store_open(in_folder("new"), made->study, &store) == RIC_E_IO ? 0 : 2;
     }
-    if (setrlimit(RLIMIT_FSIZE, &loose) || ric_store_open(in_folder("a"), made->study, &store))
-        return 3;
+    if (setrlimit(RLIMIT_FSIZE, &loose) || ric_store_open(in_folder("a"), made->study, &store)) return 3;
     status = ric_store_trace_put(store, "big", made->branches[0].points, 400000);
-    if (!status)
-        status = ric_store_commit(store);
-    if (status != RIC_E_IO)
-        return 4;
+    if (!status) status = ric_store_commit(store);
+    if (status != RIC_E_IO) return 4;
     ric_store_close(store);
     return 0;
 }
@@ -248,14 +233,12 @@ static void a_full_disk_is_reported(void **state)
     make_file(in_folder("a"), made);
     int status;
     pid_t child = fork();
-    if (child == 0)
-        _exit(meet_full_disk(small));
+    if (child == 0) _exit(meet_full_disk(small));
     waitpid(child, &status, 0);
     assert_int_equal(WEXITSTATUS(status), 0);
     assert_int_equal(files_in_folder(), 1); /* nothing half made is left */
     child = fork();
-    if (child == 0)
-        _exit(meet_full_disk(made));
+    if (child == 0) _exit(meet_full_disk(made));
     waitpid(child, &status, 0);
     assert_int_equal(WEXITSTATUS(status), 0);
     assert_done(ric_atlas_read(in_folder("a"), &read));
@@ -270,12 +253,9 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(a_second_run_is_told),
-        TEST(a_kill_loses_nothing_committed),
-        TEST(readers_and_a_run_get_on),
-        TEST(uncommitted_work_blocks_no_reader),
-        TEST(read_only_places_can_be_read),
-        TEST(a_full_disk_is_reported),
+        TEST(a_second_run_is_told),         TEST(a_kill_loses_nothing_committed),
+        TEST(readers_and_a_run_get_on),     TEST(uncommitted_work_blocks_no_reader),
+        TEST(read_only_places_can_be_read), TEST(a_full_disk_is_reported),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

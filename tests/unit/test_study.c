@@ -20,26 +20,26 @@
 
 /* Line by line, so that a test can replace one: line 1 is title, 7 the normal, 8 the clearance, ... */
 static const char *const good[] = {
-    "title: Two masses",                   /* 1 */
-    "model:",                              /* 2 */
-    "  mass: [[2, 0], [0, 1]]",            /* 3 */
-    "  stiffness: [[9, -1], [-1, 1]]",     /* 4 */
-    "  contacts:",                         /* 5 */
-    "    - name: stop",                    /* 6 */
-    "      normal: [-1, 1]",               /* 7 */
-    "      clearance: 1.5",                /* 8 */
-    "      sides: both",                   /* 9 */
-    "      law: rigid",                    /* 10 */
-    "explore:",                            /* 11 */
-    "  start: [2, 1]",                     /* 12 */
-    "  energy: [0, 100]",                  /* 13 */
-    "  frequency: [0.2, 10]",              /* 14 */
-    "  impacts: 12",                       /* 15 */
-    "  step: 0.05",                        /* 16 */
-    "  symmetric: true",                   /* 17 */
-    "names:",                              /* 18 */
+    "title: Two masses",                                                        /* 1 */
+    "model:",                                                                   /* 2 */
+    "  mass: [[2, 0], [0, 1]]",                                                 /* 3 */
+    "  stiffness: [[9, -1], [-1, 1]]",                                          /* 4 */
+    "  contacts:",                                                              /* 5 */
+    "    - name: stop",                                                         /* 6 */
+    "      normal: [-1, 1]",                                                    /* 7 */
+    "      clearance: 1.5",                                                     /* 8 */
+    "      sides: both",                                                        /* 9 */
+    "      law: rigid",                                                         /* 10 */
+    "explore:",                                                                 /* 11 */
+    "  start: [2, 1]",                                                          /* 12 */
+    "  energy: [0, 100]",                                                       /* 13 */
+    "  frequency: [0.2, 10]",                                                   /* 14 */
+    "  impacts: 12",                                                            /* 15 */
+    "  step: 0.05",                                                             /* 16 */
+    "  symmetric: true",                                                        /* 17 */
+    "names:",                                                                   /* 18 */
     "  - {name: C1_32, kind: branch-point, energy: 1.9013, frequency: 1.3820}", /* 19 */
-    "tolerance: 1e-11",                    /* 20 */
+    "tolerance: 1e-11",                                                         /* 20 */
 };
 enum { N_LINE = sizeof good / sizeof *good };
 
@@ -50,8 +50,7 @@ static char *with_line(int at, const char *line)
     size_t size;
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
-    for (int i = 1; i <= N_LINE; i++)
-        fprintf(out, "%s\n", i == at ? line : good[i - 1]);
+    for (int i = 1; i <= N_LINE; i++) fprintf(out, "%s\n", i == at ? line : good[i - 1]);
     fclose(out);
     return text;
 }
@@ -61,18 +60,15 @@ static void refused(const char *text, int line, const char *key, const char *con
     char place[200];
     ric_study *study = NULL;
     ric_status status = ric_study_parse(text, "dir/s.yaml", NULL, &study);
-    if (status != RIC_E_INPUT)
-        print_error("accepted:\n%s\n", text);
+    if (status != RIC_E_INPUT) print_error("accepted:\n%s\n", text);
     assert_int_equal(status, RIC_E_INPUT);
     assert_null(study);
     snprintf(place, sizeof place, "dir/s.yaml:%d: %s", line, key);
-    if (strncmp(ric_detail(), place, strlen(place)))
-        print_error("wanted '%s', got '%s'\n", place, ric_detail());
+    if (strncmp(ric_detail(), place, strlen(place))) print_error("wanted '%s', got '%s'\n", place, ric_detail());
     assert_memory_equal(ric_detail(), place, strlen(place));
     assert_null(strchr(ric_detail(), '\n'));
     for (; *says; says++) {
-        if (!strstr(ric_detail(), *says))
-            print_error("no '%s' in '%s'\n", *says, ric_detail());
+        if (!strstr(ric_detail(), *says)) print_error("no '%s' in '%s'\n", *says, ric_detail());
         assert_non_null(strstr(ric_detail(), *says));
     }
 }
@@ -189,8 +185,7 @@ static void locale_does_not_matter(void **state)
     char *text = with_line(0, NULL);
     ric_study *study = NULL;
     (void)state;
-    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8"))
-        print_message("# no locale with a decimal comma here: not tried\n");
+    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8")) print_message("# no locale with a decimal comma here: not tried\n");
     assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
     assert_non_null(strstr(ric_study_text(study), "clearance: 1.5\n"));
     setlocale(LC_NUMERIC, "C");
@@ -280,7 +275,8 @@ static void matrices_not_symmetric(void **state)
     /* relative to what belongs to it, not to the largest entry of all */
     refused("model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
             "  stiffness: [[1.0e10, 0, 0], [0, 3, -1.01], [0, -1, 3]]\n"
-            "  contacts: [{normal: [1, 1, 1], clearance: 1}]\n", 3, "model.stiffness", SAYS("not symmetric"));
+            "  contacts: [{normal: [1, 1, 1], clearance: 1}]\n",
+            3, "model.stiffness", SAYS("not symmetric"));
 }
 
 /* Rounding of other programs is taken for what it is, and said where it is more than the last digits. */
@@ -481,7 +477,8 @@ static void springs(void **state)
 {
     (void)state;
     static const struct {
-        const char *contact, *written; double x, energy;
+        const char *contact, *written;
+        double x, energy;
     } cases[] = {
         {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9}", "stiffness: 9", 3, 4.5 + 0.5 * 9 * 4},
         {"{law: bilinear, normal: [2], clearance: 4, stiffness: 9}", "clearance: 4", -1.5, 0.5 * 2.25},
@@ -512,8 +509,7 @@ static char *repeated(const char *head, const char *piece, int n, const char *ta
     char *text = malloc(size), *at = text;
     assert_non_null(text);
     at += sprintf(at, "%s", head);
-    for (int i = 0; i < n; i++)
-        at += sprintf(at, "%s", piece);
+    for (int i = 0; i < n; i++) at += sprintf(at, "%s", piece);
     sprintf(at, "%s", tail);
     return text;
 }
@@ -605,8 +601,7 @@ static void sizes_are_bounded(void **state)
         fputs("model:\n  mass: [", out);
         for (int i = 0; i < n; i++) {
             fputs(i ? ",[" : "[", out);
-            for (int j = 0; j < n; j++)
-                fprintf(out, "%s%d", j ? "," : "", i == j);
+            for (int j = 0; j < n; j++) fprintf(out, "%s%d", j ? "," : "", i == j);
             fputs("]\n ", out);
         }
         fputs("]\n  stiffness: [[1]]\n  contacts: []\n", out);
@@ -640,8 +635,7 @@ static void scrambled_studies_are_survived(void **state)
         ric_status status = ric_study_parse(copy, "s", NULL, &study);
         assert_true(status == RIC_OK || status == RIC_E_INPUT);
         assert_true((status == RIC_OK) == (study != NULL));
-        if (status)
-            assert_int_equal(strncmp(ric_detail(), "s:", 2), 0);
+        if (status) assert_int_equal(strncmp(ric_detail(), "s:", 2), 0);
         ric_study_free(study);
         free(copy);
     }
@@ -700,7 +694,8 @@ int main(void)
         cmocka_unit_test(sides_and_laws),
         cmocka_unit_test(bilinear_contacts),
         cmocka_unit_test(power_contacts),
-        cmocka_unit_test(mixed_laws), cmocka_unit_test(springs),
+        cmocka_unit_test(mixed_laws),
+        cmocka_unit_test(springs),
         cmocka_unit_test(broken_yaml),
         cmocka_unit_test(empty_texts),
         cmocka_unit_test(texts_that_are_none),

@@ -158,7 +158,8 @@ static void what_other_programs_write(void **state)
                    "model.stiffness: 2 entries of its file stand there before, and are added");
     same_as_inline(COORDINATE "2 2 4\n1 1 1.D3\n1 2 .5D0\n2 2 1\n1 1 1.D+03\n", K, "model.mass: 1 entries");
     same_as_inline("%%MatrixMarket matrix coordinate real general\n2 2 5\n1 1 2000\n1 2 0.5\n2 1 0.25\n2 2 1\n"
-                   "2 1 0.25\n", K, "model.mass: 1 entries");
+                   "2 1 0.25\n",
+                   K, "model.mass: 1 entries");
 }
 
 static void matrix_paths_that_are_no_files(void **state)
@@ -198,10 +199,8 @@ static void study_paths_that_are_no_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(matrices_from_files),
-        cmocka_unit_test(bad_matrix_files),
-        cmocka_unit_test(what_other_programs_write),
-        cmocka_unit_test(matrix_paths_that_are_no_files),
+        cmocka_unit_test(matrices_from_files),           cmocka_unit_test(bad_matrix_files),
+        cmocka_unit_test(what_other_programs_write),     cmocka_unit_test(matrix_paths_that_are_no_files),
         cmocka_unit_test(study_paths_that_are_no_files),
     };
     return cmocka_run_group_tests_name("study_files", tests, make_folder, remove_folder);

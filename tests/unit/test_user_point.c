@@ -289,10 +289,14 @@ static void an_atlas_is_extended(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_passage_is_a_junction),     cmocka_unit_test(those_of_two_impacts_have_a_closed_form),
-        cmocka_unit_test(they_do_not_depend_on_the_step),  cmocka_unit_test(both_sides_of_an_extremum),
-        cmocka_unit_test(linear_modes_pass_energies_only), cmocka_unit_test(a_horizontal_branch_passes_nothing),
-        cmocka_unit_test(an_atlas_is_extended),            cmocka_unit_test(beside_a_branch_point),
+        cmocka_unit_test(every_passage_is_a_junction),
+        cmocka_unit_test(those_of_two_impacts_have_a_closed_form),
+        cmocka_unit_test(they_do_not_depend_on_the_step),
+        cmocka_unit_test(both_sides_of_an_extremum),
+        cmocka_unit_test(linear_modes_pass_energies_only),
+        cmocka_unit_test(a_horizontal_branch_passes_nothing),
+        cmocka_unit_test(an_atlas_is_extended),
+        cmocka_unit_test(beside_a_branch_point),
     };
     return cmocka_run_group_tests_name("asked", tests, NULL, NULL);
 }

@@ -22,8 +22,12 @@ static void make_atlas(one_branch *a, int impacts, const int *word, int n_point,
     a->record.word = malloc(n_flight * sizeof *word);
     a->record.points = calloc((size_t)n_point * stride, sizeof(double));
     if (impacts) memcpy(a->record.word, word, n_flight * sizeof *word);
-    a->record.row = (ric_branch){.id = 1, .label = "", .impacts = impacts, .letters = impacts,
-                                 .word = a->record.word, .n_point = n_point};
+    a->record.row = (ric_branch){.id = 1,
+                                 .label = "",
+                                 .impacts = impacts,
+                                 .letters = impacts,
+                                 .word = a->record.word,
+                                 .n_point = n_point};
     for (int i = 0; i < n_point; i++) {
         double *at = a->record.points + (size_t)i * stride;
         const double *state = states + 4 * i;

@@ -51,8 +51,10 @@ static void windows_follow_the_units(void **state)
     for (int e = -9; e <= 9; e += 3) {
         char model[300];
         double factor = pow(10, e);
-        snprintf(model, sizeof model, "  mass: [[2, 0], [0, 1]]\n  stiffness: [[%.17g, %.17g], [%.17g, %.17g]]\n"
-                 "  contacts: [{normal: [-1, 1], clearance: 0.003}]\n", 9 * factor, -factor, -factor, factor);
+        snprintf(model, sizeof model,
+                 "  mass: [[2, 0], [0, 1]]\n  stiffness: [[%.17g, %.17g], [%.17g, %.17g]]\n"
+                 "  contacts: [{normal: [-1, 1], clearance: 0.003}]\n",
+                 9 * factor, -factor, -factor, factor);
         ric_study *one = parse(two_masses, ""), *other = parse(model, "");
         const ric_explore_options *a = ric_study_options(one), *b = ric_study_options(other);
         for (int i = 0; i < 2; i++) {
@@ -139,11 +141,13 @@ static void onset_under_a_power_law(void **state)
     int mode;
     (void)state;
     ric_study *study = parse("  mass: [[2]]\n  stiffness: [[3]]\n"
-                             "  contacts: [{law: power, normal: [1], exponent: 3, stiffness: 5}]\n", "");
+                             "  contacts: [{law: power, normal: [1], exponent: 3, stiffness: 5}]\n",
+                             "");
     assert_true(fabs(ric_model_onset(ric_study_model(study), &mode) - 9 / 10.0) < 1e-14 && mode == 1);
     ric_study_free(study);
     study = parse("  mass: [[2]]\n  stiffness: [[3]]\n"
-                  "  contacts: [{law: power, normal: [1], exponent: 3, length: 0.5, reference: 1.25}]\n", "");
+                  "  contacts: [{law: power, normal: [1], exponent: 3, length: 0.5, reference: 1.25}]\n",
+                  "");
     assert_true(fabs(ric_model_onset(ric_study_model(study), &mode) - 9 / 10.0 / 0.25) < 1e-14);
     assert_true(ric_study_options(study)->energy[1] > 100);
     ric_study_free(study);
@@ -154,14 +158,16 @@ static void loose_masses(void **state)
     int mode;
     (void)state;
     ric_study *study = parse("  mass: [[1, 0], [0, 0.3]]\n  stiffness: [[5.0e4, 0], [0, 0]]\n"
-                             "  contacts: [{normal: [1, -1], clearance: 1.0e-3}]\n", "");
+                             "  contacts: [{normal: [1, -1], clearance: 1.0e-3}]\n",
+                             "");
     const ric_explore_options *o = ric_study_options(study);
     assert_true(o->energy[0] > 0 && o->energy[0] < 25000 && o->energy[1] > 25000);
     assert_true(o->frequency[0] > 10 && o->frequency[0] < 223 && o->frequency[1] > 223);
     ric_study_free(study);
     /* an energy window that is given below all touches is the loose mass's own: 2 pi / 4 sqrt(2 E c.c) */
     study = parse("  mass: [[1, 0], [0, 0.3]]\n  stiffness: [[5.0e4, 0], [0, 0]]\n"
-                  "  contacts: [{normal: [1, -1], clearance: 1.0e-3}]\n", "explore: {energy: [0.1, 10]}\n");
+                  "  contacts: [{normal: [1, -1], clearance: 1.0e-3}]\n",
+                  "explore: {energy: [0.1, 10]}\n");
     o = ric_study_options(study);
     assert_true(o->frequency[0] > 1 && o->frequency[0] < 1.29 && o->frequency[1] > 12.8 && o->frequency[1] < 28);
     ric_study_free(study);
@@ -183,8 +189,11 @@ static void windows_of_random_models(void **state)
         random_definite(n, n, 0.3, M);
         random_definite(n, n, 0.1, K);
         for (int i = 0; i < n; i++) b[i] = uniform(-1, 1);
-        const ric_contact contact = {.normal = b, .clearance = uniform(0.1, 3), .sides = (ric_sides)below(3),
-                                     .law = (ric_law)below(3), .stiffness = uniform(0.1, 9),
+        const ric_contact contact = {.normal = b,
+                                     .clearance = uniform(0.1, 3),
+                                     .sides = (ric_sides)below(3),
+                                     .law = (ric_law)below(3),
+                                     .stiffness = uniform(0.1, 9),
                                      .exponent = 3 + 2 * below(9)};
         assert_int_equal(ric_model_create(n, M, K, 1, &contact, 1, &model), RIC_OK);
         bool held = false;
@@ -197,8 +206,9 @@ static void windows_of_random_models(void **state)
         for (int i = 0; i < n; i++)
             held |= onset[i] > o.energy[0] && onset[i] < o.energy[1] / 10 && frequency[i] > o.frequency[0] &&
                     frequency[i] < o.frequency[1];
-        if (!held) print_error("seed %u: energy [%g, %g], frequency [%g, %g]\n", seed, o.energy[0], o.energy[1],
-                               o.frequency[0], o.frequency[1]);
+        if (!held)
+            print_error("seed %u: energy [%g, %g], frequency [%g, %g]\n", seed, o.energy[0], o.energy[1],
+                        o.frequency[0], o.frequency[1]);
         assert_true(held);
         ric_model_free(model);
     }

@@ -23,8 +23,7 @@ static ric_model *make_model(int n_contact, const ric_sides *sides)
     for (int i = 0; i < n; i++) {
         mass[i * n + i] = 1;
         stiffness[i * n + i] = i + 1 < n ? 2 : 1;
-        if (i > 0)
-            stiffness[i * n + i - 1] = stiffness[(i - 1) * n + i] = -1;
+        if (i > 0) stiffness[i * n + i - 1] = stiffness[(i - 1) * n + i] = -1;
         normal[i * n + i] = 1;
         contacts[i] = (ric_contact){.normal = normal + i * n, .clearance = 1, .sides = sides[i], .law = RIC_LAW_RIGID};
     }
@@ -39,15 +38,12 @@ static int count_by_enumeration(const ric_model *model, int n, bool reversal)
     for (;;) {
         memcpy(before, word, sizeof word);
         assert_int_equal(ric_word_next(model, n, reversal, word, &more), RIC_OK);
-        if (!more)
-            return count;
+        if (!more) return count;
         assert_int_equal(ric_word_canonical(model, n, word, reversal, canonical), RIC_OK);
         assert_memory_equal(word, canonical, (size_t)n * sizeof *word);
         int i = 0;
-        while (count && i < n && word[i] == before[i])
-            i++;
-        if (count)
-            assert_true(i < n && word[i] > before[i]);
+        while (count && i < n && word[i] == before[i]) i++;
+        if (count) assert_true(i < n && word[i] > before[i]);
         count++;
     }
 }
@@ -56,12 +52,10 @@ static int count_by_enumeration(const ric_model *model, int n, bool reversal)
 static int count_by_force(const ric_model *model, int faces, int n, bool reversal)
 {
     int total = 1, count = 0;
-    for (int i = 0; i < n; i++)
-        total *= faces;
+    for (int i = 0; i < n; i++) total *= faces;
     for (int code = 0; code < total; code++) {
         int word[LONGEST], canonical[LONGEST], rest = code;
-        for (int i = n - 1; i >= 0; i--, rest /= faces)
-            word[i] = rest % faces;
+        for (int i = n - 1; i >= 0; i--, rest /= faces) word[i] = rest % faces;
         assert_int_equal(ric_word_canonical(model, n, word, reversal, canonical), RIC_OK);
         count += !memcmp(word, canonical, (size_t)n * sizeof *word);
     }
@@ -89,8 +83,10 @@ static void counts_are_those_of_the_article(void **state)
 static void three_ways_agree_for_any_faces(void **state)
 {
     static const ric_sides sides[][3] = {
-        {RIC_SIDES_BOTH, RIC_SIDES_BOTH, RIC_SIDES_BOTH},  {RIC_SIDES_UPPER, RIC_SIDES_BOTH, RIC_SIDES_LOWER},
-        {RIC_SIDES_UPPER, RIC_SIDES_UPPER, RIC_SIDES_BOTH}, {RIC_SIDES_LOWER, RIC_SIDES_UPPER, RIC_SIDES_UPPER},
+        {RIC_SIDES_BOTH, RIC_SIDES_BOTH, RIC_SIDES_BOTH},
+        {RIC_SIDES_UPPER, RIC_SIDES_BOTH, RIC_SIDES_LOWER},
+        {RIC_SIDES_UPPER, RIC_SIDES_UPPER, RIC_SIDES_BOTH},
+        {RIC_SIDES_LOWER, RIC_SIDES_UPPER, RIC_SIDES_UPPER},
     };
     (void)state;
     for (int set = 0; set < 4; set++)
@@ -175,8 +171,7 @@ static void counts_beyond_64_bits_are_refused(void **state)
             assert_true(count >= largest);
             last = n;
             largest = count;
-        } else
-            assert_int_equal(status, RIC_E_RANGE);
+        } else assert_int_equal(status, RIC_E_RANGE);
     }
     /* 2^71 / 142 is the first above 2^64: log2(142) = 7.15, so 2^n / 2n < 2^64 up to n = 71 */
     assert_int_equal(last, 71);
@@ -191,11 +186,9 @@ static void long_words_enumerate_without_gaps(void **state)
     int word[LONGEST] = {-1}, last[LONGEST];
     bool more = true;
     (void)state;
-    for (int i = 0; i < 5000 && more; i++)
-        assert_int_equal(ric_word_next(NULL, LONGEST, true, word, &more), RIC_OK);
+    for (int i = 0; i < 5000 && more; i++) assert_int_equal(ric_word_next(NULL, LONGEST, true, word, &more), RIC_OK);
     assert_true(more);
-    for (int i = 0; i < LONGEST; i++)
-        word[i] = last[i] = i % 2;
+    for (int i = 0; i < LONGEST; i++) word[i] = last[i] = i % 2;
     assert_int_equal(ric_word_next(NULL, LONGEST, true, word, &more), RIC_OK);
     assert_false(more);
     assert_int_equal(ric_word_canonical(NULL, LONGEST, last, true, word), RIC_OK);
