@@ -16,9 +16,9 @@
 #include "common/cli.h"
 
 #define MANY_MODES 200
-#define SHARE                                                                                                          \
-    1.25 /* a run lasts at least so many times as long as it takes to come to something new: one that was              \
-          * stopped again and again on the way there would never end */
+/* SHARE: a run lasts at least so many times as long as it takes to come to something new: one that was stopped again
+ * and again on the way there would never end */
+#define SHARE 1.25
 
 const ric_remote *cli_run_remote = NULL;
 

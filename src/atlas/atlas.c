@@ -145,7 +145,7 @@ ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point 
 
 /* ----------------------------------------------------------------- columns */
 
-static const double two_pi = 6.283185307179586;
+static const double two_pi = RIC_TWO_PI;
 
 double ric_point_trace(const ric_point *p)
 {

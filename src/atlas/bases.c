@@ -43,11 +43,6 @@ struct ric_bases {
     bool *elementary; /* [n_branch] */
 };
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for the fractal bases");
-}
-
 /* ---------------------------------------------------------------- meetings */
 
 static int by_site(const void *p, const void *q)
@@ -71,7 +66,7 @@ static ric_status gather_meetings(web *w)
     ric_branch branch;
     for (int id = 1; id <= ric_atlas_n_junction(w->atlas); id++)
         n += ric_atlas_junction(w->atlas, id, &junction) ? 0 : junction.n_branch;
-    if (!(w->meetings = calloc((size_t)n + 1, sizeof *w->meetings))) return no_memory();
+    if (!(w->meetings = ric_calloc((size_t)n + 1, sizeof *w->meetings))) return ric_no_memory("the fractal bases");
     for (int id = 1; id <= ric_atlas_n_junction(w->atlas); id++) {
         ric_status status = ric_atlas_junction(w->atlas, id, &junction);
         const int site = status ? 0 : site_of(w->atlas, &junction);
@@ -105,8 +100,8 @@ static ric_status add_touch(web *w, int mode, int j, int drawn)
 {
     if (w->n_touch == w->room) {
         const int room = w->room ? 2 * w->room : 256;
-        touch *larger = realloc(w->touches, (size_t)room * sizeof *larger);
-        if (!larger) return no_memory();
+        touch *larger = ric_realloc(w->touches, (size_t)room * sizeof *larger);
+        if (!larger) return ric_no_memory("the fractal bases");
         w->touches = larger;
         w->room = room;
     }
@@ -139,9 +134,9 @@ static ric_status join_all(web *w, int largest)
     w->n_touch = 0;
     free(w->parent);
     free(w->lowest);
-    w->parent = malloc((n + 1) * sizeof *w->parent);
-    w->lowest = calloc(n + 1, sizeof *w->lowest);
-    if (!w->parent || !w->lowest) return no_memory();
+    w->parent = ric_malloc((n + 1) * sizeof *w->parent);
+    w->lowest = ric_calloc(n + 1, sizeof *w->lowest);
+    if (!w->parent || !w->lowest) return ric_no_memory("the fractal bases");
     for (size_t i = 0; i < n; i++) w->parent[i] = (int)i;
     for (int from = 0, to; from < w->n_meeting; from = to) {
         int multiple = 1;
@@ -210,9 +205,9 @@ static ric_status fill_base(const web *w, int mode, int j, bool *chosen, base_re
         count += chosen[i];
     }
     *out = (base_record){.row = {.mode = mode, .j = j, .energy = {NAN, NAN}, .frequency = {NAN, NAN}}};
-    out->branches = malloc(((size_t)count + 1) * sizeof *out->branches);
-    out->duplicates = malloc((2 * (size_t)count + 1) * sizeof *out->duplicates);
-    if (!out->branches || !out->duplicates) return no_memory();
+    out->branches = ric_malloc(((size_t)count + 1) * sizeof *out->branches);
+    out->duplicates = ric_malloc((2 * (size_t)count + 1) * sizeof *out->duplicates);
+    if (!out->branches || !out->duplicates) return ric_no_memory("the fractal bases");
     for (int i = 0; i < n; i++) {
         ric_branch branch;
         const int id = i / w->largest + 1, k = i % w->largest + 1;
@@ -250,12 +245,12 @@ static ric_status list_bases(const web *w, ric_bases *out)
 {
     const int n_mode = ric_model_n_dof(ric_atlas_model(w->atlas));
     ric_status status = RIC_OK;
-    bool *chosen = malloc((size_t)w->n_branch * (size_t)w->largest + 1);
+    bool *chosen = ric_malloc((size_t)w->n_branch * (size_t)w->largest + 1);
     out->largest = w->largest;
     out->n_branch = w->n_branch;
-    out->bases = calloc((size_t)n_mode * (size_t)w->largest + 1, sizeof *out->bases);
-    out->elementary = calloc((size_t)w->n_branch + 1, sizeof *out->elementary);
-    if (!chosen || !out->bases || !out->elementary) status = no_memory();
+    out->bases = ric_calloc((size_t)n_mode * (size_t)w->largest + 1, sizeof *out->bases);
+    out->elementary = ric_calloc((size_t)w->n_branch + 1, sizeof *out->elementary);
+    if (!chosen || !out->bases || !out->elementary) status = ric_no_memory("the fractal bases");
     for (int mode = 1; !status && mode <= n_mode; mode++)
         for (int j = 1; !status && j <= w->largest; j++) {
             base_record *base = &out->bases[out->n];
@@ -280,12 +275,13 @@ static void web_free(web *w)
 ric_status ric_bases_find(const ric_atlas *atlas, int largest, ric_bases **out)
 {
     web w = {.atlas = atlas, .n_branch = ric_atlas_n_branch(atlas)};
-    ric_bases *bases = calloc(1, sizeof *bases);
+    ric_bases *bases = ric_calloc(1, sizeof *bases);
     ric_status status = RIC_OK;
     *out = NULL;
     if (largest < 0 || largest > MOST_DUPLICATES)
         status = ric_fail(RIC_E_RANGE, "no %d-duplicates: bases are found for 1 to %d", largest, MOST_DUPLICATES);
-    else if (!bases || !(w.mode = calloc((size_t)w.n_branch + 1, sizeof *w.mode))) status = no_memory();
+    else if (!bases || !(w.mode = ric_calloc((size_t)w.n_branch + 1, sizeof *w.mode)))
+        status = ric_no_memory("the fractal bases");
     for (int b = 0; !status && b < w.n_branch; b++) {
         ric_branch branch;
         if (!(status = ric_atlas_branch(atlas, b + 1, &branch))) w.mode[b] = branch.mode;

@@ -9,9 +9,8 @@
 #include "base/room.h"
 
 #define AT_CUT 1e-6 /* of the length of a segment: a stored point this near to its end is the junction itself */
-#define SAME_ORBIT                                                                                                     \
-    1e-7 /* of two stored states and energies, relative to 1 + their size: a junction is solved to                     \
-          * rounding */
+/* SAME_ORBIT: of two stored states and energies, relative to 1 + their size: a junction is solved to rounding */
+#define SAME_ORBIT 1e-7
 
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 {

@@ -124,14 +124,14 @@ static ric_status recover(ric_store *store, bool *exists, bool *empty)
 
 ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out)
 {
-    ric_store *store = calloc(1, sizeof *store);
+    ric_store *store = ric_calloc(1, sizeof *store);
     bool exists, empty;
     ric_status status = RIC_OK;
     *out = NULL;
     if (!store) return ric_store_fail_memory();
     store->lock = -1;
     store->path = ric_store_resolve(path);
-    store->lock_path = store->path ? malloc(strlen(store->path) + sizeof "-lock") : NULL;
+    store->lock_path = store->path ? ric_malloc(strlen(store->path) + sizeof "-lock") : NULL;
     if (!store->lock_path) {
         status = ric_store_fail_memory();
         goto out;
@@ -185,7 +185,7 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
         const void *bytes = sqlite3_column_blob(store->get, 0);
         if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
             status = ric_store_fail_damaged(store->path, "finished work does not match its digest");
-        else if (!(*blob = malloc(n + 1))) status = ric_store_fail_memory();
+        else if (!(*blob = ric_malloc(n + 1))) status = ric_store_fail_memory();
         else if (n) memcpy(*blob, bytes, n);
         *size = status ? 0 : n;
     }
@@ -271,7 +271,7 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     ric_database file = store->file;
     char *old = NULL, *all = NULL;
     ric_status status = ric_store_starts_get(store, &old);
-    if (!status && !(all = malloc((old ? strlen(old) : 0) + strlen(lines) + 1))) status = ric_store_fail_memory();
+    if (!status && !(all = ric_malloc((old ? strlen(old) : 0) + strlen(lines) + 1))) status = ric_store_fail_memory();
     if (!status) {
         sprintf(all, "%s%s", old ? old : "", lines);
         status = begin(file);

@@ -141,7 +141,7 @@ ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
     if (!status && row) {
         bool is_text = sqlite3_column_type(query, 0) == SQLITE_TEXT;
         const char *text = is_text ? (const char *)sqlite3_column_text(query, 0) : NULL;
-        *value = text ? strdup(text) : NULL;
+        *value = text ? ric_strdup(text) : NULL;
         if (!is_text) status = ric_store_fail_damaged(file.path, "table meta: a value is not a text");
         else if (!*value) status = ric_store_fail_memory();
     }
@@ -225,7 +225,7 @@ char *ric_store_model_text(const char *study)
         else if (begin && !strchr(" \t\r\n#-]}", *line)) break;
         line = next ? next + 1 : line + strlen(line);
     }
-    return begin ? strndup(begin, (size_t)(line - begin)) : strdup("");
+    return begin ? strndup(begin, (size_t)(line - begin)) : ric_strdup("");
 }
 
 /* Next run of characters that carries meaning; returns its length, 0 at the end. */

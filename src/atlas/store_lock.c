@@ -23,11 +23,11 @@ char *ric_store_resolve(const char *path)
     char *whole = realpath(path, NULL), *folder, *real;
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     if (whole) return whole;
-    folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    folder = slash ? strndup(path, (size_t)(slash - path) + 1) : ric_strdup(".");
     real = folder && *name ? realpath(folder, NULL) : NULL;
     free(folder);
-    if (!real) return strdup(path); /* what is wrong with it is said when it is opened */
-    whole = malloc(strlen(real) + strlen(name) + 2);
+    if (!real) return ric_strdup(path); /* what is wrong with it is said when it is opened */
+    whole = ric_malloc(strlen(real) + strlen(name) + 2);
     if (whole) sprintf(whole, "%s%s%s", real, strcmp(real, "/") ? "/" : "", name);
     free(real);
     return whole;
@@ -35,7 +35,7 @@ char *ric_store_resolve(const char *path)
 
 static char *beside(const char *atlas, const char *ending)
 {
-    char *path = malloc(strlen(atlas) + strlen(ending) + 1);
+    char *path = ric_malloc(strlen(atlas) + strlen(ending) + 1);
     if (path) sprintf(path, "%s%s", atlas, ending);
     return path;
 }

@@ -86,7 +86,7 @@ static char *take_text(row_reader *row)
         fault(row, column, "not a text in UTF-8");
         text = "";
     }
-    char *copy = strdup(text);
+    char *copy = ric_strdup(text);
     row->no_memory |= !copy;
     return copy;
 }
@@ -283,7 +283,7 @@ static ric_status read_points(ric_database file, ric_atlas *atlas, int *counts)
         ric_branch_record *record = &atlas->branches[k];
         if (counts[k] != record->row.n_point)
             return ric_store_fail_damaged(file.path, "points of a branch are missing");
-        record->points = calloc((size_t)counts[k] + 1, record->stride * sizeof *record->points);
+        record->points = ric_calloc((size_t)counts[k] + 1, record->stride * sizeof *record->points);
         if (!record->points) return ric_store_fail_memory();
     }
     return status ? status : take_rows(file, &points_of_branches, atlas->n_branch, counts, take_point, atlas);
@@ -295,8 +295,8 @@ static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         ric_branch_record *record = &atlas->branches[k];
         record->row.n_junction = counts[k];
-        record->row.junctions = record->junctions = calloc((size_t)counts[k] + 1, sizeof *record->junctions);
-        record->row.junction_at = record->junction_at = calloc((size_t)counts[k] + 1, sizeof *record->junction_at);
+        record->row.junctions = record->junctions = ric_calloc((size_t)counts[k] + 1, sizeof *record->junctions);
+        record->row.junction_at = record->junction_at = ric_calloc((size_t)counts[k] + 1, sizeof *record->junction_at);
         if (!record->junctions || !record->junction_at) return ric_store_fail_memory();
     }
     return status ? status
@@ -333,8 +333,8 @@ static void take_junction(row_reader *row, int i, ric_atlas *atlas)
     junction->energy = take_real(row);
     junction->frequency = take_real(row);
     n_flight = junction->letters > 0 && !row->wrong ? (size_t)junction->letters : 1;
-    junction->state = record->state = calloc(n_state, sizeof *record->state);
-    junction->flights = record->flights = calloc(n_flight, sizeof *record->flights);
+    junction->state = record->state = ric_calloc(n_state, sizeof *record->state);
+    junction->flights = record->flights = ric_calloc(n_flight, sizeof *record->flights);
     row->no_memory |= !record->state || !record->flights;
     take_float64s(row, n_state, record->state);
     take_float64s(row, n_flight, record->flights);
@@ -360,7 +360,7 @@ static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *count
     for (int k = 0; !status && k < atlas->n_junction; k++) {
         ric_junction_record *record = &atlas->junctions[k];
         record->row.n_branch = counts[k];
-        record->row.branches = record->branches = calloc((size_t)counts[k] + 1, sizeof *record->branches);
+        record->row.branches = record->branches = ric_calloc((size_t)counts[k] + 1, sizeof *record->branches);
         if (!record->branches) return ric_store_fail_memory();
     }
     return status ? status
@@ -429,9 +429,9 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
     if (!status) status = count_rows(file, &branches, &n_branch);
     if (!status) status = count_rows(file, &junctions, &n_junction);
     if (status) return status;
-    atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
-    atlas->junctions = calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
-    int *counts = calloc((size_t)(n_branch > n_junction ? n_branch : n_junction) + 1, sizeof *counts);
+    atlas->branches = ric_calloc((size_t)n_branch + 1, sizeof *atlas->branches);
+    atlas->junctions = ric_calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
+    int *counts = ric_calloc((size_t)(n_branch > n_junction ? n_branch : n_junction) + 1, sizeof *counts);
     if (!atlas->branches || !atlas->junctions || !counts) {
         status = ric_store_fail_memory();
         goto out;
@@ -479,7 +479,7 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
     if (!status) status = open_reader(path, &file);
     if (!status) status = ric_store_check_contents(file);
     if (status) goto out;
-    atlas = calloc(1, sizeof *atlas);
+    atlas = ric_calloc(1, sizeof *atlas);
     status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
     if (!status) status = ric_store_check_numbers(path, atlas);
 out:

@@ -116,7 +116,7 @@ ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_data
 /* An address that makes SQLite read the file as it lies there, without locks, journals or changes. */
 static char *immutable_uri(const char *path)
 {
-    char *uri = malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;
+    char *uri = ric_malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;
     if (!uri) return NULL;
     out += sprintf(out, "file:");
     for (const char *c = path; *c; c++)

@@ -13,7 +13,6 @@
 #include "study/room.h"
 #include "base/room.h"
 
-#define TWO_PI 6.283185307179586477
 /* Largest number of any kind: its square, and sums of such, are still doubles. */
 #define LARGEST 1e100
 /* Largest relative difference between numbers that say the same: the stored ones agree to 1e-12 and better. */
@@ -94,7 +93,7 @@ static ric_status check_state(const judge *j, const double *state, double energy
 /* Flights of an orbit of frequency omega: none goes back in time, and together they make a period. */
 static ric_status check_flights(const judge *j, int n, const double *flights, double omega)
 {
-    double sum = 0, period = TWO_PI / omega;
+    double sum = 0, period = RIC_TWO_PI / omega;
     if (!is_finite(n, flights, LARGEST))
         return refuse(j, "flights", "a number in it is not finite, or beyond %g", LARGEST);
     for (int i = 0; i < n; i++) {
@@ -107,7 +106,7 @@ static ric_status check_flights(const judge *j, int n, const double *flights, do
         return refuse(j, "flights", "a period of %.6g s, where the windows and the modes of the study end at %.6g s",
                       period, j->longest / BEYOND);
     if (j->fastest * period > PHASE)
-        return refuse(j, "flights", "the fastest mode turns %.3g times in a period", j->fastest * period / TWO_PI);
+        return refuse(j, "flights", "the fastest mode turns %.3g times in a period", j->fastest * period / RIC_TWO_PI);
     return RIC_OK;
 }
 
@@ -214,7 +213,7 @@ static ric_status check_named(judge *j, const ric_atlas *atlas, const ric_branch
 
 static ric_status check_references(judge *j, const ric_atlas *atlas)
 {
-    int *met = calloc(2 * (size_t)atlas->n_junction + 1, sizeof *met), *last = met ? met + atlas->n_junction : NULL;
+    int *met = ric_calloc(2 * (size_t)atlas->n_junction + 1, sizeof *met), *last = met ? met + atlas->n_junction : NULL;
     ric_status status = met ? RIC_OK : ric_store_fail_memory();
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         const ric_branch *b = &atlas->branches[k].row;
@@ -246,7 +245,7 @@ ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas)
         if (j.model->seen[i]) j.fastest = fmax(j.fastest, j.model->frequency[i]);
         if (j.model->frequency[i] > 0) frequency[0] = fmin(frequency[0], j.model->frequency[i]);
     }
-    j.longest = BEYOND * TWO_PI / frequency[0];
+    j.longest = BEYOND * RIC_TWO_PI / frequency[0];
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         const ric_branch_record *record = &atlas->branches[k];
         j.row = k + 1;

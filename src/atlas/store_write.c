@@ -57,7 +57,7 @@ static void put_text(row_writer *row, const char *text)
 
 static void put_float64s(row_writer *row, size_t n, const double *values)
 {
-    unsigned char *blob = malloc(8 * n + 1);
+    unsigned char *blob = ric_malloc(8 * n + 1);
     if (blob) ric_store_put_float64(blob, n, values);
     row->code |= blob ? sqlite3_bind_blob64(row->insert, ++row->column, blob, 8 * n, free) : SQLITE_NOMEM;
 }
@@ -65,7 +65,7 @@ static void put_float64s(row_writer *row, size_t n, const double *values)
 static void put_word(row_writer *row, const ric_model *model, int n, const int *word)
 {
     size_t size = 12 * (size_t)n + 1;
-    char *text = calloc(size, 1);
+    char *text = ric_calloc(size, 1);
     if (!text || (n > 0 && ric_word_format(model, n, word, size, text))) row->code |= SQLITE_NOMEM;
     else put_text(row, text);
     free(text);
@@ -128,7 +128,7 @@ static ric_status write_point(row_writer *row, int n_dof, const ric_branch *bran
     put_real(row, point.residual);
     put_float64s(row, 2 * (size_t)n_dof, at);
     put_float64s(row, n_flight, at + 2 * n_dof);
-    put_finite(row, 2 * 3.14159265358979323846 / point.frequency);
+    put_finite(row, RIC_TWO_PI / point.frequency);
     put_finite(row, 2 * sinh(point.trace));
     put_finite(row, log_trace(point.trace));
     return writer_row(row);

@@ -1,4 +1,5 @@
 #include "buffer.h"
+#include "memory.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@ static ssize_t append(void *buffer, const char *bytes, size_t n)
     ric_buffer *b = buffer;
     if (b->capacity - b->size <= n && !b->lost) {
         size_t capacity = 2 * (b->size + n + 1);
-        char *grown = realloc(b->text, capacity);
+        char *grown = ric_realloc(b->text, capacity);
         b->lost = !grown;
         if (grown) {
             b->text = grown;
@@ -27,7 +28,7 @@ static ssize_t append(void *buffer, const char *bytes, size_t n)
 bool ric_buffer_open(ric_buffer *out)
 {
     enum { FIRST = 256 };
-    *out = (ric_buffer){.text = malloc(FIRST), .capacity = FIRST};
+    *out = (ric_buffer){.text = ric_malloc(FIRST), .capacity = FIRST};
     if (out->text) {
         out->text[0] = '\0';
         out->file = fopencookie(out, "w", (cookie_io_functions_t){.write = append});

@@ -1,4 +1,5 @@
 #include "cache.h"
+#include "memory.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -20,12 +21,12 @@ struct ric_cache {
 
 ric_status ric_cache_create(ric_cache **out)
 {
-    ric_cache *memo = calloc(1, sizeof *memo);
+    ric_cache *memo = ric_calloc(1, sizeof *memo);
     *out = NULL;
-    if (memo) memo->slots = calloc(memo->n_slot = 256, sizeof *memo->slots);
+    if (memo) memo->slots = ric_calloc(memo->n_slot = 256, sizeof *memo->slots);
     if (!memo || !memo->slots) {
         free(memo);
-        return ric_fail(RIC_E_NOMEM, "no memory for the results of workers");
+        return ric_no_memory("the results of workers");
     }
     pthread_mutex_init(&memo->lock, NULL);
     *out = memo;
@@ -81,7 +82,7 @@ static entry **find(ric_cache *memo, uint64_t hash, const void *key, size_t key_
 static void grow(ric_cache *memo)
 {
     size_t n_slot = 2 * memo->n_slot;
-    entry **slots = calloc(n_slot, sizeof *slots);
+    entry **slots = ric_calloc(n_slot, sizeof *slots);
     if (!slots) return; /* longer chains do no harm */
     for (size_t i = 0; i < memo->n_slot; i++)
         while (memo->slots[i]) {
@@ -98,8 +99,8 @@ static void grow(ric_cache *memo)
 void ric_cache_put(ric_cache *memo, const void *key, size_t key_size, const void *value, size_t size)
 {
     uint64_t hash = hash_of(key, key_size);
-    entry *e = malloc(sizeof *e + key_size);
-    char *copy = malloc(size ? size : 1);
+    entry *e = ric_malloc(sizeof *e + key_size);
+    char *copy = ric_malloc(size ? size : 1);
     if (!e || !copy) {
         free(e);
         free(copy);

@@ -1,4 +1,5 @@
 #include "eigen.h"
+#include "memory.h"
 
 #include <float.h>
 #include <math.h>

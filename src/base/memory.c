@@ -1,7 +1,3 @@
-#undef malloc
-#undef calloc
-#undef realloc
-#undef strdup
 #include "memory.h"
 
 #define WORK_MEMORY_ERROR (-1010) /* of LAPACKE; -1011 is that of its transposed copies */

@@ -1,5 +1,5 @@
-/* Running out of memory is not an answer. Every source of the library includes this file first (src/meson.build): its
- * allocations remember, per thread, when one failed. Functions may then give up in any way, "does not converge" among
+/* Running out of memory is not an answer. The library allocates by these functions only, which remember, per thread,
+ * when one failed. Functions may then give up in any way, "does not converge" among
  * them; whoever keeps results asks ric_memory_failed() before it does. */
 #ifndef RIC_BASE_MEMORY_H
 #define RIC_BASE_MEMORY_H
@@ -18,10 +18,5 @@ int ric_lapack(int info);
 /* Whether this thread has run out of memory since it was last asked to forget. */
 bool ric_memory_failed(void);
 void ric_memory_clear(void);
-
-#define malloc ric_malloc
-#define calloc ric_calloc
-#define realloc ric_realloc
-#define strdup ric_strdup
 
 #endif

@@ -5,6 +5,7 @@
 #include "buffer.h"
 #include "c_locale.h"
 #include "cache.h"
+#include "constants.h"
 #include "eigen.h"
 #include "halt.h"
 #include "memory.h"

@@ -1,4 +1,5 @@
 #include "status.h"
+#include "memory.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -17,6 +18,11 @@ ric_status ric_fail(ric_status status, const char *format, ...)
     vsnprintf(detail + n, sizeof detail - (size_t)n, format, arguments);
     va_end(arguments);
     return starved ? RIC_E_NOMEM : halted ? RIC_E_INTERRUPTED : status;
+}
+
+ric_status ric_no_memory(const char *what)
+{
+    return ric_fail(RIC_E_NOMEM, "no memory for %s", what);
 }
 
 ric_status ric_trust(ric_status status)

@@ -20,7 +20,8 @@ double ric_branch_point_gap(ric_shooting *c, const double *u)
     size_t n = (size_t)c->n_unknown, rows = (size_t)ric_shooting_rows(c);
     int rank = c->n_unknown - 2, unknowns = c->n_unknown, equations = 0;
     if (unknowns > LARGE) return 0;
-    double *memory = calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN, moved = 0;
+    double *memory = ric_calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN,
+           moved = 0;
     if (!memory || rank < 1) goto out;
     double *J = memory, *U = J + rows * n, *V = U + rows * rows, *r = V + n * n, *s = r + rows, *super = s + rows,
            *v = super + rows;

@@ -11,12 +11,10 @@
 #include "model/room.h"
 #include "multiple_cover.h"
 
-#define TWO_PI 6.283185307179586477
 #define STEP_ANGLE 0.08     /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
 #define STEP_ANGLE_MAX 0.35 /* a step that turns more is refused: it may have changed branch */
-#define GIVEN                                                                                                          \
-    1e-6                    /* drift of a step that ends at a solved point: the first one from a singular start may,   \
-                             * and is no guess */
+/* GIVEN: drift of a step that ends at a solved point: the first one from a singular start may, and is no guess */
+#define GIVEN 1e-6
 #define STEP_DRIFT 0.25     /* so is one whose corrector moved more than this part of the step */
 #define SOFT_STEP 0.1       /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 3e-5     /* of the size of the unknowns */
@@ -24,36 +22,33 @@
 #define NEWTON_STEPS 8
 #define FLOOR 0.03 /* of the tolerance: where another Newton step changes nothing */
 #define ACCEPTED 4 /* tolerances: the largest residual of an orbit that is stored */
-#define LOST                                                                                                           \
-    2.5e-10 /* the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is                \
-             * known of an orbit */
-#define STEEP                                                                                                          \
-    1e-11          /* rounding of a flight beyond which inner nodes are asked for: what verify asks of a               \
-                    * stored start */
-#define MEASURED 4 /* safety of a measured error */
+/* LOST: the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is known of an orbit */
+#define LOST 2.5e-10
+/* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
+#define STEEP 1e-11
+#define MEASURED 4                /* safety of a measured error */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 #define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
 #define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8         /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
 #define ON_OTHER 1e-9     /* of the size: an orbit this near to one with more symmetry is that one */
-#define LAST_STEP                                                                                                      \
-    1e-3               /* of the size, towards a zero of the bordered determinant: crossings are read off from         \
-                        * there (event.c) */
+/* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
+#define LAST_STEP 1e-3
 #define MARGIN 1e-11   /* margins that count as rounding */
 #define BORDER 5e-13   /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define AT_LOWEST 1e-9 /* relative: a start this near to the lower end of the energy window lies on it */
-#define MERGED                                                                                                         \
-    1e-5 /* scaled time: two impacts of a ghost nearer than this are one, or none; beside it the                       \
-          * orbit is known to rounding / time */
+/* MERGED: scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to
+ * rounding / time */
+#define MERGED 1e-5
 
 ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], const double frequency[2],
                                    double max_step, int max_points)
 {
     double lowest = m->smooth ? fmax(energy[0], m->linear_energy) : energy[0];
-    double longest = frequency[0] > 0 ? TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
+    double longest = frequency[0] > 0 ? RIC_TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
     return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
-                        .period = {TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
+                        .period = {RIC_TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
                         .max_step = max_step,
                         .max_points = max_points};
 }
@@ -359,7 +354,7 @@ static ric_status measure(ric_continuation *tr, double s, const double *u, ric_s
     p->solved = ric_continuation_solved(c);
     p->row = (ric_point){.arclength = s,
                          .energy = out->energy * m->energy_unit,
-                         .frequency = TWO_PI / out->time * m->omega_ref,
+                         .frequency = RIC_TWO_PI / out->time * m->omega_ref,
                          .trace = tr->floquet.trace_asinh,
                          .rotation = tr->floquet.rotation,
                          .reach = out->reach > 0 ? out->reach : NAN,
@@ -405,9 +400,9 @@ ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double
 
 static bool station_create(ric_station *p, int size, int n_pair)
 {
-    p->own = calloc(2 * (size_t)n_pair + 1, sizeof(double));
-    p->u = calloc((size_t)size, sizeof(double));
-    p->t = calloc((size_t)size, sizeof(double));
+    p->own = ric_calloc(2 * (size_t)n_pair + 1, sizeof(double));
+    p->u = ric_calloc((size_t)size, sizeof(double));
+    p->t = ric_calloc((size_t)size, sizeof(double));
     return p->u && p->t && p->own;
 }
 
@@ -420,7 +415,7 @@ static void station_free(ric_station *p)
 
 static bool samples_create(ric_continuation *tr)
 {
-    tr->samples.values = calloc(RIC_MOST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance), sizeof(double));
+    tr->samples.values = ric_calloc(RIC_MOST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance), sizeof(double));
     return tr->samples.values;
 }
 
@@ -463,7 +458,7 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     if (status || !p->solved || penetrates) return status;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
-        double *grown = realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
+        double *grown = ric_realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
         if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d points of a branch", capacity);
         tr->points = grown;
         tr->point_capacity = capacity;
@@ -494,14 +489,14 @@ ric_status ric_continuation_equip(ric_continuation *tr)
 {
     int n = tr->chain->n_unknown, n_pair = tr->chain->n - 1;
     size_t size = (size_t)n;
-    tr->du = calloc(size, sizeof(double));
-    tr->guess = calloc(size, sizeof(double));
-    tr->start_u = calloc(size, sizeof(double));
-    tr->start_t = calloc(size, sizeof(double));
+    tr->du = ric_calloc(size, sizeof(double));
+    tr->guess = ric_calloc(size, sizeof(double));
+    tr->start_u = ric_calloc(size, sizeof(double));
+    tr->start_t = ric_calloc(size, sizeof(double));
     if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, n, n_pair) ||
         !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
         !station_create(&tr->past, n, n_pair) || !samples_create(tr))
-        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        return ric_no_memory("a branch");
     tr->may_gain = ric_symmetric_end_may_gain(tr->chain);
     return ric_floquet_create(tr->chain->n, &tr->floquet);
 }
@@ -511,12 +506,12 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
 {
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
-    ric_continuation *tr = calloc(1, sizeof *tr);
+    ric_continuation *tr = ric_calloc(1, sizeof *tr);
     int iterations;
     *out = NULL;
     if (!tr) {
         ric_shooting_free(chain);
-        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        return ric_no_memory("a branch");
     }
     tr->chain = chain;
     tr->limits = limits;
@@ -525,7 +520,7 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
     tr->end.test = -1;
     tr->stride = sizeof(ric_point) / sizeof(double) + size;
     if (!ric_continuation_resonances(tr)) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        status = ric_no_memory("a branch");
         goto out;
     }
     if ((status = ric_continuation_equip(tr))) goto out;

@@ -47,12 +47,10 @@ enum {
     RIC_TEST_F_MIN,
     RIC_N_TEST, /* and beyond it, one for every resonance of the trace, and then for all that is asked for */
 };
-#define RIC_SINGULAR_START                                                                                             \
-    (1u << RIC_N_TEST) /* with the tests to ignore: the start is a branch point, taken as it is;                       \
-                        * t0 is the first step */
-#define RIC_LEAVING                                                                                                    \
-    1e-3 /* first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are                  \
-          * rounding */
+/* RIC_SINGULAR_START: with the tests to ignore: the start is a branch point, taken as it is; t0 is the first step */
+#define RIC_SINGULAR_START (1u << RIC_N_TEST)
+/* RIC_LEAVING: first step from a branch point, of the size of the orbit: nearer by, dE/ds and others are rounding */
+#define RIC_LEAVING 1e-3
 
 /* One solved point of a branch. */
 typedef struct {

@@ -50,7 +50,7 @@ static void write_event(char **to, const ric_event *e, int size)
 ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t *size)
 {
     const ric_shooting *c = tr->chain;
-    char *start = malloc(packed_size(tr)), *to = start;
+    char *start = ric_malloc(packed_size(tr)), *to = start;
     if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
     header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,         c->n_flight, c->parts,
                 tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
@@ -90,8 +90,8 @@ static bool read_event(const char **from, size_t *left, int size, int n_test, ri
     e->test = test;
     if (test < 0) return true;
     if (test >= n_test) return false;
-    e->u = malloc(bytes);
-    e->t = malloc(bytes);
+    e->u = ric_malloc(bytes);
+    e->t = ric_malloc(bytes);
     return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) &&
            take(from, left, e->t, bytes);
 }
@@ -102,10 +102,10 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     const char *from = blob;
     header h;
     ric_status status = RIC_OK;
-    ric_continuation *tr = calloc(1, sizeof *tr);
+    ric_continuation *tr = ric_calloc(1, sizeof *tr);
     int *face = NULL;
     *out = NULL;
-    if (!tr) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    if (!tr) return ric_no_memory("a branch");
     tr->end.test = -1;
     tr->limits = limits;
     if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE ||
@@ -114,7 +114,7 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
         h.end > RIC_MIRROR_CENTRE || h.stop < 0 || h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY ||
         (size_t)h.n_flight * sizeof(int32_t) > size)
         goto damaged;
-    if (!(face = calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
+    if (!(face = ric_calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
     for (int i = 0; i <= h.n_flight; i++) {
         int32_t f;
         if (!take(&from, &size, &f, sizeof f) || f < -1 || f >= m->n_face) goto damaged;
@@ -134,11 +134,11 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     if (!ric_continuation_resonances(tr)) goto damaged;
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
     size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);
-    if (bytes > size || !(tr->points = malloc(bytes ? bytes : 1))) goto damaged;
+    if (bytes > size || !(tr->points = ric_malloc(bytes ? bytes : 1))) goto damaged;
     take(&from, &size, tr->points, bytes);
     tr->n_point = tr->point_capacity = h.n_point;
     int n_test = RIC_N_TEST + tr->n_resonance + limits->n_asked;
-    if (!(tr->events = calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
+    if (!(tr->events = ric_calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
     tr->event_capacity = h.n_event + 1;
     for (int i = 0; i < h.n_event; i++) {
         tr->n_event = i + 1;

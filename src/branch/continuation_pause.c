@@ -80,7 +80,7 @@ ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void
         if ((status = ric_continuation_pack(trace, &found, &n_found))) return status;
     }
     *size = sizeof h + fixed + n_found;
-    cursor c = {.at = *blob = malloc(*size)};
+    cursor c = {.at = *blob = ric_malloc(*size)};
     if (!*blob) status = ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
     else pass(&c, &h, sizeof h);
     if (!status && trace) {

@@ -29,20 +29,19 @@
 /* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
-#define POLE                                                                                                           \
-    0.1 /* of 1, its largest value: the test of a resonance that is above it where it has changed its sign has         \
-         * no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
+/* POLE: of 1, its largest value: the test of a resonance that is above it where it has changed its sign has no zero
+ * there; lambda + 1/lambda went through infinity, or rounding made it jump */
+#define POLE 0.1
 #define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
 #define PASSES 4         /* looks at one step, the later ones with the events of the one before among the points */
 #define BRIDGED 6        /* pieces of a step over a branch point */
-#define NEAREST                                                                                                        \
-    1e-7              /* distance from an end with poles, of the size of the orbit, up to which events are looked for: \
-                       * nearer by orbits are known to rounding over the distance */
+/* NEAREST: distance from an end with poles, of the size of the orbit, up to which events are looked for: nearer by
+ * orbits are known to rounding over the distance */
+#define NEAREST 1e-7
 #define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
 #define STRETCHES 3   /* of a step, between its extrema of energy and of period */
-#define ROUNDING                                                                                                       \
-    1e-12 /* relative distance from what was asked for at which orbits are not told apart by shorter                   \
-           * steps */
+/* ROUNDING: relative distance from what was asked for at which orbits are not told apart by shorter steps */
+#define ROUNDING 1e-12
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |
                                  1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
@@ -91,12 +90,12 @@ bool ric_event_suspicious(const ric_continuation *tr, double h)
 static ric_status fill_event(const ric_continuation *tr, int test, const ric_station *p, ric_event *out)
 {
     size_t bytes = (size_t)tr->chain->n_unknown * sizeof(double);
-    *out = (ric_event){.test = test, .s = p->s, .u = malloc(bytes), .t = malloc(bytes)};
+    *out = (ric_event){.test = test, .s = p->s, .u = ric_malloc(bytes), .t = ric_malloc(bytes)};
     if (!out->u || !out->t) {
         free(out->u);
         free(out->t);
         out->u = out->t = NULL;
-        return ric_fail(RIC_E_NOMEM, "no memory for an event");
+        return ric_no_memory("an event");
     }
     memcpy(out->u, p->u, bytes);
     memcpy(out->t, p->t, bytes);
@@ -107,7 +106,7 @@ ric_status ric_event_keep(ric_continuation *tr, int test, const ric_station *p)
 {
     if (tr->n_event == tr->event_capacity) {
         int capacity = tr->event_capacity ? 2 * tr->event_capacity : 8;
-        ric_event *grown = realloc(tr->events, (size_t)capacity * sizeof *grown);
+        ric_event *grown = ric_realloc(tr->events, (size_t)capacity * sizeof *grown);
         if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d events", capacity);
         tr->events = grown;
         tr->event_capacity = capacity;

@@ -168,7 +168,7 @@ ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_brid
     double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
     double within[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
     bool good = false;
-    if (!(q->u = malloc(4 * (size + pairs) * sizeof *q->u))) return ric_fail(RIC_E_NOMEM, "no memory for a crossing");
+    if (!(q->u = ric_malloc(4 * (size + pairs) * sizeof *q->u))) return ric_no_memory("a crossing");
     q->own = q->u + 4 * size;
     for (int i = 0; i < 4; i++) q->x[i] = root * h + place[i] * CROSSING / 2 * tr->chain->scale;
     ric_status status = build_at(tr, h, q, &good);

@@ -13,9 +13,8 @@
 #define SAFETY 2
 #define FINEST 1e-8 /* of the size of the orbit: two zeros nearer than this are not looked for */
 #define SEEN 8      /* points at which curves are looked at */
-#define RATIO                                                                                                          \
-    16 /* of distances from an end at which functions may have poles: what happens there does so on every              \
-        * scale */
+/* RATIO: of distances from an end at which functions may have poles: what happens there does so on every scale */
+#define RATIO 16
 #define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
 #define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
 

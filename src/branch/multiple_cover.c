@@ -7,19 +7,17 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-#define TWO_PI 6.283185307179586477
-#define NEAR                                                                                                           \
-    0.2 /* distance of an orbit from its shifted image, relative to its size, from which on it may be near a           \
-         * repeated one */
+/* NEAR: distance of an orbit from its shifted image, relative to its size, from which on it may be near a repeated
+ * one */
+#define NEAR 0.2
 #define CLOSE 5e-3 /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
-#define CLOSEST                                                                                                        \
-    2e-4               /* where it is given up: along some branches the rotation number changes by all it can within   \
-                        * 1e-3 */
+/* CLOSEST: where it is given up: along some branches the rotation number changes by all it can within 1e-3 */
+#define CLOSEST 2e-4
 #define CLOSEST_3 1e-6 /* the same of order 3: the branch passes, and is known to rounding / distance all the way */
-#define FASTEST                                                                                                        \
-    2           /* how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts      \
-                 * are nearly isometric; under a power law it was seen to fall twice as fast */
-#define STEPS 8 /* so many steps ahead an orbit of fewer periods is taken into account */
+/* FASTEST: how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts are nearly
+ * isometric; under a power law it was seen to fall twice as fast */
+#define FASTEST 2
+#define STEPS 8         /* so many steps ahead an orbit of fewer periods is taken into account */
 #define CROSSING 1e-3   /* length of a step over a branch point (event.c): it could reach beyond a node */
 #define REPEATED 1e-7   /* distance below which it is that orbit */
 #define FLAT 1e-6       /* smallest pivot below which no step is made any more */
@@ -126,7 +124,7 @@ static ric_status solve_short(const ric_shooting *c, int order, int sign, double
     if ((status = ric_floquet_compute(one, &floquet))) goto out;
     for (int i = 0; i < floquet.n_pair; i++)
         for (int k = 1; 2 * k < order; k++)
-            *found |= hypot(floquet.own[2 * i] - 2 * cos(TWO_PI * k / order), floquet.own[2 * i + 1]) < MULTIPLIER;
+            *found |= hypot(floquet.own[2 * i] - 2 * cos(RIC_TWO_PI * k / order), floquet.own[2 * i + 1]) < MULTIPLIER;
     memcpy(u, v, (size_t)n * sizeof *u);
     for (int k = 0; k < c->n_flight; k++) u[n + k] = v[n + k % step];
     if (smooth) {

@@ -1,11 +1,11 @@
 #include "resonance.h"
+#include "base/room.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "symmetry.h"
 
-#define TWO_PI 6.283185307179586477
 /* Modal normal, relative to the whole normal, of a mode whose resonances have to be looked for: they are as wide as its
  * square root, in radians of its phase over a period. Above, the angle between successive tangents shows them. */
 #define FAINT 0.1
@@ -28,7 +28,7 @@ static int by_rho(const void *a, const void *b)
 
 ric_resonance *ric_resonance_list(bool half, int largest, int *n)
 {
-    ric_resonance *list = largest > 1 ? malloc((size_t)largest * (size_t)largest * sizeof *list) : NULL;
+    ric_resonance *list = largest > 1 ? ric_malloc((size_t)largest * (size_t)largest * sizeof *list) : NULL;
     *n = largest > 1 && !list ? -1 : 0;
     for (int q = 2; list && q <= largest; q++)
         for (int p = 1; p < q; p++) {
@@ -61,7 +61,7 @@ int ric_resonance_faint(const ric_model *m, int largest, double shorter, double 
 {
     int count = 0;
     for (int k = 0; k < m->n; k++) {
-        double a = m->omega[k] * shorter / TWO_PI, b = m->omega[k] * longer / TWO_PI;
+        double a = m->omega[k] * shorter / RIC_TWO_PI, b = m->omega[k] * longer / RIC_TWO_PI;
         if (!faint(m, k)) continue;
         for (int q = 1; q == 1 || q <= largest; q++)
             for (double p = floor(a * q) + 1; p < b * q && count < 2; p++)

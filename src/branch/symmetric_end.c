@@ -235,10 +235,10 @@ ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
 {
     ric_status status = RIC_OK;
     int columns = c->n_unknown, capacity = ric_shooting_rows(c), m = capacity > columns ? capacity : columns, rank;
-    double *J = calloc((size_t)capacity * columns, sizeof *J), *r = calloc((size_t)m, sizeof *r);
-    double *work = calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
+    double *J = ric_calloc((size_t)capacity * columns, sizeof *J), *r = ric_calloc((size_t)m, sizeof *r);
+    double *work = ric_calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
     if (!J || !r || !work) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+        status = ric_no_memory("the end of a branch");
         goto out;
     }
     memcpy(v, u, (size_t)columns * sizeof *u);

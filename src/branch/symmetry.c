@@ -1,4 +1,5 @@
 #include "symmetry.h"
+#include "base/room.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +32,7 @@ bool ric_symmetry_passes(const ric_periodic *c, int p, int q)
 
 double ric_symmetry_rho(bool half, int p, int q)
 {
-    return 2 * cos((half ? 1 : 2) * 3.14159265358979323846 * p / q);
+    return 2 * cos((half ? 1 : 2) * RIC_PI * p / q);
 }
 
 /* An orbit of the map over r of its periods is symmetric about points of both kinds if r is odd, about two of one kind

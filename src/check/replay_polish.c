@@ -13,9 +13,9 @@
 
 #define SAME 1e-8 /* polishing stays within this of the stored orbit, relative; times of slow contacts weighed */
 #define NO_EQUATION 1e-13 /* rows of the Jacobian smaller than this, of differences of numbers near 1, are rounding */
-#define REGULAR                                                                                                        \
-    1e-9 /* singular values below this part of the largest belong to the family and to the energy, not to              \
-          * the polishing */
+/* REGULAR: singular values below this part of the largest belong to the family and to the energy, not to the
+ * polishing */
+#define REGULAR 1e-9
 
 /* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow
  * the gap. Returns the gap's derivative before the reflection. */
@@ -81,8 +81,8 @@ ric_status ric_replay_condition(replay *r)
     ric_status status = RIC_OK;
     int m = 2 * r->n;
     size_t size = (size_t)m * (size_t)m;
-    real *A = calloc(size, sizeof *A), scale = 0, largest = 0;
-    double *B = calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL, *im = B ? re + m : NULL;
+    real *A = ric_calloc(size, sizeof *A), scale = 0, largest = 0;
+    double *B = ric_calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL, *im = B ? re + m : NULL;
     if (!A || !B) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the multipliers of %d degrees of freedom", r->n);
         goto out;
@@ -301,9 +301,9 @@ ric_status ric_replay_polish(replay *r, bool keep)
     ric_status status = RIC_OK;
     int n = r->n, N = r->n_flight, m = N + 2 * n, rank;
     size_t size = (size_t)m * (size_t)m;
-    double *J = calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL,
+    double *J = ric_calloc(size + 3 * (size_t)m, sizeof *J), *F = J ? J + size : NULL, *values = J ? F + m : NULL,
            *columns = J ? values + m : NULL;
-    real *column = calloc(4 * (size_t)n + (size_t)m + 2 * (size_t)n * (size_t)N, sizeof *column),
+    real *column = ric_calloc(4 * (size_t)n + (size_t)m + 2 * (size_t)n * (size_t)N, sizeof *column),
          *kept = column ? column + 4 * n : NULL, moved = 0;
     real *ends = column ? kept + m : NULL;
     bool apart = goes_apart(r);

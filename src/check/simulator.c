@@ -75,12 +75,12 @@ ric_status ric_simulator_create(const ric_model *model, ric_simulator **out)
     ric_status status = RIC_OK;
     int n = ric_model_n_dof(model), n_contact = ric_model_n_contact(model);
     size_t nn = (size_t)n * (size_t)n, cn = (size_t)n_contact * (size_t)n;
-    ric_simulator *sim = calloc(1, sizeof *sim);
+    ric_simulator *sim = ric_calloc(1, sizeof *sim);
     double *raw = NULL;
     *out = NULL;
-    if (!sim || !(sim->store = calloc(4 * (size_t)n + cn, sizeof(real))) ||
-        !(sim->rough = calloc(3 * (size_t)n + cn + 2 * nn, sizeof(double))) ||
-        !(sim->face = calloc(2 * (size_t)n_contact + 1, sizeof *sim->face))) {
+    if (!sim || !(sim->store = ric_calloc(4 * (size_t)n + cn, sizeof(real))) ||
+        !(sim->rough = ric_calloc(3 * (size_t)n + cn + 2 * nn, sizeof(double))) ||
+        !(sim->face = ric_calloc(2 * (size_t)n_contact + 1, sizeof *sim->face))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a simulator of %d degrees of freedom", n);
         goto out;
     }

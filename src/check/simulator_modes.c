@@ -162,7 +162,7 @@ static ric_status make_modes(ric_simulator *sim, frame *out)
     ric_status status = RIC_OK;
     int n = sim->n;
     size_t nn = (size_t)n * (size_t)n;
-    real *L = calloc(3 * nn, sizeof *L), *A = L + nn, *V = A + nn;
+    real *L = ric_calloc(3 * nn, sizeof *L), *A = L + nn, *V = A + nn;
     if (!L) {
         status = ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", n);
         goto out;
@@ -204,10 +204,10 @@ void ric_simulator_frame_free(frame *f)
 ric_status ric_simulator_frame_create(ric_simulator *sim, const bool *closed, frame **out)
 {
     size_t n = (size_t)sim->n, faces = (size_t)sim->n_face;
-    frame *f = calloc(1, sizeof *f);
+    frame *f = ric_calloc(1, sizeof *f);
     *out = NULL;
-    if (!f || !(f->closed = calloc(faces + 1, sizeof *f->closed)) ||
-        !(f->omega = calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n, sizeof *f->omega))) {
+    if (!f || !(f->closed = ric_calloc(faces + 1, sizeof *f->closed)) ||
+        !(f->omega = ric_calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n, sizeof *f->omega))) {
         ric_simulator_frame_free(f);
         return ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", sim->n);
     }

@@ -18,12 +18,12 @@
 #include "base/room.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };
-#define TOLERANCE                                                                                                      \
-    1e-17L /* of a step, relative to the largest displacement and the largest velocity: a hundred                      \
-            * roundings of 80 bits */
-#define DEVIATION                                                                                                      \
-    1e-12            /* of columns, relative to the largest entry: the table is then off by a hundredth of it, some    \
-                      * roundings of a double; a motion in a slow mode says nothing of what the fast ones need */
+/* TOLERANCE: of a step, relative to the largest displacement and the largest velocity: a hundred roundings of 80
+ * bits */
+#define TOLERANCE 1e-17L
+/* DEVIATION: of columns, relative to the largest entry: the table is then off by a hundredth of it, some roundings
+ * of a double; a motion in a slow mode says nothing of what the fast ones need */
+#define DEVIATION 1e-12
 #define ROUNDINGS 90 /* or as many of what the machine, or what pretends to be one, has instead */
 
 typedef ric_real real;
@@ -97,7 +97,7 @@ static ric_status prepare_columns(ric_simulator_power *s)
     int n = s->n;
     size_t nn = (size_t)n * (size_t)n, cn = (size_t)s->n_contact * (size_t)n;
     real column[n];
-    if (!(s->A = calloc(nn + cn + (size_t)s->n_contact + (LEVELS + 3) * 4 * nn, sizeof *s->A)))
+    if (!(s->A = ric_calloc(nn + cn + (size_t)s->n_contact + (LEVELS + 3) * 4 * nn, sizeof *s->A)))
         return ric_fail(RIC_E_NOMEM, "no memory to integrate %d degrees of freedom", n);
     s->d = s->A + nn;
     s->stiff = s->d + cn;
@@ -121,9 +121,10 @@ ric_status ric_simulator_power_create(const ric_model *model, ric_simulator_powe
     int n = ric_model_n_dof(model), n_contact = ric_model_n_contact(model);
     size_t nn = (size_t)n * (size_t)n,
            all = 2 * nn + (size_t)n_contact * ((size_t)n + 1) + (LEVELS + 6) * 2 * (size_t)n;
-    ric_simulator_power *s = calloc(1, sizeof *s);
+    ric_simulator_power *s = ric_calloc(1, sizeof *s);
     *out = NULL;
-    if (!s || !(s->L = calloc(all, sizeof *s->L)) || !(s->exponent = calloc((size_t)n_contact, sizeof *s->exponent))) {
+    if (!s || !(s->L = ric_calloc(all, sizeof *s->L)) ||
+        !(s->exponent = ric_calloc((size_t)n_contact, sizeof *s->exponent))) {
         status = ric_fail(RIC_E_NOMEM, "no memory to integrate %d degrees of freedom", n);
         goto out;
     }

@@ -38,9 +38,9 @@
 #define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
 #define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-#define LAST_DIGITS                                                                                                    \
-    1e-13 /* a closure within this, relative, is open only by the rounding of the stored doubles and of                \
-           * their phases */
+/* LAST_DIGITS: a closure within this, relative, is open only by the rounding of the stored doubles and of their
+ * phases */
+#define LAST_DIGITS 1e-13
 
 /* -------------------------------------------------------------------- setup */
 
@@ -75,9 +75,9 @@ void ric_verify_replay_close(replay *r)
 static ric_status allocate(replay *r)
 {
     size_t n = (size_t)r->n, f = (size_t)r->n_flight;
-    r->store = calloc(3 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
-    r->stored = calloc(4 * n + f, sizeof *r->stored);
-    r->face = calloc((size_t)r->n_face + 1, sizeof *r->face);
+    r->store = ric_calloc(3 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
+    r->stored = ric_calloc(4 * n + f, sizeof *r->stored);
+    r->face = ric_calloc((size_t)r->n_face + 1, sizeof *r->face);
     if (!r->store || !r->stored || !r->face)
         return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
     r->state = r->stored;
@@ -117,8 +117,8 @@ static ric_status load_events(replay *r)
     bool springs = false;
     int letters = r->branch.letters;
     for (int f = 0; f < r->n_face; f++) springs |= r->face[f].spring > 0;
-    r->event = calloc((size_t)letters + 1, sizeof *r->event);
-    if (springs) r->closed = calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
+    r->event = ric_calloc((size_t)letters + 1, sizeof *r->event);
+    if (springs) r->closed = ric_calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
     if (!r->event || (springs && !r->closed))
         return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
     for (int k = 0; k < letters; k++) {

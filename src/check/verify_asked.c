@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/room.h"
 #include "verify_pairs.h"
 
 #define AT_JUNCTION 1e-9 /* of the arclength: a point that near to a junction is the junction */
@@ -36,7 +37,7 @@ ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, cons
     if (n_mode < 3 && point->stable != RIC_STABLE_UNDECIDED) return RIC_OK; /* all there is is stored */
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
-    if (!(out->multipliers = calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
+    if (!(out->multipliers = ric_calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
     out->joint = is_joint(atlas, &b, i, point->arclength);
     /* an orbit that the library does not give cannot be compared */
     out->given = !ric_orbit_find(atlas, branch, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&

@@ -186,7 +186,7 @@ static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
     replay *r = m->r;
     int n = r->n, s = m->n_seen, size = 2 * s, flights = half ? r->n_event / 2 : r->n_event;
     size_t square = (size_t)size * (size_t)size;
-    real *A = calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n], flow[size], gradient[size];
+    real *A = ric_calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n], flow[size], gradient[size];
     if (!A) return false;
     real *M = A + (size_t)size * 2 * (size_t)n, *J = M + square;
     for (int j = 0; j < size; j++)
@@ -242,7 +242,7 @@ static ric_status check_multipliers(replay *r, const ric_verify_asked *asked, ri
     motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
     m.n_seen = find_seen(r, seen, share);
     ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r), .asked = asked};
-    pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
+    pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
     if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     bool found = true;
     real level = fmax(NOISE * stiffness(r), left_open(r));
@@ -267,7 +267,7 @@ static void check_linear(replay *r, ric_claims *out)
         part += pow(r->kappa[seen[k]] * along(&m, k, r->chain), 2) + pow(along(&m, k, r->chain + r->n), 2);
     bool alone = part > r->norm * r->norm / 2; /* else no contact sees the mode itself */
     for (int k = 0; k < count; k++) {
-        real turns = r->omega[seen[k]] * r->period / 6.283185307179586476925L;
+        real turns = r->omega[seen[k]] * r->period / RIC_TWO_PI_LONG;
         if (fabs(turns - 1) > NUMBER && other < 0) other = seen[k];
         else alone &= fabs(turns - 1) <= NUMBER;
     }
@@ -463,7 +463,7 @@ static ric_status check_margins(replay *r, ric_claims *out)
 static ric_status check_numbers(replay *r, ric_claims *out)
 {
     const ric_point *p = &r->point;
-    double turn = 6.283185307179586476925, omega = (double)(turn / r->period);
+    double turn = RIC_TWO_PI, omega = (double)(turn / r->period);
     out->numbers = RIC_AGREES_YES;
     if (!(fabs(p->frequency - omega) <= NUMBER * omega)) say(out, "frequency", p->frequency, omega);
     if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER)) say(out, "energy", p->energy, r->energy);

@@ -1,4 +1,5 @@
 #include "verify_pairs.h"
+#include "base/room.h"
 
 #include <float.h>
 #include <math.h>
@@ -16,9 +17,9 @@ typedef ric_real real;
 
 #define SAFETY 64                     /* times the largest difference between the runs */
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
-#define UNSAID                                                                                                         \
-    16               /* a flag that the library decides when it is asked again may be stored as undecided this many    \
-                      * bounds off the border, no farther: between the two lies the rounding of the state */
+/* UNSAID: a flag that the library decides when it is asked again may be stored as undecided this many bounds off the
+ * border, no farther: between the two lies the rounding of the state */
+#define UNSAID 16
 #define LOCATED 1e-5 /* where branches meet, rho is on the border to this */
 /* Rounding of the matrix whose pairs are given on request, relative: tens of roundings in each of some hundred steps
  * under a power law. */
@@ -120,7 +121,7 @@ static complex_t choose_shift(int n, int high, const complex_t *A)
 static bool eigenvalues(int n, complex_t *A, complex_t *out)
 {
     enum { STEPS = 60 };
-    complex_t *rotation = calloc(2 * (size_t)n + 2, sizeof *rotation);
+    complex_t *rotation = ric_calloc(2 * (size_t)n + 2, sizeof *rotation);
     int high = n - 1, tries = 0;
     if (!rotation) return false;
     make_hessenberg(n, A);
@@ -194,7 +195,7 @@ bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, 
         *way = area > 0 ? 1 : area < 0 ? -1 : 0;
         return true;
     }
-    complex_t *C = calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C), *lambda = C ? C + k * k : NULL;
+    complex_t *C = ric_calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C), *lambda = C ? C + k * k : NULL;
     if (!C) return false;
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++) C[i * k + j] = B[i * m + j];
@@ -309,7 +310,7 @@ static real turns(const ric_pairs *p, int run)
 {
     real rho = creall(own(p, run, 0)), angle;
     if (!(fabs(rho) <= 2)) return NAN;
-    angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / 6.283185307179586476925L;
+    angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / RIC_TWO_PI_LONG;
     if (p->way[run] < 0) angle = 1 - angle;
     angle = p->half ? 2 * angle : angle;
     return angle < 1 ? angle : angle - 1;

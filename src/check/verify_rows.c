@@ -207,8 +207,8 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
 static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_claims *out)
 {
     int d = ric_model_n_dof(m), n = 2 * d;
-    real y[n], size[2] = {0, 0}, period = period_of(j), turn = period / 6.283185307179586476925L, open = 0, growth = 1;
-    double *Y = calloc((size_t)(n * n), sizeof *Y);
+    real y[n], size[2] = {0, 0}, period = period_of(j), turn = period / RIC_TWO_PI_LONG, open = 0, growth = 1;
+    double *Y = ric_calloc((size_t)(n * n), sizeof *Y);
     ric_simulator_power *springs = NULL;
     if (!Y) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
     for (int i = 0; i < n; i++) {
@@ -246,7 +246,7 @@ ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out)
     if (status) return status;
     double period = (double)period_of(&j), energy = ric_model_energy(m, j.state, j.state + ric_model_n_dof(m));
     compare(out, "energy", j.energy, energy, ENERGY);
-    compare(out, "frequency", j.frequency, 6.283185307179586476925 / period / j.multiple, ENERGY);
+    compare(out, "frequency", j.frequency, RIC_TWO_PI / period / j.multiple, ENERGY);
     if (!(energy > 0)) return RIC_OK;
     return ric_model_n_face(m) ? check_replayed(m, &j, out) : check_smooth(m, &j, out);
 }

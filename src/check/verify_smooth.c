@@ -51,9 +51,9 @@ static real unit(const replay *r, int i)
 static ric_status divide(replay *r, int parts)
 {
     size_t n = (size_t)r->n, k = (size_t)parts;
-    real *states = realloc(r->start, 2 * k * n * sizeof *states);
+    real *states = ric_realloc(r->start, 2 * k * n * sizeof *states);
     if (states) r->start = states;
-    double *M = realloc(r->M, k * n * (n + 1) * sizeof *M);
+    double *M = ric_realloc(r->M, k * n * (n + 1) * sizeof *M);
     if (M) r->M = M;
     if (!states || !M) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
     r->parts = parts;
@@ -69,7 +69,7 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     int n = r->n = 2 * ric_model_n_dof(model);
-    if (!(r->stored = calloc((size_t)n + 1, sizeof *r->stored)))
+    if (!(r->stored = ric_calloc((size_t)n + 1, sizeof *r->stored)))
         return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
     if ((status = divide(r, PARTS))) return status;
     if ((status = ric_atlas_point(atlas, branch, point, at, r->stored, r->stored + n))) return status;
@@ -78,7 +78,7 @@ static ric_status set_up(replay *r, const ric_atlas *atlas, int branch, int poin
     /* a mirror point may have no displacement or no velocity at all: the period joins the two */
     for (int i = 0; i < n; i++) r->size[i >= n / 2] = fmaxl(r->size[i >= n / 2], fabsl(r->start[i]));
     if (!(r->size[0] + r->size[1] > 0)) r->size[0] = 1; /* at rest for ever */
-    real turn = r->period / 6.283185307179586L;
+    real turn = r->period / RIC_TWO_PI_LONG;
     r->size[0] = fmaxl(r->size[0], r->size[1] * turn);
     r->size[1] = fmaxl(r->size[1], r->size[0] / turn);
     return ric_simulator_power_create(model, &r->springs);
@@ -201,7 +201,7 @@ static ric_status polish(replay *r, double *condition)
     enum { STEPS = 4 };
     double growth;
     size_t rows = (size_t)r->n * (size_t)r->parts;
-    double *A = calloc(rows * (rows + 1) + 2 * (rows + 1), sizeof *A), *F = A ? A + rows * (rows + 1) : NULL;
+    double *A = ric_calloc(rows * (rows + 1) + 2 * (rows + 1), sizeof *A), *F = A ? A + rows * (rows + 1) : NULL;
     if (!A) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
     ric_status status = RIC_OK;
     for (int step = 0; step < STEPS && !status; step++) status = correct(r, A, F, F + rows + 1);
@@ -342,10 +342,10 @@ static ric_status check_multipliers(replay *r, const ric_model *m, const ric_bra
     ric_status status = RIC_OK;
     bool half = b->symmetric && off_image(r) <= IMAGE;
     ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = half, .asked = asked};
-    real level = fmaxl(NOISE, gap(r)), *kept = malloc((size_t)(r->n * r->parts) * sizeof *kept);
+    real level = fmaxl(NOISE, gap(r)), *kept = ric_malloc((size_t)(r->n * r->parts) * sizeof *kept);
     unsigned bits = 4711;
     bool found = true;
-    if (!kept || !(pairs.own = calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own))) {
+    if (!kept || !(pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own))) {
         free(kept);
         return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     }
@@ -365,7 +365,7 @@ static ric_status check_multipliers(replay *r, const ric_model *m, const ric_bra
 
 static void check_numbers(const replay *r, const ric_point *at, double energy, ric_claims *out)
 {
-    double omega = 6.283185307179586476925 / r->stored[r->n];
+    double omega = RIC_TWO_PI / r->stored[r->n];
     const char *name = !(fabs(at->frequency - omega) <= FLIGHT * omega)  ? "frequency"
                        : !(fabs(at->energy - energy) <= FLIGHT * energy) ? "energy"
                        : !isnan(at->approach)                            ? "approach"

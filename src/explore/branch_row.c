@@ -1,3 +1,4 @@
+#include "base/room.h"
 #include "rows_parts.h"
 
 #include <stdio.h>
@@ -7,7 +8,6 @@
 #include "model/room.h"
 #include "orbit/room.h"
 
-#define TWO_PI 6.283185307179586477
 #define LINEAR_POINTS 9
 
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
@@ -28,18 +28,18 @@ static char *mirror_text(const ric_shooting *c)
 {
     static const char *const names[] = {"", "rest", "impact", "centre"};
     char text[32];
-    if (c->start == RIC_MIRROR_NONE) return strdup("");
+    if (c->start == RIC_MIRROR_NONE) return ric_strdup("");
     const char *a = names[c->start], *b = names[c->end];
     bool swap = strcmp(a, b) > 0;
     snprintf(text, sizeof text, "%s-%s", swap ? b : a, swap ? a : b);
-    return strdup(text);
+    return ric_strdup(text);
 }
 
 /* S2+[01], A5[00101], S2(3)[01]; the mark of the mode only on backbones. */
 static char *branch_label(const ric_model *m, const ric_branch *b)
 {
     size_t size = 64 + 5 * (size_t)b->letters;
-    char *text = malloc(size), mark[16] = "";
+    char *text = ric_malloc(size), mark[16] = "";
     if (!text) return NULL;
     if (b->mode > 0) {
         if (m->n_dof == 2 && m->n == 2) snprintf(mark, sizeof mark, "%s", b->mode == 1 ? "+" : "-");
@@ -112,7 +112,7 @@ static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
         const ric_node *node = g->nodes[e->inner[k].node];
         int letters = ric_periodic_letters(node->cycle), times = letters > 0 ? b->letters / letters : 1;
         double energy = node->energy * g->model->energy_unit,
-               frequency = TWO_PI / (node->period * times) * g->model->omega_ref;
+               frequency = RIC_TWO_PI / (node->period * times) * g->model->omega_ref;
         b->energy_min = fmin(b->energy_min, energy);
         b->energy_max = fmax(b->energy_max, energy);
         if (g->model->smooth || times < 1) continue;
@@ -161,8 +161,8 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     turned = ric_periodic_transform(m, cycle, t.shift, t.reverse, t.mirror);
     int N = ric_periodic_letters(cycle);
     *r = (ric_branch_record){.stride = ric_atlas_point_stride(m->n_dof, N)};
-    r->points = malloc((size_t)tr->n_point * r->stride * sizeof(double));
-    r->word = turned ? malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
+    r->points = ric_malloc((size_t)tr->n_point * r->stride * sizeof(double));
+    r->word = turned ? ric_malloc(((size_t)N + 1) * sizeof *r->word) : NULL;
     r->mirror = mirror_text(tr->chain);
     r->why = ric_branch_row_why(e);
     if (turned && r->word) ric_periodic_word(m, turned, r->word);
@@ -178,8 +178,8 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
                           .depth = e->depth,
                           .mode = backbone_mode(g, e),
                           .n_junction = e->n_inner};
-    r->junctions = calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
-    r->junction_at = calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
+    r->junctions = ric_calloc((size_t)e->n_inner + 1, sizeof *r->junctions);
+    r->junction_at = ric_calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
     ric_periodic_free(cycle);
     ric_periodic_free(turned);
     if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return ric_no_rows();
@@ -206,12 +206,12 @@ ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *
     double omega = m->frequency[mode];
     double top = fmin(energy, o->energy[1]);
     *r = (ric_branch_record){.stride = ric_atlas_point_stride(n, 0)};
-    r->points = calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
-    r->word = calloc(1, sizeof *r->word);
-    r->junctions = calloc(RIC_USER_POINTS_MAX, sizeof *r->junctions);
-    r->junction_at = calloc(RIC_USER_POINTS_MAX, sizeof *r->junction_at);
-    r->mirror = strdup("centre-rest");
-    r->why = strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
+    r->points = ric_calloc((size_t)LINEAR_POINTS * r->stride, sizeof(double));
+    r->word = ric_calloc(1, sizeof *r->word);
+    r->junctions = ric_calloc(RIC_USER_POINTS_MAX, sizeof *r->junctions);
+    r->junction_at = ric_calloc(RIC_USER_POINTS_MAX, sizeof *r->junction_at);
+    r->mirror = ric_strdup("centre-rest");
+    r->why = ric_strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
     if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return ric_no_rows();
     r->row = (ric_branch){.word = r->word,
                           .symmetric = true,
@@ -235,13 +235,13 @@ ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *
                          .energy = E,
                          .frequency = omega,
                          .rotation = rotation,
-                         .trace = m->n == 2 && seen >= 0 ? asinh(cos(TWO_PI * rotation)) : NAN,
+                         .trace = m->n == 2 && seen >= 0 ? asinh(cos(RIC_TWO_PI * rotation)) : NAN,
                          .reach = isfinite(energy) ? sqrt(E / energy) : 0,
                          .approach = NAN,
                          .residual = 0,
                          .stable = RIC_STABLE_YES};
         for (int j = 0; j < n; j++) x[j] = m->Phi[j * n + mode] * q;
-        x[2 * n] = TWO_PI / omega;
+        x[2 * n] = RIC_TWO_PI / omega;
     }
     if (!(r->label = branch_label(m, &r->row))) return ric_no_rows();
     r->row.label = r->label;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/room.h"
 #include "rows_parts.h"
 
 /* A range is printed with some digits, and a hair wider than it is, so that what lies in it is in what is read. */
@@ -53,7 +54,7 @@ char *ric_branch_row_why(const ric_edge *e)
     const char *why = ric_continuation_why_text(tr->why);
     double length = ((const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride))->arclength;
     size_t size = strlen(why) + FIXED + EACH * (size_t)e->n_unplaced;
-    char *text = malloc(size);
+    char *text = ric_malloc(size);
     if (!text) return NULL;
     int used = snprintf(text, size, "%s", why);
     if (e->n_unplaced) used += list_unplaced(e, used ? "; " : "", size - (size_t)used, text + used);

@@ -8,19 +8,18 @@
 #include "base/room.h"
 #include "atlas/room.h"
 
-#define TWO_PI 6.283185307179586477
 #define STIFFEST 1e9
-#define PHASE                                                                                                          \
-    1e7 /* largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that           \
-         * one orbit takes seconds, and the phase itself loses its digits */
+/* PHASE: largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that one orbit
+ * takes seconds, and the phase itself loses its digits */
+#define PHASE 1e7
 
 /* A mode that turns ten million times while the slowest orbit of the window lasts has no place in it. */
 static ric_status check_phases(const ric_study *study)
 {
     const ric_model *m = ric_study_model(study);
     int n = ric_model_n_dof(m), fastest = -1;
-    double *omega = calloc((size_t)n, sizeof *omega), longest = TWO_PI / ric_study_options(study)->frequency[0];
-    bool *seen = calloc((size_t)n, sizeof *seen);
+    double *omega = ric_calloc((size_t)n, sizeof *omega), longest = RIC_TWO_PI / ric_study_options(study)->frequency[0];
+    bool *seen = ric_calloc((size_t)n, sizeof *seen);
     ric_status status = RIC_OK;
     if (!omega || !seen) status = ric_fail(RIC_E_NOMEM, "no memory for %d frequencies", n);
     if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen)))
@@ -31,8 +30,8 @@ static ric_status check_phases(const ric_study *study)
                           "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the "
                           "window, 2 pi / %g s; raise the lower end to %.3g or more, or make a rigid link of the "
                           "spring that is so stiff",
-                          fastest + 1, omega[fastest], omega[fastest] * longest / TWO_PI,
-                          ric_study_options(study)->frequency[0], TWO_PI * omega[fastest] / PHASE);
+                          fastest + 1, omega[fastest], omega[fastest] * longest / RIC_TWO_PI,
+                          ric_study_options(study)->frequency[0], RIC_TWO_PI * omega[fastest] / PHASE);
     free(omega);
     free(seen);
     return status;
@@ -59,8 +58,8 @@ static ric_status check_springs(const ric_study *study)
 {
     const ric_model *m = ric_study_model(study);
     int n = ric_model_n_dof(m);
-    double *omega = calloc((size_t)n, sizeof *omega), *modes = calloc((size_t)n * (size_t)n, sizeof *modes);
-    bool *seen = calloc((size_t)n, sizeof *seen);
+    double *omega = ric_calloc((size_t)n, sizeof *omega), *modes = ric_calloc((size_t)n * (size_t)n, sizeof *modes);
+    bool *seen = ric_calloc((size_t)n, sizeof *seen);
     ric_status status = omega && modes && seen ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
     if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen)))
         status = ric_model_modes(m, modes);
@@ -161,9 +160,9 @@ struct ric_explore_worker {
 
 ric_status ric_explore_worker_create(const ric_study *study, ric_explore_worker **out)
 {
-    ric_explore_worker *hand = calloc(1, sizeof *hand);
+    ric_explore_worker *hand = ric_calloc(1, sizeof *hand);
     *out = NULL;
-    if (!hand) return ric_fail(RIC_E_NOMEM, "no memory for a worker");
+    if (!hand) return ric_no_memory("a worker");
     ric_status status = ric_graph_create(study, NULL, &hand->graph);
     if (!status) status = ric_cache_create(&hand->graph->recall.memo);
     if (status) ric_explore_worker_free(hand);

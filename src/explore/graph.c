@@ -15,9 +15,9 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
 {
     const ric_model *m = ric_study_model(study);
     const ric_explore_options *o = ric_study_options(study);
-    ric_graph *g = calloc(1, sizeof *g);
+    ric_graph *g = ric_calloc(1, sizeof *g);
     *out = NULL;
-    if (!g) return ric_fail(RIC_E_NOMEM, "no memory for an atlas");
+    if (!g) return ric_no_memory("an atlas");
     g->study = study;
     g->model = m;
     g->options = o;
@@ -103,9 +103,9 @@ static bool make_room(ric_graph *g)
 {
     if (g->n_node < g->node_capacity) return true;
     int capacity = g->node_capacity ? 2 * g->node_capacity : 64;
-    ric_node **nodes = realloc(g->nodes, (size_t)capacity * sizeof *nodes);
+    ric_node **nodes = ric_realloc(g->nodes, (size_t)capacity * sizeof *nodes);
     if (nodes) g->nodes = nodes;
-    int *by_energy = nodes ? realloc(g->by_energy, (size_t)capacity * sizeof *by_energy) : NULL;
+    int *by_energy = nodes ? ric_realloc(g->by_energy, (size_t)capacity * sizeof *by_energy) : NULL;
     if (by_energy) g->by_energy = by_energy;
     if (by_energy) g->node_capacity = capacity;
     return by_energy;
@@ -158,7 +158,7 @@ ric_edge *ric_graph_add_edge(ric_graph *g)
 {
     if (g->n_edge == g->edge_capacity) {
         int capacity = g->edge_capacity ? 2 * g->edge_capacity : 64;
-        ric_edge *grown = realloc(g->edges, (size_t)capacity * sizeof *grown);
+        ric_edge *grown = ric_realloc(g->edges, (size_t)capacity * sizeof *grown);
         if (!grown) return NULL;
         g->edges = grown;
         g->edge_capacity = capacity;

@@ -12,8 +12,8 @@
 
 ric_status ric_graph_edge_attach(ric_edge *e, int node, unsigned choice, double at)
 {
-    ric_passage *inner = realloc(e->inner, (size_t)(e->n_inner + 1) * sizeof *inner);
-    if (!inner) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_passage *inner = ric_realloc(e->inner, (size_t)(e->n_inner + 1) * sizeof *inner);
+    if (!inner) return ric_no_memory("a junction");
     e->inner = inner;
     int place = e->n_inner++;
     for (; place > 0 && inner[place - 1].at > at; place--) inner[place] = inner[place - 1];

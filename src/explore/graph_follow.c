@@ -9,16 +9,15 @@
 #include "graph_parts.h"
 #include "branch/room.h"
 
-#define TWO_PI 6.283185307179586477
 #define AT_END 1e-9     /* arclength within which an event belongs to the end of its branch */
 #define SAME_EVENT 1e-5 /* arclength, relative, within which two events of one place lie */
 #define NEAR_END 1e-2   /* part of a branch near its end where that end's own junction is not met again */
 #define PARTS 16        /* of a period, between inner nodes, the first time that they are needed */
 #define MORE_PARTS 4    /* and each time that they do not suffice */
 #define MOST_PARTS 64
-#define NO_BRANCH                                                                                                      \
-    1e-6              /* of the size: what is lost nearer to its start than this is rounding beside a family of more   \
-                       * parameters, and no branch */
+/* NO_BRANCH: of the size: what is lost nearer to its start than this is rounding beside a family of more parameters,
+ * and no branch */
+#define NO_BRANCH 1e-6
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
 /* ------------------------------------------------------------------- tracing */
@@ -114,10 +113,10 @@ static ric_status turn_back(const ric_continuation *tr, ric_continuation **out)
                             1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
                             1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
     ric_shooting *chain = ric_shooting_copy(tr->chain);
-    double *back = chain ? calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
+    double *back = chain ? ric_calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
     if (!back) {
         ric_shooting_free(chain);
-        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        return ric_no_memory("a branch");
     }
     for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
     ric_status status = ric_continuation_create(chain, tr->end.u, back, ignore, tr->limits, out);
@@ -179,7 +178,7 @@ static ric_status trace_in_parts(const ric_model *m, const course *way, int *par
 {
     for (;;) {
         ric_node *divided = ric_node_copy(way->node);
-        if (!divided) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        if (!divided) return ric_no_memory("a departure");
         if (*parts) divided->cycle->parts = *parts;
         ric_status status = trace_once(m, way, divided, out);
         ric_node_free(divided);
@@ -201,7 +200,7 @@ static ric_status pack_outcome(ric_status status, const ric_continuation *tr, vo
     if (!status) return tr ? ric_continuation_pack(tr, blob, size) : RIC_OK;
     const char *why = ric_detail();
     *size = sizeof refused + strlen(why);
-    if (!(*blob = malloc(*size))) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
+    if (!(*blob = ric_malloc(*size))) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
     snprintf(*blob, *size, "%s%s", refused, why);
     return RIC_OK;
 }
@@ -309,7 +308,7 @@ static ric_status ring_choice(const ric_graph *g, const ric_continuation *tr, co
     if (last > 0 && row->arclength >= tr->end.s)
         row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
     ric_periodic *near = ric_continuation_cycle(tr, (const double *)(row + 1));
-    if (!near) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if (!near) return ric_no_memory("a junction");
     ric_status status = ric_multiplication_class(g->model, node, near, choice, &side);
     ric_periodic_free(near);
     if (status != RIC_E_NUMERIC) return status;
@@ -336,7 +335,7 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
     if (!g->model->springs || !ric_node_leaves(node, choice)) return RIC_OK;
     ric_symmetry problem = ric_node_problem(node, choice);
     ric_periodic *whole = ric_symmetry_cycle(node->cycle, &problem);
-    if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the end of a branch");
+    if (!whole) return ric_no_memory("the end of a branch");
     int operations = ric_periodic_operations(g->model);
     for (int k = 0; k < operations * whole->N; k++) {
         ric_shooting *chain = NULL;
@@ -366,7 +365,7 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
     *choice = 0;
     if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(tr, tr->end.u);
-    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if (!cycle) return ric_no_memory("a junction");
     ric_defining solve = {.kind = tr->arrival                                             ? RIC_DEFINING_ARRIVAL
                                   : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_DEFINING_CORNER
                                                                                           : RIC_DEFINING_GRAZING};
@@ -379,7 +378,7 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
     if (node) {
         if (node->kind == RIC_KIND_CORNER && node->refusal) tr->stop = RIC_STOP_CORNER;
         *index = ric_graph_add(g, node, depth);
-        if (*index < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a junction");
+        if (*index < 0) status = ric_no_memory("a junction");
         else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
             int found = ric_grazing_words_choice(g->model, g->nodes[*index], cycle);
             if (found < 0) {
@@ -437,8 +436,7 @@ static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ri
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
     ric_periodic *near = ric_continuation_cycle(e->trace, u);
-    ric_status status = near ? ric_branch_point_choice(g->model, node, near, choice)
-                             : ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    ric_status status = near ? ric_branch_point_choice(g->model, node, near, choice) : ric_no_memory("a junction");
     ric_periodic_free(near);
     return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
 }
@@ -458,14 +456,14 @@ static bool passes_image(const ric_model *m, const ric_periodic *cycle, int test
 static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event *event, const ric_resonance *resonance,
                                const ric_periodic *cycle)
 {
-    ric_unplaced *more = realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
-    if (!more) return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    ric_unplaced *more = ric_realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
+    if (!more) return ric_no_memory("a branch");
     e->unplaced = more;
     more[e->n_unplaced++] = (ric_unplaced){.test = event->test,
                                            .p = resonance ? resonance->p : 0,
                                            .q = resonance ? resonance->q : 0,
                                            .energy = ric_periodic_energy(g->model, cycle) * g->model->energy_unit,
-                                           .frequency = TWO_PI / ric_periodic_period(cycle) * g->model->omega_ref};
+                                           .frequency = RIC_TWO_PI / ric_periodic_period(cycle) * g->model->omega_ref};
     return RIC_OK;
 }
 
@@ -481,7 +479,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     double length = ((const ric_point *)last)->arclength;
     if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED)) return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(e->trace, event->u);
-    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if (!cycle) return ric_no_memory("a junction");
     bool aside = !doubling && breaks_or_crosses(event->test) &&
                  (ric_periodic_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
     const ric_user_point *asked = ric_continuation_user_point(e->trace, event->test);
@@ -495,7 +493,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     ric_periodic_free(cycle);
     if (!node) return status;
     int index = ric_graph_add(g, node, e->depth);
-    if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if (index < 0) return ric_no_memory("a junction");
     if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length))
         return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
@@ -544,7 +542,7 @@ static ric_status note_orbits(ric_edge *e)
         e->energy[1] = fmax(e->energy[1], p->energy);
     }
     e->first = ric_continuation_cycle(e->trace, e->trace->points + sizeof(ric_point) / sizeof(double));
-    return e->first ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a branch");
+    return e->first ? RIC_OK : ric_no_memory("a branch");
 }
 
 static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to, unsigned arrive,
@@ -553,7 +551,7 @@ static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsi
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {
         ric_continuation_free(tr);
-        return ric_fail(RIC_E_NOMEM, "no memory for a branch");
+        return ric_no_memory("a branch");
     }
     e->trace = tr;
     e->from = from;

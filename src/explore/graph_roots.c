@@ -7,8 +7,7 @@
 #include "model/room.h"
 #include "base/room.h"
 
-#define ABOVE 1e-6 /* part by which a start lies above the lower edge of the window */
-#define TWO_PI 6.283185307179586477
+#define ABOVE 1e-6   /* part by which a start lies above the lower edge of the window */
 #define EQUAL 1e-11  /* difference of two squared frequencies, relative, that rounding makes */
 #define UNMOVED 1e-9 /* share of a force that counts as none */
 #define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
@@ -71,17 +70,17 @@ static ric_status refused_start(const ric_model *m, ric_shooting *chain, int mod
     double u[m->n + 1];
     memset(u, 0, sizeof u);
     u[mode] = STILL;
-    u[m->n] = TWO_PI / (4 * m->omega[mode]);
+    u[m->n] = RIC_TWO_PI / (4 * m->omega[mode]);
     ric_shooting_fly(chain, u);
     ric_periodic *cycle = ric_periodic_from_chain(chain, u);
-    ric_status status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
+    ric_status status = cycle ? ric_node_start(m, cycle, out) : ric_no_memory("a start");
     ric_periodic_free(cycle);
     if (status) return status;
     no_start(m, mode);
     (*out)->mode = mode;
     for (int i = 0; i < (*out)->n_departure; i++) {
         (*out)->departures[i].state = RIC_DEPARTURE_REFUSED;
-        (*out)->departures[i].why = strdup(ric_detail());
+        (*out)->departures[i].why = ric_strdup(ric_detail());
     }
     return status;
 }
@@ -104,7 +103,7 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     if (status) return status;
     memset(u, 0, sizeof u);
     u[mode] = sqrt(2 * energy);
-    u[n] = TWO_PI / (4 * m->omega[mode]);
+    u[n] = RIC_TWO_PI / (4 * m->omega[mode]);
     if (mixed_with(m, mode) >= 0 || !ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
         status = refused_start(m, chain, mode, out);
         goto out;
@@ -122,7 +121,7 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
         if (status || (status = ric_continuation_run(way)) || way->end.test != RIC_TEST_E_MAX) goto out;
         cycle = ric_continuation_cycle(way, way->end.u);
     }
-    status = cycle ? ric_node_start(m, cycle, out) : ric_fail(RIC_E_NOMEM, "no memory for a start");
+    status = cycle ? ric_node_start(m, cycle, out) : ric_no_memory("a start");
     if (*out) (*out)->mode = mode;
 out:
     ric_periodic_free(cycle);
@@ -149,7 +148,7 @@ static ric_status start_modes(ric_graph *g)
         /* at their energies all refused starts would be taken for one */
         bool refused = node->n_departure > 0 && node->departures[0].state == RIC_DEPARTURE_REFUSED;
         int index = refused ? ric_graph_append(g, node) : ric_graph_add(g, node, 0);
-        if (index < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+        if (index < 0) return ric_no_memory("a junction");
     }
     return RIC_OK;
 }
@@ -161,7 +160,7 @@ static ric_status start_modes(ric_graph *g)
 static void closed_form(const ric_model *m, const ric_face *f, double omega, double *u)
 {
     int n = m->n;
-    double sum = 0, quarter = TWO_PI / (4 * omega);
+    double sum = 0, quarter = RIC_TWO_PI / (4 * omega);
     for (int k = 0; k < n; k++) {
         double x = m->omega[k] * quarter;
         sum += f->c[k] * f->c[k] * (m->omega[k] > 0 ? tan(x) / m->omega[k] : quarter);
@@ -178,11 +177,11 @@ static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double 
     ric_shooting_fly(chain, u);
     ric_periodic *cycle = ric_periodic_from_chain(chain, u);
     ric_node *node = NULL;
-    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (!cycle) return ric_no_memory("a start");
     ric_status status = ric_node_start(g->model, cycle, &node);
     ric_periodic_free(cycle);
     if (status == RIC_E_NUMERIC) return RIC_OK;
-    if (!status && ric_graph_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (!status && ric_graph_add(g, node, 0) < 0) status = ric_no_memory("a start");
     return status;
 }
 
@@ -215,8 +214,8 @@ static ric_status start_loose(ric_graph *g)
     ric_status status = ric_graph_check_start(m);
     if (status) return status;
     status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
-    double u[n + 1], low = isfinite(g->limits.period[1]) ? TWO_PI / g->limits.period[1] : 1e-3;
-    for (double omega = low; !status && omega < TWO_PI / g->limits.period[0]; omega *= SCAN) {
+    double u[n + 1], low = isfinite(g->limits.period[1]) ? RIC_TWO_PI / g->limits.period[1] : 1e-3;
+    for (double omega = low; !status && omega < RIC_TWO_PI / g->limits.period[0]; omega *= SCAN) {
         closed_form(m, &m->face[upper], omega, u);
         ric_shooting_fly(chain, u);
         double energy = ric_shooting_energy(chain);
@@ -242,7 +241,7 @@ static ric_status start_given(ric_graph *g)
         if (status == RIC_E_NUMERIC) status = RIC_OK;
         else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1]))
             ric_node_free(node);
-        else if (!status && ric_graph_add(g, node, 0) < 0) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+        else if (!status && ric_graph_add(g, node, 0) < 0) status = ric_no_memory("a start");
     }
     return status;
 }

@@ -9,7 +9,6 @@
 #include "graph_parts.h"
 #include "base/room.h"
 
-#define TWO_PI 6.283185307179586477
 #define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
 
 static double seconds_since(const struct timespec *start)
@@ -53,7 +52,7 @@ static void count_step(void *user)
 static ric_budgets budgets_at(const ric_graph *g, const ric_node *node, int multiple)
 {
     return ric_region_budgets(g->options, node->energy * g->model->energy_unit,
-                              TWO_PI / node->period * g->model->omega_ref, multiple);
+                              RIC_TWO_PI / node->period * g->model->omega_ref, multiple);
 }
 
 /* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts
@@ -128,7 +127,7 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
     if (status == RIC_E_INTERRUPTED || status == RIC_E_NOMEM) node->departures[place].state = RIC_DEPARTURE_OPEN;
     if (status == RIC_E_NUMERIC) {
         node->departures[place].state = RIC_DEPARTURE_REFUSED;
-        node->departures[place].why = strdup(ric_detail());
+        node->departures[place].why = ric_strdup(ric_detail());
         status = RIC_OK;
     }
     return status;
@@ -173,7 +172,7 @@ static open_departure *open_at(ric_graph *g, int first, int depth, int *n)
 {
     int count = 0;
     for (int pass = 0;; pass++) {
-        open_departure *list = pass ? malloc((size_t)(count ? count : 1) * sizeof *list) : NULL;
+        open_departure *list = pass ? ric_malloc((size_t)(count ? count : 1) * sizeof *list) : NULL;
         int k = 0;
         for (int i = first; i < g->n_node; i++)
             for (int j = 0; j < g->nodes[i]->n_departure; j++) {
@@ -207,7 +206,7 @@ static ric_status list_duplicates(ric_graph *g, int depth)
             if (g->options->base % k || k > here.multiply || k * flown >= here.impacts || depth >= here.depth) continue;
             ric_status status = ric_node_duplicate(g->model, node, k, &duplicate);
             if (status) return status;
-            if (ric_graph_add(g, duplicate, depth) < 0) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+            if (ric_graph_add(g, duplicate, depth) < 0) return ric_no_memory("a junction");
             node = g->nodes[i];
         }
     }
@@ -230,7 +229,7 @@ static void refuse_all(ric_graph *g, const char *why)
             bool linear = !g->model->smooth && ric_node_impacts(g->nodes[i], g->nodes[i]->departures[j].choice) == 0;
             free(g->nodes[i]->departures[j].why);
             g->nodes[i]->departures[j].state = linear ? RIC_DEPARTURE_KNOWN : RIC_DEPARTURE_REFUSED;
-            g->nodes[i]->departures[j].why = linear ? NULL : strdup(why);
+            g->nodes[i]->departures[j].why = linear ? NULL : ric_strdup(why);
         }
 }
 
@@ -238,7 +237,7 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
 {
     ric_memory_clear();
     ric_graph *g = graph;
-    ric_graph *alone = calloc(1, sizeof *alone);
+    ric_graph *alone = ric_calloc(1, sizeof *alone);
     if (!alone) {
         ric_node_free(node);
         return;
@@ -286,7 +285,7 @@ static int offer_order(const void *a, const void *b)
 static void offer(ric_graph *g, int n, const open_departure *list)
 {
     /* without memory nothing is prepared */
-    open_departure *order = g->workers && n ? malloc((size_t)n * sizeof *order) : NULL;
+    open_departure *order = g->workers && n ? ric_malloc((size_t)n * sizeof *order) : NULL;
     if (!order) return;
     memcpy(order, list, (size_t)n * sizeof *order);
     qsort(order, (size_t)n, sizeof *order, offer_order);

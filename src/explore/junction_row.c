@@ -1,10 +1,9 @@
+#include "base/room.h"
 #include "rows_parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define TWO_PI 6.283185307179586477
 
 static const char *letter(ric_kind kind)
 {
@@ -35,7 +34,7 @@ static char *refusals(const ric_node *node)
     const char *why = ric_node_refusal_text(node->refusal);
     for (int i = 0; i < node->n_departure; i++)
         if (node->departures[i].why && !*why) why = node->departures[i].why;
-    return strdup(why);
+    return ric_strdup(why);
 }
 
 static bool solve_chain(ric_shooting *chain, double *u)
@@ -94,9 +93,9 @@ ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int i
     }
     int N = cycle ? ric_periodic_letters(cycle) : 0;
     *out = (ric_junction_row){.node = node, .index = index};
-    r->word = calloc((size_t)N + 1, sizeof *r->word);
-    r->state = calloc(2 * (size_t)n, sizeof *r->state);
-    r->flights = calloc((size_t)N + 1, sizeof *r->flights);
+    r->word = ric_calloc((size_t)N + 1, sizeof *r->word);
+    r->state = ric_calloc(2 * (size_t)n, sizeof *r->state);
+    r->flights = ric_calloc((size_t)N + 1, sizeof *r->flights);
     r->refusal = refusals(node);
     if (!r->word || !r->state || !r->flights || !r->refusal || (!bare && !cycle)) {
         status = ric_no_rows();
@@ -119,7 +118,7 @@ ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int i
                             .state = r->state,
                             .flights = r->flights,
                             .refusal = r->refusal};
-    r->row.frequency = TWO_PI / period * m->omega_ref / r->row.multiple;
+    r->row.frequency = RIC_TWO_PI / period * m->omega_ref / r->row.multiple;
     count_departures(node, r);
 out:
     ric_periodic_free(cycle);
@@ -134,13 +133,13 @@ static ric_status mark_linear(const ric_model *m, int mode, double energy, int i
     int n = m->n_dof;
     double omega = m->frequency[mode];
     *out = (ric_junction_row){.index = index};
-    r->word = calloc(1, sizeof *r->word);
-    r->state = calloc(2 * (size_t)n, sizeof *r->state);
-    r->flights = calloc(1, sizeof *r->flights);
-    r->refusal = strdup("");
+    r->word = ric_calloc(1, sizeof *r->word);
+    r->state = ric_calloc(2 * (size_t)n, sizeof *r->state);
+    r->flights = ric_calloc(1, sizeof *r->flights);
+    r->refusal = ric_strdup("");
     if (!r->word || !r->state || !r->flights || !r->refusal) return ric_no_rows();
     for (int i = 0; i < n; i++) r->state[i] = m->Phi[i * n + mode] * ric_linear_amplitude(omega, energy);
-    r->flights[0] = TWO_PI / omega;
+    r->flights[0] = RIC_TWO_PI / omega;
     r->row = (ric_junction){.kind = RIC_KIND_USER,
                             .word = r->word,
                             .multiple = 1,
@@ -212,12 +211,12 @@ static char *junction_label(const ric_junction *row, int number)
     else if (*l == 'C' && row->b == 0) snprintf(text, sizeof text, "C%d_??", number); /* not measured yet */
     else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
     else snprintf(text, sizeof text, "%s%d", l, number);
-    return strdup(text);
+    return ric_strdup(text);
 }
 
 ric_status ric_junction_rows_label(int n, ric_junction_row *marks)
 {
-    ric_junction_row **list = malloc((size_t)(n + 1) * sizeof *list);
+    ric_junction_row **list = ric_malloc((size_t)(n + 1) * sizeof *list);
     ric_status status = list ? RIC_OK : ric_no_rows();
     for (int i = 0; i < n && list; i++) list[i] = &marks[i];
     if (list) qsort(list, (size_t)n, sizeof *list, label_order);
@@ -248,10 +247,10 @@ ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_ro
         }
         if (best < 0) continue;
         free(marks[best].record.name);
-        if (!(marks[best].record.name = strdup(name.name))) return ric_no_rows();
+        if (!(marks[best].record.name = ric_strdup(name.name))) return ric_no_rows();
     }
     for (int i = 0; i < n; i++) {
-        if (!marks[i].record.name && !(marks[i].record.name = strdup(""))) return ric_no_rows();
+        if (!marks[i].record.name && !(marks[i].record.name = ric_strdup(""))) return ric_no_rows();
         marks[i].record.row.name = marks[i].record.name;
     }
     return RIC_OK;

@@ -1,4 +1,5 @@
 #include "rows.h"
+#include "base/room.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,8 +27,8 @@ static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int 
                                 int *n_mark)
 {
     const ric_model *m = g->model;
-    double *energy = calloc((size_t)m->n_dof, sizeof *energy);
-    int *contact = calloc((size_t)m->n_dof, sizeof *contact);
+    double *energy = ric_calloc((size_t)m->n_dof, sizeof *energy);
+    int *contact = ric_calloc((size_t)m->n_dof, sizeof *contact);
     ric_status status = energy && contact ? ric_model_grazing_energies(m, energy, contact) : ric_no_rows();
     for (int i = 0; i < m->n_dof && !status; i++) {
         int seen = -1, node = -1;
@@ -64,7 +65,7 @@ static ric_status list_branch(ric_junction_row *k, int id)
 {
     ric_junction_record *r = &k->record;
     if (r->row.n_branch > 0 && r->branches[r->row.n_branch - 1] == id) return RIC_OK;
-    int *grown = realloc(r->branches, (size_t)(r->row.n_branch + 1) * sizeof *grown);
+    int *grown = ric_realloc(r->branches, (size_t)(r->row.n_branch + 1) * sizeof *grown);
     if (!grown) return ric_no_rows();
     r->row.branches = r->branches = grown;
     r->branches[r->row.n_branch++] = id;
@@ -145,8 +146,8 @@ static ric_status bind_branches(const ric_graph *g, const ric_study *study, int 
 {
     ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
     if (status) return status;
-    atlas->branches = calloc((size_t)n + 1, sizeof *atlas->branches);
-    atlas->junctions = calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
+    atlas->branches = ric_calloc((size_t)n + 1, sizeof *atlas->branches);
+    atlas->junctions = ric_calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
     if (!atlas->branches || !atlas->junctions) return ric_no_rows();
     for (int i = 0; i < n; i++) atlas->branches[i] = sheets[i].record;
     for (int i = 0; i < g->n_edge; i++) {
@@ -162,12 +163,12 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     ric_status status = RIC_OK;
     const ric_model *m = g->model;
     int n_sheet = 0, n_mark = 0;
-    ric_branch_row *sheets = calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
+    ric_branch_row *sheets = ric_calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
     size_t most = (size_t)g->n_node + (size_t)m->n_dof * g->limits.n_asked + 1;
-    ric_junction_row *marks = calloc(most, sizeof *marks);
-    int *id = calloc(most, sizeof *id);
-    bool *used = calloc(most, sizeof *used);
-    ric_atlas *atlas = calloc(1, sizeof *atlas);
+    ric_junction_row *marks = ric_calloc(most, sizeof *marks);
+    int *id = ric_calloc(most, sizeof *id);
+    bool *used = ric_calloc(most, sizeof *used);
+    ric_atlas *atlas = ric_calloc(1, sizeof *atlas);
     *out = NULL;
     if (!sheets || !marks || !id || !used || !atlas) {
         status = ric_no_rows();

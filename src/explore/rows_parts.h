@@ -24,7 +24,7 @@ typedef struct {
 
 static inline ric_status ric_no_rows(void)
 {
-    return ric_fail(RIC_E_NOMEM, "no memory for the atlas");
+    return ric_no_memory("the atlas");
 }
 
 /* The node number k that a branch passes. */

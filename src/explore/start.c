@@ -66,7 +66,7 @@ static ric_status take_line(const ric_model *m, const char **text, ric_periodic 
     if (!take_integer(text, 1, LONGEST, &N) || !take_integer(text, 0, m->symmetric, &half) ||
         !take_integer(text, -1, N - 1, &pure) || !take_integer(text, -1, m->symmetric ? N - 1 : -1, &flip))
         return ric_fail(RIC_E_FORMAT, "a given start is not readable");
-    if (!(*out = ric_periodic_create(m->n, N))) return ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (!(*out = ric_periodic_create(m->n, N))) return ric_no_memory("a start");
     if (!take_cycle(m, text, half, *out)) {
         ric_periodic_free(*out);
         *out = NULL;
@@ -85,8 +85,8 @@ ric_status ric_starts_parse(const ric_model *m, const char *text, ric_starts *ou
     while (text && *text && !status) {
         if (out->n == capacity) {
             capacity = capacity ? 2 * capacity : 16;
-            ric_periodic **grown = realloc(out->cycle, (size_t)capacity * sizeof *grown);
-            if (!grown) status = ric_fail(RIC_E_NOMEM, "no memory for starts");
+            ric_periodic **grown = ric_realloc(out->cycle, (size_t)capacity * sizeof *grown);
+            if (!grown) status = ric_no_memory("starts");
             else out->cycle = grown;
         }
         if (!status && !(status = take_line(m, &text, &out->cycle[out->n]))) out->n++;
@@ -123,8 +123,8 @@ ric_status ric_start_solve(const ric_model *m, const ric_periodic *given, ric_pe
     ric_status status = ric_periodic_to_chain(m, given, &chain, &u);
     if (status) goto out;
     int size = chain->n_unknown;
-    if (!(work = malloc(2 * (size_t)size * sizeof *work))) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    if (!(work = ric_malloc(2 * (size_t)size * sizeof *work))) {
+        status = ric_no_memory("a start");
         goto out;
     }
     memcpy(work, u, (size_t)size * sizeof *work);
@@ -134,7 +134,7 @@ ric_status ric_start_solve(const ric_model *m, const ric_periodic *given, ric_pe
     if (!solved || !(moved < NEAR * chain->scale))
         status = ric_fail(RIC_E_NUMERIC, "a given start of %d impacts is no orbit: it moves by %.3g when it is solved",
                           given->N, moved);
-    else if (!(*out = ric_periodic_from_chain(chain, u))) status = ric_fail(RIC_E_NOMEM, "no memory for a start");
+    else if (!(*out = ric_periodic_from_chain(chain, u))) status = ric_no_memory("a start");
 out:
     ric_shooting_free(chain);
     free(u);

@@ -73,9 +73,9 @@ static void *serve(void *argument)
 
 ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_workers **out)
 {
-    ric_workers *w = calloc(1, sizeof *w);
+    ric_workers *w = ric_calloc(1, sizeof *w);
     *out = NULL;
-    if (w) w->threads = calloc((size_t)n + 1, sizeof *w->threads);
+    if (w) w->threads = ric_calloc((size_t)n + 1, sizeof *w->threads);
     if (!w || !w->threads) {
         free(w);
         return ric_fail(RIC_E_NOMEM, "no memory for %d workers", n);
@@ -121,7 +121,7 @@ int ric_workers_offer(ric_workers *w, const ric_node *node, unsigned choice)
     pthread_mutex_lock(&w->lock);
     if (copy && w->n_job == w->capacity) {
         int capacity = w->capacity ? 2 * w->capacity : 256;
-        job *grown = realloc(w->jobs, (size_t)capacity * sizeof *grown);
+        job *grown = ric_realloc(w->jobs, (size_t)capacity * sizeof *grown);
         if (grown) {
             w->jobs = grown;
             w->capacity = capacity;
@@ -260,7 +260,7 @@ ric_status ric_workers_each(int n, int count, ric_status (*each)(void *user, int
         return !status && ric_memory_failed() ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM)) : status;
     }
     loop l = {.count = count, .each = each, .user = user};
-    pthread_t *threads = calloc((size_t)n, sizeof *threads);
+    pthread_t *threads = ric_calloc((size_t)n, sizeof *threads);
     int started = 0;
     pthread_mutex_init(&l.lock, NULL);
     /* fewer do as well */

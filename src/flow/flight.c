@@ -1,4 +1,5 @@
 #include "flight.h"
+#include "base/room.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +27,7 @@ void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *
     size_t states = 2 * (size_t)m->n, size = ric_power_flow_work(m, matrix ? 2 * m->n : 0),
            small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
-    double *work = size <= SMALL ? stack : malloc(size * sizeof *work), unwanted;
+    double *work = size <= SMALL ? stack : ric_malloc(size * sizeof *work), unwanted;
     if (after != w) memcpy(after, w, states * sizeof *w);
     if (!work || !(matrix ? ric_power_flow_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
                           : ric_power_flow_fly(m, tau, after, 0, NULL, work))) {
@@ -41,7 +42,7 @@ double ric_flight_pace(const ric_model *m, const double *w)
 {
     size_t size = ric_power_flow_work(m, 0), small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
-    double *work = size <= SMALL ? stack : malloc(size * sizeof *work),
+    double *work = size <= SMALL ? stack : ric_malloc(size * sizeof *work),
            pace = work ? ric_power_flow_pace(m, w, work) : 0;
     if (work != stack) free(work);
     return pace;

@@ -1,6 +1,7 @@
 #include <float.h>
 #include <stdlib.h>
 
+#include "base/room.h"
 #include "power_flow.h"
 
 /* As in power_flow.c: of 64 bits, one by one. */
@@ -19,7 +20,7 @@ double ric_power_flow_again(const ric_model *m, double tau, const double *w0, do
     int size = 2 * m->n;
     size_t count = (size_t)size * (size_t)size;
     double unit = EPSILON / DBL_EPSILON;
-    real *v = unit < 1 ? malloc(((size_t)size + count + series_work(m, size)) * sizeof *v) : NULL,
+    real *v = unit < 1 ? ric_malloc(((size_t)size + count + series_work(m, size)) * sizeof *v) : NULL,
          *X = v ? v + size : NULL;
     if (!v) return 1;
     for (int i = 0; i < size; i++) v[i] = w0[i];

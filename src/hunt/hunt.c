@@ -6,11 +6,9 @@
 
 #include "base/room.h"
 
-#define SAME                                                                                                           \
-    1e-6             /* impacts of one orbit found twice agree within this; other orbits are farther away or counted   \
-                      * as one */
+/* SAME: impacts of one orbit found twice agree within this; other orbits are farther away or counted as one */
+#define SAME 1e-6
 #define PERIODS 1e-7 /* the same of periods, relative */
-#define TWO_PI 6.283185307179586477
 
 void ric_hunt_options_init(ric_hunt_options *o)
 {
@@ -26,13 +24,8 @@ void ric_hunt_options_init(ric_hunt_options *o)
 void ric_hunt_options_bound(ric_hunt_options *o, const ric_study *study)
 {
     const ric_explore_options *window = ric_study_options(study);
-    o->period[0] = TWO_PI / window->frequency[1];
-    o->period[1] = TWO_PI / window->frequency[0];
-}
-
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for the hunt");
+    o->period[0] = RIC_TWO_PI / window->frequency[1];
+    o->period[1] = RIC_TWO_PI / window->frequency[0];
 }
 
 static ric_status check_options(const ric_hunt_options *o)
@@ -56,8 +49,8 @@ ric_status ric_hunt_create(const ric_model *m, const ric_hunt_options *o, ric_hu
 {
     *out = NULL;
     if (check_options(o)) return RIC_E_INPUT;
-    ric_hunt *h = calloc(1, sizeof *h);
-    if (!h) return no_memory();
+    ric_hunt *h = ric_calloc(1, sizeof *h);
+    if (!h) return ric_no_memory("the hunt");
     h->options = *o;
     ric_status status = ric_impact_map_create(m, o->energy, &h->section);
     if (status) {
@@ -190,13 +183,13 @@ static ric_status keep(ric_hunt *h, int N, const ric_hit *hits, double trace)
 {
     if (h->n == h->capacity) {
         int capacity = h->capacity ? 2 * h->capacity : 64;
-        ric_prey *grown = realloc(h->prey, (size_t)capacity * sizeof *grown);
-        if (!grown) return no_memory();
+        ric_prey *grown = ric_realloc(h->prey, (size_t)capacity * sizeof *grown);
+        if (!grown) return ric_no_memory("the hunt");
         h->prey = grown;
         h->capacity = capacity;
     }
-    ric_hit *own = malloc((size_t)(3 * N) * sizeof *own);
-    if (!own) return no_memory();
+    ric_hit *own = ric_malloc((size_t)(3 * N) * sizeof *own);
+    if (!own) return ric_no_memory("the hunt");
     memcpy(own, hits, (size_t)N * sizeof *own);
     make_canonical(h->section, N, own, own + N, own + 2 * N);
     ric_prey *prey = &h->prey[h->n++];
@@ -215,8 +208,8 @@ ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, bool
 {
     int full = half ? 2 * N : N;
     ric_hit orbit[full];
-    double *work = malloc(ric_impact_map_work(N) * sizeof *work), D[4];
-    if (!work) return no_memory();
+    double *work = ric_malloc(ric_impact_map_work(N) * sizeof *work), D[4];
+    if (!work) return ric_no_memory("the hunt");
     memcpy(orbit, hits, (size_t)N * sizeof *orbit);
     h->tries++;
     bool solved = ric_impact_map_polish(h->section, N, half, orbit, work);

@@ -15,7 +15,6 @@
 
 #define MATCH 1e-5    /* an orbit of the atlas is one of the hunt if all impacts agree within this */
 #define JUNCTION 1e-6 /* relative, of energies, frequencies and states of one junction in two atlases */
-#define TWO_PI 6.283185307179586477
 
 static ric_status no_memory(void)
 {
@@ -37,8 +36,8 @@ void ric_comparison_free(ric_comparison *c)
 static ric_status read_orbit(const ric_hunt *h, const ric_orbit *o, ric_hit *hits)
 {
     int n = h->section->n_dof, N = ric_orbit_impacts(o);
-    double x[2 * n], t = 0, *flights = calloc((size_t)N + 1, sizeof *flights);
-    int *word = calloc((size_t)N + 1, sizeof *word);
+    double x[2 * n], t = 0, *flights = ric_calloc((size_t)N + 1, sizeof *flights);
+    int *word = ric_calloc((size_t)N + 1, sizeof *word);
     if (flights && word) {
         ric_orbit_data(o, NULL, x, flights, word);
         for (int k = 0; k < N; k++) {
@@ -71,7 +70,7 @@ static ric_status each_orbit(const ric_hunt *h, const ric_atlas *a, orbit_visito
             ric_point point;
             ric_hit hits[b.impacts];
             ric_orbit_data(orbits[i], &point, NULL, NULL, NULL);
-            double period = TWO_PI / point.frequency;
+            double period = RIC_TWO_PI / point.frequency;
             if (!ric_point_admissible(&point) || period > h->options.period[1] || period < h->options.period[0])
                 continue;
             if (!(status = read_orbit(h, orbits[i], hits)))
@@ -100,12 +99,12 @@ static ric_status count(void *user, const ric_branch *b, const ric_orbit *o, int
     }
     if (c->n_missed == t->capacity) {
         t->capacity = t->capacity ? 2 * t->capacity : 16;
-        ric_missed *grown = realloc(c->missed, (size_t)t->capacity * sizeof *grown);
+        ric_missed *grown = ric_realloc(c->missed, (size_t)t->capacity * sizeof *grown);
         if (!grown) return no_memory();
         c->missed = grown;
     }
     ric_orbit_data(o, &point, NULL, NULL, NULL);
-    c->missed[c->n_missed++] = (ric_missed){b->id, b->impacts, TWO_PI / point.frequency, 2 * sinh(point.trace),
+    c->missed[c->n_missed++] = (ric_missed){b->id, b->impacts, RIC_TWO_PI / point.frequency, 2 * sinh(point.trace),
                                             point.approach};
     return RIC_OK;
 }
@@ -135,11 +134,11 @@ static char *start_line(const ric_hunt *h, const ric_prey *p)
 /* Lines of the orbits that `wanted` says, one after the other. NULL: no memory. */
 static char *start_lines(const ric_hunt *h, const bool *wanted)
 {
-    char *all = calloc(1, 1);
+    char *all = ric_calloc(1, 1);
     size_t used = 0;
     for (int i = 0; i < h->n && all; i++) {
         if (!wanted[i]) continue;
-        char *line = start_line(h, &h->prey[i]), *grown = line ? realloc(all, used + strlen(line) + 1) : NULL;
+        char *line = start_line(h, &h->prey[i]), *grown = line ? ric_realloc(all, used + strlen(line) + 1) : NULL;
         if (grown) {
             strcpy(grown + used, line);
             used += strlen(line);
@@ -362,8 +361,8 @@ static void explain(const ric_atlas *a, const ric_atlas *s, const surroundings *
 static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_comparison *c)
 {
     const ric_atlas *s = c->side;
-    int *family = calloc((size_t)ric_atlas_n_branch(s) + 1, sizeof *family);
-    int *junction_family = calloc((size_t)ric_atlas_n_junction(s) + 1, sizeof *junction_family);
+    int *family = ric_calloc((size_t)ric_atlas_n_branch(s) + 1, sizeof *family);
+    int *junction_family = ric_calloc((size_t)ric_atlas_n_junction(s) + 1, sizeof *junction_family);
     ric_status status = family && junction_family ? each_orbit(h, s, note_side, c) : no_memory();
     if (!status) find_families(s, family, junction_family);
     for (int i = 0; i < h->n && !status; i++) {
@@ -386,11 +385,11 @@ static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_compari
 
 ric_status ric_hunt_compare(ric_hunt *h, const ric_atlas *a, ric_comparison **out)
 {
-    ric_comparison *c = calloc(1, sizeof *c);
-    bool *wanted = calloc((size_t)h->n + 1, sizeof *wanted), any = false;
+    ric_comparison *c = ric_calloc(1, sizeof *c);
+    bool *wanted = ric_calloc((size_t)h->n + 1, sizeof *wanted), any = false;
     tally t = {.comparison = c};
     *out = NULL;
-    if (!c || !wanted || !(c->findings = calloc((size_t)h->n + 1, sizeof *c->findings))) {
+    if (!c || !wanted || !(c->findings = ric_calloc((size_t)h->n + 1, sizeof *c->findings))) {
         free(wanted);
         ric_comparison_free(c);
         return no_memory();
@@ -409,7 +408,7 @@ ric_status ric_hunt_compare(ric_hunt *h, const ric_atlas *a, ric_comparison **ou
 
 ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_atlas *a, const char *path, int *n)
 {
-    bool *wanted = calloc((size_t)h->n + 1, sizeof *wanted);
+    bool *wanted = ric_calloc((size_t)h->n + 1, sizeof *wanted);
     ric_store *store = NULL;
     char *lines = NULL;
     ric_status status = wanted ? RIC_OK : no_memory();

@@ -202,7 +202,7 @@ ric_status ric_hunt_mirrors(ric_hunt *h)
 {
     const ric_impact_map *s = h->section;
     bool symmetric = ric_model_symmetric(s->model);
-    double widest = 0, round = 6.283185307179586477;
+    double widest = 0, round = RIC_TWO_PI;
     ric_status status = ric_hunt_report(h, "symmetry lines", 0);
     for (int f = 0; f < s->n_face && !status; f++) {
         const ric_impact_map_face *face = &s->face[f];

@@ -123,7 +123,7 @@ static bool start_row(const ric_line *l, double y, ric_hit *hit, double *w)
 static bool start_random(const ric_line *l, double unused, ric_hit *hit, double *w)
 {
     search *g = l->user;
-    double r = sqrt(uniform(&g->random)), turn = 6.283185307179586477 * uniform(&g->random);
+    double r = sqrt(uniform(&g->random)), turn = RIC_TWO_PI * uniform(&g->random);
     (void)unused;
     return place(l, r * cos(turn), r * sin(turn), hit, w);
 }
@@ -163,7 +163,7 @@ ric_status ric_hunt_rows(ric_hunt *h)
     const ric_impact_map *s = h->section;
     search g = {.hunt = h, .mask = ((size_t)1 << 24) - 1, .random = h->options.seed};
     ric_status status = RIC_OK;
-    if (!(g.tried = calloc(g.mask + 1, 1))) return ric_fail(RIC_E_NOMEM, "no memory for the hunt");
+    if (!(g.tried = ric_calloc(g.mask + 1, 1))) return ric_no_memory("the hunt");
     for (int f = 0; f < s->n_face && !status; f++) {
         g.face = f;
         if (s->face[f].radius[0] == 0 || (ric_model_symmetric(s->model) && s->face[f].side < 0)) continue;

@@ -9,12 +9,10 @@
 #include "base/room.h"
 
 #define UNSEEN 1e-12 /* part of the largest modal normal of a contact below which a mode is not seen by it */
-#define PANEL                                                                                                          \
-    0.5 /* search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for                \
-         * tiny motions */
-#define ROUNDING                                                                                                       \
-    1e-13 /* relative change of the unknowns at which Newton's method has converged; its last step is far              \
-           * below */
+/* PANEL: search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for tiny motions */
+#define PANEL 0.5
+/* ROUNDING: relative change of the unknowns at which Newton's method has converged; its last step is far below */
+#define ROUNDING 1e-13
 #define RIGHT_ANGLE 1.57079632679489661923
 #define STEEPEST 1.6       /* just beyond grazing, so that Newton's method may pass it on its way */
 #define REPLAY 1e-8        /* the simulator's impacts agree with the orbit within this, and, near a grazing, */
@@ -65,8 +63,8 @@ static void fill_face(const ric_impact_map *s, ric_impact_map_face *face)
 static ric_status make_faces(ric_impact_map *s, const ric_model *m, const ric_real *c)
 {
     s->n_face = ric_model_n_face(m);
-    s->face = calloc((size_t)s->n_face + 1, sizeof *s->face);
-    if (!s->face) return ric_fail(RIC_E_NOMEM, "no memory for a section");
+    s->face = ric_calloc((size_t)s->n_face + 1, sizeof *s->face);
+    if (!s->face) return ric_no_memory("a section");
     for (int f = 0; f < s->n_face; f++) {
         ric_impact_map_face *face = &s->face[f];
         ric_contact contact;
@@ -104,11 +102,11 @@ static ric_status check_laws(const ric_model *m)
 
 ric_status ric_impact_map_create(const ric_model *m, double energy, ric_impact_map **out)
 {
-    ric_impact_map *s = calloc(1, sizeof *s);
+    ric_impact_map *s = ric_calloc(1, sizeof *s);
     const ric_real *omega, *c;
     ric_status status;
     *out = NULL;
-    if (!s) return ric_fail(RIC_E_NOMEM, "no memory for a section");
+    if (!s) return ric_no_memory("a section");
     s->model = m;
     s->n_dof = ric_model_n_dof(m);
     s->energy = energy;

@@ -9,29 +9,29 @@
 
 ric_border *ric_border_create(const ric_shooting *chain)
 {
-    ric_border *q = calloc(1, sizeof *q);
+    ric_border *q = ric_calloc(1, sizeof *q);
     if (!q) return NULL;
     q->chain = chain;
     q->n = chain->n;
     q->N = chain->n_flight;
     q->unknowns = 2 * q->n + q->N;
     size_t N = (size_t)q->N, states = 2 * (size_t)q->n, unknowns = (size_t)q->unknowns;
-    q->map = calloc(N * chain->stride + 1, sizeof *q->map);
-    q->rate = calloc(N * states, sizeof *q->rate);
-    q->v = calloc(N * states, sizeof *q->v);
-    q->beta = calloc(N, sizeof *q->beta);
-    q->pivot = calloc(N, sizeof *q->pivot);
-    q->pinned = calloc(N * states, sizeof *q->pinned);
-    q->X = calloc(states * states, sizeof *q->X);
-    q->K = calloc(unknowns * states, sizeof *q->K);
-    q->S = calloc(states * states, sizeof *q->S);
-    q->left = calloc(states * states, sizeof *q->left);
-    q->right = calloc(states * states, sizeof *q->right);
-    q->sigma = calloc(states, sizeof *q->sigma);
-    q->small = calloc(4 * states * states, sizeof *q->small);
-    q->swap = calloc(2 * states, sizeof *q->swap);
-    q->U = calloc(states * states, sizeof *q->U);
-    q->V = calloc(unknowns * states, sizeof *q->V);
+    q->map = ric_calloc(N * chain->stride + 1, sizeof *q->map);
+    q->rate = ric_calloc(N * states, sizeof *q->rate);
+    q->v = ric_calloc(N * states, sizeof *q->v);
+    q->beta = ric_calloc(N, sizeof *q->beta);
+    q->pivot = ric_calloc(N, sizeof *q->pivot);
+    q->pinned = ric_calloc(N * states, sizeof *q->pinned);
+    q->X = ric_calloc(states * states, sizeof *q->X);
+    q->K = ric_calloc(unknowns * states, sizeof *q->K);
+    q->S = ric_calloc(states * states, sizeof *q->S);
+    q->left = ric_calloc(states * states, sizeof *q->left);
+    q->right = ric_calloc(states * states, sizeof *q->right);
+    q->sigma = ric_calloc(states, sizeof *q->sigma);
+    q->small = ric_calloc(4 * states * states, sizeof *q->small);
+    q->swap = ric_calloc(2 * states, sizeof *q->swap);
+    q->U = ric_calloc(states * states, sizeof *q->U);
+    q->V = ric_calloc(unknowns * states, sizeof *q->V);
     if (q->map && q->rate && q->v && q->beta && q->pivot && q->pinned && q->X && q->K && q->S && q->left && q->right &&
         q->sigma && q->small && q->swap && q->U && q->V)
         return q;

@@ -11,9 +11,9 @@
 #define SMALL 1e-8      /* singular values below this part of the largest, */
 #define GAP 1e-3        /* and this part of the next one, belong to the kernel (switching.c) */
 #define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit */
-#define DISTINCT                                                                                                       \
-    1e-3              /* smallest sine of the angle between two directions that can be told apart at the first step,   \
-                       * 1e-3 of the orbit */
+/* DISTINCT: smallest sine of the angle between two directions that can be told apart at the first step, 1e-3 of the
+ * orbit */
+#define DISTINCT 1e-3
 #define NEIGHBOUR 0.1 /* an orbit farther away, relative, is no neighbour */
 
 typedef struct {
@@ -42,8 +42,7 @@ static ric_status crossing_create(const ric_model *m, const ric_node *node, cros
     /* the general form has as many equations as unknowns, one redundant; the others one fewer */
     size_t n = (size_t)q->chain->n_unknown;
     q->size = (int)n;
-    if (!(q->memory = calloc(3 * n + 3 * n * n, sizeof *q->memory)))
-        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!(q->memory = ric_calloc(3 * n + 3 * n * n, sizeof *q->memory))) return ric_no_memory("a departure");
     q->kernel = q->memory;
     q->left = q->kernel + 2 * n;
     q->J = q->left + n;
@@ -144,9 +143,9 @@ ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, uns
     if (status) return status;
     int n = q.size;
     const double *way = q.way[choice != RIC_THROUGH];
-    if (!(*t0 = malloc((size_t)n * sizeof **t0))) {
+    if (!(*t0 = ric_malloc((size_t)n * sizeof **t0))) {
         crossing_free(&q);
-        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        return ric_no_memory("a departure");
     }
     for (int i = 0; i < n; i++) (*t0)[i] = way[0] * q.kernel[i] + way[1] * q.kernel[n + i];
     for (int i = 1; i < n; i++)

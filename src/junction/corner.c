@@ -1,4 +1,5 @@
 #include "corner.h"
+#include "base/room.h"
 
 #include <stdlib.h>
 
@@ -12,7 +13,7 @@ bool ric_corner_commute(const ric_model *m, const ric_face *f, const ric_face *g
 int ric_corner_pairs(const ric_model *m, const ric_periodic *c, double speed, int capacity, int *pairs)
 {
     int N = c->N, n = c->n, count = 0;
-    double *W = calloc((size_t)N * 2 * (size_t)n, sizeof *W);
+    double *W = ric_calloc((size_t)N * 2 * (size_t)n, sizeof *W);
     bool defined = W, touch = false, three = false;
     if (W) ric_periodic_states(m, c, W);
     for (int i = 0; i < N && defined; i++) {

@@ -33,11 +33,6 @@ bool ric_grazing_spring_applies(const ric_node *node)
     return false;
 }
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for a departure");
-}
-
 /* Time of event `place` of the node's cycle after the event `first`. */
 static double time_between(const ric_periodic *c, int first, int place)
 {
@@ -57,11 +52,11 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
     ric_status status = ric_periodic_to_chain(m, regular, chain, u);
     if (status) return status;
     ric_shooting *c = *chain;
-    double *moved = calloc((size_t)c->n_unknown, sizeof *moved), h;
+    double *moved = ric_calloc((size_t)c->n_unknown, sizeof *moved), h;
     ric_periodic *side[2] = {NULL, NULL};
-    *t = calloc((size_t)c->n_unknown, sizeof **t);
+    *t = ric_calloc((size_t)c->n_unknown, sizeof **t);
     if (!moved || !*t) {
-        status = no_memory();
+        status = ric_no_memory("a departure");
         goto out;
     }
     ric_shooting_evaluate(c, *u);
@@ -80,7 +75,7 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
     }
     for (int k = 0; k < 2; k++) {
         for (int j = 0; j < c->n_unknown; j++) moved[j] = (*u)[j] + (k ? h : -h) * (*t)[j];
-        if (!(side[k] = ric_turn_cycle(m, c, moved, &turn))) status = no_memory();
+        if (!(side[k] = ric_turn_cycle(m, c, moved, &turn))) status = ric_no_memory("a departure");
     }
     for (int i = 0; i < node->n_touch && !status; i++) {
         const ric_face *face = &m->face[touches[i].face];
@@ -100,7 +95,7 @@ static bool find_touches(const ric_model *m, const ric_node *node, double *W, to
 {
     const ric_periodic *c = node->cycle;
     int n = m->n;
-    double *all = calloc((size_t)c->N * 2 * (size_t)n, sizeof *all);
+    double *all = ric_calloc((size_t)c->N * 2 * (size_t)n, sizeof *all);
     if (!all) return false;
     ric_periodic_states(m, c, all);
     for (int i = 0; i < node->n_touch; i++) {
@@ -191,11 +186,11 @@ static ric_status leave(const ric_model *m, const ric_node *node, unsigned choic
                         ric_shooting **chain, double **u0, double **t0, bool *singular)
 {
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
-    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, chain, u0) : no_memory();
+    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, chain, u0) : ric_no_memory("a departure");
     ric_periodic_free(cycle);
     if (status) return status;
-    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular) : no_memory();
+    *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular) : ric_no_memory("a departure");
 }
 
 ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
@@ -213,13 +208,13 @@ ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, u
         if (!ric_node_soft(node, i))
             return ric_fail(RIC_E_NUMERIC,
                             "a stop and a spring are touched by one orbit; such grazings are not left by this version");
-    if (!find_touches(m, node, W, touches)) return no_memory();
+    if (!find_touches(m, node, W, touches)) return ric_no_memory("a departure");
     for (int i = 0; i < N; i++) keep[i] = true;
     for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;
     while (first < N && !keep[first]) first++;
     if (first < N) { /* else a linear mode, whose amplitude grows */
         regular = ric_grazing_words_keep(m, node->cycle, keep);
-        status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t) : no_memory();
+        status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t) : ric_no_memory("a departure");
     }
     for (int i = 0; i < node->n_touch && !status; i++)
         if (fabs(touches[i].alpha) < NO_SLOPE * sqrt(m->face[touches[i].face].cc))

@@ -1,4 +1,5 @@
 #include "grazing_words.h"
+#include "base/room.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +32,7 @@ ric_periodic *ric_grazing_words_touches(const ric_model *m, const ric_periodic *
     if (!(out = ric_periodic_create(n, cycle->N + more))) goto out;
     memcpy(out->w, cycle->w, 2 * (size_t)n * sizeof *out->w);
     out->closed = cycle->closed;
-    if (kept && !(*kept = calloc((size_t)out->N, sizeof **kept))) goto out;
+    if (kept && !(*kept = ric_calloc((size_t)out->N, sizeof **kept))) goto out;
     for (int i = 0; i < cycle->N; i++) {
         double left = cycle->tau[i], past = 0;
         if (kept) (*kept)[k] = true;
@@ -224,7 +225,7 @@ static unsigned char *permutations(const ric_model *m, const ric_node *node, int
 {
     int bits = node->n_touch * node->multiple;
     action actions[4];
-    unsigned char *table = find_actions(m, node, actions) ? malloc((size_t)4 * node->multiple * (bits ? bits : 1))
+    unsigned char *table = find_actions(m, node, actions) ? ric_malloc((size_t)4 * node->multiple * (bits ? bits : 1))
                                                           : NULL;
     *n = 0;
     for (int e = 0; table && e < 4; e++)
@@ -257,7 +258,7 @@ static bool add(ric_node *node, int *capacity, ric_departure departure)
 {
     if (node->n_departure == *capacity) {
         *capacity = *capacity ? 2 * *capacity : 8;
-        ric_departure *grown = realloc(node->departures, (size_t)*capacity * sizeof *grown);
+        ric_departure *grown = ric_realloc(node->departures, (size_t)*capacity * sizeof *grown);
         if (!grown) return false;
         node->departures = grown;
     }

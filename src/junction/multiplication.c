@@ -9,27 +9,21 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-#define TWO_PI 6.283185307179586477
 #define SMALL 1e-8 /* singular values below this part of the largest, */
-#define GAP                                                                                                            \
-    1e-3 /* and this part of the next one, belong to the kernel; as for branch points with a plane                     \
-          * (switching.c) */
-#define DIFFERENCE                                                                                                     \
-    1e-5           /* half step of central differences, relative to the orbit: their error, its square, is as large    \
-                    * as their rounding */
+/* GAP: and this part of the next one, belong to the kernel; as for branch points with a plane (switching.c) */
+#define GAP 1e-3
+/* DIFFERENCE: half step of central differences, relative to the orbit: their error, its square, is as large as their
+ * rounding */
+#define DIFFERENCE 1e-5
 #define TURNS 1e-4 /* the shift, from such differences, is a rotation of its order within this */
-#define RADIUS                                                                                                         \
-    1e-3 /* first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding                  \
-          * (continuation.c) */
-#define RADII                                                                                                          \
-    8 /* doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is                  \
-       * rounding */
-#define BEND                                                                                                           \
-    1.0 /* largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the                \
-         * node behind */
-#define CLEAR                                                                                                          \
-    1e3            /* the angular equation must stand out of rounding by this factor: its roots then keep three        \
-                    * digits */
+/* RADIUS: first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding (continuation.c) */
+#define RADIUS 1e-3
+/* RADII: doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is rounding */
+#define RADII 8
+/* BEND: largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the node behind */
+#define BEND 1.0
+/* CLEAR: the angular equation must stand out of rounding by this factor: its roots then keep three digits */
+#define CLEAR 1e3
 #define SAMPLES 12 /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
 #define STALLED 4 /* of the tolerance: what is left where Newton's method stalls, as on branches (continuation.c) */
@@ -75,19 +69,18 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
     ric_symmetry problem = ric_node_problem(node, RIC_SIDE);
     ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
     double *u = NULL;
-    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, &q->chain, &u)
-                              : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, &q->chain, &u) : ric_no_memory("a departure");
     ric_periodic_free(cycle);
     if (status) return status;
     size_t n = (size_t)q->chain->n_unknown, k = n + 2;
-    if ((q->memory = calloc(11 * n + n * n + k * k + k, sizeof *q->memory))) {
+    if ((q->memory = ric_calloc(11 * n + n * n + k * k + k, sizeof *q->memory))) {
         double **const parts[] = {&q->u0,     &q->tangent, &q->plane, &q->dual, &q->left,
                                   &q->energy, &q->start,   &q->J,     &q->A,    &q->b};
         const size_t sizes[] = {n, n, 2 * n, 2 * n, 2 * n, n, 2 * n, n * n, k * k, k};
         double *next = q->memory;
         for (int i = 0; i < 10; next += sizes[i++]) *parts[i] = next;
         memcpy(q->u0, u, n * sizeof *u);
-    } else status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    } else status = ric_no_memory("a departure");
     q->size = (int)n;
     free(u);
     return status;
@@ -99,13 +92,13 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
 static ric_status kernels(ring *q, double *right, double *left)
 {
     int n = q->size;
-    double *U = malloc((size_t)n * n * sizeof *U), *V = malloc((size_t)n * n * sizeof *V), s[n], super[n];
+    double *U = ric_malloc((size_t)n * n * sizeof *U), *V = ric_malloc((size_t)n * n * sizeof *V), s[n], super[n];
     bool three = false;
     ric_shooting_fly(q->chain, q->u0);
     if (!U || !V || ric_shooting_jacobian(q->chain, q->u0, q->J) != n) {
         free(U);
         free(V);
-        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        return ric_no_memory("a departure");
     }
     if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', n, n, q->J, n, s, U, n, V, n, super)))
         three = n > 3 && s[n - 3] <= SMALL * s[0] && s[n - 3] <= GAP * s[n - 4];
@@ -282,7 +275,7 @@ static ric_status twist(ring *q)
     for (int side = -1; side <= 1; side += 2) {
         for (int i = 0; i < n; i++) u[i] = q->u0[i] + side * h * q->tangent[i];
         ric_shooting_fly(q->chain, u);
-        if (ric_shooting_jacobian(q->chain, u, q->J) != n) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        if (ric_shooting_jacobian(q->chain, u, q->J) != n) return ric_no_memory("a departure");
         for (int j = 0; j < 2; j++) {
             for (int i = 0; i < n; i++) row[i] = ric_dot(n, q->J + i * n, q->plane + j * n);
             for (int i = 0; i < 2; i++) q->M[2 * i + j] += side * ric_dot(n, q->left + i * n, row) / (2 * h);
@@ -385,7 +378,7 @@ static circle scan(ring *q, double origin, double *g, double *most)
 {
     double u[q->size], largest = 0;
     for (int i = 0; i <= SAMPLES; i++) {
-        double angle = origin + TWO_PI / q->order * i / SAMPLES;
+        double angle = origin + RIC_TWO_PI / q->order * i / SAMPLES;
         if (!on_circle(q, angle, u, &g[i])) return CIRCLE_WIDE;
         if (fabs(g[i]) <= largest) continue;
         largest = fabs(g[i]);
@@ -397,7 +390,7 @@ static circle scan(ring *q, double origin, double *g, double *most)
 /* The two roots of a sector at the present radius; slope [2] of the angular part there. */
 static circle search(ring *q, double slope[2])
 {
-    double g[SAMPLES + 1], origin = 0, unused, step = TWO_PI / q->order / SAMPLES;
+    double g[SAMPLES + 1], origin = 0, unused, step = RIC_TWO_PI / q->order / SAMPLES;
     int found = 0;
     circle result = scan(q, 0, g, &origin);
     if (!result) result = scan(q, origin, g, &unused); /* from an extremum to the next: no root at the border */
@@ -494,8 +487,8 @@ static ric_status solve(const ric_model *m, const ric_node *node, ring *q)
     double slope[2], *kernel = NULL;
     ric_status status = ring_create(m, node, q);
     if (status) goto out;
-    if (!(kernel = malloc(6 * (size_t)q->size * sizeof *kernel))) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!(kernel = ric_malloc(6 * (size_t)q->size * sizeof *kernel))) {
+        status = ric_no_memory("a departure");
         goto out;
     }
     if ((status = kernels(q, kernel, kernel + 3 * q->size)) || (status = split(q, kernel))) goto out;
@@ -526,8 +519,8 @@ ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, u
     if (status) return status;
     size_t bytes = (size_t)q.size * sizeof **u0;
     const double *start = q.start + (choice == RIC_OTHER_SIDE || side < 0 ? q.size : 0);
-    *u0 = malloc(bytes);
-    *t0 = malloc(bytes);
+    *u0 = ric_malloc(bytes);
+    *t0 = ric_malloc(bytes);
     if (*u0 && *t0) {
         memcpy(*u0, q.u0, bytes);
         for (int i = 0; i < q.size; i++) (*t0)[i] = start[i] - q.u0[i];
@@ -537,7 +530,7 @@ ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, u
         free(*u0);
         free(*t0);
         *u0 = *t0 = NULL;
-        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        status = ric_no_memory("a departure");
     }
     ring_free(&q);
     return status;
@@ -571,7 +564,7 @@ static bool compare(const ric_model *m, const ric_node *node, const ring *q, con
         ric_periodic *image = ric_periodic_transform(m, home, k * home->N / q->order, false, turned && k % 2);
         if (image && m->smooth) ric_periodic_shift(m, repeated, 0, image);
         double angle = image ? angle_of(m, q, image) : NAN;
-        for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], TWO_PI)));
+        for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], RIC_TWO_PI)));
         ric_periodic_free(image);
     }
     ric_periodic_free(repeated);

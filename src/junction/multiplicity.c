@@ -12,12 +12,11 @@
 #define MARGIN 2                   /* of an error that is the largest of a few measured ones */
 #define CLEAR 30  /* a number above its error by this factor is none of a zero; in between nobody can tell */
 #define STEP 1e-8 /* of the unknowns, along the branch: the orbit is left by its square, which is rounding */
-#define PLACED                                                                                                         \
-    1e-6 /* a junction that is known less exactly has no label: what changes with its place is no longer               \
-          * linear */
-#define EXACT                                                                                                          \
-    5e-9 /* a zero that the kind of a junction does not demand is one only if its error is that small: two             \
-          * points farther apart are not taken for one */
+/* PLACED: a junction that is known less exactly has no label: what changes with its place is no longer linear */
+#define PLACED 1e-6
+/* EXACT: a zero that the kind of a junction does not demand is one only if its error is that small: two points
+ * farther apart are not taken for one */
+#define EXACT 5e-9
 enum {
     MOST_B = 4,   /* kernels beyond that are not counted */
     ORDERS = 5,   /* a - b is smaller */
@@ -110,7 +109,7 @@ static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int mult
     int n = m->n, N = cycle->N * multiple;
     ric_periodic *whole = m->smooth ? ric_periodic_repeat(cycle, multiple) : ric_periodic_create(n, N);
     *out = whole;
-    if (!whole) return ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
+    if (!whole) return ric_no_memory("the label of a junction");
     for (int i = 0; i < N && !m->smooth; i++) {
         whole->face[i] = cycle->face[i % cycle->N];
         whole->tau[i] = cycle->tau[i % cycle->N];
@@ -153,12 +152,11 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
         t->rounding = rounding_of(m, whole);
         t->chain->plain = true; /* the article's equations, of which the multiplicities are */
         size_t unknowns = (size_t)t->chain->n_unknown;
-        t->at = calloc(unknowns, sizeof *t->at);
-        t->x = calloc(2 * (unknowns + 1), sizeof *t->x);
+        t->at = ric_calloc(unknowns, sizeof *t->at);
+        t->x = ric_calloc(2 * (unknowns + 1), sizeof *t->x);
         t->base = ric_border_create(t->chain);
         t->moved = ric_border_create(t->chain);
-        if (!t->at || !t->x || !t->base || !t->moved)
-            status = ric_fail(RIC_E_NOMEM, "no memory for the label of a junction");
+        if (!t->at || !t->x || !t->base || !t->moved) status = ric_no_memory("the label of a junction");
     }
     ric_periodic_free(whole);
     return status;

@@ -13,9 +13,8 @@
 #define NO_SPEED 1e-7 /* approach speed below this (scaled) at a located event is a touch that was kept */
 #define SAME 1e-6     /* two located orbits closer than this (relative) are one */
 #define FIXED 1e-5    /* distance of an orbit from its image at which a corner counts as its own */
-#define ALONE                                                                                                          \
-    0.25             /* a multiplier nearer to one root of unity than this part of its distance to the next one        \
-                      * means that one */
+/* ALONE: a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
+#define ALONE 0.25
 #define ARRIVED 1e-3 /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
 
 void ric_node_free(ric_node *node)
@@ -29,11 +28,11 @@ void ric_node_free(ric_node *node)
 
 ric_node *ric_node_copy(const ric_node *node)
 {
-    ric_node *copy = malloc(sizeof *copy);
+    ric_node *copy = ric_malloc(sizeof *copy);
     if (!copy) return NULL;
     *copy = *node;
     copy->cycle = ric_periodic_copy(node->cycle);
-    copy->departures = malloc((size_t)(node->n_departure + 1) * sizeof *copy->departures);
+    copy->departures = ric_malloc((size_t)(node->n_departure + 1) * sizeof *copy->departures);
     copy->n_departure = copy->departures ? node->n_departure : 0;
     for (int i = 0; i < copy->n_departure; i++)
         copy->departures[i] = (ric_departure){.choice = node->departures[i].choice, .state = node->departures[i].state};
@@ -66,7 +65,7 @@ const char *ric_node_refusal_text(ric_refusal refusal)
 
 static ric_node *node_create(const ric_model *m, ric_kind kind, ric_periodic *cycle)
 {
-    ric_node *node = cycle ? calloc(1, sizeof *node) : NULL;
+    ric_node *node = cycle ? ric_calloc(1, sizeof *node) : NULL;
     if (!node) {
         ric_periodic_free(cycle);
         return NULL;
@@ -83,11 +82,6 @@ static ric_node *node_create(const ric_model *m, ric_kind kind, ric_periodic *cy
     return node;
 }
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for a junction");
-}
-
 /* ----------------------------------------------------------------- grazings */
 
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
@@ -99,7 +93,7 @@ static double impact_speed(const ric_model *m, const ric_periodic *c, const doub
 static bool list_touches(const ric_model *m, ric_node *node)
 {
     const ric_periodic *c = node->cycle;
-    double *W = calloc((size_t)c->N * 2 * c->n, sizeof *W);
+    double *W = ric_calloc((size_t)c->N * 2 * c->n, sizeof *W);
     bool fits = true;
     if (!W) return false;
     ric_periodic_states(m, c, W);
@@ -133,11 +127,11 @@ static int linear_mode(const ric_node *node)
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
-    if (!node) return no_memory();
+    if (!node) return ric_no_memory("a junction");
     node->multiple = multiple;
     if (!list_touches(m, node)) {
         ric_node_free(node);
-        return no_memory();
+        return ric_no_memory("a junction");
     }
     node->mode = linear_mode(node);
     *out = node;
@@ -148,12 +142,12 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
 {
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL), *solved = NULL;
     *out = NULL;
-    if (!full) return no_memory();
+    if (!full) return ric_no_memory("a junction");
     int q = ric_periodic_find_symmetries(m, full, SAME);
     if (q > 1) { /* a duplicate of a grazing of fewer impacts */
         ric_periodic *shorter = ric_periodic_shorten(full, q);
         ric_periodic_free(full);
-        if (!(full = shorter)) return no_memory();
+        if (!(full = shorter)) return ric_no_memory("a junction");
         ric_periodic_find_symmetries(m, full, SAME);
     }
     solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
@@ -188,14 +182,14 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     }
     double sign = m->face[first].gap / m->face[first].g[mode] > 0 ? 1 : -1;
     ric_periodic *c = ric_periodic_create(n, 2 * m->n_face);
-    if (!c) return no_memory();
+    if (!c) return ric_no_memory("a junction");
     c->w[mode] = sign * amplitude;
     double last = 0;
     for (int phase = 0; phase < 2; phase++)
         for (int f = 0; f < m->n_face; f++) {
             double g = m->face[f].g[mode], value = (phase ? -1 : 1) * c->w[mode] * g;
             if (g == 0 || fabs(value / m->face[f].gap - 1) > 1e-9) continue;
-            double t = phase * 3.14159265358979323846 / omega;
+            double t = phase * RIC_PI / omega;
             if (count) c->tau[count - 1] = t - last;
             last = t;
             if (m->face[f].spring > 0) c->face[count++] = f; /* it closes, and opens at once */
@@ -203,11 +197,11 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
         }
     c->N = count;
     c->closed = ric_flight_toggle(m, 0, c->face[0]);
-    c->tau[count - 1] = 2 * 3.14159265358979323846 / omega - last;
+    c->tau[count - 1] = RIC_TWO_PI / omega - last;
     ric_periodic_find_symmetries(m, c, SAME);
     ric_periodic *canonical = ric_periodic_canonical(m, c);
     ric_periodic_free(c);
-    if (!canonical) return no_memory();
+    if (!canonical) return ric_no_memory("a junction");
     return finish_grazing(m, canonical, 1, out);
 }
 
@@ -228,12 +222,12 @@ static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, i
                                 ric_node **out)
 {
     ric_periodic *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
-    if (!least) return no_memory();
+    if (!least) return ric_no_memory("a junction");
     solved = ric_node_solve(m, least, (ric_criterion){.test = RIC_TEST_FLIGHT}, NULL);
     ric_periodic_free(least);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
-    if (!node) return no_memory();
+    if (!node) return ric_no_memory("a junction");
     node->n_touch = ric_corner_pairs(m, solved, NO_SPEED, RIC_MAX_TOUCHES, node->touch);
     if (node->n_touch != n_pair) {
         ric_node_free(node);
@@ -248,14 +242,14 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     *out = NULL;
-    if (!full) return no_memory();
+    if (!full) return ric_no_memory("a junction");
     n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
     if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, FIXED)))
         n_pair = RIC_CORNER_TOGETHER;
     ric_periodic_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_node *node = node_create(m, RIC_KIND_CORNER, ric_periodic_canonical(m, cycle));
-    if (!node) return no_memory();
+    if (!node) return ric_no_memory("a junction");
     node->refusal = n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE;
     *out = node;
     return RIC_OK;
@@ -266,7 +260,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
 /* The branch that passes, and up to two that leave. */
 static bool add_departures(ric_node *node, int count)
 {
-    node->departures = calloc((size_t)count, sizeof *node->departures);
+    node->departures = ric_calloc((size_t)count, sizeof *node->departures);
     if (!node->departures) return false;
     for (int i = 0; i < count; i++) node->departures[i].choice = RIC_THROUGH + (unsigned)i;
     node->n_departure = count;
@@ -289,11 +283,11 @@ ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int 
         return RIC_OK;
     }
     ric_node *node = node_create(m, kind, solved);
-    if (!node) return no_memory();
+    if (!node) return ric_no_memory("a junction");
     node->test = test;
     if (kind == RIC_KIND_BRANCH_POINT && !add_departures(node, 2)) {
         ric_node_free(node);
-        return no_memory();
+        return ric_no_memory("a junction");
     }
     *out = node;
     return RIC_OK;
@@ -306,7 +300,7 @@ ric_status ric_node_user(const ric_model *m, const ric_periodic *cycle, const ri
     if (!solved)
         return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_USER, solved);
-    if (!node) return no_memory();
+    if (!node) return ric_no_memory("a junction");
     node->asked = *asked;
     *out = node;
     return RIC_OK;
@@ -318,7 +312,7 @@ ric_status ric_node_start(const ric_model *m, const ric_periodic *cycle, ric_nod
     *out = NULL;
     if (!node || !add_departures(node, 1)) {
         ric_node_free(node);
-        return no_memory();
+        return ric_no_memory("a junction");
     }
     *out = node;
     return RIC_OK;
@@ -379,7 +373,7 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle
     ric_node *node = node_create(m, RIC_KIND_MULTIPLICATION, solved);
     if (!node || !add_departures(node, 4)) {
         ric_node_free(node);
-        return no_memory();
+        return ric_no_memory("a junction");
     }
     int measured = rotation_of(m, solved, q); /* p or q - p: rho does not tell */
     if (measured == q - p) p = measured;
@@ -407,12 +401,12 @@ ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_n
 {
     ric_periodic *sym = ric_periodic_copy(cycle);
     *out = NULL;
-    if (!sym) return no_memory();
+    if (!sym) return ric_no_memory("a junction");
     int q = ric_periodic_find_symmetries(m, sym, 1e-5);
     if (q > 1) {
         ric_periodic *shorter = ric_periodic_shorten(sym, q);
         ric_periodic_free(sym);
-        if (!(sym = shorter)) return no_memory();
+        if (!(sym = shorter)) return ric_no_memory("a junction");
         ric_periodic_find_symmetries(m, sym, 1e-5);
         int p = rotation_of(m, sym, q);
         ric_status status = p > 0 ? ric_node_multiplication(m, sym, p, q, out)

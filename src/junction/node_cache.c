@@ -93,8 +93,8 @@ typedef struct {
 ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size)
 {
     *size = cycle_size(node->cycle) + sizeof(node_head) + (size_t)node->n_departure * sizeof(unsigned);
-    char *to = *bytes = malloc(*size);
-    if (!to) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    char *to = *bytes = ric_malloc(*size);
+    if (!to) return ric_no_memory("a junction");
     node_head h;
     memset(&h, 0, sizeof h);
     h = (node_head){.kind = (int32_t)node->kind,
@@ -125,12 +125,12 @@ ric_status ric_node_unpack(const ric_model *m, const void *bytes, size_t size, r
     node_head h;
     memset(&h, 0, sizeof h);
     get(&s, &h, sizeof h);
-    ric_node *node = calloc(1, sizeof *node);
+    ric_node *node = ric_calloc(1, sizeof *node);
     *out = NULL;
-    if (!node) return ric_fail(RIC_E_NOMEM, "no memory for a junction");
+    if (!node) return ric_no_memory("a junction");
     s.short_of |= h.n_touch < 0 || h.n_touch > RIC_MAX_TOUCHES || h.n_departure < 0 || (size_t)h.n_departure > s.left;
     if (!s.short_of) node->cycle = get_cycle(m, &s);
-    if (!s.short_of) node->departures = calloc((size_t)h.n_departure + 1, sizeof *node->departures);
+    if (!s.short_of) node->departures = ric_calloc((size_t)h.n_departure + 1, sizeof *node->departures);
     if (s.short_of || !node->cycle || !node->departures) goto damaged;
     node->n_departure = h.n_departure;
     for (int i = 0; i < h.n_departure; i++) get(&s, &node->departures[i].choice, sizeof(unsigned));
@@ -178,7 +178,7 @@ static char *make_key(const ric_defining *solve, const ric_periodic *cycle, size
 {
     int32_t head[] = {'N', (int32_t)solve->kind, solve->test, solve->p, solve->q, solve->asked.frequency};
     *size = sizeof head + sizeof solve->asked.value + cycle_size(cycle);
-    char *key = malloc(*size), *to = key;
+    char *key = ric_malloc(*size), *to = key;
     if (!key) return NULL;
     put(&to, head, sizeof head);
     put(&to, &solve->asked.value, sizeof solve->asked.value);

@@ -7,17 +7,15 @@
 #include "branch/room.h"
 #include "base/room.h"
 
-#define TWO_PI 6.283185307179586477
 #define FAR 1e-3 /* a located orbit that moves farther when it is solved on its own equations is another one */
-#define AT_ZERO                                                                                                        \
-    1e-6 /* a determinant whose zero is farther away than this, by its slope, has none here: the sign                  \
-          * changed at a pole */
-#define FINE                                                                                                           \
-    1e-12 /* where rounding may move the zero of a determinant of a smooth flow by more, it is sought in               \
-           * higher precision */
-#define PLACED                                                                                                         \
-    1e-6                /* an extremum is listed if its place is known to this part of the size of the orbit           \
-                         * (a bound: the error is a tenth) */
+/* AT_ZERO: a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a
+ * pole */
+#define AT_ZERO 1e-6
+/* FINE: where rounding may move the zero of a determinant of a smooth flow by more, it is sought in higher precision */
+#define FINE 1e-12
+/* PLACED: an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a
+ * tenth) */
+#define PLACED 1e-6
 #define NARROWEST 1e-10 /* of the size: shorter branches are none */
 #define STRAIGHT 0.2    /* part of its ends by which a function may be off a straight line that passes zero */
 #define AT_ROOT 1e-6    /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
@@ -25,16 +23,15 @@
 #define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
 #define BESIDE 1e-4      /* distance, relative, of the points whose slopes tell how sharp it is */
 #define UNDECIDED (-1)
-#define MET                                                                                                            \
-    1e-8 /* relative distance at which it is: beside a branch point orbits are known to rounding /                     \
-          * distance */
-#define GRAIN                                                                                                          \
-    0x1p-32      /* canonical orbits are re-solved from unknowns rounded to this, so that they do not remember         \
-                  * where they came from */
+/* MET: relative distance at which it is: beside a branch point orbits are known to rounding / distance */
+#define MET 1e-8
+/* GRAIN: canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came
+ * from */
+#define GRAIN 0x1p-32
 #define PASSES 5 /* most of them: where a place is known to less than a grain they need not come to an end */
-#define COARSE_GRAIN                                                                                                   \
-    0x1p-28 /* the same where what vanishes is regular: the fewer orbits that differ by rounding are                   \
-             * rounded to different ones */
+/* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding are rounded to
+ * different ones */
+#define COARSE_GRAIN 0x1p-28
 
 /* What vanishes at a junction, as a function of the point on the curve. */
 typedef struct {
@@ -81,7 +78,7 @@ static double larger_determinant(criterion *q, const double *u)
         double sign = ric_continuation_tangent(large, q->along, t);
         value = sign * large->end_det;
         q->noise = ric_continuation_tolerance(large) * fabs(large->end_det / large->smallest);
-        if (!q->along && (q->along = malloc(sizeof t))) memcpy(q->along, t, sizeof t);
+        if (!q->along && (q->along = ric_malloc(sizeof t))) memcpy(q->along, t, sizeof t);
     }
     ric_shooting_free(large);
     ric_periodic_free(here);
@@ -119,7 +116,7 @@ static double off_asked(const criterion *q, const double *u)
 {
     const ric_model *m = q->chain->model;
     return ric_user_point_off(q->asked, ric_shooting_energy(q->chain) * m->energy_unit,
-                              TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
+                              RIC_TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
 }
 
 static double evaluate(criterion *q, const double *u, const double *t, double orientation)
@@ -355,7 +352,7 @@ static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
     for (int i = 0; same && i < n; i++) same = u[i] == (*grid)[i];
     free(*grid);
     *n_grid = n;
-    if ((*grid = malloc((size_t)n * sizeof **grid))) memcpy(*grid, u, (size_t)n * sizeof **grid);
+    if ((*grid = ric_malloc((size_t)n * sizeof **grid))) memcpy(*grid, u, (size_t)n * sizeof **grid);
     return same;
 }
 

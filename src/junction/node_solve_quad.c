@@ -16,9 +16,9 @@
 
 #include "flow/taylor_quad.h"
 
-#define SETTLED                                                                                                        \
-    1e-17            /* an orbit is corrected until it moves by less, relative; the next time it would move by a       \
-                      * billionth of that */
+/* SETTLED: an orbit is corrected until it moves by less, relative; the next time it would move by a billionth of
+ * that */
+#define SETTLED 1e-17
 #define PLACED 1e-18 /* and the branch point until it does */
 #define FIRST 1e-8   /* first step of the secant */
 #define REGULAR 1e-9 /* smaller singular values, relative, belong to the family and to the phase */
@@ -202,9 +202,9 @@ static bool create(fine *q, const ric_shooting *c, int kind)
     size_t n2 = 2 * (size_t)c->n;
     *q = (fine){.chain = c, .m = c->model, .kind = kind, .n = c->n, .columns = c->n_start + 1, .scale = c->scale};
     q->rows = c->end == RIC_MIRROR_NONE ? 2 * c->n : c->n;
-    q->work = malloc(series_work(c->model, 2 * c->n) * sizeof *q->work);
-    q->X = malloc((n2 * n2 + n2 + (size_t)q->columns + n2 + (n2 + 1) * (n2 + 1)) * sizeof *q->X);
-    q->inverse = malloc(((size_t)q->columns + 1) * (n2 + 1) * sizeof *q->inverse);
+    q->work = ric_malloc(series_work(c->model, 2 * c->n) * sizeof *q->work);
+    q->X = ric_malloc((n2 * n2 + n2 + (size_t)q->columns + n2 + (n2 + 1) * (n2 + 1)) * sizeof *q->X);
+    q->inverse = ric_malloc(((size_t)q->columns + 1) * (n2 + 1) * sizeof *q->inverse);
     if (!q->work || !q->X || !q->inverse) return false;
     q->w = q->X + n2 * n2;
     q->u = q->w + n2;

@@ -17,9 +17,8 @@
 #define TRIAL 1e-4  /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
 #define SECANT 1e-4 /* distance, relative, of the point that gives the direction of a side branch */
 #define NEAR 1e-5   /* the same of points that are not solved: directions are their differences */
-#define ITSELF                                                                                                         \
-    1e-2            /* of an orbit and its image, one is the orbit itself if its distance is less than this part of    \
-                     * the other's */
+/* ITSELF: of an orbit and its image, one is the orbit itself if its distance is less than this part of the other's */
+#define ITSELF 1e-2
 #define LARGE 300   /* unknowns from which on a dense singular value decomposition costs more than the rest */
 #define SECOND 1e-6 /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
 
@@ -101,7 +100,7 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
 {
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
     int found = 0;
-    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!cycle) return ric_no_memory("a departure");
     const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
     ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_periodic_to_chain(m, cycle, chain, u0);
     ric_periodic_free(cycle);
@@ -112,8 +111,8 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
         if (status) drop(chain, u0, t0);
         return status;
     }
-    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    status = *t0 ? find_side(*chain, *u0, *t0, &found) : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    status = *t0 ? find_side(*chain, *u0, *t0, &found) : ric_no_memory("a departure");
     if (status || !found) drop(chain, u0, t0);
     return status;
 }
@@ -123,9 +122,9 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
 static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
 {
     int size = c->n_unknown, rows = ric_shooting_rows(c), k = rows < size ? rows : size;
-    double *J = calloc((size_t)rows * size, sizeof *J), *s = calloc((size_t)k, sizeof *s),
-           *super = calloc((size_t)k, sizeof *super);
-    double *V = calloc((size_t)size * size, sizeof *V);
+    double *J = ric_calloc((size_t)rows * size, sizeof *J), *s = ric_calloc((size_t)k, sizeof *s),
+           *super = ric_calloc((size_t)k, sizeof *super);
+    double *V = ric_calloc((size_t)size * size, sizeof *V);
     bool found = false;
     if (J && s && super && V) {
         int equations = ric_shooting_jacobian(c, u, J);
@@ -162,8 +161,7 @@ static ric_status neighbour(const ric_model *m, ric_shooting *form, const double
     for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
     ric_periodic *home = ric_turn_cycle(m, form, point, turn),
                  *repeated = home ? ric_symmetry_cycle(home, problem) : NULL;
-    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u)
-                      : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u) : ric_no_memory("a departure");
     ric_shooting_free(chain);
     ric_periodic_free(home);
     ric_periodic_free(repeated);
@@ -238,7 +236,7 @@ static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_sh
     for (int i = 0; i < size; i++) point[i] = u0[i] + NEAR * c->scale * t0[i];
     ric_shooting_fly(c, point);
     ric_periodic *here = ric_periodic_from_chain(c, point);
-    if (!here) return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!here) return ric_no_memory("a departure");
     for (int mirror = 0; mirror <= ric_periodic_mirrors(m, here) && !found; mirror++) {
         double *v = image_unknowns(m, here, 0, mirror), *w = image_unknowns(m, here, here->N / 2, mirror != turned);
         double a = v && w ? largest_difference(size, v, point) : 0, b = v && w ? largest_difference(size, w, point) : 0;
@@ -269,14 +267,13 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned
     double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
     ric_turn turn;
     ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
-    ric_status status = cycle ? ric_periodic_to_chain(m, node->cycle, &form, &v)
-                              : ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    ric_status status = cycle ? ric_periodic_to_chain(m, node->cycle, &form, &v) : ric_no_memory("a departure");
     if (status) goto out;
     if ((status = ric_periodic_to_chain(m, cycle, chain, u0))) goto out;
-    *t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    t = calloc((size_t)form->n_unknown, sizeof *t);
+    *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
+    t = ric_calloc((size_t)form->n_unknown, sizeof *t);
     if (!*t0 || !t) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for a departure");
+        status = ric_no_memory("a departure");
         goto out;
     }
     ric_shooting_evaluate(form, v);
@@ -308,8 +305,7 @@ static ric_status depart_through(const ric_model *m, const ric_node *node, ric_s
 {
     ric_status status = ric_periodic_to_chain(m, node->cycle, chain, u0);
     if (status) return status;
-    if (!(*t0 = calloc((size_t)(*chain)->n_unknown, sizeof **t0)))
-        return ric_fail(RIC_E_NOMEM, "no memory for a departure");
+    if (!(*t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0))) return ric_no_memory("a departure");
     ric_shooting_evaluate(*chain, *u0);
     ric_continuation_tangent(*chain, NULL, *t0);
     return RIC_OK;

@@ -17,7 +17,7 @@
 
 static void *array(size_t count, size_t size)
 {
-    return calloc(count ? count : 1, size);
+    return ric_calloc(count ? count : 1, size);
 }
 
 /* ---------------------------------------------------------------- checks */
@@ -99,7 +99,7 @@ static ric_status check_mass(int n, const double *M)
     ric_status status = RIC_OK;
     double *A = array((size_t)n * n, sizeof *A), *value = array((size_t)n, sizeof *value);
     if (!A || !value) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the mass matrix");
+        status = ric_no_memory("the mass matrix");
         goto out;
     }
     memcpy(A, M, (size_t)n * n * sizeof *A);
@@ -297,8 +297,8 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
     *out = NULL;
     if (status) goto out;
     if ((status = check_mass(n_dof, mass))) goto out;
-    if (!(m = calloc(1, sizeof *m))) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for a model");
+    if (!(m = ric_calloc(1, sizeof *m))) {
+        status = ric_no_memory("a model");
         goto out;
     }
     if ((status = allocate(m, n_dof, n_contact))) goto out;
@@ -311,8 +311,8 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
         memcpy(m->b + i * n_dof, contacts[i].normal, (size_t)n_dof * sizeof(double));
         m->contact[i] = contacts[i];
         m->contact[i].normal = m->b + i * n_dof;
-        if (contacts[i].name && !(m->contact[i].name = strdup(contacts[i].name))) {
-            status = ric_fail(RIC_E_NOMEM, "no memory for a contact's name");
+        if (contacts[i].name && !(m->contact[i].name = ric_strdup(contacts[i].name))) {
+            status = ric_no_memory("a contact's name");
             goto out;
         }
     }
@@ -507,7 +507,7 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
         goto out;
     }
     if (!E || !A) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the locked frequencies");
+        status = ric_no_memory("the locked frequencies");
         goto out;
     }
     ric_model_complement(n, m->normal + contact * n, E);

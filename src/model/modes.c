@@ -91,7 +91,7 @@ static ric_status refine_modes(ric_model *m)
     int n = m->n_dof;
     size_t square = (size_t)n * n;
     if (n > REFINED) return RIC_OK;
-    long double *work = calloc(5 * square + (size_t)n, sizeof *work);
+    long double *work = ric_calloc(5 * square + (size_t)n, sizeof *work);
     if (!work) return ric_fail(RIC_E_NOMEM, "no memory to refine %d modes", n);
     long double *lambda = work + 5 * square;
     for (size_t i = 0; i < square; i++) work[i] = m->Phi[i];
@@ -112,7 +112,7 @@ static ric_status eigenmodes(ric_model *m)
 {
     ric_status status = RIC_OK;
     int n = m->n_dof;
-    double *B = calloc((size_t)n * n, sizeof *B);
+    double *B = ric_calloc((size_t)n * n, sizeof *B);
     if (!B) {
         status = ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
         goto out;
@@ -154,11 +154,11 @@ static ric_status rotate_equal(ric_model *m, int first, int last)
 {
     ric_status status = RIC_OK;
     int n = m->n_dof, k = last - first + 1, f = m->n_contact;
-    double *C = calloc((size_t)f * k, sizeof *C), *V = calloc((size_t)k * k, sizeof *V);
-    double *s = calloc((size_t)(f > k ? f : k), sizeof *s), *row = calloc((size_t)k, sizeof *row);
-    double *super = calloc((size_t)(f > k ? f : k), sizeof *super);
+    double *C = ric_calloc((size_t)f * k, sizeof *C), *V = ric_calloc((size_t)k * k, sizeof *V);
+    double *s = ric_calloc((size_t)(f > k ? f : k), sizeof *s), *row = ric_calloc((size_t)k, sizeof *row);
+    double *super = ric_calloc((size_t)(f > k ? f : k), sizeof *super);
     if (!C || !V || !s || !row || !super) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for equal frequencies");
+        status = ric_no_memory("equal frequencies");
         goto out;
     }
     for (int i = 0; i < f; i++)
@@ -233,8 +233,8 @@ static void find_seen(ric_model *m)
 static int count_parts(const ric_model *m)
 {
     int n = m->n_dof, parts = 0; /* stays 0 without memory */
-    bool *done = calloc((size_t)n, sizeof *done), *queued = calloc((size_t)n, sizeof *queued);
-    int *queue = calloc((size_t)n, sizeof *queue);
+    bool *done = ric_calloc((size_t)n, sizeof *done), *queued = ric_calloc((size_t)n, sizeof *queued);
+    int *queue = ric_calloc((size_t)n, sizeof *queue);
     if (!done || !queued || !queue) n = 0;
     for (int start = 0; start < n; start++) {
         if (!m->seen[start] || queued[start]) continue;
@@ -268,5 +268,5 @@ ric_status ric_modes_find(ric_model *m)
     fix_signs(m);
     find_seen(m);
     m->n_part = count_parts(m);
-    return m->n_part ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for a model");
+    return m->n_part ? RIC_OK : ric_no_memory("a model");
 }

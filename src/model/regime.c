@@ -9,9 +9,9 @@
 #include "base/room.h"
 
 #define SMALL 0.25 /* phases y below which differences of 1, cos y and sin y / y are summed as series */
-#define NO_STIFFNESS                                                                                                   \
-    64 /* eigenvalues below this many last digits of the largest, in extended precision, are those of                  \
-        * free modes */
+/* NO_STIFFNESS: eigenvalues below this many last digits of the largest, in extended precision, are those of free
+ * modes */
+#define NO_STIFFNESS 64
 
 struct ric_phases {
     int n_set;
@@ -23,11 +23,11 @@ struct ric_phases {
 
 ric_status ric_regimes_create(ric_model *m)
 {
-    struct ric_phases *p = calloc(1, sizeof *p);
+    struct ric_phases *p = ric_calloc(1, sizeof *p);
     int count = 0;
-    if (!p || !(p->place = calloc((size_t)m->n_face + 1, sizeof *p->place))) {
+    if (!p || !(p->place = ric_calloc((size_t)m->n_face + 1, sizeof *p->place))) {
         free(p);
-        return ric_fail(RIC_E_NOMEM, "no memory for the phases of a model");
+        return ric_no_memory("the phases of a model");
     }
     m->phases = p;
     p->n_set = 1;
@@ -53,7 +53,7 @@ ric_status ric_regimes_create(ric_model *m)
         p->place[f] = p->n_set;
         p->n_set *= 3;
     }
-    if (!(p->table = calloc((size_t)p->n_set, sizeof *p->table)))
+    if (!(p->table = ric_calloc((size_t)p->n_set, sizeof *p->table)))
         return ric_fail(RIC_E_NOMEM, "no memory for %d phases", p->n_set);
     return RIC_OK;
 }
@@ -155,8 +155,8 @@ static void assemble(const ric_model *m, uint64_t closed, long double *K, long d
 static bool allocate(ric_regime *p, int n, int n_contact)
 {
     size_t k = (size_t)n, c = (size_t)n_contact;
-    if (!(p->omega = calloc(4 * k + 3 * k * k + c * (k + 1), sizeof(double)))) return false;
-    if (!(p->exact = calloc(3 * k * k + k, sizeof *p->exact))) return false;
+    if (!(p->omega = ric_calloc(4 * k + 3 * k * k + c * (k + 1), sizeof(double)))) return false;
+    if (!(p->exact = ric_calloc(3 * k * k + k, sizeof *p->exact))) return false;
     p->omega_low = p->omega + k;
     p->kappa = p->omega_low + k;
     p->shift = p->kappa + k;
@@ -209,11 +209,11 @@ static ric_status phase_create(const ric_model *m, uint64_t closed, ric_regime *
     ric_status status = RIC_OK;
     int n = m->n;
     size_t nn = (size_t)n * (size_t)n;
-    ric_regime *p = calloc(1, sizeof *p);
-    long double *K = calloc(3 * nn + (size_t)n, sizeof *K), *A = K + nn, *V = A + nn, *f = V + nn;
+    ric_regime *p = ric_calloc(1, sizeof *p);
+    long double *K = ric_calloc(3 * nn + (size_t)n, sizeof *K), *A = K + nn, *V = A + nn, *f = V + nn;
     *out = NULL;
     if (!p || !K || !allocate(p, n, m->n_contact)) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the modes with closed contacts");
+        status = ric_no_memory("the modes with closed contacts");
         goto out;
     }
     p->n = n;

@@ -90,9 +90,9 @@ ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bo
     ric_status status = n < 0 ? ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 0 or more", n)
                               : check_letters(model, n, word);
     if (status || n == 0) return status;
-    copy = malloc((size_t)n * sizeof *copy);
-    image = malloc((size_t)n * sizeof *image);
-    rotated = malloc((size_t)n * sizeof *rotated);
+    copy = ric_malloc((size_t)n * sizeof *copy);
+    image = ric_malloc((size_t)n * sizeof *image);
+    rotated = ric_malloc((size_t)n * sizeof *rotated);
     if (!copy || !image || !rotated) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a word of %d letters", n);
         goto out;
@@ -252,8 +252,8 @@ ric_status ric_word_next(const ric_model *model, int n, bool reversal, int *word
     if (n < 1) return ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 1 or more", n);
     if (k < 1) return RIC_OK;
     if (word[0] != -1 && (status = check_letters(model, n, word))) return status;
-    mirror = malloc((size_t)k * sizeof *mirror);
-    image = malloc((size_t)n * sizeof *image);
+    mirror = ric_malloc((size_t)k * sizeof *mirror);
+    image = ric_malloc((size_t)n * sizeof *image);
     if (!mirror || !image) {
         status = ric_fail(RIC_E_NOMEM, "no memory for a word of %d letters", n);
         goto out;
@@ -340,7 +340,7 @@ static bool opens_at_once(const ric_model *model, int n, const int *word, int i)
 int *ric_word_read(const ric_model *model, const char *text, int *n)
 {
     size_t room = strlen(text) + 1;
-    int *raw = malloc(room * sizeof *raw), *word = malloc(2 * room * sizeof *word),
+    int *raw = ric_malloc(room * sizeof *raw), *word = ric_malloc(2 * room * sizeof *word),
         written = raw && word ? read_letters(model, text, raw) : -1;
     *n = 0;
     for (int i = 0; i < written; i++) {

@@ -12,18 +12,15 @@
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
-#define SMOOTH_STEPS                                                                                                   \
-    12 /* of law power, in the same units: several of its steps make one error, tens of them a                         \
-        * period */
+/* SMOOTH_STEPS: of law power, in the same units: several of its steps make one error, tens of them a period */
+#define SMOOTH_STEPS 12
 #define NO_SPEED 1e-60
 #define ACCURATE 1e-6    /* error of rho from which on the factors of the map are not multiplied */
 #define LOST 1e-3        /* error of rho, over 1 + |rho|, from which on it is not given */
 #define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
-#define MOST_PAIRS                                                                                                     \
-    64              /* up to which the halves are taken apart, or extended precision is used: they need 32 k^2         \
-                     * numbers */
+/* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32 k^2 numbers */
+#define MOST_PAIRS 64
 #define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
-#define TWO_PI 6.283185307179586477
 #define LOG_2 0.693147180559945309
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
@@ -32,11 +29,11 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     memset(out, 0, sizeof *out);
     out->n_pair = n - 1;
     out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 12 * k * k : 0);
-    out->rho = calloc(2 * k, sizeof(double));
-    out->own = calloc(2 * k, sizeof(double));
-    out->each = calloc(k, sizeof(double));
-    out->work = calloc(out->n_work, sizeof(double));
-    out->fine = calloc(k <= MOST_PAIRS ? ric_floquet_fine_size(n) : 1, sizeof *out->fine);
+    out->rho = ric_calloc(2 * k, sizeof(double));
+    out->own = ric_calloc(2 * k, sizeof(double));
+    out->each = ric_calloc(k, sizeof(double));
+    out->work = ric_calloc(out->n_work, sizeof(double));
+    out->fine = ric_calloc(k <= MOST_PAIRS ? ric_floquet_fine_size(n) : 1, sizeof *out->fine);
     if (!out->rho || !out->own || !out->each || !out->work || !out->fine) {
         ric_floquet_release(out);
         return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
@@ -292,7 +289,8 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
     f->rotation = NAN;
     if (minus <= 0 && plus >= 0) {
-        double angle = atan2(sqrt(fabs(minus * plus)), rho) / TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
+        double angle = atan2(sqrt(fabs(minus * plus)), rho) /
+                       RIC_TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
         if (twist > 0) angle = 1 - angle;
         f->rotation = fmod(quarter ? 2 * angle : angle, 1);
     }
@@ -487,7 +485,7 @@ static void judge_trace(ric_floquet *f, bool half, double trace, double twist, i
                                             : RIC_STABLE_UNDECIDED;
     f->rotation = NAN;
     if (fabs(rho) <= 2) {
-        double angle = acos(rho / 2) / TWO_PI;
+        double angle = acos(rho / 2) / RIC_TWO_PI;
         if (twist > 0) angle = 1 - angle;
         f->rotation = fmod(half ? 2 * angle : angle, 1);
     }

@@ -15,14 +15,14 @@ static int modulo(int i, int N)
 
 ric_periodic *ric_periodic_create(int n, int N)
 {
-    ric_periodic *c = calloc(1, sizeof *c);
+    ric_periodic *c = ric_calloc(1, sizeof *c);
     if (!c) return NULL;
     c->n = n;
     c->N = N;
     c->pure = c->flip = -1;
-    c->face = calloc((size_t)N + 1, sizeof *c->face);
-    c->tau = calloc((size_t)N + 1, sizeof *c->tau);
-    c->w = calloc(2 * (size_t)n, sizeof *c->w);
+    c->face = ric_calloc((size_t)N + 1, sizeof *c->face);
+    c->tau = ric_calloc((size_t)N + 1, sizeof *c->tau);
+    c->w = ric_calloc(2 * (size_t)n, sizeof *c->w);
     if (c->face && c->tau && c->w) return c;
     ric_periodic_free(c);
     return NULL;
@@ -241,7 +241,7 @@ static ric_status to_general(const ric_model *m, const ric_periodic *c, ric_shoo
     ric_status status = ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, c->half ? -1 : 1, nf, face, chain);
     if (status) return status;
     ric_shooting_close(*chain, c->closed);
-    if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
+    if (!(*u = ric_calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
         ric_shooting_free(*chain);
         *chain = NULL;
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", c->N);
@@ -258,8 +258,9 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
     ric_status status = RIC_OK;
     int n = c->n, N = c->N, nf = 0;
     bool hit0 = x0 % 2 == 0, hit1 = x1 % 2 == 0;
-    int *face = calloc((size_t)(x1 - x0) + 3, sizeof *face);
-    double *tau = calloc((size_t)(x1 - x0) + 3, sizeof *tau), *W = calloc((size_t)N * 2 * n, sizeof *W), *u = NULL;
+    int *face = ric_calloc((size_t)(x1 - x0) + 3, sizeof *face);
+    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau), *W = ric_calloc((size_t)N * 2 * n, sizeof *W),
+           *u = NULL;
     double w[2 * n];
     *chain = NULL;
     *out = NULL;
@@ -285,7 +286,7 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
     ric_mirror start = hit0 ? RIC_MIRROR_IMPACT : in_flight0, end = hit1 ? RIC_MIRROR_IMPACT : in_flight1;
     if ((status = ric_shooting_create(m, start, end, 1, nf, face, chain))) goto out;
     ric_shooting_close(*chain, ric_periodic_closed(m, c, modulo(first, N)));
-    if (!(u = calloc((size_t)(*chain)->n_unknown, sizeof *u))) {
+    if (!(u = ric_calloc((size_t)(*chain)->n_unknown, sizeof *u))) {
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
     }
@@ -423,7 +424,7 @@ ric_periodic *ric_periodic_keep(const ric_model *m, const ric_periodic *c, const
     for (int i = 0; i < N; i++) kept += keep[i];
     while (first < N && !keep[first]) first++;
     ric_periodic *out = ric_periodic_create(n, kept);
-    double *W = calloc((size_t)N * 2 * n, sizeof *W);
+    double *W = ric_calloc((size_t)N * 2 * n, sizeof *W);
     if (!out || !W) {
         ric_periodic_free(out);
         free(W);

@@ -17,9 +17,9 @@
 bool ric_periodic_mark(ric_periodic *c, int marks)
 {
     double period = ric_periodic_period(c);
-    int *face = realloc(c->face, ((size_t)marks + 1) * sizeof *face);
+    int *face = ric_realloc(c->face, ((size_t)marks + 1) * sizeof *face);
     if (face) c->face = face;
-    double *tau = realloc(c->tau, ((size_t)marks + 1) * sizeof *tau);
+    double *tau = ric_realloc(c->tau, ((size_t)marks + 1) * sizeof *tau);
     if (tau) c->tau = tau;
     if (!face || !tau) return false;
     c->N = marks;
@@ -38,7 +38,7 @@ bool ric_periodic_oppose(ric_periodic *c, const double *w)
         c->opposite = NULL;
         return true;
     }
-    if (!c->opposite && !(c->opposite = malloc(bytes))) return false;
+    if (!c->opposite && !(c->opposite = ric_malloc(bytes))) return false;
     memcpy(c->opposite, w, bytes);
     return true;
 }
@@ -64,7 +64,7 @@ static double gap_of(const ric_model *m, const double *w)
 
 static double longest_piece(const ric_model *m, double period)
 {
-    return period / (SAMPLES * (1 + period * m->omega[m->n - 1] / 6.283185307179586));
+    return period / (SAMPLES * (1 + period * m->omega[m->n - 1] / RIC_TWO_PI));
 }
 
 /* A piece of an orbit at w, short enough for a walk to see all: some to every turn of the fastest mode, and to every
@@ -282,10 +282,10 @@ ric_status ric_periodic_to_smooth(const ric_model *m, const ric_periodic *c, ric
         *chain = NULL;
         return status;
     }
-    if (!(*u = calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
+    if (!(*u = ric_calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
         ric_shooting_free(*chain);
         *chain = NULL;
-        return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
+        return ric_no_memory("an orbit");
     }
     memcpy(w, c->w, sizeof w);
     if (from) ric_flight_go(m, 0, -1, from * period / (2 * N), w, w);

@@ -18,9 +18,8 @@
 #define LEVELS 48
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
-#define NO_TIME                                                                                                        \
-    1e-12          /* scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding      \
-                    * throughout */
+/* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
+#define NO_TIME 1e-12
 #define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
 
 typedef struct {

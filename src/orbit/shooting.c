@@ -7,9 +7,8 @@
 
 #include "base/room.h"
 
-#define SMOOTH_ROUNDING                                                                                                \
-    4 /* of what a flight of law power says it loses (power_flow.h): of 600 flights 599 keep within                    \
-       * it */
+/* SMOOTH_ROUNDING: of what a flight of law power says it loses (power_flow.h): of 600 flights 599 keep within it */
+#define SMOOTH_ROUNDING 4
 
 static int count_start(const ric_model *m, ric_mirror start)
 {
@@ -31,9 +30,9 @@ ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mir
                                const int *face, ric_shooting **out)
 {
     int n = model->n;
-    ric_shooting *c = calloc(1, sizeof *c);
+    ric_shooting *c = ric_calloc(1, sizeof *c);
     *out = NULL;
-    if (!c) return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem");
+    if (!c) return ric_no_memory("an orbit problem");
     c->model = model;
     c->n = n;
     c->start = start;
@@ -47,20 +46,20 @@ ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mir
     c->n_end = count_end(n, end);
     c->ld = start == RIC_MIRROR_NONE ? 2 * n + 1 : n + 2;
     size_t flights = (size_t)n_flight, vectors = flights + 1 + (size_t)c->n_end, ld = (size_t)c->ld, nn = (size_t)n;
-    c->face = malloc((flights + 1) * sizeof *c->face);
-    c->w = calloc((flights + 1) * 2 * nn, sizeof(double));
-    c->before = calloc(flights * nn + 1, sizeof(double));
-    c->rate = calloc(flights * 2 * nn + 1, sizeof(double));
+    c->face = ric_malloc((flights + 1) * sizeof *c->face);
+    c->w = ric_calloc((flights + 1) * 2 * nn, sizeof(double));
+    c->before = ric_calloc(flights * nn + 1, sizeof(double));
+    c->rate = ric_calloc(flights * 2 * nn + 1, sizeof(double));
     c->stride = ric_flight_stride(model);
-    c->closed = calloc(flights + 1, sizeof *c->closed);
-    c->map = calloc(flights * c->stride + 1, sizeof(double));
-    c->approach = calloc(flights + 1, sizeof(double));
-    c->tau = calloc(flights + 1, sizeof(double));
-    c->hv = calloc(vectors * ld, sizeof(double));
-    c->beta = calloc(vectors, sizeof(double));
-    c->zeta = calloc(vectors, sizeof(double));
-    c->X = calloc(6 * nn * ld, sizeof(double));
-    c->flown = calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
+    c->closed = ric_calloc(flights + 1, sizeof *c->closed);
+    c->map = ric_calloc(flights * c->stride + 1, sizeof(double));
+    c->approach = ric_calloc(flights + 1, sizeof(double));
+    c->tau = ric_calloc(flights + 1, sizeof(double));
+    c->hv = ric_calloc(vectors * ld, sizeof(double));
+    c->beta = ric_calloc(vectors, sizeof(double));
+    c->zeta = ric_calloc(vectors, sizeof(double));
+    c->X = ric_calloc(6 * nn * ld, sizeof(double));
+    c->flown = ric_calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
     if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv ||
         !c->beta || !c->zeta || !c->X || !c->flown) {
         ric_shooting_free(c);
@@ -593,7 +592,7 @@ static void push(const ric_shooting *c, const double *du, double *column)
 int ric_shooting_jacobian(ric_shooting *c, const double *u, double *J)
 {
     int unknowns = c->n_unknown, equations = ric_shooting_rows(c);
-    double *du = calloc((size_t)unknowns, sizeof *du), *column = calloc((size_t)equations, sizeof *column);
+    double *du = ric_calloc((size_t)unknowns, sizeof *du), *column = ric_calloc((size_t)equations, sizeof *column);
     if (!du || !column) {
         equations = 0;
         goto out;

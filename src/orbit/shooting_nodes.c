@@ -47,7 +47,7 @@ ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
                             (6 * n + 1) * ld, 2 * n + 1 + inner, (size_t)parts * (4 * n * n + 4 * n)};
     for (int i = 0; i < 6; i++) {
         free(*arrays[i]);
-        if (!(*arrays[i] = calloc(sizes[i], sizeof(double))))
+        if (!(*arrays[i] = ric_calloc(sizes[i], sizeof(double))))
             return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
     }
     c->parts = parts;

@@ -26,7 +26,7 @@ ric_status ric_turn_write(const ric_model *m, ric_shooting *c, const double *u, 
                           double *flights)
 {
     ric_periodic *cycle = ric_turn_cycle(m, c, u, t);
-    if (!cycle) return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
+    if (!cycle) return ric_no_memory("an orbit");
     if (x && v) ric_model_to_state(m, cycle->w, x, v);
     if (flights && m->smooth) flights[0] = ric_periodic_period(cycle) / m->omega_ref;
     else

@@ -13,13 +13,11 @@
 #include "branch/room.h"
 
 #define MAX_POINTS 20000
-#define PART                                                                                                           \
-    0.1                 /* first largest step on a family, of the length of the one before: doublings shrink by 4 from \
-                         * one to the next */
+/* PART: first largest step on a family, of the length of the one before: doublings shrink by 4 from one to the next */
+#define PART 0.1
 #define GROWTH 1.2      /* of that step from point to point, back to that of the study */
 #define LEAST_STEP 1e-9 /* below this part of the orbit its digits do not tell neighbours apart */
 #define TOUCH 1e-6      /* scaled speed below which the simulator's impact is a touch */
-#define TWO_PI 6.283185307179586477
 
 /* One multiplication, or the end. */
 typedef struct {
@@ -44,11 +42,6 @@ struct ric_cascade {
     int deepest;     /* multiplications found on the best attempt */
     char where[160]; /* why it went no further */
 };
-
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for a cascade");
-}
 
 static void stage_clear(stage *s)
 {
@@ -135,16 +128,16 @@ static ric_status measure(const ric_model *m, stage *s)
     ric_shooting *chain = NULL;
     double *u = NULL;
     int N = s->orbit->N;
-    s->state = calloc(2 * (size_t)m->n_dof, sizeof *s->state);
-    s->flights = calloc((size_t)N + 1, sizeof *s->flights);
-    s->word = calloc((size_t)N + 1, sizeof *s->word);
-    if (!s->state || !s->flights || !s->word) return no_memory();
+    s->state = ric_calloc(2 * (size_t)m->n_dof, sizeof *s->state);
+    s->flights = ric_calloc((size_t)N + 1, sizeof *s->flights);
+    s->word = ric_calloc((size_t)N + 1, sizeof *s->word);
+    if (!s->state || !s->flights || !s->word) return ric_no_memory("a cascade");
     if (!m->smooth) ric_periodic_word(m, s->orbit, s->word);
     ric_model_to_state(m, s->orbit->w, s->state, s->state + m->n_dof);
     for (int k = 0; k < N; k++) s->flights[k] = s->orbit->tau[k] / m->omega_ref;
     if (m->smooth) s->flights[0] = ric_periodic_period(s->orbit) / m->omega_ref;
     s->energy = ric_periodic_energy(m, s->orbit) * m->energy_unit;
-    s->frequency = TWO_PI / ric_periodic_period(s->orbit) * m->omega_ref;
+    s->frequency = RIC_TWO_PI / ric_periodic_period(s->orbit) * m->omega_ref;
     ric_status status = ric_periodic_to_chain(m, s->orbit, &chain, &u);
     if (!status) {
         ric_shooting_fly(chain, u);
@@ -203,7 +196,7 @@ static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr,
     const ric_resonance *r = ric_continuation_resonance(tr, tr->events[event].test);
     ric_periodic *cycle = ric_continuation_cycle(tr, tr->events[event].u);
     ric_node *node = NULL;
-    if (!cycle) return no_memory();
+    if (!cycle) return ric_no_memory("a cascade");
     ric_status status = ric_node_multiplication(c->model, cycle, r->p, r->q, &node);
     ric_periodic_free(cycle);
     *found = !status;
@@ -214,7 +207,7 @@ static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr,
                  .multiple = r->q,
                  .p = node->rotation[0],
                  .ratio = NAN};
-    return s->orbit ? measure(c->model, s) : no_memory();
+    return s->orbit ? measure(c->model, s) : ric_no_memory("a cascade");
 }
 
 /* Where the last family ends. */
@@ -226,7 +219,7 @@ static ric_status add_end(ric_cascade *c, ric_continuation *tr)
     stage *s = &c->stages[c->n];
     *s = (stage){.multiple = 1, .stop = tr->stop, .ratio = NAN};
     c->n++;
-    if (!(cycle = ric_continuation_cycle(tr, tr->end.u ? tr->end.u : tr->now.u))) return no_memory();
+    if (!(cycle = ric_continuation_cycle(tr, tr->end.u ? tr->end.u : tr->now.u))) return ric_no_memory("a cascade");
     if (tr->stop == RIC_STOP_JUNCTION && tr->end.u && !tr->arrival && tr->end.test != RIC_TEST_FLIGHT) {
         status = ric_node_grazing(c->model, cycle, &node);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
@@ -235,7 +228,7 @@ static ric_status add_end(ric_cascade *c, ric_continuation *tr)
     s->grazings = node ? node->n_touch * node->multiple : 0;
     s->orbit = node ? ric_node_regular(c->model, node) : cycle;
     if (node) ric_periodic_free(cycle);
-    return status ? status : s->orbit ? measure(c->model, s) : no_memory();
+    return status ? status : s->orbit ? measure(c->model, s) : ric_no_memory("a cascade");
 }
 
 /* ------------------------------------------------------------------ the search */
@@ -344,7 +337,7 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
         ric_continuation *tr = NULL;
         double *u = NULL, *t = NULL;
         status = ric_periodic_to_chain(c->model, cycle, &chain, &u);
-        if (!status && !(t = calloc((size_t)chain->n_unknown, sizeof *t))) status = no_memory();
+        if (!status && !(t = ric_calloc((size_t)chain->n_unknown, sizeof *t))) status = ric_no_memory("a cascade");
         if (!status) {
             ric_shooting_evaluate(chain, u);
             ric_continuation_tangent(chain, NULL, t);
@@ -397,10 +390,10 @@ ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_
     *out = NULL;
     ric_status status = ric_atlas_branch(a, branch, &b);
     if (status || (status = check_request(ric_atlas_model(a), &b, o))) return status;
-    ric_cascade *c = calloc(1, sizeof *c);
-    if (!c || !(c->stages = calloc((size_t)o->n + 1, sizeof *c->stages))) {
+    ric_cascade *c = ric_calloc(1, sizeof *c);
+    if (!c || !(c->stages = ric_calloc((size_t)o->n + 1, sizeof *c->stages))) {
         ric_cascade_free(c);
-        return no_memory();
+        return ric_no_memory("a cascade");
     }
     for (int i = 0; i < o->n; i++) largest = o->multiple[i] > largest ? o->multiple[i] : largest;
     c->model = ric_atlas_model(a);
@@ -496,12 +489,12 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
         ric_periodic_free(cycle);
         cycle = NULL;
     }
-    double *W = cycle ? calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
+    double *W = cycle ? ric_calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
     if (W) {
         ric_periodic_states(c->model, cycle, W);
         for (int k = 0; k < cycle->N; k++)
             ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * n, v);
-    } else status = no_memory();
+    } else status = ric_no_memory("a cascade");
     free(W);
     ric_periodic_free(cycle);
     return status;

@@ -11,10 +11,8 @@
 /* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a stored end past the
  * grazing. The orbit problem is regular there, since no impact speed is divided by; only the margins change sign. */
 
-#define TWO_PI 6.283185307179586477
-#define RESONATES                                                                                                      \
-    1e-6                /* distance of lambda + 1/lambda from that of a root of unity at which an event is a           \
-                         * multiplication */
+/* RESONATES: distance of lambda + 1/lambda from that of a root of unity at which an event is a multiplication */
+#define RESONATES 1e-6
 #define MAX_POINTS 2000 /* of one ghost; a branch of the examples has at most a few hundred */
 #define TOUCH 1e-9      /* margin, scaled, below which it counts as zero; at a stored end it is 1e-10 at most */
 #define INSIDE 1e-6     /* arclength from the end at which a stored point tells the direction of the branch */
@@ -27,11 +25,6 @@ struct ric_ghost {
     double origin; /* arclength of the end */
     ric_ghost_data data;
 };
-
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for a ghost");
-}
 
 static void ghost_free(ric_ghost *g)
 {
@@ -157,9 +150,9 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
                             1u << RIC_TEST_B | 1u << RIC_TEST_D;
     ric_shooting *chain = NULL;
     double *u = NULL, *t = NULL;
-    ric_ghost *g = calloc(1, sizeof *g);
+    ric_ghost *g = ric_calloc(1, sizeof *g);
     *out = NULL;
-    if (!g) return no_memory();
+    if (!g) return ric_no_memory("a ghost");
     g->model = ric_atlas_model(a);
     g->limits = ric_continuation_limits(g->model, limits->energy, limits->frequency,
                                         ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
@@ -196,8 +189,8 @@ ric_status ric_ghost_find(const ric_atlas *a, int branch, const ric_ghost_limits
     *n = 0;
     *out = NULL;
     if (status) return status;
-    ric_ghost **list = calloc(2, sizeof *list);
-    if (!list) return no_memory();
+    ric_ghost **list = ric_calloc(2, sizeof *list);
+    if (!list) return ric_no_memory("a ghost");
     for (ric_end end = RIC_END_FROM; end <= RIC_END_TO && !status; end++) {
         ric_point tip;
         if (!grazes(a, &b, end)) continue;
@@ -282,7 +275,7 @@ ric_status ric_ghost_multiplication_at(const ric_ghost *g, int i, ric_ghost_mult
     *out = (ric_ghost_multiplication){.rotation = {resonance->p, resonance->q},
                                       .arclength = g->origin + (g->data.end == RIC_END_FROM ? -1 : 1) * event->s,
                                       .energy = ric_shooting_energy(c) * g->model->energy_unit,
-                                      .frequency = TWO_PI / ric_shooting_time(c, event->u) * g->model->omega_ref,
+                                      .frequency = RIC_TWO_PI / ric_shooting_time(c, event->u) * g->model->omega_ref,
                                       .admissible = ric_point_admissible(&p)};
     return RIC_OK;
 }

@@ -10,8 +10,6 @@
 
 /* Orbits of a stored branch, solved again at the very point that is asked for. */
 
-#define TWO_PI 6.283185307179586477
-
 struct ric_orbit {
     const ric_model *model; /* borrowed from the atlas */
     ric_periodic *cycle;    /* NULL for a linear mode */
@@ -38,11 +36,6 @@ void ric_orbits_free(int n, ric_orbit **orbits)
     free(orbits);
 }
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for an orbit");
-}
-
 /* -------------------------------------------------------------- one orbit */
 
 /* Everything that leaves, from a converged chain. */
@@ -51,10 +44,10 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
 {
     ric_status status = RIC_OK;
     ric_floquet floquet = {0};
-    ric_orbit *o = calloc(1, sizeof *o);
+    ric_orbit *o = ric_calloc(1, sizeof *o);
     int n = m->n;
     *out = NULL;
-    if (!o) return no_memory();
+    if (!o) return ric_no_memory("an orbit");
     if ((status = ric_floquet_create(n, &floquet))) goto out;
     ric_shooting_evaluate(c, u);
     if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_continuation_judge(c, u, &floquet)) ||
@@ -62,11 +55,11 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
         goto out;
     o->cycle = ric_turn_cycle(m, c, u, t);
     int N = o->cycle ? o->cycle->N : 0;
-    o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
-    o->flights = calloc((size_t)N + 1, sizeof *o->flights);
-    o->multipliers = calloc(4 * (size_t)n, sizeof *o->multipliers);
+    o->state = ric_calloc(2 * (size_t)m->n_dof, sizeof *o->state);
+    o->flights = ric_calloc((size_t)N + 1, sizeof *o->flights);
+    o->multipliers = ric_calloc(4 * (size_t)n, sizeof *o->multipliers);
     if (!o->cycle || !o->state || !o->flights || !o->multipliers) {
-        status = no_memory();
+        status = ric_no_memory("an orbit");
         goto out;
     }
     o->model = m;
@@ -82,7 +75,7 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
             approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
     o->point = (ric_point){.arclength = stored->arclength,
                            .energy = ric_shooting_energy(c) * m->energy_unit,
-                           .frequency = TWO_PI / ric_shooting_time(c, u) * m->omega_ref,
+                           .frequency = RIC_TWO_PI / ric_shooting_time(c, u) * m->omega_ref,
                            .trace = floquet.trace_asinh,
                            .rotation = floquet.rotation,
                            .reach = reach > 0 ? reach : NAN,
@@ -133,7 +126,7 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
 static double quantity(const ric_model *m, const ric_shooting *c, const double *u, ric_at at)
 {
     return at == RIC_AT_ENERGY ? ric_shooting_energy(c) * m->energy_unit
-                               : TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
+                               : RIC_TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
 }
 
 /* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. */
@@ -184,8 +177,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     to->flip = from->flip;
     if ((status = ric_periodic_to_chain(m, from, &chain, &ua)) || (status = ric_periodic_to_chain(m, to, &other, &ub)))
         goto out;
-    if (!(u = calloc((size_t)chain->n_unknown, sizeof *u))) {
-        status = no_memory();
+    if (!(u = ric_calloc((size_t)chain->n_unknown, sizeof *u))) {
+        status = ric_no_memory("an orbit");
         goto out;
     }
     ric_turn t;
@@ -213,15 +206,15 @@ out:
 static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitude2, int i, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
-    ric_orbit *o = calloc(1, sizeof *o);
-    if (!o) return no_memory();
+    ric_orbit *o = ric_calloc(1, sizeof *o);
+    if (!o) return ric_no_memory("an orbit");
     o->model = m;
-    o->state = calloc(2 * (size_t)m->n_dof, sizeof *o->state);
-    o->flights = calloc(1, sizeof *o->flights);
-    o->multipliers = calloc(4 * (size_t)m->n, sizeof *o->multipliers);
+    o->state = ric_calloc(2 * (size_t)m->n_dof, sizeof *o->state);
+    o->flights = ric_calloc(1, sizeof *o->flights);
+    o->multipliers = ric_calloc(4 * (size_t)m->n, sizeof *o->multipliers);
     ric_status status = o->state && o->flights && o->multipliers
                             ? ric_atlas_point(a, b->id, i, &o->point, o->state, o->flights)
-                            : no_memory();
+                            : ric_no_memory("an orbit");
     if (status) {
         orbit_free(o);
         return status;
@@ -234,7 +227,7 @@ static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitu
     o->point.arclength *= factor;
     for (int k = 0, out_k = 0; k < m->n; k++) {
         if (m->mode[k] == b->mode - 1 || out_k == m->n - 1) continue;
-        double angle = m->frequency[m->mode[k]] * TWO_PI / b->frequency_min;
+        double angle = m->frequency[m->mode[k]] * RIC_TWO_PI / b->frequency_min;
         double *p = o->multipliers + 4 * out_k++;
         p[0] = p[2] = cos(angle);
         p[1] = sin(angle);
@@ -270,8 +263,8 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
     if (status) return status;
     if (at == RIC_AT_POINT && !(value >= 0 && value < b.n_point))
         return ric_fail(RIC_E_RANGE, "branch %d has no point %g; they run from 0 to %d", branch, value, b.n_point - 1);
-    ric_orbit **list = calloc((size_t)b.n_point + 1, sizeof *list);
-    if (!list) return no_memory();
+    ric_orbit **list = ric_calloc((size_t)b.n_point + 1, sizeof *list);
+    if (!list) return ric_no_memory("an orbit");
     if (ric_branch_linear(ric_atlas_model(a), &b)) status = find_linear(a, &b, at, value, n, list);
     else if (at == RIC_AT_POINT) status = at_point(a, &b, (int)value, &list[(*n)++]);
     else {
@@ -339,10 +332,10 @@ void ric_orbit_at_time(const ric_orbit *o, double t, double *x, double *v)
     const ric_model *m = o->model;
     if (!o->cycle) {
         /* a linear mode: all of its displacement is in one coordinate, seen or not */
-        double phase = TWO_PI * fmod(t, o->flights[0]) / o->flights[0];
+        double phase = RIC_TWO_PI * fmod(t, o->flights[0]) / o->flights[0];
         for (int j = 0; j < m->n_dof; j++) {
             x[j] = o->state[j] * cos(phase);
-            v[j] = -o->state[j] * sin(phase) * TWO_PI / o->flights[0];
+            v[j] = -o->state[j] * sin(phase) * RIC_TWO_PI / o->flights[0];
         }
         return;
     }

@@ -5,7 +5,7 @@
 #include "ricochet.h"
 #include "base/room.h"
 
-static const double two_pi = 6.283185307179586;
+static const double two_pi = RIC_TWO_PI;
 
 enum {
     SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of that mode's
@@ -43,9 +43,9 @@ static ric_status subject_init(subject *s, const ric_orbit *orbit)
     size_t n = (size_t)ric_model_n_dof(model), n_letter = (size_t)ric_orbit_letters(orbit);
     ric_point point;
     *s = (subject){.orbit = orbit, .model = model, .n_dof = (int)n, .n_letter = (int)n_letter};
-    s->state = calloc(5 * n, sizeof *s->state);
-    s->flights = calloc(n_letter + 1, sizeof *s->flights);
-    s->word = calloc(n_letter + 1, sizeof *s->word);
+    s->state = ric_calloc(5 * n, sizeof *s->state);
+    s->flights = ric_calloc(n_letter + 1, sizeof *s->flights);
+    s->word = ric_calloc(n_letter + 1, sizeof *s->word);
     if (!s->state || !s->flights || !s->word) return no_memory();
     s->x = s->state + 2 * n;
     s->v = s->x + n;
@@ -127,7 +127,7 @@ ric_status ric_orbit_amplitudes(const ric_orbit *orbit, double *out)
     if (status) goto out;
     int n_flight = s.n_letter > 0 ? s.n_letter : 1;
     for (int k = 0; k < n_flight; k++) longest = fmax(longest, s.flights[k]);
-    samples = calloc((size_t)samples_of(&s, longest) + 2, (size_t)s.n_dof * sizeof *samples);
+    samples = ric_calloc((size_t)samples_of(&s, longest) + 2, (size_t)s.n_dof * sizeof *samples);
     if (!samples) {
         status = no_memory();
         goto out;
@@ -203,7 +203,7 @@ ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, d
     double *exchanged = NULL;
     *n = 0;
     ric_status status = subject_init(&s, orbit);
-    if (!status && !(exchanged = calloc((size_t)s.n_letter + 1, sizeof *exchanged))) status = no_memory();
+    if (!status && !(exchanged = ric_calloc((size_t)s.n_letter + 1, sizeof *exchanged))) status = no_memory();
     if (!status) status = collect_spring_impulses(&s, exchanged);
     for (int k = 0; !status && k < s.n_letter; k++) {
         if (s.word[k] >= ric_model_n_face(s.model)) continue; /* a spring opens: told where it closes */

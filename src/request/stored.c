@@ -5,23 +5,19 @@
 
 #include "base/room.h"
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory for a stored orbit");
-}
-
 ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_point *point, ric_periodic **out)
 {
     const ric_model *m = ric_atlas_model(a);
     int n = m->n_dof, N = b->letters;
-    double *state = calloc(2 * (size_t)n, sizeof *state), *flights = calloc((size_t)N + 1, sizeof *flights);
-    ric_status status = state && flights ? ric_atlas_point(a, b->id, i, point, state, flights) : no_memory();
+    double *state = ric_calloc(2 * (size_t)n, sizeof *state), *flights = ric_calloc((size_t)N + 1, sizeof *flights);
+    ric_status status = state && flights ? ric_atlas_point(a, b->id, i, point, state, flights)
+                                         : ric_no_memory("a stored orbit");
     *out = NULL;
     int marks = m->smooth ? 2 : N;
-    if (!status && !(*out = ric_periodic_create(m->n, marks))) status = no_memory();
+    if (!status && !(*out = ric_periodic_create(m->n, marks))) status = ric_no_memory("a stored orbit");
     if (!status && m->smooth) {
         (*out)->tau[0] = flights[0] * m->omega_ref;
-        if (!ric_periodic_mark(*out, marks)) status = no_memory();
+        if (!ric_periodic_mark(*out, marks)) status = ric_no_memory("a stored orbit");
         ric_model_from_state(m, state, state + n, (*out)->w);
     } else if (!status) {
         ric_periodic_spell(m, *out, b->word);

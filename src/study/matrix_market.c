@@ -22,7 +22,7 @@ enum { TOKEN_MAX = 64, FILE_MAX = 64 << 20, ENTRIES_MAX = FILE_MAX / 6 /* of "1 
 static ric_status read_all(int file, const char *path, size_t limit, char **text, size_t *size)
 {
     size_t room = 1 << 16, used = 0;
-    char *buffer = malloc(room);
+    char *buffer = ric_malloc(room);
     if (!buffer) return ric_fail(RIC_E_NOMEM, "%s: no memory for the file", path);
     for (;;) {
         ssize_t got = read(file, buffer + used, room - used - 1);
@@ -34,7 +34,7 @@ static ric_status read_all(int file, const char *path, size_t limit, char **text
         used += (size_t)got;
         if (got == 0 || used > limit) break;
         if (room - used < 2) {
-            char *larger = realloc(buffer, room *= 2);
+            char *larger = ric_realloc(buffer, room *= 2);
             if (!larger) {
                 free(buffer);
                 return ric_fail(RIC_E_NOMEM, "%s: no memory for the file", path);
@@ -236,7 +236,7 @@ static ric_status read_entry(scanner *s, const header *h, bool *given, double *o
 static ric_status read_coordinate(scanner *s, const header *h, double *out, long *repeated)
 {
     ric_status status = RIC_OK;
-    bool *given = calloc((size_t)h->n * (size_t)h->n, sizeof *given);
+    bool *given = ric_calloc((size_t)h->n * (size_t)h->n, sizeof *given);
     if (!given) return ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", s->label);
     for (long i = 0; i < h->entries && !status; i++) status = read_entry(s, h, given, out, repeated);
     free(given);
@@ -252,7 +252,7 @@ ric_status ric_matrix_market_parse(const char *text, size_t size, const char *la
     double *matrix = NULL;
     ric_status status = read_header(&s, &h);
     if (status) goto out;
-    matrix = calloc((size_t)h.n * (size_t)h.n, sizeof *matrix);
+    matrix = ric_calloc((size_t)h.n * (size_t)h.n, sizeof *matrix);
     if (!matrix) {
         status = ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", label);
         goto out;

@@ -229,7 +229,7 @@ static ric_status read_names(const ric_yaml *r, const ric_yaml_slot *from, ric_s
     int n = ric_yaml_length(from->value);
     if (n > NAME_MAX_COUNT)
         return ric_yaml_wrong(r, from->value, "names", "%d names; at most %d are read", n, NAME_MAX_COUNT);
-    study->names = calloc((size_t)n + 1, sizeof *study->names);
+    study->names = ric_calloc((size_t)n + 1, sizeof *study->names);
     if (!study->names) return ric_yaml_no_memory(r);
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "names[%d]", i + 1);
@@ -366,7 +366,7 @@ static void write_names(const ric_study *study, FILE *out)
 static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 {
     ric_buffer written;
-    if (!ric_buffer_open(&written)) return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
+    if (!ric_buffer_open(&written)) return ric_no_memory("the text of the study");
     FILE *out = written.file;
     if (raw) {
         fputs("title: ", out);
@@ -382,7 +382,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
     if (raw) write_names(study, out);
     else fputs(study->text + study->explore_end, out);
     char *text = ric_buffer_take(&written);
-    if (!text) return ric_fail(RIC_E_NOMEM, "no memory for the text of the study");
+    if (!text) return ric_no_memory("the text of the study");
     free(study->text);
     study->text = text;
     study->explore_at = begin;
@@ -417,7 +417,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     ric_status status = ric_yaml_map(r, root, "", S_COUNT, study_keys, slots);
     if (status) return status;
     if (slots[S_TITLE].key) status = ric_yaml_string(r, slots[S_TITLE].value, "title", &study->title);
-    else if (!(study->title = strdup(""))) status = ric_yaml_no_memory(r);
+    else if (!(study->title = ric_strdup(""))) status = ric_yaml_no_memory(r);
     if (status) return status;
     /* cheap sections first: a wrong option is told before the eigenvalues of a large model are computed */
     ric_explore_options_init(&study->options);
@@ -451,7 +451,7 @@ static ric_status parse(const char *text, size_t size, const char *label, const 
     ric_status status = plain ? RIC_OK : ric_yaml_no_memory(&r);
     if (status || (status = ric_yaml_load(&r, text, size))) goto out;
     loaded = true;
-    study = calloc(1, sizeof *study);
+    study = ric_calloc(1, sizeof *study);
     status = study ? read_study(&r, study, &raw) : ric_yaml_no_memory(&r);
     if (status) goto out;
     *out = study;
@@ -490,7 +490,7 @@ ric_status ric_study_read(const char *path, ric_study **out)
     if (!status && size >= strlen(sqlite) && !memcmp(text, sqlite, strlen(sqlite)))
         status = ric_fail(RIC_E_INPUT, "%.200s: this is an atlas; name the study that it was made from", path);
     if (status) goto out;
-    base = strdup(path);
+    base = ric_strdup(path);
     if (!base) {
         status = ric_fail(RIC_E_NOMEM, "%.200s: no memory for the study", path);
         goto out;
@@ -513,7 +513,7 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
                            .mass = (double *)ric_model_mass(m),
                            .stiffness = (double *)ric_model_stiffness(m),
                            .restitution = ric_model_restitution(m)};
-    out->contacts = calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
+    out->contacts = ric_calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
     if (!out->contacts) return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
     for (int i = 0; i < out->n_contact && !status; i++) status = ric_model_contact(m, i, &out->contacts[i]);
     return status;
@@ -528,9 +528,9 @@ ric_status ric_study_create(const ric_model *model, const ric_explore_options *o
     *out = NULL;
     if (options) made.options = *options;
     else ric_explore_options_init(&made.options);
-    made.title = strdup(title ? title : "");
+    made.title = ric_strdup(title ? title : "");
     ric_status status = raw_of(model, &raw);
-    if (!status && !made.title) status = ric_fail(RIC_E_NOMEM, "no memory for a study");
+    if (!status && !made.title) status = ric_no_memory("a study");
     if (!status) status = write_text(&made, &raw);
     if (!status) status = ric_study_parse(made.text, "study", ".", out);
     free(raw.contacts);

@@ -38,7 +38,7 @@ static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const 
     *n = ric_yaml_length(list);
     if (*n < 1 || *n > RIC_MATRIX_MAX)
         return ric_yaml_wrong(r, list, key, "%d rows; there must be 1 to %d", *n, RIC_MATRIX_MAX);
-    *out = malloc((size_t)*n * (size_t)*n * sizeof **out);
+    *out = ric_malloc((size_t)*n * (size_t)*n * sizeof **out);
     if (!*out) return ric_yaml_no_memory(r);
     for (int i = 0; i < *n; i++) {
         ric_status status = read_row(r, ric_yaml_item(r, list, i), key, i, *n, *out + (size_t)i * (size_t)*n);
@@ -79,7 +79,7 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
     }
     bool relative = name[0] != '/' && r->base && r->base[0];
     size_t size = strlen(name) + (relative ? strlen(r->base) : 0) + 2;
-    if (!(path = malloc(size))) {
+    if (!(path = ric_malloc(size))) {
         status = ric_yaml_no_memory(r);
         goto out;
     }
@@ -305,7 +305,7 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
     ric_yaml_slot slots[C_COUNT];
     char key[RIC_KEY_MAX], *name = NULL;
     int law = RIC_LAW_RIGID, sides = RIC_SIDES_BOTH;
-    double *normal = calloc((size_t)n, sizeof *normal);
+    double *normal = ric_calloc((size_t)n, sizeof *normal);
     ric_status status;
     out->normal = normal; /* released with the contact, also on failure */
     if (!normal) return ric_yaml_no_memory(r);
@@ -360,7 +360,7 @@ static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, con
         return ric_yaml_wrong(r, from->value, "model.contacts",
                               "%d contacts; there must be 1 to %d, without any the structure is linear", n,
                               CONTACT_MAX);
-    raw->contacts = calloc((size_t)n, sizeof *raw->contacts);
+    raw->contacts = ric_calloc((size_t)n, sizeof *raw->contacts);
     if (!raw->contacts) return ric_yaml_no_memory(r);
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "model.contacts[%d]", i + 1);

@@ -11,16 +11,14 @@
 #define MANY 300.0
 #define LOWEST 4.0 /* and at this many times that of the lowest mode, which is looked for first: */
 #define FAR 1e4    /* unless its onset is so much higher than that of another, as near a node of the mode */
-#define LOOSE                                                                                                          \
-    0.04             /* the window of a loose mass, which moves at any energy, begins at so many times the onset, at a \
-                      * fifth of its speeds: below, families of long periods lie densely and cost most of a run */
+/* LOOSE: the window of a loose mass, which moves at any energy, begins at so many times the onset, at a fifth of its
+ * speeds: below, families of long periods lie densely and cost most of a run */
+#define LOOSE 0.04
 #define OVERTONE 5.0 /* the frequency window ends at so many times the highest mode that is met in it */
 #define PHASE 1e7    /* a mode turns less within the longest period: the limit of a run */
 #define FREE_LOW 0.1 /* gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_HIGH 10.0
 #define FREE_PART 1e-4 /* of the top of an energy window that is given, where frequencies begin if that begins at 0 */
-
-#define TWO_PI 6.283185307179586477
 
 /* ----------------------------------------------------------------- rounding */
 
@@ -111,7 +109,7 @@ static void choose_energy(const ric_model *m, const range *r, double out[2])
 /* Frequency of a loose mass at an energy: it crosses four gaps a period, at a speed, in gaps, of sqrt(2 E c.c). */
 static double loose_frequency(const range *r, double energy)
 {
-    return TWO_PI / 4 * sqrt(2 * energy * r->cc);
+    return RIC_TWO_PI / 4 * sqrt(2 * energy * r->cc);
 }
 
 static void choose_frequency(const ric_model *m, const ric_explore_options *o, const range *r, double out[2])
@@ -127,7 +125,7 @@ static void choose_frequency(const ric_model *m, const ric_explore_options *o, c
     }
     for (int i = 0; i < m->n_dof; i++)
         if (m->seen[i]) fastest = fmax(fastest, m->frequency[i]);
-    const double low = rounded(r->slow * slowest(o), floor), least = rounded(TWO_PI * fastest / PHASE, ceil);
+    const double low = rounded(r->slow * slowest(o), floor), least = rounded(RIC_TWO_PI * fastest / PHASE, ceil);
     out[0] = least > low && least < r->slow ? least : low;
     out[1] = rounded(OVERTONE * r->fast, ceil);
 }

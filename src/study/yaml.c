@@ -370,7 +370,7 @@ ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const 
     if (value->data.scalar.length > STRING_MAX || strlen(ric_yaml_text(value)) != value->data.scalar.length)
         return ric_yaml_wrong(r, value, key, "the text is longer than %d bytes or has a zero byte inside; shorten it",
                               STRING_MAX);
-    *out = strdup(ric_yaml_text(value));
+    *out = ric_strdup(ric_yaml_text(value));
     return *out ? RIC_OK : ric_yaml_no_memory(r);
 }
 

@@ -17,8 +17,8 @@
 
 #define FIXED 1e-6 /* distance of an orbit from its image that counts as none */
 
-#define EXACT 1e-10 /* relative distance of images of one orbit; of a neighbour of one with more symmetry it is more   \
-                     */
+/* Relative distance of images of one orbit; of a neighbour of one with more symmetry it is more. */
+#define EXACT 1e-10
 
 enum { FEW = 4 }; /* points of a branch: of fewer nothing follows */
 enum { MAX_BITS = 16, MAX_GROUP = 4096, MAX_TEXT = 1024 };

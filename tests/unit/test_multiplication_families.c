@@ -14,12 +14,10 @@
 #include "explored.h"
 
 #define TWO_PI 6.283185307179586477
-#define RETURNS                                                                                                        \
-    1e-8 /* of a simulated member after its period, relative: multipliers near a multiplication are                    \
-          * small */
-#define NEAR                                                                                                           \
-    1e-4 /* arclength, relative, from the junction at which a member is looked at: nearer by it is the                 \
-          * original */
+/* RETURNS: of a simulated member after its period, relative: multipliers near a multiplication are small */
+#define RETURNS 1e-8
+/* NEAR: arclength, relative, from the junction at which a member is looked at: nearer by it is the original */
+#define NEAR 1e-4
 
 enum { MAX_DOF = 3, MAX_IMPACTS = 32, MAX_LEGS = 4, MAX_Q = 16 };
 
