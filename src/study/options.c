@@ -507,20 +507,20 @@ void ric_options_document(FILE *out)
                 option->unit, option->help);
     }
     fputs("\n## regions\n\n"
-          "Larger budgets for a part of the plane, in a list at the top of a study; `ricochet view` writes such "
-          "regions into its atlas.\n\n"
+          "Larger budgets for a part of the plane, in a list at the top of a study;\n"
+          "`ricochet view` writes such regions into its atlas.\n\n"
           "```yaml\n"
           "regions:\n"
           "  - {energy: [1.5, 3], frequency: [1.7, 1.9], depth: 6, impacts: 36, multiply: 2}\n"
           "```\n\n"
-          "`energy` and `frequency` say where; `depth`, `impacts` and `multiply` hold for departures from junctions "
-          "that are there, drawn there\n"
-          "or with their orbit there, if they are larger than those of `explore`, and are those of `explore` where "
-          "they are not given. Departures\n"
-          "elsewhere stay over their budgets and are counted so. A region may lie outside the windows: branches are "
-          "then followed as far as the\n"
-          "smallest windows that hold it too, linear modes start there, and departures from junctions in neither are "
-          "`outside the windows`. At\n"
-          "most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n",
+          "`energy` and `frequency` say where.\n"
+          "`depth`, `impacts` and `multiply` hold for departures from junctions that are there, drawn there\n"
+          "or with their orbit there, if they are larger than those of `explore`,\n"
+          "and are those of `explore` where they are not given.\n"
+          "Departures elsewhere stay over their budgets and are counted so.\n"
+          "A region may lie outside the windows: branches are then followed as far as the\n"
+          "smallest windows that hold it too, linear modes start there,\n"
+          "and departures from junctions in neither are `outside the windows`.\n"
+          "At most " TEXT(RIC_REGIONS_MAX) " regions, and none with `explore.cascade`.\n",
           out);
 }
