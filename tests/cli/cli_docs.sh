@@ -7,11 +7,11 @@ root=$PWD
 # blocks FILE LANGUAGE MARK: the code of all blocks that open with ```LANGUAGE MARK
 blocks() { awk -v open="^\`\`\`$2 $3\$" '/^```/ { inside = !inside && $0 ~ open; next } inside' "$root/$1"; }
 
-# each_line FILE MARK: every line of the marked shell blocks is a test of its own, all in one folder
+# each_line FILE MARK: every line of the marked shell blocks, with those that continue it, is a test of its own, all in one folder
 each_line() {
-    while IFS= read -r line; do
+    while read -r line; do
         ok "$1: $line" bash -euo pipefail -c "$line" </dev/null
-    done < <(blocks "$1" sh "$2")
+    done < <(blocks "$1" sh "$2" | sed -e ':more' -e '/\\$/{N;s/ *\\\n */ /;b more' -e '}')
 }
 
 mkdir "$folder/bin" "$folder/tour" "$folder/commands"
