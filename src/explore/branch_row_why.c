@@ -41,10 +41,18 @@ static int list_unplaced(const ric_edge *e, const char *before, size_t size, cha
     return used + snprintf(text + used, size - (size_t)used, ")");
 }
 
-static int range_text(const double range[2], size_t size, char *text)
+/* The range of a step reaches beyond the end of its branch: what is said is said of the branch. */
+static int range_text(const ric_continuation *tr, const double range[2], size_t size, char *text)
 {
-    return snprintf(text, size, " (E %.7g to %.7g)", range[0] - WIDER * fabs(range[0]),
-                    range[1] + WIDER * fabs(range[1]));
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int i = 0; i < tr->n_point; i++) {
+        double energy = ((const ric_point *)(tr->points + (size_t)i * tr->stride))->energy;
+        low = fmin(low, energy);
+        high = fmax(high, energy);
+    }
+    low = fmin(fmax(low, range[0]), high);
+    high = fmax(fmin(high, range[1]), low);
+    return snprintf(text, size, " (E %.7g to %.7g)", low - WIDER * fabs(low), high + WIDER * fabs(high));
 }
 
 /* The part that is blind is given to the next power of ten: the exact length depends on where points lie. */
@@ -62,12 +70,12 @@ char *ric_branch_row_why(const ric_edge *e)
         used += snprintf(text + used, size - (size_t)used,
                          "%son up to %g %% of it multipliers are lost in rounding and multiplications not looked for",
                          used ? "; " : "", pow(10, ceil(log10(100 * fmin(1, tr->blind / length)))));
-        used += range_text(tr->blind_at, size - (size_t)used, text + used);
+        used += range_text(tr, tr->blind_at, size - (size_t)used, text + used);
     }
     if (tr->unresolved > 0) {
         used += snprintf(text + used, size - (size_t)used,
                          "%sevents on it may lie closer together than can be told apart", used ? "; " : "");
-        range_text(tr->crowded_at, size - (size_t)used, text + used);
+        range_text(tr, tr->crowded_at, size - (size_t)used, text + used);
     }
     return text;
 }
