@@ -26,9 +26,7 @@
 #define LOST 2.5e-10
 /* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
 #define STEEP 1e-11
-#define MEASURED 4                /* safety of a measured error */
-#define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
-#define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
+#define NEAR_BORDER 100   /* of the error of rho: nearer to the border of stability it is measured */
 #define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8         /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
@@ -242,7 +240,7 @@ static ric_status keep_definite(ric_continuation *tr, ric_station *p, double app
         ric_status status = ric_floquet_compute(c, &tr->floquet);
         if (status) return status;
         double moved[3] = {f->det_a, f->det_b, f->det_d};
-        for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], MEASURED * fabs(moved[i] - value[i]));
+        for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], RIC_MEASURED * fabs(moved[i] - value[i]));
     }
     ric_shooting_fly(c, p->u);
     for (int i = 0; i < 3; i++) {
@@ -281,55 +279,11 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
         unsigned bits = way * 2654435769u;
         for (int i = 0; i < size; i++) moved[i] = u[i] + ric_moved(&bits, move);
         ric_shooting_fly(c, moved);
-        if (!(status = ric_floquet_compute(c, f))) seen = fmax(seen, MEASURED * fabs(stable_margin(f) - at));
+        if (!(status = ric_floquet_compute(c, f))) seen = fmax(seen, RIC_MEASURED * fabs(stable_margin(f) - at));
     }
     ric_shooting_fly(c, u);
     if (!status) status = ric_floquet_compute(c, f);
     f->stable = isfinite(move) && fabs(at) > error + seen ? stable : RIC_STABLE_UNDECIDED;
-    return status;
-}
-
-bool ric_continuation_move(const ric_shooting *c, const double *u, int way, double *out)
-{
-    int size = c->n_unknown;
-    double plane[2 * size], second;
-    unsigned bits = (unsigned)way * 2654435769u;
-    if (!ric_shooting_plane(c, plane, &second)) return false;
-    double across = ric_continuation_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
-    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, UNKNOWN * c->scale) + across * plane[i];
-    return isfinite(across);
-}
-
-/* How far the nearest of the pairs `rho` [2 count] is from one. */
-static double off_pair(int count, const double *rho, const double *one)
-{
-    double off = HUGE_VAL;
-    for (int i = 0; i < count; i++) off = fmin(off, hypot(rho[2 * i] - one[0], rho[2 * i + 1] - one[1]));
-    return off;
-}
-
-ric_status ric_continuation_bound(ric_shooting *c, const double *u, ric_floquet *f)
-{
-    enum { WAYS = RIC_TRACE_WAYS };
-    int k = f->n_pair, size = c->n_unknown;
-    double at[2 * k + 1], seen[k + 1], moved[WAYS * size + 1];
-    ric_status status = RIC_OK;
-    ric_stability stable = f->stable;
-    if (k < 1) return RIC_OK;
-    memcpy(at, f->rho, 2 * (size_t)k * sizeof *at);
-    memset(seen, 0, sizeof seen);
-    bool known = true;
-    for (int way = 0; way < WAYS; way++) known = known && ric_continuation_move(c, u, way + 1, moved + way * size);
-    for (int way = 0; way < WAYS && known && !status; way++) {
-        ric_shooting_fly(c, moved + way * size);
-        status = ric_floquet_compute(c, f);
-        for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], off_pair(k, f->rho, at + 2 * i));
-    }
-    ric_shooting_fly(c, u);
-    if (!status) status = ric_floquet_compute(c, f);
-    f->stable = stable;
-    for (int i = 0; i < k; i++) seen[i] = known ? MEASURED * seen[i] : HUGE_VAL;
-    ric_floquet_widen(f, seen);
     return status;
 }
 

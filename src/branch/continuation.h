@@ -7,6 +7,8 @@
 #include "orbit/room.h"
 #include "resonance.h"
 
+#define RIC_MEASURED 4 /* safety of an error that is measured by moving the unknowns */
+
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
