@@ -222,7 +222,7 @@ static void show(const course *q, const figures *f)
     char goal[32] = "", text[96];
     if (q->edge) snprintf(text, sizeof text, "%s", q->name);
     else snprintf(text, sizeof text, "%s on %g..%g", q->name, q->from, q->to);
-    if (aim(f->N) > 0 && !q->model->smooth) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
+    if (aim(f->N) > 0 && ric_model_detached(q->model)) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
     say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N, f->rate, goal,
         1e6 / f->rate, (double)f->evaluations / (double)f->points, 100 * (double)f->short_steps / (double)f->points,
         f->residual, f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");

@@ -4,7 +4,8 @@
 - a source lies in no room of the map, or the map names a file that is not there;
 - a file includes a header of another room that is not its room.h, or a room above its own;
 - rooms include each other in a circle, or files of one room do, by their headers;
-- a function that leaves its file does not carry the first word of the file's name.
+- a function that leaves its file does not carry the first word of the file's name;
+- a file asks which law a contact has that is neither of the ground (model, study, flow), nor of the second way (check, hunt).
 """
 import pathlib
 import re
@@ -15,6 +16,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "src"
 # Templates that are included to make code, not to declare it.
 TEMPLATES = {"flow/taylor.h", "flow/taylor_quad.h"}
+# Who may ask for a law: the rest goes through the tables of flow/flight_law.h and orbit/periodic_form.h. The flight of a
+# shooting problem asks so that rigid flights cost nothing more.
+LAWS = {"model", "study", "flow", "check", "hunt", "orbit/shooting"}
 # What every file uses keeps its short name.
 SHORT = {"ric_fail", "ric_no_memory", "ric_trust", "ric_malloc", "ric_calloc", "ric_realloc", "ric_strdup", "ric_lapack", "ric_file_read"}
 
@@ -95,12 +99,24 @@ def check_prefixes():
     return wrong
 
 
+def check_laws():
+    wrong = []
+    for path in sorted(SOURCES.glob("*/*.[ch]")):
+        if path.parent.name in LAWS or f"{path.parent.name}/{path.stem}" in LAWS:
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if re.search(r"RIC_LAW_\w+", line) and not re.search(r"^\s*\[RIC_LAW_\w+\] =", line):
+                wrong.append(f"{path.parent.name}/{path.name}:{number} asks for a law")
+    return wrong
+
+
 def main():
     rooms, failed = rooms_of_map(), 0
     checks = [("every source lies in a room of docs/map.md", check_files(rooms)),
               ("rooms are entered from above, by their header", check_directions(rooms)),
               ("no headers include each other in a circle", check_circles()),
-              ("functions carry the name of their file", check_prefixes())]
+              ("functions carry the name of their file", check_prefixes()),
+              ("only the ground asks which law a contact has", check_laws())]
     print(f"1..{len(checks)}")
     for number, (text, wrong) in enumerate(checks, 1):
         print(f"{'not ok' if wrong else 'ok'} {number} - {text}")

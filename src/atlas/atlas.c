@@ -48,7 +48,7 @@ size_t ric_atlas_point_stride(int n_dof, int letters)
 
 bool ric_branch_linear(const ric_model *m, const ric_branch *b)
 {
-    return b->impacts == 0 && !(m->smooth && (b->mode == 0 || m->seen[b->mode - 1]));
+    return b->impacts == 0 && (ric_model_detached(m) || !(b->mode == 0 || m->seen[b->mode - 1]));
 }
 
 ric_status ric_atlas_read(const char *path, ric_atlas **out)

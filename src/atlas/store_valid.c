@@ -157,7 +157,7 @@ static ric_status check_passed(judge *j, const ric_branch *branch)
 
 static ric_status check_branch(judge *j, const ric_branch *b)
 {
-    bool linear = b->impacts == 0 && !j->model->smooth;
+    bool linear = b->impacts == 0 && ric_model_detached(j->model);
     j->table = "branch";
     j->sub = -1;
     ric_status status = check_range(j, "stable_fraction", b->stable_fraction, 0, 1 + SLACK, false);

@@ -43,7 +43,7 @@
 ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], const double frequency[2],
                                    double max_step, int max_points)
 {
-    double lowest = m->smooth ? fmax(energy[0], m->linear_energy) : energy[0];
+    double lowest = fmax(energy[0], m->linear_energy);
     double longest = frequency[0] > 0 ? RIC_TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
     return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
                         .period = {RIC_TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
@@ -140,7 +140,7 @@ static double smallest_approach(const ric_shooting *c, bool springs)
 static double smallest_touch(const ric_shooting *c, const double *u)
 {
     double least = HUGE_VAL;
-    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+    for (int k = 0; k < c->n_flight; k++)
         if (ric_shooting_touches(c, k)) least = fmin(least, u[c->n_start + k]);
     return least;
 }
@@ -331,7 +331,7 @@ ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double
     ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
     margin now;
-    tr->steep |= c->model->smooth && ric_continuation_tolerance(c) > STEEP;
+    tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
     ric_status status = measure(tr, p->s, p->u, p, &now);
     if (status) return status;
     double slope = 0;
@@ -661,7 +661,7 @@ static bool symmetric_after_all(const ric_shooting *c)
 {
     int n = c->n;
     double off = 0;
-    if (!c->model->smooth || c->start != c->end || c->start == RIC_MIRROR_NONE) return false;
+    if (ric_periodic_has_events(c->model) || c->start != c->end || c->start == RIC_MIRROR_NONE) return false;
     for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(c->w[i] + c->w[2 * n + i]));
     return off < ON_OTHER * c->scale;
 }
@@ -672,8 +672,8 @@ static bool symmetric_after_all(const ric_shooting *c)
 static double before_crossing(const ric_continuation *tr, double h)
 {
     double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET], least = LAST_STEP * tr->chain->scale;
-    if (!tr->chain->model->smooth || !tr->has_past || tr->ignore || !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) ||
-        h <= least)
+    if (!ric_flight_law_of(tr->chain->model)->integrated || !tr->has_past || tr->ignore || !(f0 * f1 > 0) ||
+        fabs(f1) >= fabs(f0) || h <= least)
         return h;
     double x = (tr->now.s - tr->past.s) * f1 / (f0 - f1);
     return fmin(h, fmax(x / 3, least));

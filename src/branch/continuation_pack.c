@@ -59,7 +59,7 @@ ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t
         int32_t face = c->face[i];
         write(&to, &face, sizeof face);
     }
-    if (c->model->springs) write(&to, c->closed, sizeof *c->closed);
+    if (!ric_flight_law_of(c->model)->turns) write(&to, c->closed, sizeof *c->closed);
     write(&to, &tr->blind, sizeof tr->blind);
     write(&to, &tr->unresolved, sizeof tr->unresolved);
     write(&to, tr->blind_at, sizeof tr->blind_at);
@@ -109,10 +109,10 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     tr->end.test = -1;
     tr->limits = limits;
     if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE ||
-        h.parts < 1 || h.parts > RIC_PARTS_MOST || (h.parts > 1 && !m->smooth) || h.n_point < 0 || h.n_point > SANE ||
-        h.n_event < 0 || h.n_event > SANE || h.start < 0 || h.start > RIC_MIRROR_CENTRE || h.end < 0 ||
-        h.end > RIC_MIRROR_CENTRE || h.stop < 0 || h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY ||
-        (size_t)h.n_flight * sizeof(int32_t) > size)
+        h.parts < 1 || h.parts > RIC_PARTS_MOST || (h.parts > 1 && !ric_flight_law_of(m)->integrated) ||
+        h.n_point < 0 || h.n_point > SANE || h.n_event < 0 || h.n_event > SANE || h.start < 0 ||
+        h.start > RIC_MIRROR_CENTRE || h.end < 0 || h.end > RIC_MIRROR_CENTRE || h.stop < 0 ||
+        h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY || (size_t)h.n_flight * sizeof(int32_t) > size)
         goto damaged;
     if (!(face = ric_calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
     for (int i = 0; i <= h.n_flight; i++) {
@@ -124,7 +124,7 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
                                       &tr->chain)))
         goto out;
     uint64_t closed = 0;
-    if (m->springs && !take(&from, &size, &closed, sizeof closed)) goto damaged;
+    if (!ric_flight_law_of(m)->turns && !take(&from, &size, &closed, sizeof closed)) goto damaged;
     ric_shooting_close(tr->chain, closed);
     if (!take(&from, &size, &tr->blind, sizeof tr->blind)) goto damaged;
     if (!take(&from, &size, &tr->unresolved, sizeof tr->unresolved)) goto damaged;

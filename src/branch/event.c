@@ -180,7 +180,7 @@ static bool closes(ric_continuation *tr, double h, double *home, double *s)
     if (tr->n_point < 8) return false;
     memcpy(home, tr->start_u, (size_t)size * sizeof *home);
     if (reaches(tr, h, home, tr->start_t, s)) return true;
-    if (!c->model->smooth || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
+    if (ric_periodic_has_events(c->model) || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
     for (int i = 0; i < size; i++) {
         double sign = i == c->n_start ? 1 : -1; /* the time, and states before and after it */
         home[i] = sign * tr->start_u[i];

@@ -110,7 +110,7 @@ static void distances(const ric_shooting *c, const double *u, int sign, double *
  * of the order. */
 static ric_status solve_short(const ric_shooting *c, int order, int sign, double *u, bool *found)
 {
-    bool smooth = c->model->smooth; /* one flight for all periods */
+    bool smooth = !ric_periodic_has_events(c->model); /* one flight for all periods */
     int n = 2 * c->n, step = smooth ? 1 : c->n_flight / order, iterations;
     ric_shooting *one = NULL;
     ric_floquet floquet = {0};
@@ -151,7 +151,7 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
 {
     ric_shooting *c = tr->chain;
     double before[c->n_unknown], now[c->n_unknown];
-    bool smooth = c->model->smooth;
+    bool smooth = !ric_periodic_has_events(c->model);
     double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before)
                        : average(c, tr->past.u, order, sign, before);
     double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now) : average(c, tr->now.u, order, sign, now),
@@ -187,14 +187,15 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
 static bool candidate(const ric_shooting *c, const double *u, int r, int sign, const double *distances)
 {
     if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
-    if (c->model->smooth) return distances[r] <= NEAR * c->scale && distances[r] > REPEATED * c->scale;
+    if (!ric_periodic_has_events(c->model))
+        return distances[r] <= NEAR * c->scale && distances[r] > REPEATED * c->scale;
     return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) && word_repeats(c, c->n_flight / r, sign);
 }
 
 ric_status ric_multiple_cover_ahead(ric_continuation *tr, double *h, int *order, ric_station *out)
 {
     const ric_shooting *c = tr->chain;
-    bool smooth = c->model->smooth;
+    bool smooth = !ric_periodic_has_events(c->model);
     double distance[2][RIC_COPIES + 1];
     *order = 0;
     if (c->start != RIC_MIRROR_NONE || !tr->has_past || tr->ignore || tr->limits->ghost || c->n < 2) return RIC_OK;

@@ -134,7 +134,7 @@ static bool turned_round(const ric_continuation *tr, const ric_crossed *place, i
     ric_shooting *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
-    if (m->smooth && c->start == RIC_MIRROR_NONE) return turned_freely(tr, place, from, to, aside);
+    if (!ric_periodic_has_events(m) && c->start == RIC_MIRROR_NONE) return turned_freely(tr, place, from, to, aside);
     *aside = 0;
     ric_periodic *here = ric_continuation_cycle(tr, place->at), *near = ric_continuation_cycle(tr, place->beside);
     double *u = unknowns(m, here), *v = unknowns(m, near), *x = turned_unknowns(tr, place->beyond);
@@ -194,7 +194,7 @@ static double cut(const ric_shooting *c, int rows, int columns, const double *J,
 {
     int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
     double values[rows];
-    if (!c->model->smooth || rows <= dropped) return SINGULAR;
+    if (!ric_flight_law_of(c->model)->integrated || rows <= dropped) return SINGULAR;
     memcpy(work, J, (size_t)rows * columns * sizeof *J);
     memset(right, 0, (size_t)columns * sizeof *right);
     if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank)))
@@ -217,7 +217,7 @@ static bool has_more(const ric_model *m, ric_periodic *cycle, double tolerance)
 bool ric_symmetric_end_may_gain(const ric_shooting *c)
 {
     double nothing[c->n_unknown];
-    if (c->model->smooth) return false;
+    if (!ric_periodic_has_events(c->model)) return false;
     memset(nothing, 0, sizeof nothing);
     ric_periodic *cycle = ric_periodic_from_chain(c, nothing);
     if (cycle) memset(cycle->w, 0, 2 * (size_t)c->n * sizeof *cycle->w);

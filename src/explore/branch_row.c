@@ -46,7 +46,7 @@ static char *branch_label(const ric_model *m, const ric_branch *b)
         else snprintf(mark, sizeof mark, "(%d)", b->mode);
     }
     char count[16] = "";
-    if (!m->smooth || ric_branch_linear(m, b)) snprintf(count, sizeof count, "%d", b->impacts);
+    if (ric_model_detached(m) || ric_branch_linear(m, b)) snprintf(count, sizeof count, "%d", b->impacts);
     int used = snprintf(text, size, "%s%s%s", b->symmetric ? "S" : "A", count, mark);
     if (b->impacts > 0) {
         text[used++] = '[';
@@ -115,7 +115,7 @@ static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
                frequency = RIC_TWO_PI / (node->period * times) * g->model->omega_ref;
         b->energy_min = fmin(b->energy_min, energy);
         b->energy_max = fmax(b->energy_max, energy);
-        if (g->model->smooth || times < 1) continue;
+        if (!ric_model_detached(g->model) || times < 1) continue;
         b->frequency_min = fmin(b->frequency_min, frequency);
         b->frequency_max = fmax(b->frequency_max, frequency);
     }
@@ -140,7 +140,7 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
 static int backbone_mode(const ric_graph *g, const ric_edge *e)
 {
     const int ends[] = {e->from, e->to};
-    if (g->model->smooth) return e->mode >= 0 ? g->model->mode[e->mode] + 1 : 0;
+    if (!ric_model_detached(g->model)) return e->mode >= 0 ? g->model->mode[e->mode] + 1 : 0;
     for (int i = 0; i < 2; i++)
         if (e->mode >= 0 && ends[i] >= 0 && g->nodes[ends[i]]->mode == e->mode && g->nodes[ends[i]]->multiple == 1)
             return g->model->mode[e->mode] + 1;

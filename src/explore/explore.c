@@ -65,7 +65,7 @@ static ric_status check_springs(const ric_study *study)
         status = ric_model_modes(m, modes);
     for (int i = 0; i < ric_model_n_contact(m) && !status; i++) {
         ric_contact contact;
-        if ((status = ric_model_contact(m, i, &contact)) || contact.law != RIC_LAW_BILINEAR) continue;
+        if ((status = ric_model_contact(m, i, &contact)) || !ric_model_detached(m) || m->spring[i] == 0) continue;
         double ratio = stiffness_ratio(m, &contact, modes, omega, seen);
         if (ratio > STIFFEST)
             status = ric_fail(RIC_E_INPUT,

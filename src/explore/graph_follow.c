@@ -165,7 +165,7 @@ static ric_status trace_once(const ric_model *m, const course *way, const ric_no
 /* The next number of parts between inner nodes that is worth an attempt, 0: none. */
 static int more_parts(const ric_model *m, const course *way, int parts)
 {
-    if (!m->smooth || way->along) return 0;
+    if (!ric_flight_law_of(m)->integrated || way->along) return 0;
     do parts = parts ? MORE_PARTS * parts : PARTS;
     while (parts <= way->node->cycle->parts);
     return parts <= MOST_PARTS ? parts : 0;
@@ -332,7 +332,7 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double nearest = END_NEAR * c->scale, best[size];
-    if (!g->model->springs || !ric_node_leaves(node, choice)) return RIC_OK;
+    if (ric_flight_law_of(g->model)->turns || !ric_node_leaves(node, choice)) return RIC_OK;
     ric_symmetry problem = ric_node_problem(node, choice);
     ric_periodic *whole = ric_symmetry_cycle(node->cycle, &problem);
     if (!whole) return ric_no_memory("the end of a branch");

@@ -138,7 +138,7 @@ static ric_status start_modes(ric_graph *g)
         bool wanted = g->options->n_start == 0;
         for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == m->mode[i] + 1;
         if (!wanted) continue;
-        ric_status status = m->smooth ? smooth_start(g, i, &node) : ric_node_linear(m, i, &node);
+        ric_status status = ric_model_detached(m) ? ric_node_linear(m, i, &node) : smooth_start(g, i, &node);
         if (status) return status;
         if (!node) continue;
         if (node->energy > g->limits.energy[1]) {
@@ -197,7 +197,7 @@ static int loose_face(const ric_model *m)
 
 ric_status ric_graph_check_start(const ric_model *m)
 {
-    if (!m->springs || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
+    if (ric_flight_law_of(m)->turns || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
     return ric_fail(RIC_E_INPUT,
                     "the structure can move as a rigid body against a contact of law bilinear: such families have no "
                     "closed form to start from in this version; hold the structure by a soft spring, or make the "

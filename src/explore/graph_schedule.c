@@ -226,7 +226,8 @@ static void refuse_all(ric_graph *g, const char *why)
 {
     for (int i = 0; i < g->n_node; i++)
         for (int j = 0; j < g->nodes[i]->n_departure; j++) {
-            bool linear = !g->model->smooth && ric_node_impacts(g->nodes[i], g->nodes[i]->departures[j].choice) == 0;
+            bool linear = ric_model_detached(g->model) &&
+                          ric_node_impacts(g->nodes[i], g->nodes[i]->departures[j].choice) == 0;
             free(g->nodes[i]->departures[j].why);
             g->nodes[i]->departures[j].state = linear ? RIC_DEPARTURE_KNOWN : RIC_DEPARTURE_REFUSED;
             g->nodes[i]->departures[j].why = linear ? NULL : ric_strdup(why);

@@ -34,7 +34,7 @@ static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int 
         int seen = -1, node = -1;
         for (int k = 0; k < m->n; k++)
             if (m->mode[k] == i) seen = k;
-        if (m->smooth && seen >= 0) continue; /* its branch is traced */
+        if (!ric_model_detached(m) && seen >= 0) continue; /* its branch is traced */
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
         if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;

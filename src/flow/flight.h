@@ -3,7 +3,8 @@
  *
  * A flight with all springs open turns each mode in its plane (modal.h): `map` [3n] holds cos and sin. Any other
  * flight is *dense*: its state comes from a routine of the law, and `map` [4n^2] is the matrix that carries small
- * deviations through it (docs/theory.md section 10). Sets of closed springs are bits, one per face. */
+ * deviations through it (docs/theory.md section 10). Sets of closed springs are bits, one per face. What differs from
+ * law to law is in the table of flight_law.h. */
 #ifndef RIC_FLOW_FLIGHT_H
 #define RIC_FLOW_FLIGHT_H
 
@@ -13,14 +14,14 @@
 
 static inline bool ric_flight_dense(const ric_model *m, uint64_t closed)
 {
-    return closed || m->smooth;
+    return closed || m->law == RIC_LAW_POWER;
 }
 
 /* Doubles that the map of one flight takes at most. */
 static inline size_t ric_flight_stride(const ric_model *m)
 {
     size_t n = (size_t)m->n;
-    return m->springs && 4 * n * n > 3 * n ? 4 * n * n : 3 * n;
+    return m->law != RIC_LAW_RIGID && 4 * n * n > 3 * n ? 4 * n * n : 3 * n;
 }
 
 /* The closed springs after an event at `face`, which closes and opens them in turn; a rigid face changes nothing. */

@@ -3,6 +3,7 @@
 #define RIC_FLOW_ROOM_H
 
 #include "flight.h"
+#include "flight_law.h"
 #include "power_flow.h"
 
 #endif

@@ -137,7 +137,7 @@ static void shift(ring *q, const double *v, double *out)
     ric_shooting *c = q->chain;
     int n = 2 * c->n, step = c->n_flight / q->order;
     double u[q->size], after[n], h = DIFFERENCE * c->scale;
-    if (c->model->smooth) {
+    if (!ric_periodic_has_events(c->model)) {
         shift_smooth(q, v, out);
         return;
     }
@@ -332,7 +332,7 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
             q->b[j] += energy * q->energy[j] + *g * e[j];
             size = fmax(size, fabs(q->b[j]));
         }
-        if (c->model->smooth) hold_phase(q, u);
+        if (!ric_periodic_has_events(c->model)) hold_phase(q, u);
         for (int j = 0; j < 2; j++) {
             memcpy(q->A + (n + j) * k, q->dual + j * n, (size_t)n * sizeof *q->dual);
             q->b[n + j] = -z[j];
@@ -562,7 +562,7 @@ static bool compare(const ric_model *m, const ric_node *node, const ring *q, con
     off[0] = off[1] = HUGE_VAL;
     for (int k = 0; home && k < q->order; k++) {
         ric_periodic *image = ric_periodic_transform(m, home, k * home->N / q->order, false, turned && k % 2);
-        if (image && m->smooth) ric_periodic_shift(m, repeated, 0, image);
+        if (image) ric_periodic_align(m, repeated, image);
         double angle = image ? angle_of(m, q, image) : NAN;
         for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], RIC_TWO_PI)));
         ric_periodic_free(image);

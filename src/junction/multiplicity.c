@@ -106,14 +106,10 @@ typedef struct {
 /* The orbit of the junction gone through as often as it is multiplied, in the general form. */
 static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int multiple, ric_periodic **out)
 {
-    int n = m->n, N = cycle->N * multiple;
-    ric_periodic *whole = m->smooth ? ric_periodic_repeat(cycle, multiple) : ric_periodic_create(n, N);
+    int n = m->n;
+    ric_periodic *whole = ric_periodic_repeat(cycle, multiple);
     *out = whole;
     if (!whole) return ric_no_memory("the label of a junction");
-    for (int i = 0; i < N && !m->smooth; i++) {
-        whole->face[i] = cycle->face[i % cycle->N];
-        whole->tau[i] = cycle->tau[i % cycle->N];
-    }
     memcpy(whole->w, cycle->w, 2 * (size_t)n * sizeof *whole->w);
     whole->closed = cycle->closed;
     whole->parts = 0;
@@ -126,7 +122,7 @@ static double rounding_of(const ric_model *m, const ric_periodic *whole)
 {
     int n = 2 * m->n;
     double rate[n];
-    if (!m->smooth) return ROUNDING;
+    if (!ric_flight_law_of(m)->integrated) return ROUNDING;
     ric_flight_rate(m, 0, whole->w, rate);
     double turned = sqrt(ric_dot(n, rate, rate) / (1 + ric_dot(n, whole->w, whole->w)));
     return ROUNDING * (1 + ric_periodic_period(whole) * turned);

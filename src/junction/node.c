@@ -473,12 +473,10 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
                  *home = NULL;
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
     ric_periodic *here = ric_periodic_copy(cycle);
-    bool found = here && (!m->smooth || ric_periodic_mark(here, repeated->N));
+    bool found = here && ric_periodic_divide(m, here, repeated->N);
     found = found && ric_periodic_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
-    if (here && !found && m->smooth) { /* one starts at a rest, the other at a centre */
-        ric_periodic_half_mark(m, here);
+    if (here && !found && ric_periodic_half_mark(m, here)) /* one starts at a rest, the other at a centre */
         found = ric_periodic_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
-    }
     if (found) home = ric_periodic_transform(m, here, shift, reverse, mirror);
     ric_periodic_free(here);
     ric_symmetry other = ric_node_problem(node, RIC_OTHER_SIDE);

@@ -302,10 +302,11 @@ static bool solve_criterion(criterion *q, double *u)
                           (q->test == RIC_TEST_ROTATION && by_larger(q));
     if (q->test == RIC_TEST_ROTATION && !by_determinant) return solve_root(q, u);
     if (!by_determinant) return true;
-    bool blurred = c->model->smooth && breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
+    bool blurred = ric_flight_law_of(c->model)->integrated && breaks_symmetry(q->test) &&
+                   !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     if (!(least <= AT_ZERO * c->scale * slope)) return false;
-    if (q->last && !c->model->smooth && !stands_out(q, best)) return false;
+    if (q->last && !ric_flight_law_of(c->model)->integrated && !stands_out(q, best)) return false;
     return !q->last || q->test != RIC_TEST_ROTATION || solve_root(q, u);
 }
 
@@ -321,7 +322,7 @@ static int slowest(const ric_shooting *c, const double *u, bool *soft)
             least = fabs(c->approach[k]);
             best = k;
         }
-    for (int k = 0; c->model->springs && k < c->n_flight; k++)
+    for (int k = 0; k < c->n_flight; k++)
         if (ric_shooting_touches(c, k) && fabs(u[c->n_start + k]) < least) {
             least = fabs(u[c->n_start + k]);
             best = k;

@@ -50,7 +50,7 @@ static int admissible(ric_shooting *c, const double *u0, const double *t, double
         else if (fabs(c->approach[k]) <= lost) return -1;
         else if (c->approach[k] < 0) return 0;
     for (int k = 0; k < c->n_flight; k++)
-        if (c->model->springs && ric_shooting_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
+        if (ric_shooting_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
         else if (!(u[c->n_start + k] > 0)) return 0;
     return ric_reach(c, u, NULL) < 1;
 }

@@ -196,7 +196,7 @@ static void scale_modes(ric_model *m)
     double stiffness = m->omega_ref * m->omega_ref / cc;
     m->length = length_unit(m);
     m->energy_unit = stiffness * m->length * m->length;
-    m->linear_energy = LINEAR_ENERGY * unit_near(m->energy_unit);
+    if (m->law == RIC_LAW_POWER) m->linear_energy = LINEAR_ENERGY * unit_near(m->energy_unit);
     for (int f = 0; f < m->n_contact; f++) m->spring[f] = scaled_spring(m, &m->contact[f], stiffness);
     for (int i = 0; i < n; i++) {
         int mode = m->mode[i];
@@ -316,8 +316,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
             goto out;
         }
     }
-    m->smooth = contacts[0].law == RIC_LAW_POWER;
-    for (int i = 0; i < n_contact; i++) m->springs |= contacts[i].law != RIC_LAW_RIGID;
+    for (int i = 0; i < n_contact; i++) m->law = contacts[i].law > m->law ? contacts[i].law : m->law;
     m->restitution = restitution;
     if ((status = ric_modes_find(m))) goto out;
     if ((status = allocate_scaled(m))) goto out;
@@ -467,7 +466,7 @@ static double power_onset(const ric_model *m, int f, int i)
 ric_status ric_model_onsets(const ric_model *m, double *energy)
 {
     int contact[m->n_dof];
-    if (!m->smooth) {
+    if (m->law != RIC_LAW_POWER) {
         ric_status status = ric_model_grazing_energies(m, energy, contact);
         for (int i = 0; i < m->n_dof; i++)
             if (!m->seen[i]) energy[i] = INFINITY;

@@ -48,8 +48,7 @@ struct ric_model {
     double *c, *g, *E;  /* [n_contact * n], [n_contact * n], [n_contact * (n-1) * n] */
     int n_face;         /* 0 with law power */
     ric_face *face;     /* [n_face], contact by contact, upper before lower */
-    bool smooth;        /* law power: one flow without events */
-    bool springs;       /* some contact is not rigid */
+    ric_law law;        /* of the flights: rigid where all contacts are, power where all are, else bilinear */
     double *spring;     /* [n_contact] scaled force constants: of s^exponent for law power, of s - d for law bilinear, 0
                          * for law rigid */
     double omega_ref;   /* rad/s */
@@ -57,11 +56,18 @@ struct ric_model {
                          * in this frame are of order 1 there, and what is relative to 1 + |state| means it */
     double energy_unit; /* public scaled energy = energy_unit * energy in this frame */
     double linear_energy; /* public scaled energy at which branches of law power start, if their window reaches that
-                           * low: there they leave the linear modes */
+                           * low: there they leave the linear modes; 0 for the other laws */
     double *to_modal;     /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d, q by L */
     double *to_space;     /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
     struct ric_phases *phases; /* regime.h: what contacts of law bilinear make of the modes while they are closed */
 };
+
+/* Whether contacts stand off: motion that reaches no face is linear, in modes. A power law acts at once, and has no
+ * faces. */
+static inline bool ric_model_detached(const ric_model *model)
+{
+    return model->n_face > 0;
+}
 
 /* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */
 bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);

@@ -322,7 +322,7 @@ static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
 /* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
 static double roundings(const ric_shooting *c)
 {
-    return c->model->smooth ? SMOOTH_STEPS : c->n_flight + 2;
+    return ric_flight_law_of(c->model)->integrated ? SMOOTH_STEPS : c->n_flight + 2;
 }
 
 /* Beyond the range of a double: some multiplier is astronomically large. */
@@ -525,7 +525,7 @@ static void smooth_section(const ric_shooting *c, bool dual, double *V)
 static void return_map(const ric_shooting *c, double *V, double *P, int *exponent, double *growth)
 {
     int n = c->n, ld = 2 * (n - 1);
-    if (!c->model->smooth) {
+    if (c->face[0] >= 0) {
         const double *E = c->model->face[c->face[0]].E;
         section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], E, V);
         propagate(c, 0, c->n_flight, V, exponent, growth);
@@ -605,7 +605,7 @@ static void add_inverse(int k, const double *A, int sigma, const double *B, doub
 static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, double *errors)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
-    if (c->model->springs || c->model->smooth || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
+    if (!ric_flight_law_of(c->model)->turns || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
     const ric_face *first = &c->model->face[c->face[0]], *second = &c->model->face[c->face[middle]];
     double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld,
            growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];

@@ -26,7 +26,7 @@ size_t ric_floquet_fine_size(int n)
 
 bool ric_floquet_fine_fits(const ric_shooting *c)
 {
-    return !c->model->springs && !c->model->smooth && c->n > 1;
+    return ric_flight_law_of(c->model)->turns && c->n > 1;
 }
 
 static real dot(int n, const real *x, const real *y)

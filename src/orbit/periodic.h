@@ -28,6 +28,10 @@ ric_periodic *ric_periodic_create(int n, int N);
 ric_periodic *ric_periodic_copy(const ric_periodic *cycle);
 void ric_periodic_free(ric_periodic *cycle);
 
+/* Whether orbits of the structure have events; else they are one flight, in which marks stand for them
+ * (periodic_form.h). */
+bool ric_periodic_has_events(const ric_model *model);
+
 /* The orbit of a chain at u (evaluated or flown there); symmetries are those of the chain's form. NULL: no memory. */
 ric_periodic *ric_periodic_from_chain(const ric_shooting *chain, const double *u);
 /* The event from which a chain of the general form starts. */
@@ -43,6 +47,15 @@ int ric_periodic_impacts(uint64_t springs, const ric_periodic *cycle);
  * faces, and the springs that are closed. */
 void ric_periodic_word(const ric_model *model, const ric_periodic *cycle, int *word);
 void ric_periodic_spell(const ric_model *model, ric_periodic *cycle, const int *word);
+/* A cycle of a word [letters] and its flight times tau, both as they leave the library but for the unit of time, at
+ * state zero; and what a stored branch says of its symmetries. NULL: no memory. */
+typedef struct {
+    bool symmetric, reversible, centre, other; /* mirror points: a centre, or a rest or an impact */
+} ric_periodic_claim;
+ric_periodic *ric_periodic_spelled(const ric_model *model, int letters, const int *word, const double *tau);
+void ric_periodic_claimed(const ric_model *model, const ric_periodic_claim *claim, ric_periodic *cycle);
+/* Its flight times as they leave the library, in seconds: one per letter, or the period. */
+void ric_periodic_flights(const ric_model *model, const ric_periodic *cycle, double *seconds);
 /* The springs that are closed in flight i. */
 uint64_t ric_periodic_closed(const ric_model *model, const ric_periodic *cycle, int i);
 
@@ -97,22 +110,21 @@ ric_periodic *ric_periodic_canonical(const ric_model *model, const ric_periodic 
 /* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no
  * memory. */
 bool ric_periodic_mark(ric_periodic *cycle, int marks);
+/* The same of any structure: events stay as they are. */
+bool ric_periodic_divide(const ric_model *model, ric_periodic *cycle, int marks);
 /* Sets the state half a period on, w [2n], or forgets it, NULL; false: no memory. */
 bool ric_periodic_oppose(ric_periodic *cycle, const double *w);
-ric_periodic *ric_periodic_from_smooth(const ric_shooting *chain, const double *u);
-ric_status ric_periodic_to_smooth(const ric_model *model, const ric_periodic *cycle, ric_shooting **chain, double **u);
 /* Orbits without mirror points may start at any time. Moves the start of `near` to where it is nearest to that of
  * `orbit`, across the flow there; returns the time that takes. Or by a given time, and across the flow from there. */
 double ric_periodic_phase(const ric_model *model, const ric_periodic *orbit, ric_periodic *near);
 void ric_periodic_shift(const ric_model *model, const ric_periodic *orbit, double time, ric_periodic *near);
-/* ric_periodic_nearest of such orbits. */
-ric_periodic *ric_periodic_nearest_phase(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near,
-                                         double limit);
 /* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts at one of them
  * afterwards. */
 bool ric_periodic_find_mirrors(const ric_model *model, ric_periodic *cycle, int copies, double tolerance);
-/* The same orbit started half a mark later. */
-void ric_periodic_half_mark(const ric_model *model, ric_periodic *cycle);
+/* The same orbit started half a mark later; false: it has events, and starts at one. */
+bool ric_periodic_half_mark(const ric_model *model, ric_periodic *cycle);
+/* Moves the start of a neighbour across the flow at that of `orbit`; an event is where it is. */
+void ric_periodic_align(const ric_model *model, const ric_periodic *orbit, ric_periodic *near);
 /* How often a shorter orbit is gone through, up to RIC_COPIES times. */
 enum { RIC_COPIES = 24 };
 int ric_periodic_copies(const ric_model *model, const ric_periodic *cycle, double tolerance);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "periodic.h"
+#include "periodic_form.h"
 #include "flow/room.h"
 #include "shooting_nodes.h"
 #include "base/room.h"
@@ -50,11 +50,12 @@ static void move(const ric_model *m, ric_periodic *c, double time)
     ric_periodic_oppose(c, NULL);
 }
 
-void ric_periodic_half_mark(const ric_model *m, ric_periodic *c)
+static bool half_mark(const ric_model *m, ric_periodic *c)
 {
     move(m, c, ric_periodic_period(c) / (2 * c->N));
     if (c->pure >= 0) c->pure = (c->pure + c->N - 1) % c->N;
     if (c->flip >= 0) c->flip = (c->flip + c->N - 1) % c->N;
+    return true;
 }
 
 static double gap_of(const ric_model *m, const double *w)
@@ -185,8 +186,9 @@ void ric_periodic_shift(const ric_model *m, const ric_periodic *orbit, double ti
     onto_plane(m, orbit->w, piece(m, ric_periodic_period(near), orbit->w), near->w, &(double){0});
 }
 
-ric_periodic *ric_periodic_nearest_phase(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
-                                         double limit)
+/* ric_periodic_nearest of orbits that may start at any time. */
+static ric_periodic *nearest_phase(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
+                                   double limit)
 {
     ric_periodic *best = NULL;
     double least = limit;
@@ -227,7 +229,7 @@ bool ric_periodic_find_mirrors(const ric_model *m, ric_periodic *c, int copies, 
     return false;
 }
 
-ric_periodic *ric_periodic_from_smooth(const ric_shooting *chain, const double *u)
+static ric_periodic *from_chain(const ric_shooting *chain, const double *u)
 {
     ric_periodic *c = ric_periodic_create(chain->n, 2);
     if (!c) return NULL;
@@ -257,7 +259,7 @@ ric_periodic *ric_periodic_from_smooth(const ric_shooting *chain, const double *
     return NULL;
 }
 
-ric_status ric_periodic_to_smooth(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
+static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
 {
     static const int face[] = {-1, -1};
     int n = c->n, N = c->N, from = 0;
@@ -307,3 +309,92 @@ int ric_periodic_copies(const ric_model *m, const ric_periodic *c, double tolera
     }
     return 1;
 }
+
+/* ------------------------------------------------------------------- form */
+
+static bool phase_free(const ric_periodic *c)
+{
+    return c->pure < 0 && c->flip < 0;
+}
+
+static ric_periodic *spell(const ric_model *m, int letters, const int *word, const double *tau)
+{
+    ric_periodic *c = ric_periodic_create(m->n, 2);
+    (void)letters, (void)word;
+    if (!c) return NULL;
+    c->tau[0] = tau[0];
+    if (ric_periodic_mark(c, 2)) return c;
+    ric_periodic_free(c);
+    return NULL;
+}
+
+/* Stored orbits start at the mirror point that the chain starts at. */
+static void claim(const ric_model *m, const ric_periodic_claim *said, ric_periodic *c)
+{
+    (void)m;
+    c->half = said->symmetric;
+    c->flip = said->reversible && said->centre ? 0 : -1;
+    c->pure = !said->reversible || !said->other ? -1 : said->centre;
+}
+
+static bool same(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance)
+{
+    int shift;
+    bool reverse, mirror;
+    if (ric_periodic_match(m, a, b, tolerance, &shift, &reverse, &mirror)) return true;
+    if (a->N != b->N || !phase_free(a)) return false;
+    ric_periodic *image = nearest_phase(m, a, b, tolerance);
+    bool found = image;
+    ric_periodic_free(image);
+    return found;
+}
+
+static bool repeats(const ric_model *m, const ric_periodic *c, double tolerance)
+{
+    return ric_periodic_copies(m, c, tolerance) > 1;
+}
+
+static ric_periodic *nearest(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near, double limit)
+{
+    return phase_free(orbit) ? nearest_phase(m, orbit, near, limit) : ric_periodic_nearest_event(m, orbit, near, limit);
+}
+
+static int find_symmetries(const ric_model *m, ric_periodic *c, double tolerance)
+{
+    c->half = false;
+    c->pure = c->flip = -1;
+    int q = ric_periodic_copies(m, c, tolerance);
+    if (!ric_periodic_mark(c, 2 * q)) return 1;
+    q = ric_periodic_try_symmetries(m, c, q, tolerance);
+    /* the other reversal a quarter on */
+    if (phase_free(c) && ric_periodic_find_mirrors(m, c, q, tolerance) && c->half)
+        *(c->pure < 0 ? &c->pure : &c->flip) = 1;
+    /* orbits with all symmetries start at a centre */
+    if (c->half && c->pure == 0) half_mark(m, c);
+    return q;
+}
+
+static void flights(const ric_periodic *c, double *tau)
+{
+    tau[0] = ric_periodic_period(c);
+}
+
+static void align(const ric_model *m, const ric_periodic *orbit, ric_periodic *near)
+{
+    ric_periodic_shift(m, orbit, 0, near);
+}
+
+const ric_periodic_form ric_periodic_smooth = {
+    .from_chain = from_chain,
+    .to_chain = to_chain,
+    .spell = spell,
+    .claim = claim,
+    .same = same,
+    .repeats = repeats,
+    .nearest = nearest,
+    .find_symmetries = find_symmetries,
+    .flights = flights,
+    .divide = ric_periodic_mark,
+    .half_mark = half_mark,
+    .align = align,
+};

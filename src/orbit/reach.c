@@ -312,14 +312,15 @@ static void search_all(search *q, const double *u)
 {
     const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
+    const bool springs = !ric_flight_law_of(m)->turns;
     double ends[4 * q->n];
     q->start = ends;
     q->end = ends + 2 * q->n;
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
         if (isnan(q->tau)) q->best = HUGE_VAL;
-        if (m->springs) search_rest(q);
-        if (!(q->tau > 0) || (m->springs && q->tau < NO_TIME)) continue;
+        if (springs) search_rest(q);
+        if (!(q->tau > 0) || (springs && q->tau < NO_TIME)) continue;
         if (!enter_flight(q)) {
             q->best = HUGE_VAL;
             continue;
@@ -341,7 +342,7 @@ static bool shows_image(const ric_shooting *c)
 double ric_reach(const ric_shooting *chain, const double *u, ric_touch *where)
 {
     search q = {.chain = chain, .n = chain->n, .mirrored = shows_image(chain)};
-    if (chain->model->smooth) { /* nothing to touch */
+    if (!ric_model_detached(chain->model)) { /* nothing to touch */
         if (where) where->face = -1;
         return 0;
     }
@@ -361,7 +362,7 @@ int ric_reach_all(const ric_shooting *chain, const double *u, double threshold, 
                 .threshold = threshold,
                 .capacity = capacity,
                 .touches = touches};
-    if (chain->model->smooth) return 0;
+    if (!ric_model_detached(chain->model)) return 0;
     search_all(&q, u);
     return q.count;
 }

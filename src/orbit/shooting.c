@@ -145,7 +145,7 @@ static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int
     double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1), tau = *u;
     const ric_face *face = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
     c->tau[k] = tau;
-    if (m->smooth) {
+    if (m->law == RIC_LAW_POWER) {
         if (!ric_shooting_nodes_fly(c, k, u)) return 0;
     } else if (ric_flight_dense(m, c->closed[k]))
         ric_flight_map(m, c->closed[k], ric_shooting_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
@@ -197,7 +197,7 @@ static void set_residual(ric_shooting *c, const double *u, double largest)
     for (int i = 0; i < n; i++) reach += end[i] * end[i];
     c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
     c->grain = longest * fastest / c->scale;
-    if (c->model->smooth) c->grain += SMOOTH_ROUNDING * c->lost / c->scale;
+    c->grain += SMOOTH_ROUNDING * c->lost / c->scale;
     c->residual = largest / c->scale;
     if (!(c->residual < HUGE_VAL)) c->residual = HUGE_VAL;
 }

@@ -28,9 +28,7 @@ ric_status ric_turn_write(const ric_model *m, ric_shooting *c, const double *u, 
     ric_periodic *cycle = ric_turn_cycle(m, c, u, t);
     if (!cycle) return ric_no_memory("an orbit");
     if (x && v) ric_model_to_state(m, cycle->w, x, v);
-    if (flights && m->smooth) flights[0] = ric_periodic_period(cycle) / m->omega_ref;
-    else
-        for (int k = 0; flights && k < cycle->N; k++) flights[k] = cycle->tau[k] / m->omega_ref;
+    if (flights) ric_periodic_flights(m, cycle, flights);
     ric_periodic_free(cycle);
     return RIC_OK;
 }

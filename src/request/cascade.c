@@ -132,18 +132,17 @@ static ric_status measure(const ric_model *m, stage *s)
     s->flights = ric_calloc((size_t)N + 1, sizeof *s->flights);
     s->word = ric_calloc((size_t)N + 1, sizeof *s->word);
     if (!s->state || !s->flights || !s->word) return ric_no_memory("a cascade");
-    if (!m->smooth) ric_periodic_word(m, s->orbit, s->word);
+    ric_periodic_word(m, s->orbit, s->word);
     ric_model_to_state(m, s->orbit->w, s->state, s->state + m->n_dof);
-    for (int k = 0; k < N; k++) s->flights[k] = s->orbit->tau[k] / m->omega_ref;
-    if (m->smooth) s->flights[0] = ric_periodic_period(s->orbit) / m->omega_ref;
+    ric_periodic_flights(m, s->orbit, s->flights);
     s->energy = ric_periodic_energy(m, s->orbit) * m->energy_unit;
     s->frequency = RIC_TWO_PI / ric_periodic_period(s->orbit) * m->omega_ref;
     ric_status status = ric_periodic_to_chain(m, s->orbit, &chain, &u);
     if (!status) {
         ric_shooting_fly(chain, u);
         s->residual = chain->residual;
-        status = m->smooth ? integrate(m, s->orbit, s->state, &s->return_error)
-                           : simulate(m, s->orbit, s->state, &s->return_error);
+        status = ric_periodic_has_events(m) ? simulate(m, s->orbit, s->state, &s->return_error)
+                                            : integrate(m, s->orbit, s->state, &s->return_error);
     }
     ric_shooting_free(chain);
     free(u);
@@ -373,7 +372,7 @@ static ric_status check_request(const ric_model *m, const ric_branch *b, const r
 {
     if (ric_branch_linear(m, b))
         return ric_fail(RIC_E_RANGE, "branch %d is a linear mode, which nothing multiplies; choose %s", b->id,
-                        m->smooth ? "another one" : "a branch with impacts");
+                        ric_model_detached(m) ? "a branch with impacts" : "another one");
     if (o->n < 1) return ric_fail(RIC_E_INPUT, "a cascade needs one multiplication at least");
     for (int i = 0; i < o->n; i++)
         if (o->multiple[i] < 2 || o->multiple[i] > 64)
@@ -465,7 +464,7 @@ static int periods_to(const ric_cascade *c, int step)
 int ric_cascade_impacts(const ric_cascade *c, int step)
 {
     if (step < 0 || step >= c->n || !c->stages[step].trace) return 0;
-    if (c->model->smooth) return periods_to(c, step);
+    if (!ric_periodic_has_events(c->model)) return periods_to(c, step);
     ric_continuation *tr = c->stages[step].trace;
     ric_periodic *cycle = ric_continuation_cycle(tr, (const double *)((const ric_point *)tr->points + 1));
     int N = cycle ? cycle->N : 0;
@@ -485,7 +484,7 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (!x) return RIC_OK;
     int n = c->model->n_dof;
     ric_periodic *cycle = ric_continuation_cycle(s->trace, (const double *)(p + 1));
-    if (cycle && c->model->smooth && !ric_periodic_mark(cycle, periods_to(c, step))) {
+    if (cycle && !ric_periodic_divide(c->model, cycle, periods_to(c, step))) {
         ric_periodic_free(cycle);
         cycle = NULL;
     }

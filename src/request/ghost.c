@@ -181,7 +181,7 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
 
 ric_status ric_ghost_find(const ric_atlas *a, int branch, const ric_ghost_limits *limits, int *n, ric_ghost ***out)
 {
-    if (ric_atlas_model(a)->springs)
+    if (!ric_flight_law_of(ric_atlas_model(a))->turns)
         return ric_fail(RIC_E_INPUT, "ghosts are traced on rigid contacts only: beyond a grazing a contact of law "
                                      "bilinear would last a negative time");
     ric_branch b;

@@ -64,8 +64,7 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
     }
     o->model = m;
     ric_model_to_state(m, o->cycle->w, o->state, o->state + m->n_dof);
-    for (int k = 0; k < o->cycle->N; k++) o->flights[k] = o->cycle->tau[k] / m->omega_ref;
-    if (m->smooth) o->flights[0] = ric_periodic_period(o->cycle) / m->omega_ref;
+    ric_periodic_flights(m, o->cycle, o->flights);
     ric_floquet_multipliers(&floquet, o->multipliers);
     o->error = floquet.error;
     o->stable = floquet.stable;

@@ -4,6 +4,7 @@
 
 #include "ricochet.h"
 #include "base/room.h"
+#include "model/room.h"
 
 static const double two_pi = RIC_TWO_PI;
 
@@ -193,7 +194,7 @@ static ric_status exchange_at(subject *s, int k, double exchanged, double *speed
     if (!status) status = ric_model_compliance(s->model, index, s->work);
     if (status) return status;
     *speed = speed_at_impact(s, k, contact.normal);
-    *impulse = contact.law == RIC_LAW_BILINEAR ? exchanged : 2 * *speed / s->work[s->n_dof - 1];
+    *impulse = s->model->spring[index] > 0 ? exchanged : 2 * *speed / s->work[s->n_dof - 1];
     return RIC_OK;
 }
 

@@ -101,7 +101,7 @@ static void choose_energy(const ric_model *m, const range *r, double out[2])
 {
     const bool body = !isfinite(r->first);
     const double unit = body ? 0.5 / r->cc : r->first; /* that of a body that crosses the gap once a second */
-    out[0] = body ? FREE_LOW * FREE_LOW * unit : r->loose && !m->smooth ? LOOSE * unit : 0;
+    out[0] = body ? FREE_LOW * FREE_LOW * unit : r->loose && ric_model_detached(m) ? LOOSE * unit : 0;
     out[1] = rounded(body ? FREE_HIGH * FREE_HIGH * unit : r->top, ceil);
     out[0] = rounded(out[0], floor);
 }

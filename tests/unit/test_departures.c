@@ -99,7 +99,8 @@ static int count_families(const ric_model *m, const ric_node *node)
 static int count_candidates(const ric_model *m, const ric_node *node)
 {
     switch (node->kind) {
-    case RIC_KIND_GRAZING: return node->refusal ? 1 : m->springs ? -1 : count_subsets(m, node); /* pairs of switches */
+    case RIC_KIND_GRAZING:
+        return node->refusal ? 1 : m->law != RIC_LAW_RIGID ? -1 : count_subsets(m, node); /* pairs of switches */
     case RIC_KIND_CORNER: return node->refusal ? 0 : -1; /* orders of pairs of impacts are not counted here */
     case RIC_KIND_BRANCH_POINT: return 2;
     case RIC_KIND_MULTIPLICATION: return 1 + count_families(m, node);

@@ -133,7 +133,7 @@ static void integrate(const ric_model *m, const ric_periodic *cycle, double tole
 /* The simulator, which shares no code with the solver, meets the same faces and comes back after the full period. */
 static void replay(const ric_model *m, const ric_periodic *cycle, double tolerance, const char *where)
 {
-    if (m->smooth) {
+    if (!ric_model_detached(m)) {
         integrate(m, cycle, tolerance, where);
         return;
     }
@@ -322,7 +322,7 @@ static void check_branch(const ric_graph *g, ric_continuation *tr, const char *n
 {
     static const int rotations[][2] = {{1, 3}, {2, 3}, {1, 4}, {3, 4}, {1, 5}, {2, 5}, {4, 5}, {1, 7}, {2, 7}, {3, 7}};
     ric_shooting *c = tr->chain;
-    const int most = per_order(g->model->smooth);
+    const int most = per_order(!ric_model_detached(g->model));
     bool half = c->sigma < 0;
     double u[MAX_SIZE];
     char where[128];
@@ -355,7 +355,7 @@ static void check_study(int which, int count[2][MAX_ORDER])
     if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
     for (int i = 0; i < g->n_edge; i++)
         if (g->edges[i].trace->chain->start == RIC_MIRROR_NONE)
-            check_branch(g, g->edges[i].trace, name, g->model->smooth ? 5 : 7, count);
+            check_branch(g, g->edges[i].trace, name, ric_model_detached(g->model) ? 7 : 5, count);
     ric_graph_free(g);
     ric_study_free(study);
 }

@@ -383,7 +383,7 @@ static void check_dense(ric_shooting *chain, const double *u, const char *where)
 {
     ric_model soft = *chain->model;
     double springs[MAX_CONTACT] = {0}, step[MAX_SIZE], dense_step[MAX_SIZE], kernel[MAX_SIZE], dense_kernel[MAX_SIZE];
-    soft.springs = soft.smooth = true;
+    soft.law = RIC_LAW_POWER;
     soft.spring = springs;
     ric_shooting *dense = NULL;
     assert_int_equal(ric_shooting_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
