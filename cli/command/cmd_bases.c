@@ -110,25 +110,31 @@ static int run(int argc, char **argv)
     return cli_list(&listing, argc, argv);
 }
 
+static const cli_item items[] = {
+    {.text = "One row per fractal base Fj_i (the article's F_i^j): the j-duplicate of the backbone of linear mode "
+             "i and all branches that join it, through junctions and on any duplicate, without passing a backbone "
+             "or one of its duplicates. A base of a higher mode leaves out what is in one of a lower mode. What is "
+             "known of a base depends on the budgets of the atlas."},
+    {.name = "number, branches",
+     .text = "of the original branches in it, by id; labels are their labels (--json and --csv)"},
+    {.name = "duplicates", .text = "the k-duplicates in it, k > 1 (--json and --csv)"},
+    {.name = "energy, frequency", .text = "ranges of the original branches"},
+    {.name = "--branch", .value = "ID", .text = "the bases of one branch"},
+    {.name = "--duplicates",
+     .value = "K",
+     .text = "follow duplicates up to K, at most 64; otherwise up to the least number that gives every branch a "
+             "base"},
+    {.name = "--physical", .text = "energies in the units of the study, not scaled by the clearance"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_bases = {
     .name = "bases",
     .summary = "list the fractal bases of an atlas and the branches in them",
-    .help = "usage: ricochet bases ATLAS [--duplicates K] [--branch ID] [--physical] [--json | --csv]\n"
-            "\n"
-            "One row per fractal base Fj_i (the article's F_i^j): the j-duplicate of the backbone of linear mode\n"
-            "i and all branches that join it, through junctions and on any duplicate, without passing a backbone\n"
-            "or one of its duplicates. A base of a higher mode leaves out what is in one of a lower mode. What is\n"
-            "known of a base depends on the budgets of the atlas.\n"
-            "\n"
-            "  number, branches   of the original branches in it, by id; labels are their labels (--json and\n"
-            "                     --csv)\n"
-            "  duplicates         the k-duplicates in it, k > 1 (--json and --csv)\n"
-            "  energy, frequency  ranges of the original branches\n"
-            "  --branch ID        the bases of one branch\n"
-            "  --duplicates K     follow duplicates up to K, at most 64; otherwise up to the least number that\n"
-            "                     gives every branch a base\n"
-            "  --physical         energies in the units of the study, not scaled by the clearance\n"
-            "\n"
-            "example: ricochet bases study.ricochet\n",
+    .usage = "ricochet bases ATLAS [--duplicates K] [--branch ID] [--physical] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet bases study.ricochet\n",
     .run = run,
 };

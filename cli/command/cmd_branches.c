@@ -179,34 +179,41 @@ static int run(int argc, char **argv)
     return cli_list(&listing, argc, argv);
 }
 
+static const cli_item items[] = {
+    {.text = "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word) "
+             "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a "
+             "line; --csv and --json show everything."},
+    {.name = "from, to", .text = "junctions at the ends, by id"},
+    {.name = "stop, why",
+     .text = "why the far end is where it is: junction, corner, window, budget, closed or failed, and a sentence "
+             "on it, or on events that make no junction"},
+    {.name = "junctions",
+     .text = "ids of the junctions that the branch passes through, in order; junction_arclengths says where"},
+    {.name = "depth", .text = "least number of departures from the start"},
+    {.name = "relative_energy_",
+     .text = "energies as multiples of the onset of the lowest mode, where contacts begin to matter to it; numbers "
+             "without a unit (min and max, in --csv and --json)"},
+    {.name = "stable_fraction", .text = "share of the arclength on which the orbits are stable"},
+    {.name = "--physical", .text = "energies in the units of the study, not scaled by the clearance"},
+    {.name = "--elementary",
+     .text = "only the elementary structure: the linear modes and backbones, what joins the backbone of the first "
+             "mode, and what joins the 1- and 2-duplicates of the others; F_1^1, F_i^1 and F_i^2 of `ricochet "
+             "bases`"},
+    {.name = "--segments",
+     .text = "one row per segment A_N[R]|P1 P2 instead, the part of a branch between consecutive junctions P1 and "
+             "P2; `stable` says yes, no, undecided or partly of the stored points in between, nothing if there are "
+             "none"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
-    .help = "usage: ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n"
-            "\n"
-            "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word)\n"
-            "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a\n"
-            "line; --csv and --json show everything.\n"
-            "\n"
-            "  from, to          junctions at the ends, by id\n"
-            "  stop, why         why the far end is where it is: junction, corner, window, budget, closed or\n"
-            "                    failed, and a sentence on it, or on events that make no junction\n"
-            "  junctions         ids of the junctions that the branch passes through, in order;\n"
-            "                    junction_arclengths says where\n"
-            "  depth             least number of departures from the start\n"
-            "  relative_energy_  energies as multiples of the onset of the lowest mode, where contacts begin to\n"
-            "                    matter to it; numbers without a unit (min and max, in --csv and --json)\n"
-            "  stable_fraction   share of the arclength on which the orbits are stable\n"
-            "  --physical        energies in the units of the study, not scaled by the clearance\n"
-            "\n"
-            "  --elementary      only the elementary structure: the linear modes and backbones, what joins the\n"
-            "                    backbone of the first mode, and what joins the 1- and 2-duplicates of the\n"
-            "                    others; F_1^1, F_i^1 and F_i^2 of `ricochet bases`\n"
-            "  --segments        one row per segment A_N[R]|P1 P2 instead, the part of a branch between\n"
-            "                    consecutive junctions P1 and P2; `stable` says yes, no, undecided or partly of\n"
-            "                    the stored points in between, nothing if there are none\n"
-            "\n"
-            "example: ricochet branches study.ricochet\n"
-            "example: ricochet branches study.ricochet --elementary --segments\n",
+    .usage = "ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet branches study.ricochet\n"
+               "ricochet branches study.ricochet --elementary --segments\n",
     .run = run,
 };

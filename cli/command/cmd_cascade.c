@@ -324,26 +324,31 @@ static int run(int argc, char **argv)
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Without --branch: the paths that the atlas holds, from a branch through a multiplication to the "
+             "family that leaves there, through a multiplication of it, and so on; those of two or more, or those "
+             "with the given multiplicities. With --branch and a list: the first cascade from that branch is "
+             "followed, as deep as asked, whatever the atlas holds; nothing is written to it. The ratio of "
+             "successive differences of energies of doublings tends to 8.7210972. return_error: a simulator runs "
+             "one period and comes back to within this."},
+    {.name = "--multiply",
+     .value = "LIST",
+     .text = "multiplicities q, or p/q for one rotation number only; the last family is followed to its end"},
+    {.name = "--doublings", .value = "N", .text = "N doublings"},
+    {.name = "--branch", .value = "ID", .text = "the branch with the first multiplication"},
+    {.name = "--physical", .text = "energies in the units of the study"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_cascade = {
     .name = "cascade",
     .summary = "paths of successive period multiplications",
-    .help = "usage: ricochet cascade ATLAS [--multiply 3,2,4] [--branch ID] [--physical] [--json | --csv]\n"
-            "       ricochet cascade ATLAS --branch ID (--multiply 2/3,2,4 | --doublings N) [--physical]\n"
-            "           [--json | --csv]\n"
-            "\n"
-            "Without --branch: the paths that the atlas holds, from a branch through a multiplication to the\n"
-            "family that leaves there, through a multiplication of it, and so on; those of two or more, or those\n"
-            "with the given multiplicities. With --branch and a list: the first cascade from that branch is\n"
-            "followed, as deep as asked, whatever the atlas holds; nothing is written to it. The ratio of\n"
-            "successive differences of energies of doublings tends to 8.7210972. return_error: a simulator runs\n"
-            "one period and comes back to within this.\n"
-            "\n"
-            "  --multiply LIST   multiplicities q, or p/q for one rotation number only; the last family is\n"
-            "                    followed to its end\n"
-            "  --doublings N     N doublings\n"
-            "  --branch ID       the branch with the first multiplication\n"
-            "  --physical        energies in the units of the study\n"
-            "\n"
-            "example: ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
+    .usage = "ricochet cascade ATLAS [--multiply LIST] [--branch ID] [--physical] [--json | --csv]\n"
+             "ricochet cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--physical]\n"
+             "           [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
     .run = run,
 };

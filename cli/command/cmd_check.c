@@ -308,19 +308,24 @@ static int run(int argc, char **argv)
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy "
+             "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked, "
+             "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the "
+             "windows, those of the study or chosen for the model, and the modes that they leave out, and the "
+             "reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's values "
+             "are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy and "
+             "window_frequency."},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_check = {
     .name = "check",
     .summary = "show what a study's model is: frequencies, modal normals, first touches",
-    .help = "usage: ricochet check STUDY [--json | --csv]\n"
-            "\n"
-            "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy\n"
-            "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked,\n"
-            "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the\n"
-            "windows, those of the study or chosen for the model, and the modes that they leave out, and\n"
-            "the reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's\n"
-            "values are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy\n"
-            "and window_frequency.\n"
-            "\n"
-            "example: ricochet check examples/elementary/study.yaml\n",
+    .usage = "ricochet check STUDY [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet check examples/elementary/study.yaml\n",
     .run = run,
 };

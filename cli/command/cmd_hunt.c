@@ -252,32 +252,38 @@ static int run(int argc, char **argv)
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without "
+             "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to "
+             "impact. For structures of which the stops see two modes. Every orbit is checked with the simulator. "
+             "An empty result is no proof; what a known atlas has is the measure of what is found."},
+    {.name = "--energy", .value = "E", .text = "scaled energy"},
+    {.name = "--impacts", .value = "N", .text = "words of up to N letters, 6 unless given"},
+    {.name = "--period",
+     .value = "T",
+     .text = "periods up to T seconds; unless given 2 pi over the lower end of the study's frequency window"},
+    {.name = "--atlas",
+     .value = "FILE",
+     .text = "tells which of the orbits this atlas has (known), and why it lacks others: they are beyond a "
+             "departure that it has not taken (budget), or their family meets none of its junctions (isolated); "
+             "exit code 1 if one is unexplained"},
+    {.name = "--add", .text = "puts the isolated ones into the atlas as starts; the next `ricochet run` follows them"},
+    {.name = "--lines", .value = "N", .text = "points on each symmetry line before it is refined, 20000 unless given"},
+    {.name = "--rows", .value = "N", .text = "rows on the section of each face, 60 unless given"},
+    {.name = "--row", .value = "N", .text = "points on each row, 1000 unless given"},
+    {.name = "--random", .value = "N", .text = "random starts on each face, 250000 unless given"},
+    {.name = "--seed", .value = "S", .text = "of the random starts, 1 unless given"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
-    .help = "usage: ricochet hunt STUDY --energy E [--impacts N] [--period T] [--atlas FILE [--add]]\n"
-            "           [--json | --csv]\n"
-            "\n"
-            "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without\n"
-            "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to\n"
-            "impact. For structures of which the stops see two modes. Every orbit is checked with the simulator.\n"
-            "An empty result is no proof; what a known atlas has is the measure of what is found.\n"
-            "\n"
-            "  --energy E    scaled energy\n"
-            "  --impacts N   words of up to N letters, 6 unless given\n"
-            "  --period T    periods up to T seconds; unless given 2 pi over the lower end of the study's\n"
-            "                frequency window\n"
-            "  --atlas FILE  tells which of the orbits this atlas has (known), and why it lacks others: they are\n"
-            "                beyond a departure that it has not taken (budget), or their family meets none of its\n"
-            "                junctions (isolated); exit code 1 if one is unexplained\n"
-            "  --add         puts the isolated ones into the atlas as starts; the next `ricochet run` follows\n"
-            "                them\n"
-            "  --lines N     points on each symmetry line before it is refined, 20000 unless given\n"
-            "  --rows N      rows on the section of each face, 60 unless given, and with --row N points on each,\n"
-            "                1000 unless given\n"
-            "  --random N    random starts on each face, 250000 unless given\n"
-            "  --seed S      of the random starts, 1 unless given\n"
-            "\n"
-            "example: ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n",
+    .usage = "ricochet hunt STUDY --energy E [--impacts N] [--period T] [--atlas FILE [--add]]\n"
+             "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n",
     .run = run,
 };

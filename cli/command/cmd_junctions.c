@@ -230,51 +230,56 @@ static int run(int argc, char **argv)
     return cli_list(&listing, argc, argv);
 }
 
+static const cli_item items[] = {
+    {.text = "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not "
+             "fit on a line; --csv and --json show everything."},
+    {.name = "kind", .text = "start, grazing, corner, extremum, branch-point, multiplication, period-extremum or user"},
+    {.name = "word",
+     .text = "of the original orbit, touches left out; impacts is its length, grazings the number of touches"},
+    {.name = "multiple", .text = "q of a q-tupling, 1 otherwise; rotation is its p/q"},
+    {.name = "a, b", .text = "multiplicities of a point C_ab"},
+    {.name = "decided",
+     .text = "whether they are measured; no: lost in rounding, those of the kind are given and the label ends in ?"},
+    {.name = "frequency", .text = "where it is drawn: omega / q for a q-tupling"},
+    {.name = "state",
+     .text = "x then v right after the first impact of the word, at a mirror point if there is no impact"},
+    {.name = "flights", .text = "flight times, or the period if there is no impact"},
+    {.name = "branches", .text = "ids of the branches that end at it or pass through it"},
+    {.name = "departures",
+     .text = "what became of the candidates: taken, known, inadmissible, over_budget, refused; refusal says why"},
+    {.name = "budgets", .text = "of those over budget, how many exceed which one first"},
+    {.name = "--physical",
+     .text = "lengths, speeds and energies in the units of the study, not scaled by the clearance"},
+    {.name = "--duplicates",
+     .value = "K",
+     .text = "instead, the junctions on the k-duplicates of the branches, k = 1..K: the same motions at frequency "
+             "/ k"},
+    {.name = "--branch", .value = "ID", .text = "with it: of this branch only"},
+    {.name = "--ghost",
+     .text = "with it: instead, the multiplications on the ghosts of the duplicates, where the equations hold "
+             "beyond a grazing and the orbits are no motions"},
+    {.text = "With --duplicates the columns are"},
+    {.name = "duplicate", .text = "its label, S2^{3-}[01] for k = 3; branch is the id of the original"},
+    {.name = "origin",
+     .text = "own: a k-tupling, which the k-duplicate is the first to have; inherited: a q-tupling with q | k, a "
+             "duplicate of the point on the q-duplicate; copy: a junction of the branch itself"},
+    {.name = "j", .text = "the rotation number is j/k, in lowest terms p/q in the column rotation"},
+    {.name = "frequency", .text = "of the duplicate"},
+    {.name = "end",
+     .text = "of ghosts: the end of the branch that it extends; admissible: yes where the orbit is a motion again"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
-    .help = "usage: ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID]] [--physical]\n"
-            "           [--json | --csv]\n"
-            "\n"
-            "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not\n"
-            "fit on a line; --csv and --json show everything.\n"
-            "\n"
-            "  kind         start, grazing, corner, extremum, branch-point, multiplication, period-extremum or\n"
-            "               user\n"
-            "  word         of the original orbit, touches left out; impacts is its length, grazings the number\n"
-            "               of touches\n"
-            "  multiple     q of a q-tupling, 1 otherwise; rotation is its p/q\n"
-            "  a, b         multiplicities of a point C_ab\n"
-            "  decided      whether they are measured; no: lost in rounding, those of the kind are given and the\n"
-            "               label ends in ?\n"
-            "  frequency    where it is drawn: omega / q for a q-tupling\n"
-            "  state        x then v right after the first impact of the word, at a mirror point if there is no\n"
-            "               impact\n"
-            "  flights      flight times, or the period if there is no impact\n"
-            "  branches     ids of the branches that end at it or pass through it\n"
-            "  departures   what became of the candidates: taken, known, inadmissible, over_budget, refused;\n"
-            "               refusal says why\n"
-            "  budgets      of those over budget, how many exceed which one first\n"
-            "  --physical   lengths, speeds and energies in the units of the study, not scaled by the clearance\n"
-            "\n"
-            "  --duplicates K   instead, the junctions on the k-duplicates of the branches, k = 1..K: the same\n"
-            "                   motions at frequency / k\n"
-            "  --branch ID      with it: of this branch only\n"
-            "  --ghost          with it: instead, the multiplications on the ghosts of the duplicates, where the\n"
-            "                   equations hold beyond a grazing and the orbits are no motions\n"
-            "\n"
-            "The columns then are\n"
-            "  duplicate    its label, S2^{3-}[01] for k = 3; branch is the id of the original\n"
-            "  origin       own: a k-tupling, which the k-duplicate is the first to have; inherited: a q-tupling\n"
-            "               with q | k, a duplicate of the point on the q-duplicate; copy: a junction of the\n"
-            "               branch itself\n"
-            "  j            the rotation number is j/k, in lowest terms p/q in the column rotation\n"
-            "  frequency    of the duplicate\n"
-            "  end          of ghosts: the end of the branch that it extends; admissible: yes where the orbit is\n"
-            "               a motion again\n"
-            "\n"
-            "example: ricochet junctions study.ricochet\n"
-            "example: ricochet junctions study.ricochet --duplicates 4 --branch 3\n"
-            "         ricochet junctions study.ricochet --duplicates 6 --branch 3 --ghost\n",
+    .usage = "ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID]] [--physical]\n"
+             "           [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet junctions study.ricochet\n"
+               "ricochet junctions study.ricochet --duplicates 4 --branch 3\n"
+               "ricochet junctions study.ricochet --duplicates 6 --branch 3 --ghost\n",
     .run = run,
 };

@@ -118,14 +118,17 @@ static int run(int argc, char **argv)
     return create(argv[1], title);
 }
 
+static const cli_item items[] = {
+    {.text = "Writes NAME/study.yaml, a study with comments that runs as it is, and prints its path. An existing "
+             "file is left alone."},
+    {0},
+};
+
 const cli_command cli_new = {
     .name = "new",
     .summary = "write a commented study to start from",
-    .help = "usage: ricochet new NAME\n"
-            "\n"
-            "Writes NAME/study.yaml, a study with comments that runs as it is, and prints its path. An existing\n"
-            "file is left alone.\n"
-            "\n"
-            "example: ricochet new two-masses && ricochet check two-masses/study.yaml\n",
+    .usage = "ricochet new NAME\n",
+    .items = items,
+    .example = "ricochet new two-masses && ricochet check two-masses/study.yaml\n",
     .run = run,
 };

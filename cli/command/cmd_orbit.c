@@ -300,30 +300,36 @@ static int run(int argc, char **argv)
     return answer(&ask);
 }
 
+static const cli_item items[] = {
+    {.text = "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line "
+             "per quantity otherwise."},
+    {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
+    {.name = "--point", .value = "I", .text = "stored point I, from 0, as `ricochet points` lists them"},
+    {.name = "--energy", .value = "E", .text = "all orbits of energy E"},
+    {.name = "--frequency", .value = "F", .text = "all orbits of frequency F, rad/s"},
+    {.name = "--history",
+     .value = "DT",
+     .text = "one period in steps of DT seconds instead, columns t x1.. v1..; a last column `orbit` if there are "
+             "several"},
+    {.name = "--physical",
+     .text = "lengths, speeds and energies (also E) in the units of the study, not scaled by the clearance"},
+    {.name = "state", .text = "x then v right after the first impact of the word"},
+    {.name = "flights", .text = "times from impact to impact, or the period if there is no impact"},
+    {.name = "multipliers",
+     .text = "beside the trivial ones, as pairs of real and imaginary part; null where they are lost in rounding"},
+    {.name = "amplitudes", .text = "largest |x| of every degree of freedom over the period"},
+    {.name = "impact_speeds", .text = "speed of approach of each impact of the word; impulses: the momentum exchanged"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
-    .help = "usage: ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT]\n"
-            "           [--physical] [--json | --csv]\n"
-            "\n"
-            "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line\n"
-            "per quantity otherwise.\n"
-            "\n"
-            "  --point I       stored point I, from 0, as `ricochet points` lists them\n"
-            "  --energy E      all orbits of energy E\n"
-            "  --frequency F   all orbits of frequency F, rad/s\n"
-            "  --history DT    one period in steps of DT seconds instead, columns t x1.. v1..; a last column\n"
-            "                  `orbit` if there are several\n"
-            "  --physical      lengths, speeds and energies (also E) in the units of the study, not scaled by the\n"
-            "                  clearance\n"
-            "\n"
-            "  state           x then v right after the first impact of the word\n"
-            "  flights         times from impact to impact, or the period if there is no impact\n"
-            "  multipliers     beside the trivial ones, as pairs of real and imaginary part; null where they are\n"
-            "                  lost in rounding\n"
-            "  amplitudes      largest |x| of every degree of freedom over the period\n"
-            "  impact_speeds   speed of approach of each impact of the word; impulses: the momentum exchanged\n"
-            "\n"
-            "example: ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
+    .usage = "ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT]\n"
+             "           [--physical] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
     .run = run,
 };

@@ -152,91 +152,144 @@ static int run(int argc, char **argv)
         argc > 1 ? argv[1] : "");
 }
 
+/* What curves have, but for x1.., v1.. and tau1.. of the model. */
+#define QUANTITIES "arclength energy frequency period trace rotation reach approach"
+
+static const cli_item items[] = {
+    {.text = "Draws with gnuplot; the ending of FILE chooses SVG, PDF or PNG. The first word says which picture."},
+    {.name = "fep",
+     .picture = true,
+     .text = "frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey; stable "
+             "thick, unstable thin, undecided dotted; natural frequencies and frequencies with a contact locked as "
+             "reference lines"},
+    {.name = "--linear", .text = "linear energy axis instead of a logarithmic one"},
+    {.name = "--energy", .value = "A:B", .text = "window of the scaled energy"},
+    {.name = "--frequency", .value = "A:B", .text = "window of the frequency, rad/s"},
+    {.name = "--break", .value = "F", .text = "broken frequency axis: logarithmic and compressed above F"},
+    {.name = "--log-frequency", .text = "logarithmic frequency axis"},
+    {.name = "--zoom", .value = "A:B,C:D", .text = "one more panel with these energies and frequencies; up to five"},
+    {.name = "--labels",
+     .value = "WHAT",
+     .words = "all named none",
+     .text = "all: every junction that finds room; named: those with a name in the study; none. Without it: named "
+             "and main ones"},
+    {.name = "--label", .value = "NAME", .text = "only this junction or branch has a label; may be repeated"},
+    {.name = "--mark", .value = "ORBIT", .text = "a dot, or the mark of a junction, with a name of its own"},
+    {.name = "--ghosts",
+     .text = "red: how the equations of the branches shown go on beyond grazings and corners, where they give no "
+             "motion"},
+    {.name = "--symmetric", .text = "only symmetric branches"},
+    {.name = "--branch", .value = "SEGMENT", .text = "only these"},
+    {.name = "--base", .value = "Fj_i", .text = "only what `ricochet bases` lists there, for example F6_2"},
+    {.name = "--duplicates",
+     .value = "K",
+     .text = "dashed: the branches gone through k = 2..K times, at frequency / k, with the multiplications on them"},
+    {.name = "--duplicate", .value = "K:SEGMENT", .text = "the K-duplicate of this one"},
+    {.name = "--key",
+     .value = "TEXT",
+     .text = "several atlases are drawn over one another, each in its colour: what the legend calls it, else the "
+             "title of its study"},
+    {.name = "orbit",
+     .picture = true,
+     .text = "displacements and gaps over one period with impacts and touches, and phase portraits"},
+    {.name = "--branch", .value = "ID", .text = "the branch of the orbit"},
+    {.name = "--point", .value = "I", .text = "its stored point I, from 0"},
+    {.name = "--energy", .value = "E", .text = "the orbit of this energy"},
+    {.name = "--frequency", .value = "F", .text = "the orbit of this frequency, rad/s"},
+    {.name = "--which", .value = "K", .text = "which one if several orbits fit, from 1"},
+    {.name = "--junction", .value = "ID", .text = "the original orbit of a junction"},
+    {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show, at most 4"},
+    {.name = "orbits",
+     .picture = true,
+     .text = "a row of histories and phase portraits for each orbit, its impacts above it"},
+    {.name = "--orbit", .value = "ORBIT", .text = "one orbit; may be repeated"},
+    {.name = "--histories", .text = "leave out the portraits"},
+    {.name = "--columns", .value = "N", .text = "rows side by side"},
+    {.name = "--same-axes", .text = "the same scales in all"},
+    {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show"},
+    {.name = "curves",
+     .picture = true,
+     .text = "any unknowns against each other: arclength energy frequency period trace rotation reach approach "
+             "x1.. v1.. tau1.."},
+    {.name = "--x", .value = "NAME", .words = QUANTITIES, .text = "what goes to the right"},
+    {.name = "--y", .value = "NAME", .words = QUANTITIES, .text = "what goes upwards"},
+    {.name = "--branch", .value = "ID", .text = "only this branch; may be repeated"},
+    {.name = "--log", .value = "AXES", .words = "x y xy", .text = "logarithmic axes: x, y or xy"},
+    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
+    {.name = "floquet",
+     .picture = true,
+     .text = "multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses, moduli "
+             "and angles of more"},
+    {.name = "--branch", .value = "ID", .text = "the branch"},
+    {.name = "--x",
+     .value = "NAME",
+     .words = "arclength energy frequency",
+     .text = "against arclength (usual), energy or frequency"},
+    {.name = "cascade",
+     .picture = true,
+     .text = "a cascade as `ricochet cascade` follows it: a displacement at all impacts against the frequency "
+             "passed on the way, times q"},
+    {.name = "--branch", .value = "ID", .text = "the branch with the first multiplication"},
+    {.name = "--multiply", .value = "LIST", .text = "which cascade: multiplicities q, or p/q"},
+    {.name = "--doublings", .value = "N", .text = "which cascade: N doublings"},
+    {.name = "--dof", .value = "I", .text = "the displacement; the last one unless given"},
+    {.name = "--shapes", .text = "instead the motions at the multiplications, time scaled to equal numbers of impacts"},
+    {.name = "--circle",
+     .text = "instead the multipliers along the branch on the unit circle, with the multiplications p/K of its "
+             "K-duplicate"},
+    {.name = "--duplicate", .value = "K", .text = "with --circle: 8 unless given"},
+    {.name = "sheet",
+     .picture = true,
+     .text = "a gap along a part of a branch, motions one behind the other, over time in periods"},
+    {.name = "--segment", .value = "SEGMENT", .text = "the part; may be repeated"},
+    {.name = "--orbits", .value = "N", .text = "how many motions, 25 unless given"},
+    {.name = "--contact", .value = "I", .text = "whose gap, 1 unless given"},
+    {.name = "strobe",
+     .picture = true,
+     .text = "a displacement, zero at the start, at instants of K periods, along segments one after the other"},
+    {.name = "--segment", .value = "[K:]SEGMENT", .text = "a segment, with K periods; may be repeated"},
+    {.name = "--samples", .value = "N", .text = "how many instants, 24 unless given"},
+    {.name = "--orbits", .value = "N", .text = "how many orbits of each segment, 40 unless given"},
+    {.name = "--dof", .value = "I", .text = "the displacement; the last one unless given"},
+    {.name = "--stretch", .text = "all segments equally wide instead of by the frequency passed"},
+    {.name = "all", .picture = true, .text = "every picture"},
+    {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf or .png"},
+    {.name = "--title", .value = "TEXT", .text = "instead of the title of the study"},
+    {.name = "--size", .value = "WxH", .text = "pixels (1/96 inch in PDF)"},
+    {.name = "names", .picture = true, .text = "how orbits and parts of branches are named"},
+    {.text = "A junction: its id, name or label."},
+    {.text = "SEGMENT: a branch by id or label, LABEL|P1 where it meets P1, LABEL|P1 P2 for the part between two "
+             "junctions, #N behind it for the Nth that fits."},
+    {.text = "ORBIT: a junction, or SEGMENT@0.3 (part of the way), SEGMENT@E=20, SEGMENT@F=1.5; then *K if it is "
+             "gone through K times (a q-tupling counts q); before it 'NAME: '. With several atlases such options "
+             "stand behind the one that they belong to."},
+    {0},
+};
+
 const cli_command cli_plot = {
     .name = "plot",
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
-    .help = "usage: ricochet plot fep ATLAS... [--linear] [--log-frequency] [--energy A:B] [--frequency A:B]\n"
-            "           [--break F] [--zoom A:B,C:D]... [--labels all|named|none] [--label NAME]...\n"
-            "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
-            "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
-            "       ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K]\n"
-            "           [--coordinates 1,2] -o FILE\n"
-            "       ricochet plot orbit ATLAS --junction ID [--coordinates 1,2] -o FILE\n"
-            "       ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
-            "           [--columns N] [--same-axes] [--coordinates 1,2] -o FILE\n"
-            "       ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log x|y|xy]\n"
-            "           [--window A:B,C:D] -o FILE\n"
-            "       ricochet plot floquet ATLAS --branch ID [--x NAME] -o FILE\n"
-            "       ricochet plot cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--dof I]\n"
-            "           [--shapes] -o FILE\n"
-            "       ricochet plot cascade ATLAS --branch ID --circle [--duplicate K] -o FILE\n"
-            "       ricochet plot sheet ATLAS --segment SEGMENT... [ATLAS --segment SEGMENT...]... [--orbits N]\n"
-            "           [--contact I] -o FILE\n"
-            "       ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"
-            "           [--stretch] -o FILE\n"
-            "\n"
-            "Draws with gnuplot; the ending of FILE chooses SVG, PDF or PNG.\n"
-            "\n"
-            "fep      frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey;\n"
-            "         stable thick, unstable thin, undecided dotted; natural frequencies and frequencies with a\n"
-            "         contact locked as reference lines\n"
-            "  --linear            linear energy axis instead of a logarithmic one\n"
-            "  --energy A:B        window of the scaled energy\n"
-            "  --frequency A:B     window of the frequency, rad/s\n"
-            "  --break F           broken frequency axis: logarithmic and compressed above F\n"
-            "  --labels WHAT       all: every junction that finds room; named: those with a name in the study;\n"
-            "                      none. Without it: named and main ones\n"
-            "  --duplicates K      dashed: the branches gone through k = 2..K times, at frequency / k, with the\n"
-            "                      multiplications on them\n"
-            "  --log-frequency     logarithmic frequency axis\n"
-            "  --zoom A:B,C:D      one more panel with these energies and frequencies; up to five\n"
-            "  --symmetric         only symmetric branches; --branch SEGMENT: only these; --base F6_2: only what\n"
-            "                      `ricochet bases` lists there\n"
-            "  --duplicate K:SEGMENT  the K-duplicate of this one\n"
-            "  --label NAME        only this junction or branch has a label; may be repeated\n"
-            "  --mark ORBIT        a dot, or the mark of a junction, with a name of its own\n"
-            "  --key TEXT          several atlases are drawn over one another, each in its colour: what the\n"
-            "                      legend calls it, else the title of its study\n"
-            "  --ghosts            red: how the equations of the branches shown go on beyond grazings and\n"
-            "                      corners, where they give no motion\n"
-            "orbit    displacements and gaps over one period with impacts and touches, and phase portraits\n"
-            "  --branch ID         with --point I (from 0), --energy E or --frequency F; --which K if several\n"
-            "                      orbits fit (from 1)\n"
-            "  --junction ID       the original orbit of a junction\n"
-            "  --coordinates LIST  which coordinates to show, at most 4\n"
-            "orbits   a row of histories and phase portraits for each orbit, its impacts above it; --histories\n"
-            "         leaves out the portraits\n"
-            "  --columns N         rows side by side; --same-axes: the same scales in all\n"
-            "curves   any unknowns against each other: arclength energy frequency period trace rotation reach\n"
-            "         approach x1.. v1.. tau1..\n"
-            "  --branch ID         only this branch; may be repeated\n"
-            "  --log x|y|xy        logarithmic axes; --window A:B,C:D what they show\n"
-            "floquet  multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses,\n"
-            "         moduli and angles of more\n"
-            "  --x NAME            against arclength (usual), energy or frequency\n"
-            "cascade  a cascade as `ricochet cascade` follows it: a displacement at all impacts against the\n"
-            "         frequency passed on the way, times q\n"
-            "  --multiply LIST, --doublings N   which cascade\n"
-            "  --dof I             the displacement; the last one unless given\n"
-            "  --shapes            instead the motions at the multiplications, time scaled to equal numbers of\n"
-            "                      impacts\n"
-            "  --circle            instead the multipliers along the branch on the unit circle, with the\n"
-            "                      multiplications p/K of its K-duplicate\n"
-            "  --duplicate K       8 unless given\n"
-            "sheet    a gap along a part of a branch: --orbits N motions one behind the other, over time in\n"
-            "         periods; --contact I chooses the gap\n"
-            "strobe   a displacement, zero at the start, at --samples N instants of K periods, along segments one\n"
-            "         after the other\n"
-            "  --stretch           all segments equally wide instead of by the frequency passed\n"
-            "names    a junction: its id, name or label. SEGMENT: a branch by id or label, LABEL|P1 where it\n"
-            "         meets P1, LABEL|P1 P2 for the part between two junctions, #N behind it for the Nth that\n"
-            "         fits. ORBIT: a junction, or SEGMENT@0.3 (part of the way), SEGMENT@E=20, SEGMENT@F=1.5;\n"
-            "         then *K if it is gone through K times (a q-tupling counts q); before it 'NAME: '. With\n"
-            "         several atlases such options stand behind the one that they belong to\n"
-            "all\n"
-            "  --title TEXT        instead of the title of the study\n"
-            "  --size WxH          pixels (1/96 inch in PDF)\n"
-            "\n"
-            "example: ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
+    .usage = "ricochet plot fep ATLAS... [--linear] [--log-frequency] [--energy A:B] [--frequency A:B]\n"
+             "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--label NAME]...\n"
+             "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
+             "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
+             "ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K]\n"
+             "           [--coordinates LIST] -o FILE\n"
+             "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"
+             "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
+             "           [--columns N] [--same-axes] [--coordinates LIST] -o FILE\n"
+             "ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log AXES]\n"
+             "           [--window A:B,C:D] -o FILE\n"
+             "ricochet plot floquet ATLAS --branch ID [--x NAME] -o FILE\n"
+             "ricochet plot cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--dof I]\n"
+             "           [--shapes] -o FILE\n"
+             "ricochet plot cascade ATLAS --branch ID --circle [--duplicate K] -o FILE\n"
+             "ricochet plot sheet ATLAS --segment SEGMENT... [ATLAS --segment SEGMENT...]... [--orbits N]\n"
+             "           [--contact I] -o FILE\n"
+             "ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"
+             "           [--stretch] -o FILE\n"
+             "with each: [--title TEXT] [--size WxH]\n",
+    .items = items,
+    .example = "ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
     .run = run,
 };

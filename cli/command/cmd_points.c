@@ -214,33 +214,39 @@ static int run(int argc, char **argv)
     return list(argv[1], (int)id, physical, ghost, format);
 }
 
+static const cli_item items[] = {
+    {.text = "The stored points of a branch in order; `ricochet orbit` gives the orbit at any of them, or between "
+             "them."},
+    {.name = "trace",
+     .text = "of the monodromy without its trivial part, for two modes; sign and exp(logarithm) beyond the range "
+             "of a double. log_trace is the logarithm of its modulus. For more modes both are empty and --json and "
+             "--csv give the multipliers instead, as pairs of real and imaginary part"},
+    {.name = "rotation", .text = "gamma in [0, 1): the multipliers are exp(+-2 pi i gamma)"},
+    {.name = "stable", .text = "yes, no or undecided"},
+    {.name = "reach", .text = "largest gap over clearance in flight: below 1 between touches"},
+    {.name = "approach", .text = "smallest speed of approach of the impacts"},
+    {.name = "residual", .text = "relative residual of the orbit problem"},
+    {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
+    {.name = "--ghost",
+     .text = "the ghosts of the branch instead: what its equations have beyond each end at a grazing or a corner, "
+             "to the border of the study's windows. They are no motions: a gap is penetrated (reach above 1), or "
+             "an impact comes from the wrong side (approach below 0). Nothing of them is in the atlas. The columns "
+             "end and admissible come with it"},
+    {.name = "end",
+     .text = "of ghosts: from or to, the end of the branch that is extended, outwards; point 0 is the end itself"},
+    {.name = "admissible", .text = "of ghosts: whether all margins are positive again"},
+    {.name = "--physical", .text = "speeds and energies in the units of the study, not scaled by the clearance"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_points = {
     .name = "points",
     .summary = "list the stored points of a branch, or its ghosts",
-    .help = "usage: ricochet points ATLAS --branch ID [--ghost] [--physical] [--json | --csv]\n"
-            "\n"
-            "The stored points of a branch in order; `ricochet orbit` gives the orbit at any of them, or between\n"
-            "them.\n"
-            "\n"
-            "  trace        of the monodromy without its trivial part, for two modes; sign and exp(logarithm)\n"
-            "               beyond the range of a double. log_trace is the logarithm of its modulus. For more\n"
-            "               modes both are empty and --json and --csv give the multipliers instead, as pairs of\n"
-            "               real and imaginary part\n"
-            "  rotation     gamma in [0, 1): the multipliers are exp(+-2 pi i gamma)\n"
-            "  stable       yes, no or undecided\n"
-            "  reach        largest gap over clearance in flight: below 1 between touches\n"
-            "  approach     smallest speed of approach of the impacts\n"
-            "  residual     relative residual of the orbit problem\n"
-            "  --ghost      the ghosts of the branch instead: what its equations have beyond each end at a\n"
-            "               grazing or a corner, to the border of the study's windows. They are no motions: a gap\n"
-            "               is penetrated (reach above 1), or an impact comes from the wrong side (approach below\n"
-            "               0). Nothing of them is in the atlas. Two columns more:\n"
-            "               end         from or to, the end of the branch that is extended, outwards; point 0 is\n"
-            "                           the end itself\n"
-            "               admissible  whether all margins are positive again\n"
-            "  --physical   speeds and energies in the units of the study, not scaled by the clearance\n"
-            "\n"
-            "example: ricochet points study.ricochet --branch 3 --csv\n"
-            "         ricochet points study.ricochet --branch 3 --ghost\n",
+    .usage = "ricochet points ATLAS --branch ID [--ghost] [--physical] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet points study.ricochet --branch 3 --csv\n"
+               "ricochet points study.ricochet --branch 3 --ghost\n",
     .run = run,
 };

@@ -241,18 +241,23 @@ static int run(int argc, char **argv)
     return cli_list(&listing, argc, argv);
 }
 
+static const cli_item items[] = {
+    {.text = "Counts the branches and how they end, and what became of the departures from every junction: taken, "
+             "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which "
+             "events may be missing, with what kind of event, where, and why. The largest residual is that of all "
+             "points; the errors of replay are those of the middle points of at most 64 branches (fewer beyond 32 "
+             "degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes from the "
+             "file."},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_report_atlas = {
     .name = "report",
     .summary = "what a run did, what it left out and why, and how good what it found is",
-    .help = "usage: ricochet report ATLAS [--json | --csv]\n"
-            "\n"
-            "Counts the branches and how they end, and what became of the departures from every junction: taken,\n"
-            "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which\n"
-            "events may be missing, with what kind of event, where, and why. The largest residual is that\n"
-            "of all points; the errors of replay are those of the middle points of at most 64 branches (fewer\n"
-            "beyond 32 degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes\n"
-            "from the file.\n"
-            "\n"
-            "example: ricochet report study.ricochet\n",
+    .usage = "ricochet report ATLAS [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet report study.ricochet\n",
     .run = run,
 };

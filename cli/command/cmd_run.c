@@ -282,21 +282,25 @@ static int run(int argc, char **argv)
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Explores from the linear modes within the budgets of the study and writes the atlas, one file. "
+             "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it "
+             "extends the atlas. The result does not depend on WORKERS."},
+    {.name = "-o", .value = "ATLAS", .text = "the file to write; study.ricochet for study.yaml unless given"},
+    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given"},
+    {.name = "--max-step", .value = "H", .text = "largest arclength step, instead of the study's explore.step"},
+    {.name = "--seconds",
+     .value = "S",
+     .text = "stop after that time, with exit code 3 if there is more to do; the same command goes on from there. "
+             "Needed where more than 200 modes take part"},
+    {0},
+};
+
 const cli_command cli_run = {
     .name = "run",
     .summary = "explore a study into an atlas",
-    .help = "usage: ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
-            "\n"
-            "Explores from the linear modes within the budgets of the study and writes the atlas, one file.\n"
-            "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it\n"
-            "extends the atlas. The result does not depend on WORKERS.\n"
-            "\n"
-            "  -o ATLAS       the file to write; study.ricochet for study.yaml unless given\n"
-            "  -j WORKERS     how many at a time, 1 unless given\n"
-            "  --max-step H   largest arclength step, instead of the study's explore.step\n"
-            "  --seconds S    stop after that time, with exit code 3 if there is more to do; the same command\n"
-            "                 goes on from there. Needed where more than 200 modes take part\n"
-            "\n"
-            "example: ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
+    .usage = "ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n",
+    .items = items,
+    .example = "ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,
 };

@@ -213,29 +213,35 @@ out:
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Places the structure of the study at displacements X (one per degree of freedom) with velocities V "
+             "at time 0 and follows it to time T in seconds. Every impact is found, with the study's coefficient "
+             "of restitution. Lists the columns t x1.. v1.. at N + 1 equal times, or the impacts. Lengths are in "
+             "clearances of the first contact."},
+    {.name = "--state",
+     .value = "X.. V..",
+     .text = "2n numbers; a state on a face that moves into it is just before the impact"},
+    {.name = "--time", .value = "T", .text = "where to stop"},
+    {.name = "--steps", .value = "N", .text = "number of steps of the history: 200 unless given"},
+    {.name = "--impacts",
+     .text = "list the impacts instead: t, face, approach (speed of the gap coordinate), impulse, opens; a contact "
+             "of law bilinear has two rows: it closes (impulse 0), and opens (approach < 0) with the impulse of "
+             "the whole contact"},
+    {.name = "--physical", .text = "state, history and impacts in the study's own units of length"},
+    {.text = "Where the impact law gives no motion (two stops met together whose impacts disturb each other, "
+             "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code "
+             "is 1; so it does after a million impacts."},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_simulate = {
     .name = "simulate",
     .summary = "follow the motion from a state, impact by impact",
-    .help = "usage: ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
-            "           [--json | --csv]\n"
-            "\n"
-            "Places the structure of the study at displacements X (one per degree of freedom) with velocities V\n"
-            "at time 0 and follows it to time T in seconds. Every impact is found, with the study's coefficient\n"
-            "of restitution. Lists the columns t x1.. v1.. at N + 1 equal times, or the impacts. Lengths are in\n"
-            "clearances of the first contact.\n"
-            "\n"
-            "  --state X.. V..  2n numbers; a state on a face that moves into it is just before the impact\n"
-            "  --time T         where to stop\n"
-            "  --steps N        number of steps of the history: 200 unless given\n"
-            "  --impacts        list the impacts instead: t, face, approach (speed of the gap coordinate),\n"
-            "                   impulse, opens; a contact of law bilinear has two rows: it closes (impulse 0),\n"
-            "                   and opens (approach < 0) with the impulse of the whole contact\n"
-            "  --physical       state, history and impacts in the study's own units of length\n"
-            "\n"
-            "Where the impact law gives no motion (two stops met together whose impacts disturb each other,\n"
-            "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code\n"
-            "is 1; so it does after a million impacts.\n"
-            "\n"
-            "example: ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
+    .usage = "ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
+             "           [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
     .run = run,
 };

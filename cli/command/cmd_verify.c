@@ -316,37 +316,42 @@ static int run(int argc, char **argv)
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Replays the first, the middle and the last point of every branch and five more with a simulator that "
+             "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact "
+             "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared "
+             "with their points and orbits: one row for each, kind branch or junction."},
+    {.name = "flight_error", .text = "largest relative error of the time and the end of a flight; at most 1e-11"},
+    {.name = "return_error",
+     .text = "relative distance from the start after one period; at most 1e-9 max(1, 1e-7 condition); none at a "
+             "corner"},
+    {.name = "condition",
+     .text = "largest modulus of a multiplier: what one period makes of a small error; more where slow impacts "
+             "amplify the simulator's own rounding on the way beyond that"},
+    {.name = "energy_error", .text = "relative error of the energy; at most 1e-11"},
+    {.name = "faces_agree", .text = "whether the faces of the word are met in their order, and no other"},
+    {.name = "multiplier_error, multiplier_bound",
+     .text = "of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for more modes of "
+             "the multipliers that `points` and `orbit` give"},
+    {.name = "multipliers_agree, stable_agrees, numbers_agree",
+     .text = "yes, no or unchecked: trace and rotation; the flag; energy, frequency, reach and approach"},
+    {.name = "--branch", .value = "ID", .text = "only this branch"},
+    {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
+    {.name = "--all", .text = "every stored point"},
+    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given"},
+    {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
+    {.text = "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C."},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_verify = {
     .name = "verify",
     .summary = "replay the orbits of an atlas with an independent simulator",
-    .help = "usage: ricochet verify ATLAS [--branch ID [--point I]] [--all] [-j WORKERS] [--seconds S]\n"
-            "                       [--json | --csv]\n"
-            "\n"
-            "Replays the first, the middle and the last point of every branch and five more with a simulator that\n"
-            "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact\n"
-            "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared\n"
-            "with their points and orbits: one row for each, kind branch or junction.\n"
-            "\n"
-            "  flight_error   largest relative error of the time and the end of a flight; at most 1e-11\n"
-            "  return_error   relative distance from the start after one period; at most 1e-9 max(1, 1e-7\n"
-            "                 condition); none at a corner\n"
-            "  condition      largest modulus of a multiplier: what one period makes of a small error; more where\n"
-            "                 slow impacts amplify the simulator's own rounding on the way beyond that\n"
-            "  energy_error   relative error of the energy; at most 1e-11\n"
-            "  faces_agree    whether the faces of the word are met in their order, and no other\n"
-            "  multiplier_error, multiplier_bound\n"
-            "                 of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for\n"
-            "                 more modes of the multipliers that `points` and `orbit` give\n"
-            "  multipliers_agree, stable_agrees, numbers_agree\n"
-            "                 yes, no or unchecked: trace and rotation; the flag; energy, frequency, reach and\n"
-            "                 approach\n"
-            "  --branch ID    only this branch; with --point I only this point\n"
-            "  --all          every stored point\n"
-            "  -j WORKERS     how many at a time, 1 unless given\n"
-            "  --seconds S    stop after that time and show what was done\n"
-            "\n"
-            "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C.\n"
-            "\n"
-            "example: ricochet verify study.ricochet --branch 3 --all\n",
+    .usage = "ricochet verify ATLAS [--branch ID [--point I]] [--all] [-j WORKERS] [--seconds S]\n"
+             "                       [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet verify study.ricochet --branch 3 --all\n",
     .run = run,
 };

@@ -229,22 +229,25 @@ static int run(int argc, char **argv)
 
 #endif
 
+static const cli_item items[] = {
+    {.text = "Serves a page that shows the atlas, prints its address and opens it in the browser: the "
+             "frequency-energy plot down to the last digit, the orbit at any place of a branch, cascades, bases, "
+             "and further departures, which are saved into the atlas. Everything it needs is inside the program. "
+             "Ctrl-C ends it."},
+    {.name = "--port", .value = "P", .text = "8787, or the next one that is free, unless given; 0 for any"},
+    {.name = "--listen",
+     .value = "ADDRESS",
+     .text = "an address other than 127.0.0.1: others can then read the atlas. Nothing is encrypted"},
+    {.name = "--no-browser", .text = "print the address only"},
+    {.name = "-j", .value = "WORKERS", .text = "how many departures at a time, 1 unless given"},
+    {0},
+};
+
 const cli_command cli_view = {
     .name = "view",
     .summary = "look at an atlas in the browser",
-    .help = "usage: ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
-            "\n"
-            "Serves a page that shows the atlas, prints its address and opens it in the browser: the\n"
-            "frequency-energy plot down to the last digit, the orbit at any place of a branch, cascades, bases,\n"
-            "and further departures, which are saved into the atlas. Everything it needs is inside the program.\n"
-            "Ctrl-C ends it.\n"
-            "\n"
-            "  --port P           8787, or the next one that is free, unless given; 0 for any\n"
-            "  --listen ADDRESS   an address other than 127.0.0.1: others can then read the atlas. Nothing is\n"
-            "                     encrypted\n"
-            "  --no-browser       print the address only\n"
-            "  -j WORKERS         how many departures at a time, 1 unless given\n"
-            "\n"
-            "example: ricochet view study.ricochet\n",
+    .usage = "ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n",
+    .items = items,
+    .example = "ricochet view study.ricochet\n",
     .run = run,
 };

@@ -142,21 +142,25 @@ static int run(int argc, char **argv)
     return code;
 }
 
+static const cli_item items[] = {
+    {.text = "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set "
+             "that differs by where the period starts or by x -> -x, in ascending order, and says how many there "
+             "are without and with time reversal. Faces are those of the study, or 0 and 1, the two faces of one "
+             "stop."},
+    {.name = "repeats", .text = "how often a shorter word is repeated: 1 for a word of its own"},
+    {.name = "symmetric", .text = "whether a motion with z(t + T/2) = -z(t) can have the word"},
+    {.name = "reversible", .text = "whether the word read backwards is the same form; `reversed` is that form"},
+    {.name = "--limit", .value = "L", .text = "list at most L forms: 200 unless given, for --json and --csv 10000"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
 const cli_command cli_words = {
     .name = "words",
     .summary = "list the independent forms of N impacts and their numbers",
-    .help = "usage: ricochet words N [STUDY] [--limit L] [--json | --csv]\n"
-            "\n"
-            "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set\n"
-            "that differs by where the period starts or by x -> -x, in ascending order, and says how many there\n"
-            "are without and with time reversal. Faces are those of the study, or 0 and 1, the two faces of one\n"
-            "stop.\n"
-            "\n"
-            "  repeats     how often a shorter word is repeated: 1 for a word of its own\n"
-            "  symmetric   whether a motion with z(t + T/2) = -z(t) can have the word\n"
-            "  reversible  whether the word read backwards is the same form; `reversed` is that form\n"
-            "  --limit L   list at most L forms: 200 unless given, for --json and --csv 10000\n"
-            "\n"
-            "example: ricochet words 6\n",
+    .usage = "ricochet words N [STUDY] [--limit L] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet words 6\n",
     .run = run,
 };

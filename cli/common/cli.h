@@ -15,16 +15,66 @@ enum {
     CLI_INTERRUPTED = 130, /* by a signal; what a shell says of Ctrl-C */
 };
 
+/* One thing that a command explains, in the order of its text. This table is the only place where an option is
+ * described: help, manual, completion and the refusal of unknown options are made from it. */
+typedef struct {
+    const char *name;  /* an option: "--branch"; else a column or a word; NULL: a paragraph */
+    const char *value; /* what the option takes, "ID"; NULL: nothing. ATLAS, STUDY and FILE are files */
+    const char *words; /* the values if they are fixed words, with blanks between */
+    const char *text;  /* one line however long; NULL in the last item */
+    bool picture;      /* a picture of `plot`, and what follows belongs to it; "all": to every one */
+} cli_item;
+
+/* What commands that list rows have in common. */
+#define CLI_ITEM_JSON                                                                                                  \
+    {                                                                                                                  \
+        .name = "--json", .text = "one array of objects; numbers read back bit for bit"                                \
+    }
+#define CLI_ITEM_CSV                                                                                                   \
+    {                                                                                                                  \
+        .name = "--csv", .text = "the same as comma-separated columns with a heading"                                  \
+    }
+
 typedef struct {
     const char *name;                  /* "branches" */
     const char *summary;               /* one line for `ricochet --help` */
-    const char *help;                  /* usage, options, an example that works */
+    const char *usage;                 /* lines; those that continue one begin with blanks */
+    const cli_item *items;             /* ends with {0} */
+    const char *example;               /* lines that work */
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; returns an exit code */
 } cli_command;
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
     cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt, cli_view;
+
+/* All commands, up to NULL, and the options of the program itself (main.c). */
+extern const cli_command *const cli_commands[];
+extern const cli_item cli_program_items[];
+
+/* ----- help.c, manual.c and completion.c: what is made from the tables, to standard output */
+
+enum { CLI_USAGE_INDENT = 7 }; /* of "usage: " */
+void cli_print_help(const cli_command *command);
+/* The usage to stderr, after a message. */
+void cli_say_usage(const cli_command *command);
+/* A text in lines of at most `width` columns, those after the first after `indent` blanks; `column`: where it begins.
+ */
+void cli_print_wrapped(const char *text, int column, int indent, int width);
+/* Pages of section 1; NULL: that of the program. */
+void cli_print_manual(const cli_command *command);
+/* "bash", "zsh" or "fish"; false if it is another. */
+bool cli_print_completion(const char *shell);
+/* Whether an item is an option; whether its value, or an operand, is a file. */
+bool cli_is_option_item(const cli_item *item);
+bool cli_takes_file(const cli_item *item);
+/* Whether a command has pictures. */
+bool cli_has_pictures(const cli_command *command);
+/* The items of a command's option that hold for a picture (NULL: all), one after the other; NULL after the last.
+ * `last` is NULL at first. */
+const cli_item *cli_next_option(const cli_command *command, const char *picture, const cli_item *last);
+/* Whether a picture is one that can be drawn, not "all" or "names". */
+bool cli_is_picture(const cli_item *item);
 
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);
@@ -104,6 +154,8 @@ bool cli_take_format(int *argc, char **argv, cli_format *format);
 bool cli_take_value(int *argc, char **argv, const char *name, const char **value);
 /* Takes `--name` out of argv. */
 bool cli_take_flag(int *argc, char **argv, const char *name);
+/* Whether every option in argv is one of the command's table; else a message that shows the usage, and false. */
+bool cli_know_options(const cli_command *command, int argc, char **argv);
 /* What is left must be exactly n operands, none starting with '-' (but numbers may); else a message that shows the
  * usage and false. */
 bool cli_operands(const cli_command *command, int argc, char **argv, int n);

@@ -190,25 +190,62 @@ bool cli_take_value(int *argc, char **argv, const char *name, const char **value
     return true;
 }
 
+static const cli_item *find_option(const cli_command *command, const char *picture, const char *word)
+{
+    const size_t length = strcspn(word, "=");
+    for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
+        if (strlen(item->name) == length && !strncmp(word, item->name, length)) return item;
+    return NULL;
+}
+
+/* The picture that is asked for: the first word that is the name of one. */
+static const char *find_picture(const cli_command *command, int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        for (const cli_item *item = command->items; item->text; item++)
+            if (cli_is_picture(item) && !strcmp(argv[i], item->name)) return item->name;
+    return NULL;
+}
+
+bool cli_know_options(const cli_command *command, int argc, char **argv)
+{
+    const char *picture = find_picture(command, argc, argv);
+    for (int i = 1; i < argc; i++) {
+        if (!is_option(argv[i])) continue;
+        const cli_item *item = find_option(command, picture, argv[i]);
+        if (!item || (!item->value && strchr(argv[i], '='))) {
+            cli_wrong(item      ? "%s: option '%s' takes no value%s%s"
+                      : picture ? "%s: option '%s' is unknown to plot %s; see ricochet %s --help"
+                                : "%s: option '%s' is unknown; see ricochet %s%s --help",
+                      command->name, argv[i],
+                      item      ? ""
+                      : picture ? picture
+                                : "",
+                      item ? "" : command->name);
+            cli_say_usage(command);
+            return false;
+        }
+        i += item->value && !strchr(argv[i], '=') && i + 1 < argc && !is_option(argv[i + 1]);
+    }
+    return true;
+}
+
+/* Says what is wrong with the arguments; false if nothing is. */
+static bool wrong_operands(const cli_command *command, int argc, char **argv, int n)
+{
+    for (int i = 1; i < argc; i++)
+        if (is_option(argv[i])) return cli_wrong("%s: option '%s' is given twice", command->name, argv[i]);
+    for (int i = 1; i < argc; i++)
+        if (!argv[i][0]) return cli_wrong("%s: argument %d is empty; it must name something", command->name, i);
+    if (argc - 1 == n) return false;
+    if (argc - 1 > n) return cli_wrong("%s: '%s' is one argument too many", command->name, argv[n + 1]);
+    return cli_wrong("%s: %d argument%s missing", command->name, n - argc + 1, n - argc + 1 == 1 ? " is" : "s are");
+}
+
 bool cli_operands(const cli_command *command, int argc, char **argv, int n)
 {
-    int usage = (int)strcspn(command->help, "\n");
-    for (int i = 1; i < argc; i++)
-        if (is_option(argv[i])) {
-            cli_wrong("%s: option '%s' is unknown or given twice\n%.*s", command->name, argv[i], usage, command->help);
-            return false;
-        }
-    for (int i = 1; i < argc; i++)
-        if (!argv[i][0]) {
-            cli_wrong("%s: argument %d is empty; it must name something\n%.*s", command->name, i, usage, command->help);
-            return false;
-        }
-    if (argc - 1 == n) return true;
-    if (argc - 1 > n)
-        cli_wrong("%s: '%s' is one argument too many\n%.*s", command->name, argv[n + 1], usage, command->help);
-    else
-        cli_wrong("%s: %d argument%s missing\n%.*s", command->name, n - argc + 1, n - argc + 1 == 1 ? " is" : "s are",
-                  usage, command->help);
+    if (!wrong_operands(command, argc, argv, n)) return true;
+    cli_say_usage(command);
     return false;
 }
 

@@ -10,11 +10,21 @@
 
 #include "cli.h"
 
-#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+const cli_command *const cli_commands[] = {
+    &cli_new,    &cli_check,        &cli_run,      &cli_branches, &cli_junctions, &cli_bases,
+    &cli_points, &cli_report_atlas, &cli_orbit,    &cli_cascade,  &cli_plot,      &cli_view,
+    &cli_verify, &cli_hunt,         &cli_simulate, &cli_words,    NULL,
+};
 
-static const cli_command *const commands[] = {
-    &cli_new,   &cli_check,   &cli_run,  &cli_branches, &cli_junctions, &cli_bases, &cli_points,   &cli_report_atlas,
-    &cli_orbit, &cli_cascade, &cli_plot, &cli_view,     &cli_verify,    &cli_hunt,  &cli_simulate, &cli_words,
+const cli_item cli_program_items[] = {
+    {.name = "--help", .text = "what the program does; behind a command: what that does, its options and an example"},
+    {.name = "--version", .text = "the version"},
+    {.name = "--man", .value = "COMMAND", .text = "the manual page of a command, or of ricochet, for man -l"},
+    {.name = "--completion",
+     .value = "SHELL",
+     .words = "bash zsh fish",
+     .text = "what makes a shell complete commands, options and their values"},
+    {0},
 };
 
 static void print_help(FILE *out)
@@ -22,9 +32,11 @@ static void print_help(FILE *out)
     fputs("usage: ricochet COMMAND ...\n\n"
           "Periodic orbits of linear structures with stops, gaps and springs: from a study to an atlas.\n\n",
           out);
-    for (int i = 0; i < COUNT(commands); i++) fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+    for (const cli_command *const *c = cli_commands; *c; c++) fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
     fputs("\n  ricochet COMMAND --help   options and an example\n"
-          "  ricochet --version\n\n"
+          "  ricochet --version\n"
+          "  ricochet --man COMMAND    its manual page; of the program: ricochet --man ricochet\n"
+          "  ricochet --completion bash|zsh|fish\n\n"
           "A first atlas:\n"
           "  ricochet new demo\n"
           "  ricochet run demo/study.yaml\n"
@@ -47,11 +59,11 @@ static int unknown_command(const char *name)
 {
     const char *closest = NULL;
     int best = 3;
-    for (int i = 0; i < COUNT(commands); i++) {
-        int like = likeness(name, commands[i]->name);
+    for (const cli_command *const *c = cli_commands; *c; c++) {
+        int like = likeness(name, (*c)->name);
         if (like > best) {
             best = like;
-            closest = commands[i]->name;
+            closest = (*c)->name;
         }
     }
     if (closest)
@@ -64,6 +76,41 @@ static bool asks_for_help(int argc, char **argv)
     for (int i = 1; i < argc; i++)
         if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) return true;
     return false;
+}
+
+static const cli_command *find_command(const char *name)
+{
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        if (!strcmp(name, (*c)->name)) return *c;
+    return NULL;
+}
+
+static int print_manual(const char *name)
+{
+    const bool program = !strcmp(name, "ricochet");
+    const cli_command *command = program ? NULL : find_command(name);
+    if (!program && !command) return unknown_command(name);
+    cli_print_manual(command);
+    return CLI_DONE;
+}
+
+/* `--man COMMAND` and `--completion SHELL`. */
+static int print_made(int argc, char **argv)
+{
+    const bool manual = !strcmp(argv[1], "--man");
+    if (argc != 3) return cli_wrong("%s needs %s", argv[1], manual ? "one COMMAND, or ricochet" : "bash, zsh or fish");
+    if (manual) return print_manual(argv[2]);
+    if (cli_print_completion(argv[2])) return CLI_DONE;
+    return cli_wrong("--completion %s: there are bash, zsh and fish", argv[2]);
+}
+
+static int run_command(const cli_command *command, int argc, char **argv)
+{
+    if (asks_for_help(argc, argv)) {
+        cli_print_help(command);
+        return CLI_DONE;
+    }
+    return cli_know_options(command, argc, argv) ? command->run(argc, argv) : CLI_WRONG;
 }
 
 static int dispatch(int argc, char **argv)
@@ -80,15 +127,9 @@ static int dispatch(int argc, char **argv)
         printf("ricochet %s\n", ric_version());
         return CLI_DONE;
     }
-    for (int i = 0; i < COUNT(commands); i++)
-        if (!strcmp(argv[1], commands[i]->name)) {
-            if (asks_for_help(argc - 1, argv + 1)) {
-                fputs(commands[i]->help, stdout);
-                return CLI_DONE;
-            }
-            return commands[i]->run(argc - 1, argv + 1);
-        }
-    return unknown_command(argv[1]);
+    if (!strcmp(argv[1], "--man") || !strcmp(argv[1], "--completion")) return print_made(argc, argv);
+    const cli_command *command = find_command(argv[1]);
+    return command ? run_command(command, argc - 1, argv + 1) : unknown_command(argv[1]);
 }
 
 /* A standard stream that is closed is one that cannot be read or written; without this its number goes to the next

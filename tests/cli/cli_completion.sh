@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# Completion of bash, zsh and fish: what each offers is what the help lists.
+set -u
+. tests/support/tap.sh
+
+commands=$("$ricochet" --help | awk '/^  [a-z]+  / { print $1 }')
+for shell in bash zsh fish; do "$ricochet" --completion "$shell" >"$folder/$shell"; done
+touch "$folder/mine.ricochet"
+
+# offers SHELL WORD...: what is offered for the last word, which may be empty
+offers_bash() {
+    bash --norc --noprofile -c '. "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _ricochet; printf "%s\n" "${COMPREPLY[@]}"' \
+        bash "$folder/bash" "$@" | sed 's/ *$//'
+}
+offers_fish() { fish --no-config -c 'source $argv[1]; complete -C "$argv[2]"' "$folder/fish" "$*" | cut -f1 | sed 's/=$//'; }
+# zsh completes in a terminal only: its own functions are asked what they are told
+offers_zsh() {
+    local words
+    words=$(printf '%q ' "$@")
+    zsh -f -c "
+        compdef() { :; }
+        _arguments() { for spec; do print -r -- \${\${\${spec#\\*}%%[=+\\[:]*}}; print -r -- \"words \$spec\"; done }
+        _describe() { for pair in \${(P)2}; do print -r -- \${pair%%:*}; done }
+        compadd() { print -rl -- \"\$@\"; }
+        source '$folder/zsh'
+        words=($words) CURRENT=$#
+        _ricochet"
+}
+all() { # SHELL: every command, and of each every option of its help
+    local command option
+    offers_"$1" ricochet '' >"$folder/offered"
+    for command in $commands; do
+        grep -qx -e "$command" "$folder/offered" || { echo "$command is not offered"; return 1; }
+    done
+    for command in $commands; do
+        [ "$command" != plot ] || continue
+        { offers_"$1" ricochet "$command" -; offers_"$1" ricochet "$command" --; } >"$folder/offered"
+        for option in $("$ricochet" "$command" --help | grep -oE '^  -[-a-z]+' | tr -d ' '); do
+            grep -qx -e "$option" "$folder/offered" || { echo "$command $option is not offered"; return 1; }
+        done
+    done
+}
+offered() { local shell=$1 word=$2; shift 2; offers_"$shell" "$@" >"$folder/offered"; cat "$folder/offered"; grep -qx -e "$word" "$folder/offered"; }
+not_offered() { ! offered "$@"; }
+
+for shell in bash zsh fish; do
+    if ! command -v "$shell" >/dev/null; then
+        left_out "completion of $shell" "$shell is missing"
+        continue
+    fi
+    ok "$shell reads its script" "$shell" -n "$folder/$shell"
+    ok "$shell: every command and option" all "$shell"
+    ok "$shell: the pictures" offered "$shell" fep ricochet plot ''
+    ok "$shell: the options of a picture" offered "$shell" --histories ricochet plot orbits --
+    ok "$shell: not those of another" not_offered "$shell" --histories ricochet plot fep --
+done
+if command -v fish >/dev/null; then
+    ok 'fish: fixed words' offered fish named ricochet plot fep --labels ''
+    ok 'fish: files' offered fish "$folder/mine.ricochet" ricochet branches "$folder/mi"
+    ok 'fish: no files where a number is wanted' not_offered fish "$folder/mine.ricochet" ricochet run --max-step "$folder/mi"
+fi
+if command -v zsh >/dev/null; then
+    ok 'zsh: fixed words' eval "offers_zsh ricochet plot fep -- | grep -q 'WHAT:(all named none)'"
+    ok 'zsh: words of the program' offered zsh fish ricochet --completion ''
+fi
+ok 'bash: fixed words' offered bash named ricochet plot fep --labels ''
+ok 'bash: fixed words behind =' offered bash named ricochet plot fep --labels = na
+ok 'bash: files' offered bash "$folder/mine.ricochet" ricochet branches "$folder/mi"
+ok 'bash: no files where a number is wanted' not_offered bash "$folder/mine.ricochet" ricochet run --max-step "$folder/mi"
+wrong() { "$ricochet" --completion tcsh 2>"$folder/out"; [ $? = 2 ] && grep -q 'there are bash, zsh and fish' "$folder/out"; }
+ok 'another shell' wrong
+finish
