@@ -41,8 +41,20 @@ bool plot_parse_window(const char *text, const char *what, double window[4])
     return plot_parse_range(first, what, window) && plot_parse_range(comma + 1, what, window + 2);
 }
 
-int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases,
-                     int most, int *n, plot_listed *values)
+int plot_atlases_read(plot_atlases *atlases)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; !status && i < atlases->n; i++) status = ric_atlas_read(atlases->path[i], &atlases->atlas[i]);
+    return status ? cli_report(status) : CLI_DONE;
+}
+
+void plot_atlases_free(plot_atlases *atlases)
+{
+    for (int i = 0; i < atlases->n; i++) ric_atlas_free(atlases->atlas[i]);
+}
+
+int plot_take_listed(int argc, char **argv, const char *option, plot_atlases *atlases, int most, int *n,
+                     plot_listed *values)
 {
     const size_t length = strlen(option);
     for (int i = 1; i < argc; i++) {
@@ -51,16 +63,16 @@ int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, 
             const char *value = *rest ? rest + 1 : i + 1 < argc ? argv[++i] : "";
             if (!*value) return cli_wrong("%s needs a value; see ricochet plot --help", option);
             if (*n == most) return cli_wrong("%s: at most %d fit on a page", option, most);
-            values[(*n)++] = (plot_listed){value, *n_atlas - 1};
+            values[(*n)++] = (plot_listed){value, atlases->n - 1};
         } else if (argv[i][0] == '-' && argv[i][1]) {
             return cli_operands(&cli_plot, argc, argv, 1) ? CLI_DONE : CLI_WRONG; /* says what is wrong with it */
-        } else if (*n_atlas == most_atlas) {
-            return cli_wrong("plot: at most %d atlases", most_atlas);
+        } else if (atlases->n == PLOT_MAX_ATLAS) {
+            return cli_wrong("plot: at most %d atlases", PLOT_MAX_ATLAS);
         } else {
-            atlases[(*n_atlas)++] = argv[i];
+            atlases->path[atlases->n++] = argv[i];
         }
     }
-    return *n_atlas > 0 || cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
+    return atlases->n > 0 || cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
 }
 
 static bool take_size(const char *text, plot_options *options)

@@ -175,14 +175,24 @@ typedef struct {
 bool plot_parse_range(const char *text, const char *what, double range[2]);
 /* "X0:X1,Y0:Y1" */
 bool plot_parse_window(const char *text, const char *what, double window[4]);
+/* The atlases of one figure. */
+enum { PLOT_MAX_ATLAS = 12 };
+typedef struct {
+    int n;
+    const char *path[PLOT_MAX_ATLAS];
+    ric_atlas *atlas[PLOT_MAX_ATLAS];
+} plot_atlases;
+/* Reads them; returns an exit code. */
+int plot_atlases_read(plot_atlases *atlases);
+void plot_atlases_free(plot_atlases *atlases);
 /* ATLAS --option VALUE... ATLAS --option VALUE...: each value belongs to the atlas named last before it (-1: none yet).
- * Returns an exit code, with a message if there are more than `most_atlas` or `most`, another option, or no atlas. */
+ * Returns an exit code, with a message if there are more than PLOT_MAX_ATLAS or `most`, another option, or no atlas. */
 typedef struct {
     const char *text;
     int atlas;
 } plot_listed;
-int plot_take_listed(int argc, char **argv, const char *option, int most_atlas, int *n_atlas, const char **atlases,
-                     int most, int *n, plot_listed *values);
+int plot_take_listed(int argc, char **argv, const char *option, plot_atlases *atlases, int most, int *n,
+                     plot_listed *values);
 /* Mark of a junction kind, and its word for the legend. */
 plot_mark plot_junction_mark(ric_kind kind);
 plot_stroke plot_branch_family(const ric_branch *branch);

@@ -9,7 +9,7 @@
 
 #include "plot.h"
 
-enum { MAX_ATLAS = 12, MAX_ORBIT = 40, MAX_SHOWN = 4 };
+enum { MAX_ORBIT = 40, MAX_SHOWN = 4 };
 static const double type = 12;
 
 typedef struct {
@@ -20,9 +20,7 @@ typedef struct {
 
 typedef struct {
     const plot_options *common;
-    int n_atlas;
-    ric_atlas *atlases[MAX_ATLAS];
-    const char *paths[MAX_ATLAS];
+    plot_atlases from;
     int n;
     panel panels[MAX_ORBIT];
     bool histories; /* no phase portraits */
@@ -36,7 +34,7 @@ typedef struct {
 
 static bool take_coordinates(figure *f, const char *text)
 {
-    const int n_dof = ric_model_n_dof(ric_atlas_model(f->atlases[0]));
+    const int n_dof = ric_model_n_dof(ric_atlas_model(f->from.atlas[0]));
     f->n_shown = 0;
     for (const char *c = text; c && *c; c += strspn(c, ",")) {
         char item[24];
@@ -58,14 +56,13 @@ static bool take_coordinates(figure *f, const char *text)
 static int take_orbits(int argc, char **argv, figure *f)
 {
     plot_listed values[MAX_ORBIT];
-    const int code = plot_take_listed(argc, argv, "--orbit", MAX_ATLAS, &f->n_atlas, f->paths, MAX_ORBIT, &f->n,
-                                      values);
+    const int code = plot_take_listed(argc, argv, "--orbit", &f->from, MAX_ORBIT, &f->n, values);
     for (int i = 0; i < f->n; i++) f->panels[i] = (panel){.text = values[i].text, .atlas = values[i].atlas};
     if (code != CLI_DONE) return code;
     if (f->n == 0)
         return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see ricochet plot --help");
     for (int i = 0; i < f->n; i++)
-        if (f->panels[i].atlas < 0 && f->n_atlas > 1)
+        if (f->panels[i].atlas < 0 && f->from.n > 1)
             return cli_wrong("--orbit %s: with several atlases an orbit stands behind the one that it belongs to",
                              f->panels[i].text);
     return CLI_DONE;
@@ -73,15 +70,14 @@ static int take_orbits(int argc, char **argv, figure *f)
 
 static int load(figure *f)
 {
-    for (int i = 0; i < f->n_atlas; i++) {
-        const ric_status status = ric_atlas_read(f->paths[i], &f->atlases[i]);
-        if (status != RIC_OK) return cli_report(status);
-        if (ric_model_n_dof(ric_atlas_model(f->atlases[i])) != ric_model_n_dof(ric_atlas_model(f->atlases[0])))
+    const int read = plot_atlases_read(&f->from);
+    if (read != CLI_DONE) return read;
+    for (int i = 1; i < f->from.n; i++)
+        if (ric_model_n_dof(ric_atlas_model(f->from.atlas[i])) != ric_model_n_dof(ric_atlas_model(f->from.atlas[0])))
             return cli_wrong("plot orbits: the models have different numbers of coordinates");
-    }
     for (int i = 0; i < f->n; i++) {
         panel *p = &f->panels[i];
-        const int code = plot_choose(f->atlases[p->atlas < 0 ? 0 : p->atlas], p->text, "--orbit", &p->choice);
+        const int code = plot_choose(f->from.atlas[p->atlas < 0 ? 0 : p->atlas], p->text, "--orbit", &p->choice);
         if (code != CLI_DONE) return code;
         const ric_status status = plot_motion_make(&p->choice.motion);
         if (status != RIC_OK) return cli_report(status);
@@ -223,7 +219,7 @@ static int draw(figure *f)
     if (hit) entries[n++] = (plot_legend_entry){"impact", -1, PLOT_DOT};
     if (touch) entries[n++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
     plot_legend(f->page, n, entries, 0.5 * width, width - 12, height - 34);
-    plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->atlases[0])),
+    plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->from.atlas[0])),
                      sizeof title, title);
     plot_page_text(f->page, (plot_point){width / 2, height - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
     return plot_page_write(f->page, f->common->out);
@@ -244,6 +240,6 @@ int plot_orbits(int argc, char **argv, const plot_options *common)
     if (code == CLI_DONE) code = take_coordinates(&f, coordinates) ? draw(&f) : CLI_WRONG;
     plot_page_free(f.page);
     for (int i = 0; i < f.n; i++) plot_motion_free(&f.panels[i].choice.motion);
-    for (int i = 0; i < f.n_atlas; i++) ric_atlas_free(f.atlases[i]);
+    plot_atlases_free(&f.from);
     return code;
 }

@@ -9,7 +9,7 @@
 
 #include "plot.h"
 
-enum { MAX_ATLAS = 6, MAX_PART = 12, SAMPLES = 500, MAX_STROBE = 240, MAX_START = 64 };
+enum { MAX_PART = 12, SAMPLES = 500, MAX_STROBE = 240, MAX_START = 64 };
 static const double type = 12, pi = 3.14159265358979323846, touch = 1e-9;
 
 typedef struct {
@@ -22,9 +22,7 @@ typedef struct {
 
 typedef struct {
     const plot_options *common;
-    int n_atlas;
-    ric_atlas *atlases[MAX_ATLAS];
-    const char *paths[MAX_ATLAS];
+    plot_atlases from;
     int n;
     part parts[MAX_PART];
     long orbits, contact, dof, samples;
@@ -38,8 +36,7 @@ typedef struct {
 static int take_parts(int argc, char **argv, sheet *s)
 {
     plot_listed values[MAX_PART];
-    const int code = plot_take_listed(argc, argv, "--segment", MAX_ATLAS, &s->n_atlas, s->paths, MAX_PART, &s->n,
-                                      values);
+    const int code = plot_take_listed(argc, argv, "--segment", &s->from, MAX_PART, &s->n, values);
     for (int i = 0; i < s->n; i++)
         s->parts[i] = (part){.text = values[i].text, .atlas = values[i].atlas > 0 ? values[i].atlas : 0, .k = 1};
     if (code != CLI_DONE) return code;
@@ -107,7 +104,7 @@ out:
 
 static int load_part(const sheet *s, part *p)
 {
-    const ric_atlas *atlas = s->atlases[p->atlas];
+    const ric_atlas *atlas = s->from.atlas[p->atlas];
     const char *colon = strchr(p->text, ':');
     char first[16];
     long k = 1;
@@ -131,11 +128,7 @@ static int load_part(const sheet *s, part *p)
 
 static int load(sheet *s)
 {
-    int code = CLI_DONE;
-    for (int i = 0; code == CLI_DONE && i < s->n_atlas; i++) {
-        const ric_status status = ric_atlas_read(s->paths[i], &s->atlases[i]);
-        code = status == RIC_OK ? CLI_DONE : cli_report(status);
-    }
+    int code = plot_atlases_read(&s->from);
     for (int i = 0; code == CLI_DONE && i < s->n; i++) code = load_part(s, &s->parts[i]);
     return code;
 }
@@ -146,7 +139,7 @@ static void release(sheet *s)
         for (int k = 0; k < s->parts[i].n; k++) plot_motion_free(&s->parts[i].motions[k]);
         free(s->parts[i].motions);
     }
-    for (int i = 0; i < s->n_atlas; i++) ric_atlas_free(s->atlases[i]);
+    plot_atlases_free(&s->from);
     plot_page_free(s->page);
 }
 
@@ -251,7 +244,7 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
     plot_point *curve = malloc((SAMPLES + 1) * sizeof *curve);
     ric_branch b;
     char name[200], title[400];
-    if (!curve || ric_atlas_branch(s->atlases[p->atlas], p->segment.branch, &b) != RIC_OK) {
+    if (!curve || ric_atlas_branch(s->from.atlas[p->atlas], p->segment.branch, &b) != RIC_OK) {
         free(curve);
         return cli_report(RIC_E_NOMEM);
     }
@@ -272,7 +265,7 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
     free(curve);
     draw_box(s->page, &v, p, 2 * pi / p->motions[0].period, 2 * pi / p->motions[p->n - 1].period);
     plot_branch_title(&b, 1, sizeof name, name);
-    plot_text_escape(ric_study_title(ric_atlas_study(s->atlases[p->atlas])), 200, title);
+    plot_text_escape(ric_study_title(ric_atlas_study(s->from.atlas[p->atlas])), 200, title);
     snprintf(title + strlen(title), sizeof title - strlen(title), ",  %s", name);
     plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top + 12}, PLOT_CENTRE, type, "#000000", false,
                    title);
@@ -294,16 +287,16 @@ static int draw_sheets(sheet *s)
     free(high);
     free(low);
     if (code != CLI_DONE) return code;
-    if (s->common->title) plot_page_title(s->page, s->common, s->atlases[0], NULL);
+    if (s->common->title) plot_page_title(s->page, s->common, s->from.atlas[0], NULL);
     return plot_page_write(s->page, s->common->out);
 }
 
 static bool common_contact(const sheet *s)
 {
-    for (int i = 0; i < s->n_atlas; i++)
-        if (s->contact > ric_model_n_contact(ric_atlas_model(s->atlases[i]))) {
+    for (int i = 0; i < s->from.n; i++)
+        if (s->contact > ric_model_n_contact(ric_atlas_model(s->from.atlas[i]))) {
             cli_wrong("--contact %ld: the model has %d", s->contact,
-                      ric_model_n_contact(ric_atlas_model(s->atlases[i])));
+                      ric_model_n_contact(ric_atlas_model(s->from.atlas[i])));
             return false;
         }
     return true;
@@ -478,7 +471,7 @@ static int draw_columns(sheet *s, int n, const column *columns)
     plot_panel_frame(s->page, &panel,
                      s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)",
                      text);
-    plot_page_title(s->page, s->common, s->atlases[0], NULL);
+    plot_page_title(s->page, s->common, s->from.atlas[0], NULL);
     return plot_page_write(s->page, s->common->out);
 }
 
@@ -494,9 +487,9 @@ int plot_strobe(int argc, char **argv, const plot_options *common)
         (dof && !cli_parse_integer(dof, "--dof", 1, 100000, &s.dof)))
         return CLI_WRONG;
     int code = take_parts(argc, argv, &s), n = 0;
-    if (code == CLI_DONE && s.n_atlas != 1) code = cli_wrong("plot strobe: one atlas");
+    if (code == CLI_DONE && s.from.n != 1) code = cli_wrong("plot strobe: one atlas");
     if (code == CLI_DONE) code = load(&s);
-    const int n_dof = code == CLI_DONE ? ric_model_n_dof(ric_atlas_model(s.atlases[0])) : 0;
+    const int n_dof = code == CLI_DONE ? ric_model_n_dof(ric_atlas_model(s.from.atlas[0])) : 0;
     s.dof = s.dof ? s.dof : n_dof;
     if (code == CLI_DONE && s.dof > n_dof) code = cli_wrong("--dof %ld: there are displacements 1 to %d", s.dof, n_dof);
     for (int i = 0; i < s.n; i++) n += s.parts[i].n;

@@ -51,7 +51,7 @@ ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t
 {
     const ric_shooting *c = tr->chain;
     char *start = ric_malloc(packed_size(tr)), *to = start;
-    if (!start) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
+    if (!start) return ric_no_memory("a branch that is kept");
     header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,         c->n_flight, c->parts,
                 tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
     write(&to, &h, sizeof h);

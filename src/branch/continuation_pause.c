@@ -81,7 +81,7 @@ ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void
     }
     *size = sizeof h + fixed + n_found;
     cursor c = {.at = *blob = ric_malloc(*size)};
-    if (!*blob) status = ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
+    if (!*blob) status = ric_no_memory("a branch that is kept");
     else pass(&c, &h, sizeof h);
     if (!status && trace) {
         ric_continuation_place here = ric_continuation_mark(trace);

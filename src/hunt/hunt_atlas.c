@@ -16,11 +16,6 @@
 #define MATCH 1e-5    /* an orbit of the atlas is one of the hunt if all impacts agree within this */
 #define JUNCTION 1e-6 /* relative, of energies, frequencies and states of one junction in two atlases */
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory to compare with an atlas");
-}
-
 void ric_comparison_free(ric_comparison *c)
 {
     if (!c) return;
@@ -47,7 +42,7 @@ static ric_status read_orbit(const ric_hunt *h, const ric_orbit *o, ric_hit *hit
             t += flights[k];
         }
     }
-    ric_status status = flights && word ? RIC_OK : no_memory();
+    ric_status status = flights && word ? RIC_OK : ric_no_memory("the comparison with an atlas");
     free(flights);
     free(word);
     return status;
@@ -100,7 +95,7 @@ static ric_status count(void *user, const ric_branch *b, const ric_orbit *o, int
     if (c->n_missed == t->capacity) {
         t->capacity = t->capacity ? 2 * t->capacity : 16;
         ric_missed *grown = ric_realloc(c->missed, (size_t)t->capacity * sizeof *grown);
-        if (!grown) return no_memory();
+        if (!grown) return ric_no_memory("the comparison with an atlas");
         c->missed = grown;
     }
     ric_orbit_data(o, &point, NULL, NULL, NULL);
@@ -160,7 +155,8 @@ static ric_status explore_side(ric_hunt *h, const ric_atlas *a, const bool *want
     ric_graph *graph = NULL;
     ric_run_options run = {.workers = 1, .progress = keep_going, .user = h};
     char *lines = start_lines(h, wanted);
-    ric_status status = lines ? ric_graph_create(ric_atlas_study(a), NULL, &graph) : no_memory();
+    ric_status status = lines ? ric_graph_create(ric_atlas_study(a), NULL, &graph)
+                              : ric_no_memory("the comparison with an atlas");
     if (!status) {
         graph->only_given = true;
         status = ric_starts_parse(ric_atlas_model(a), lines, &graph->starts);
@@ -363,7 +359,8 @@ static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_compari
     const ric_atlas *s = c->side;
     int *family = ric_calloc((size_t)ric_atlas_n_branch(s) + 1, sizeof *family);
     int *junction_family = ric_calloc((size_t)ric_atlas_n_junction(s) + 1, sizeof *junction_family);
-    ric_status status = family && junction_family ? each_orbit(h, s, note_side, c) : no_memory();
+    ric_status status = family && junction_family ? each_orbit(h, s, note_side, c)
+                                                  : ric_no_memory("the comparison with an atlas");
     if (!status) find_families(s, family, junction_family);
     for (int i = 0; i < h->n && !status; i++) {
         ric_finding *finding = &c->findings[i];
@@ -392,7 +389,7 @@ ric_status ric_hunt_compare(ric_hunt *h, const ric_atlas *a, ric_comparison **ou
     if (!c || !wanted || !(c->findings = ric_calloc((size_t)h->n + 1, sizeof *c->findings))) {
         free(wanted);
         ric_comparison_free(c);
-        return no_memory();
+        return ric_no_memory("the comparison with an atlas");
     }
     c->n = h->n;
     for (int i = 0; i < h->n; i++) c->findings[i].state = RIC_FOUND_UNEXPLAINED;
@@ -411,7 +408,7 @@ ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_at
     bool *wanted = ric_calloc((size_t)h->n + 1, sizeof *wanted);
     ric_store *store = NULL;
     char *lines = NULL;
-    ric_status status = wanted ? RIC_OK : no_memory();
+    ric_status status = wanted ? RIC_OK : ric_no_memory("the comparison with an atlas");
     *n = 0;
     for (int i = 0; wanted && i < h->n; i++) {
         wanted[i] = c->findings[i].state == RIC_FOUND_ISOLATED;
@@ -420,7 +417,7 @@ ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_at
         *n += wanted[i];
     }
     if (*n) {
-        if (!(lines = start_lines(h, wanted))) status = no_memory();
+        if (!(lines = start_lines(h, wanted))) status = ric_no_memory("the comparison with an atlas");
         if (!status) status = ric_store_open(path, ric_atlas_study(a), &store);
         if (!status) status = ric_store_starts_add(store, lines);
         ric_store_close(store);

@@ -26,11 +26,6 @@ typedef struct {
     double *x, *v, *work;   /* [n_dof] each */
 } subject;
 
-static ric_status no_memory(void)
-{
-    return ric_fail(RIC_E_NOMEM, "no memory to measure an orbit");
-}
-
 static void subject_release(subject *s)
 {
     free(s->state);
@@ -47,7 +42,7 @@ static ric_status subject_init(subject *s, const ric_orbit *orbit)
     s->state = ric_calloc(5 * n, sizeof *s->state);
     s->flights = ric_calloc(n_letter + 1, sizeof *s->flights);
     s->word = ric_calloc(n_letter + 1, sizeof *s->word);
-    if (!s->state || !s->flights || !s->word) return no_memory();
+    if (!s->state || !s->flights || !s->word) return ric_no_memory("what is measured on an orbit");
     s->x = s->state + 2 * n;
     s->v = s->x + n;
     s->work = s->v + n;
@@ -130,7 +125,7 @@ ric_status ric_orbit_amplitudes(const ric_orbit *orbit, double *out)
     for (int k = 0; k < n_flight; k++) longest = fmax(longest, s.flights[k]);
     samples = ric_calloc((size_t)samples_of(&s, longest) + 2, (size_t)s.n_dof * sizeof *samples);
     if (!samples) {
-        status = no_memory();
+        status = ric_no_memory("what is measured on an orbit");
         goto out;
     }
     for (int i = 0; i < s.n_dof; i++) out[i] = 0;
@@ -204,7 +199,8 @@ ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, d
     double *exchanged = NULL;
     *n = 0;
     ric_status status = subject_init(&s, orbit);
-    if (!status && !(exchanged = ric_calloc((size_t)s.n_letter + 1, sizeof *exchanged))) status = no_memory();
+    if (!status && !(exchanged = ric_calloc((size_t)s.n_letter + 1, sizeof *exchanged)))
+        status = ric_no_memory("what is measured on an orbit");
     if (!status) status = collect_spring_impulses(&s, exchanged);
     for (int k = 0; !status && k < s.n_letter; k++) {
         if (s.word[k] >= ric_model_n_face(s.model)) continue; /* a spring opens: told where it closes */
