@@ -100,25 +100,44 @@ typedef struct {
 ric_limits ric_continuation_limits(const ric_model *model, const double energy[2], const double frequency[2],
                                    double max_step, int max_points);
 
+/* What a step changes and the next one reads, beside stations and counts. One list, so that a step that is undone, and
+ * a trace that is kept, have all of it:
+ *   definite    last value of each test function that was not lost in rounding
+ *   wanted      lengths of the present and (after) the next step that an event asks for, 0 = none
+ *   longest     step that still keeps before an orbit of fewer periods that lies ahead
+ *   lowest      energy below which a branch is not followed that starts above it
+ *   blind       arclength on which multiplications are not looked for: multipliers are lost in rounding
+ *   blind_at    least and largest energy of the steps with lost multipliers, and (crowded_at) with places that are
+ *               unresolved; 0 while there are none
+ *   unresolved  places where functions may vanish twice, and too near to tell
+ *   approaches  attempts to place this step over a crossing
+ *   avoided     another branch comes near ahead, and does not cross: the zero that the bordered determinant heads for
+ *               is none
+ *   steep       law power: somewhere more is lost in rounding than it ought to be
+ *   ignore      tests that vanish at the very start, as bits; cleared after the first step */
+#define RIC_CARRIED                                                                                                    \
+    double definite[RIC_N_TEST], step, step_max, wanted, after, longest, lowest, blind, blind_at[2], crowded_at[2];    \
+    int32_t unresolved, approaches, avoided, steep, has_past;                                                          \
+    uint32_t ignore;
+typedef struct {
+    RIC_CARRIED
+} ric_carried;
+
 typedef struct {
     ric_shooting *chain; /* owned */
     const ric_limits *limits;
-    double lowest; /* energy below which a branch is not followed that starts above it */
+    union {
+        ric_carried carried;
+        struct {
+            RIC_CARRIED /* the same members by their own names */
+        };
+    };
     ric_floquet floquet;
     int n_resonance;
     ric_resonance *resonances;
     ric_station now, next, mid, past;
     ric_event_samples samples;
-    bool has_past;
-    bool may_gain;               /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
-    double definite[RIC_N_TEST]; /* last value of each test function that was not lost in rounding */
-    double step, step_max;
-    double wanted, after; /* lengths of the present and the next step that an event asks for, 0 = none */
-    double longest;       /* step that still keeps before an orbit of fewer periods that lies ahead */
-    int approaches;       /* attempts to place this step over a crossing */
-    bool avoided;         /* another branch comes near ahead, and does not cross: the zero that the bordered determinant
-                           * heads for is none */
-    unsigned ignore;      /* tests that vanish at the very start, as bits; cleared after the first step */
+    bool may_gain; /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
     double *du, *guess, *start_u, *start_t;
     /* what was found */
     int n_point, point_capacity;
@@ -128,12 +147,7 @@ typedef struct {
     ric_event *events; /* interior ones, in order */
     ric_event end;     /* what stopped the branch (end.test = -1: no event) */
     ric_stop stop;
-    bool steep;     /* law power: somewhere more is lost in rounding than it ought to be */
-    int unresolved; /* places where functions may vanish twice, and too near to tell */
-    double blind;   /* arclength on which multiplications are not looked for: multipliers are lost in rounding */
-    double blind_at[2], crowded_at[2]; /* least and largest energy of the steps with lost multipliers, and with places
-                                        * that are unresolved; 0 while there are none */
-    bool arrival;                      /* the end is a point where the branch meets its own mirror image */
+    bool arrival; /* the end is a point where the branch meets its own mirror image */
     ric_why why;
     long evaluations;
 } ric_continuation;
@@ -149,10 +163,9 @@ void ric_continuation_free(ric_continuation *trace);
 /* All that a step changes and the next one reads, but for the stations: those of the last two steps are left alone
  * until a step has succeeded (ric_continuation_advance). */
 typedef struct {
-    double definite[RIC_N_TEST];
-    double step, step_max, wanted, after, longest, blind, lowest, scale, blind_at[2], crowded_at[2];
-    int32_t n_point, n_event, n_past, unresolved, approaches, avoided, steep, has_past;
-    uint32_t ignore;
+    ric_carried carried;
+    double scale;
+    int32_t n_point, n_event, n_past, none; /* `none` fills up: all its bytes are stored */
 } ric_continuation_place;
 
 ric_continuation_place ric_continuation_mark(const ric_continuation *trace);

@@ -7,7 +7,7 @@
 #include "continuation_pack.h"
 #include "base/room.h"
 
-#define PAUSE_FORMAT 3 /* changes with the layout, which is private to one version on one type of machine */
+#define PAUSE_FORMAT 4 /* changes with the layout, which is private to one version on one type of machine */
 
 /* -------------------------------------------------------------------- bytes */
 
@@ -96,15 +96,16 @@ ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void
 /* A file may hold anything: a step that is no number would never end. */
 static bool sane(const ric_continuation *tr, const ric_continuation_place *p)
 {
-    double sum = p->step + p->step_max + p->wanted + p->after + p->blind + p->lowest + p->scale + tr->now.s +
-                 (p->has_past ? tr->past.s : 0);
+    const ric_carried *c = &p->carried;
+    double sum = c->step + c->step_max + c->wanted + c->after + c->blind + c->lowest + p->scale + tr->now.s +
+                 (c->has_past ? tr->past.s : 0);
     for (int i = 0; i < tr->chain->n_unknown; i++) {
         sum += tr->now.u[i] + tr->now.t[i] + tr->start_u[i] + tr->start_t[i];
-        if (p->has_past) sum += tr->past.u[i] + tr->past.t[i];
+        if (c->has_past) sum += tr->past.u[i] + tr->past.t[i];
     }
-    return isfinite(sum) && p->step > 0 && p->step_max > 0 && p->wanted >= 0 && p->after >= 0 && p->longest > 0 &&
+    return isfinite(sum) && c->step > 0 && c->step_max > 0 && c->wanted >= 0 && c->after >= 0 && c->longest > 0 &&
            p->scale >= 1 && p->n_point == tr->n_point && p->n_event == tr->n_event && tr->n_point > 0 &&
-           p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!p->has_past || tr->now.s > tr->past.s);
+           p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!c->has_past || tr->now.s > tr->past.s);
 }
 
 ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,

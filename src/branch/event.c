@@ -510,7 +510,7 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     /* two branches that only come close: the step has changed from one to the other */
     if (!arrived && !repeated && !(ric_branch_point_gap(tr->chain, tr->mid.u) < CROSSED)) {
         free(q.u);
-        *retry = tr->avoided = true;
+        tr->avoided = *retry = true;
         return RIC_OK;
     }
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
