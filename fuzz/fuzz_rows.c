@@ -12,11 +12,8 @@ static uint8_t *good;
 static size_t good_size;
 static sqlite3 *db;
 
-static const char *const tables[] = {"branch", "branch_junction", "point", "junction", "junction_branch", "meta"};
-static const char *const columns[] = {BRANCH_COLUMNS,   BRANCH_JUNCTION_COLUMNS, POINT_COLUMNS,
-                                      JUNCTION_COLUMNS, JUNCTION_BRANCH_COLUMNS, "key, value"};
-static const char *const keys[][2] = {{"id", NULL}, {"branch", "position"}, {"branch", "point"},
-                                      {"id", NULL}, {"junction", "branch"}, {"key", NULL}};
+static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
+                                          &ric_table_junction, &ric_table_junction_branch};
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
@@ -28,13 +25,12 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     return 0;
 }
 
-/* Name number k of a list that is separated by commas. */
-static void nth_name(const char *list, int k, char *out, size_t size)
+/* Column number k of those that are stored. */
+static const char *nth_name(const ric_table *table, int k)
 {
-    int n = 1;
-    for (const char *c = list; *c; c++) n += *c == ',';
-    for (k %= n; k > 0; k--) list = strchr(list, ',') + 2;
-    snprintf(out, size, "%.*s", (int)strcspn(list, ","), list);
+    const ric_column *c = NULL;
+    for (k++; k > 0; k -= c != NULL) c = ric_store_next_column(table, c, true);
+    return c->name;
 }
 
 static void bind_value(sqlite3_stmt *s, int kind, const uint8_t *value)
@@ -57,19 +53,18 @@ static void bind_value(sqlite3_stmt *s, int kind, const uint8_t *value)
 
 static void edit(const uint8_t *op, const uint8_t *value)
 {
-    char column[64], where[256], sql[512];
-    int table = op[0] % 6, row = op[2];
+    char where[256], sql[512];
+    const int number = op[0] % 6, row = op[2];
+    const ric_table *table = number < 5 ? tables[number] : NULL;
+    const char *name = table ? table->name : "meta",
+               *column = table       ? nth_name(table, op[1])
+                         : op[1] % 2 ? "value"
+                                     : "key",
+               *key = table ? table->key : "key";
     sqlite3_stmt *s = NULL;
-    nth_name(columns[table], op[1], column, sizeof column);
-    snprintf(where, sizeof where, "%s = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", keys[table][0], keys[table][0],
-             tables[table], row);
-    if (keys[table][1]) {
-        size_t used = strlen(where);
-        snprintf(where + used, sizeof where - used, " AND %s = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", keys[table][1],
-                 keys[table][1], tables[table], row);
-    }
-    if (op[3] >= 250) snprintf(sql, sizeof sql, "DELETE FROM %s WHERE %s", tables[table], where);
-    else snprintf(sql, sizeof sql, "UPDATE OR IGNORE %s SET %s = ? WHERE %s", tables[table], column, where);
+    snprintf(where, sizeof where, "(%s) = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", key, key, name, row);
+    if (op[3] >= 250) snprintf(sql, sizeof sql, "DELETE FROM %s WHERE %s", name, where);
+    else snprintf(sql, sizeof sql, "UPDATE OR IGNORE %s SET %s = ? WHERE %s", name, column, where);
     fuzz_need(sqlite3_prepare_v2(db, sql, -1, &s, NULL) == SQLITE_OK, sql);
     if (op[3] < 250) bind_value(s, op[3], value);
     sqlite3_step(s);

@@ -14,40 +14,10 @@ bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *poi
 
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
-    const ric_model *model = ric_atlas_model(atlas);
-    ric_branch found, *branch = &found;
-    ric_status status = ric_atlas_branch(atlas, id, branch);
-    if (status) return status;
-    json_t *inner = json_array(), *at = json_array();
-    for (int i = 0; i < branch->n_junction; i++) {
-        json_array_append_new(inner, json_integer(branch->junctions[i]));
-        json_array_append_new(at, cli_number(branch->junction_at[i]));
-    }
-    json_object_set_new(row, "id", json_integer(branch->id));
-    json_object_set_new(row, "label", json_string(branch->label));
-    json_object_set_new(row, "word", cli_word(model, branch->letters, branch->word));
-    json_object_set_new(row, "impacts", json_integer(branch->impacts));
-    json_object_set_new(row, "symmetric", json_boolean(branch->symmetric));
-    json_object_set_new(row, "reversible", json_boolean(branch->reversible));
-    json_object_set_new(row, "mirror", json_string(branch->mirror));
-    json_object_set_new(row, "stable_fraction", cli_number(branch->stable_fraction));
-    json_object_set_new(row, "points", json_integer(branch->n_point));
-    json_object_set_new(row, "energy_min", cli_number(d * d * branch->energy_min));
-    json_object_set_new(row, "energy_max", cli_number(d * d * branch->energy_max));
-    const double onset = ric_model_onset(model, NULL);
-    json_object_set_new(row, "relative_energy_min", cli_number(branch->energy_min / onset));
-    json_object_set_new(row, "relative_energy_max", cli_number(branch->energy_max / onset));
-    json_object_set_new(row, "frequency_min", cli_number(branch->frequency_min));
-    json_object_set_new(row, "frequency_max", cli_number(branch->frequency_max));
-    json_object_set_new(row, "from", cli_id(branch->from));
-    json_object_set_new(row, "to", cli_id(branch->to));
-    json_object_set_new(row, "stop", json_string(ric_stop_text(branch->stop)));
-    json_object_set_new(row, "why", json_string(branch->why));
-    json_object_set_new(row, "junctions", inner);
-    json_object_set_new(row, "junction_arclengths", at);
-    json_object_set_new(row, "depth", json_integer(branch->depth));
-    json_object_set_new(row, "mode", cli_id(branch->mode));
-    return RIC_OK;
+    ric_branch branch;
+    const ric_status status = ric_atlas_branch(atlas, id, &branch);
+    if (!status) cli_table_row(&ric_table_branch, &branch, ric_atlas_model(atlas), d, NULL, row);
+    return status;
 }
 
 /* ---------------------------------------------------------------- segments */
@@ -125,47 +95,6 @@ static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user
 
 static int run(int argc, char **argv)
 {
-    static const char *const all[] = {"id",
-                                      "label",
-                                      "word",
-                                      "impacts",
-                                      "symmetric",
-                                      "reversible",
-                                      "mirror",
-                                      "stable_fraction",
-                                      "points",
-                                      "energy_min",
-                                      "energy_max",
-                                      "relative_energy_min",
-                                      "relative_energy_max",
-                                      "frequency_min",
-                                      "frequency_max",
-                                      "from",
-                                      "to",
-                                      "stop",
-                                      "why",
-                                      "junctions",
-                                      "junction_arclengths",
-                                      "depth",
-                                      "mode",
-                                      NULL};
-    static const char *const few[] = {"id",
-                                      "label",
-                                      "impacts",
-                                      "symmetric",
-                                      "reversible",
-                                      "stable_fraction",
-                                      "points",
-                                      "energy_min",
-                                      "energy_max",
-                                      "frequency_min",
-                                      "frequency_max",
-                                      "from",
-                                      "to",
-                                      "stop",
-                                      "junctions",
-                                      "depth",
-                                      NULL};
     static const char *const parts[] = {"segment",    "branch",        "from",          "to",     "energy_min",
                                         "energy_max", "frequency_min", "frequency_max", "stable", "stable_fraction",
                                         NULL};
@@ -174,8 +103,9 @@ static int run(int argc, char **argv)
     const cli_listing listing = {.command = &cli_branches,
                                  .rows = chosen_rows,
                                  .user = &c,
-                                 .all = c.segments ? parts : all,
-                                 .few = c.segments ? parts : few};
+                                 .table = c.segments ? NULL : &ric_table_branch,
+                                 .all = parts,
+                                 .few = parts};
     return cli_list(&listing, argc, argv);
 }
 

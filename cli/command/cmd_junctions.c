@@ -2,15 +2,9 @@
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/cli.h"
-
-static json_t *numbers(int n, const double *values, double unit)
-{
-    json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
-    return array;
-}
 
 static json_t *departures(const ric_departures *count)
 {
@@ -32,39 +26,24 @@ static json_t *budgets(const ric_departures *count)
     return object;
 }
 
-/* A multiplicity of C_ab, null where there is none. */
-static json_t *multiplicity(const ric_junction *junction, int value)
+/* What is null or put together: a and b where they are none of a C_ab. */
+static json_t *made(const ric_column *column, const void *row)
 {
-    return junction->a || junction->b ? json_integer(value) : json_null();
+    const ric_junction *j = row;
+    const char *name = column->name;
+    if (!strcmp(name, "departures")) return departures(&j->departures);
+    if (!strcmp(name, "budgets")) return budgets(&j->departures);
+    if (!strcmp(name, "rotation")) return j->rotation[1] ? cli_integers(2, j->rotation) : json_null();
+    if (!strcmp(name, "decided")) return j->a ? json_boolean(j->decided) : json_null();
+    return j->a || j->b ? json_integer(!strcmp(name, "a") ? j->a : j->b) : json_null();
 }
 
 ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
-    const ric_model *model = ric_atlas_model(atlas);
-    ric_junction found, *junction = &found;
-    ric_status status = ric_atlas_junction(atlas, id, junction);
-    if (status) return status;
-    json_object_set_new(row, "id", json_integer(junction->id));
-    json_object_set_new(row, "kind", json_string(ric_kind_text(junction->kind)));
-    json_object_set_new(row, "label", json_string(junction->label));
-    json_object_set_new(row, "name", json_string(junction->name));
-    json_object_set_new(row, "word", cli_word(model, junction->letters, junction->word));
-    json_object_set_new(row, "impacts", json_integer(junction->impacts));
-    json_object_set_new(row, "grazings", json_integer(junction->grazings));
-    json_object_set_new(row, "multiple", json_integer(junction->multiple));
-    json_object_set_new(row, "rotation", junction->rotation[1] ? cli_integers(2, junction->rotation) : json_null());
-    json_object_set_new(row, "a", multiplicity(junction, junction->a));
-    json_object_set_new(row, "b", multiplicity(junction, junction->b));
-    json_object_set_new(row, "decided", junction->a ? json_boolean(junction->decided) : json_null());
-    json_object_set_new(row, "energy", cli_number(d * d * junction->energy));
-    json_object_set_new(row, "frequency", cli_number(junction->frequency));
-    json_object_set_new(row, "state", numbers(2 * ric_model_n_dof(model), junction->state, d));
-    json_object_set_new(row, "flights", numbers(junction->letters ? junction->letters : 1, junction->flights, 1));
-    json_object_set_new(row, "branches", cli_integers(junction->n_branch, junction->branches));
-    json_object_set_new(row, "departures", departures(&junction->departures));
-    json_object_set_new(row, "refusal", json_string(junction->refusal));
-    json_object_set_new(row, "budgets", budgets(&junction->departures));
-    return RIC_OK;
+    ric_junction junction;
+    const ric_status status = ric_atlas_junction(atlas, id, &junction);
+    if (!status) cli_table_row(&ric_table_junction, &junction, ric_atlas_model(atlas), d, made, row);
+    return status;
 }
 
 /* -------------------------------------------------------------- duplicates */
@@ -203,17 +182,10 @@ static int run_duplicates(const wanted *w, int argc, char **argv)
 
 static int run(int argc, char **argv)
 {
-    static const char *const all[] = {"id",       "kind",      "label",    "name",    "word",     "impacts",
-                                      "grazings", "multiple",  "rotation", "a",       "b",        "decided",
-                                      "energy",   "frequency", "state",    "flights", "branches", "departures",
-                                      "refusal",  "budgets",   NULL};
-    static const char *const few[] = {"id",       "kind",     "label",  "name",      "word",     "impacts", "grazings",
-                                      "multiple", "rotation", "energy", "frequency", "branches", NULL};
     static const cli_listing listing = {.command = &cli_junctions,
                                         .count = ric_atlas_n_junction,
                                         .row = cli_junction_row,
-                                        .all = all,
-                                        .few = few};
+                                        .table = &ric_table_junction};
     const char *largest, *branch;
     wanted w = {.ghost = cli_take_flag(&argc, argv, "--ghost")};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))

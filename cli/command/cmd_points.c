@@ -3,10 +3,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/cli.h"
-
-static const double two_pi = 6.283185307179586;
 
 static json_t *stability(int stable)
 {
@@ -47,21 +46,17 @@ typedef struct {
     json_t *rows;
 } listing;
 
-static json_t *point_row(int i, const ric_point *point, double d)
+static json_t *made(const ric_column *column, const void *row)
 {
+    const ric_point_row *at = row;
+    return !strcmp(column->name, "trace") ? trace_of(&at->point) : stability(at->point.stable);
+}
+
+static json_t *point_row(const listing *l, int i, const ric_point *point)
+{
+    const ric_point_row at = {.number = i, .point = *point};
     json_t *row = json_object();
-    json_object_set_new(row, "point", json_integer(i));
-    json_object_set_new(row, "arclength", cli_number(point->arclength));
-    json_object_set_new(row, "energy", cli_number(d * d * point->energy));
-    json_object_set_new(row, "frequency", cli_number(point->frequency));
-    json_object_set_new(row, "period", cli_number(two_pi / point->frequency));
-    json_object_set_new(row, "trace", trace_of(point));
-    json_object_set_new(row, "log_trace", cli_number(ric_point_log_trace(point)));
-    json_object_set_new(row, "rotation", cli_number(point->rotation));
-    json_object_set_new(row, "stable", stability(point->stable));
-    json_object_set_new(row, "reach", cli_number(point->reach));
-    json_object_set_new(row, "approach", cli_number(d * point->approach));
-    json_object_set_new(row, "residual", cli_number((double)point->residual));
+    cli_table_row(&ric_table_point, &at, ric_atlas_model(l->atlas), l->d, made, row);
     return row;
 }
 
@@ -72,7 +67,7 @@ static ric_status add_points(const listing *l)
         ric_point point;
         status = ric_atlas_point(l->atlas, l->branch.id, i, &point, NULL, NULL);
         if (status) break;
-        json_t *row = point_row(i, &point, l->d);
+        json_t *row = point_row(l, i, &point);
         if (l->n_multiplier) {
             int n = 0;
             ric_orbit **orbits = NULL;
@@ -98,7 +93,7 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
         ric_point point;
         status = ric_ghost_point(ghost, i, &point, NULL, NULL);
         if (status) break;
-        json_t *row = point_row(i, &point, l->d);
+        json_t *row = point_row(l, i, &point);
         json_object_set_new(row, "end", json_string(end));
         json_object_set_new(row, "admissible", json_boolean(ric_point_admissible(&point)));
         if (l->n_multiplier) {
@@ -154,31 +149,19 @@ static int add_ghosts(const listing *l, const char *path)
 
 /* ---------------------------------------------------------------- the command */
 
-enum { MAX_COLUMN = 16 };
-
-static void choose_columns(cli_format format, bool ghost, bool multipliers_too, const char *out[MAX_COLUMN])
+static void choose_columns(cli_format format, bool ghost, bool multipliers_too, const char **out)
 {
-    static const struct {
-        const char *name;
-        bool ghost, file, many; /* only of ghosts; not in the table for the terminal; only with more than two modes */
-    } all[] = {{"end", true, false, false},        {"point", false, false, false},
-               {"arclength", false, false, false}, {"energy", false, false, false},
-               {"frequency", false, false, false}, {"period", false, false, false},
-               {"trace", false, false, false},     {"log_trace", false, true, false},
-               {"rotation", false, false, false},  {"stable", false, false, false},
-               {"reach", false, false, false},     {"approach", false, false, false},
-               {"residual", false, false, false},  {"admissible", true, false, false},
-               {"multipliers", false, true, true}};
     int n = 0;
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if ((ghost || !all[i].ghost) && (format != CLI_TEXT || !all[i].file) && (multipliers_too || !all[i].many))
-            out[n++] = all[i].name;
+    if (ghost) out[n++] = "end";
+    n += cli_table_names(&ric_table_point, format, out + n);
+    if (ghost) out[n++] = "admissible";
+    if (multipliers_too && format != CLI_TEXT) out[n++] = "multipliers";
     out[n] = NULL;
 }
 
 static int list(const char *path, int id, bool physical, bool ghost, cli_format format)
 {
-    const char *columns[MAX_COLUMN];
+    const char *columns[CLI_MAX_COLUMN + 4];
     ric_atlas *atlas = NULL;
     listing l = {.rows = json_array()};
     ric_status status = ric_atlas_read(path, &atlas);

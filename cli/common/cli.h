@@ -5,6 +5,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
+#include "atlas/columns.h"
 #include "ricochet.h"
 
 enum {
@@ -108,7 +109,8 @@ typedef struct {
     const cli_command *command;
     int (*count)(const ric_atlas *atlas);
     ric_status (*row)(const ric_atlas *atlas, int id, double d, json_t *row);
-    const char *const *all, *const *few; /* columns of CSV and of the table */
+    const ric_table *table;              /* whose columns are listed; NULL: */
+    const char *const *all, *const *few; /* those of CSV and of a terminal */
     /* or, for rows that are no such list: appends all of them; `row` and `count` are not used then */
     ric_status (*rows)(const ric_atlas *atlas, double d, const void *user, json_t *rows);
     const void *user;
@@ -116,6 +118,13 @@ typedef struct {
 
 /* Takes `ATLAS [--physical] [--json | --csv]`, prints the rows and returns an exit code. */
 int cli_list(const cli_listing *listing, int argc, char **argv);
+
+/* The listed columns of a row of the atlas, into an empty object; what the command makes itself comes from `made`. */
+void cli_table_row(const ric_table *table, const void *row, const ric_model *model, double d,
+                   json_t *(*made)(const ric_column *column, const void *row), json_t *out);
+/* Their names, as cli_print_rows takes them, and how many. */
+enum { CLI_MAX_COLUMN = 64 };
+int cli_table_names(const ric_table *table, cli_format format, const char *out[CLI_MAX_COLUMN]);
 
 /* What `ricochet report` lists: rows with item, value and detail. */
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);

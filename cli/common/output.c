@@ -307,6 +307,75 @@ int cli_print_rows(const json_t *rows, const char *const *columns, cli_format fo
     return CLI_DONE;
 }
 
+/* ------------------------------------------------------------ rows of an atlas */
+
+static json_t *numbers(size_t n, const double *values, double unit)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
+    return array;
+}
+
+static double scale_of(ric_unit unit, double d)
+{
+    switch (unit) {
+    case RIC_UNIT_ENERGY: return d * d;
+    case RIC_UNIT_SPEED:
+    case RIC_UNIT_STATE: return d;
+    default: return 1;
+    }
+}
+
+static json_t *value_of(const ric_column *c, const void *row, const ric_model *model, double d)
+{
+    const char *at = (const char *)row + c->offset;
+    const double number = ric_column_number(c, row), scale = scale_of(c->unit, d);
+    const size_t count = (size_t)ric_column_count(c, row), width = ric_column_width(c, row, ric_model_n_dof(model));
+    switch (c->type) {
+    case RIC_COLUMN_FLAG: return json_boolean(*(const bool *)at);
+    case RIC_COLUMN_MODE:
+    case RIC_COLUMN_JUNCTION: return cli_id(*(const int *)at);
+    case RIC_COLUMN_REAL:
+    case RIC_COLUMN_MAYBE:
+    case RIC_COLUMN_SINGLE:
+    case RIC_COLUMN_DERIVED:
+        return cli_number(c->unit == RIC_UNIT_ONSET ? number / ric_model_onset(model, NULL) : scale * number);
+    case RIC_COLUMN_TEXT: return json_string(*(const char *const *)at);
+    case RIC_COLUMN_WORD: return cli_word(model, (int)count, *(const int *const *)at);
+    case RIC_COLUMN_STOP: return json_string(ric_stop_text(*(const ric_stop *)at));
+    case RIC_COLUMN_KIND: return json_string(ric_kind_text(*(const ric_kind *)at));
+    case RIC_COLUMN_STATE:
+    case RIC_COLUMN_FLIGHTS: return numbers(width, *(const double *const *)at, scale);
+    case RIC_COLUMN_INTEGERS: return cli_integers((int)count, *(const int *const *)at);
+    case RIC_COLUMN_NUMBERS: return numbers(count, *(const double *const *)at, scale);
+    default: return json_integer(*(const int *)at);
+    }
+}
+
+static const char *name_of(const ric_column *c)
+{
+    return c->listed ? c->listed : c->name;
+}
+
+void cli_table_row(const ric_table *table, const void *row, const ric_model *model, double d,
+                   json_t *(*made)(const ric_column *column, const void *row), json_t *out)
+{
+    const ric_column *c;
+    for (int k = 0; (c = ric_column_listed(table, k)); k++)
+        json_object_set_new(out, name_of(c), c->flags & RIC_MADE ? made(c, row) : value_of(c, row, model, d));
+}
+
+int cli_table_names(const ric_table *table, cli_format format, const char *out[CLI_MAX_COLUMN])
+{
+    const unsigned shown = format == CLI_TEXT ? RIC_IN_TABLE : RIC_LISTED;
+    const ric_column *c;
+    int n = 0;
+    for (int k = 0; n < CLI_MAX_COLUMN - 1 && (c = ric_column_listed(table, k)); k++)
+        if ((c->flags & shown) == shown) out[n++] = name_of(c);
+    out[n] = NULL;
+    return n;
+}
+
 static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
 {
     const double d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
@@ -330,7 +399,9 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(listing->command, argc, argv, 1)) goto out;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     if (!status) status = add_rows(rows, listing, atlas, physical);
-    code = status ? cli_report(status) : cli_print_rows(rows, format == CLI_TEXT ? listing->few : listing->all, format);
+    const char *names[CLI_MAX_COLUMN], *const *columns = format == CLI_TEXT ? listing->few : listing->all;
+    if (listing->table) cli_table_names(listing->table, format, names);
+    code = status ? cli_report(status) : cli_print_rows(rows, listing->table ? names : columns, format);
 out:
     json_decref(rows);
     ric_atlas_free(atlas);

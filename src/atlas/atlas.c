@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -124,6 +125,19 @@ ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out)
     return status;
 }
 
+ric_point_row ric_atlas_point_row(const ric_atlas *atlas, int branch, int i)
+{
+    const ric_branch_record *record = &atlas->branches[branch - 1];
+    const double *at = record->points + (size_t)i * record->stride, *state = at + sizeof(ric_point) / sizeof *at;
+    ric_point_row row = {.branch = branch,
+                         .number = i,
+                         .letters = record->row.letters,
+                         .state = state,
+                         .flights = state + 2 * ric_model_n_dof(ric_atlas_model(atlas))};
+    memcpy(&row.point, at, sizeof row.point);
+    return row;
+}
+
 ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights)
 {
     ric_status status = check_id("branch", branch, atlas->n_branch);
@@ -133,19 +147,14 @@ ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point 
     if (i < 0 || i >= n_point)
         return n_point ? ric_fail(RIC_E_RANGE, "no point %d: branch %d has points 0 to %d", i, branch, n_point - 1)
                        : ric_fail(RIC_E_RANGE, "no point %d: branch %d has no points", i, branch);
-    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
-    size_t n_flight = record->row.letters > 0 ? (size_t)record->row.letters : 1;
-    const double *at = record->points + (size_t)i * record->stride;
-    if (point) memcpy(point, at, sizeof *point);
-    at += sizeof *point / sizeof *at;
-    if (state) memcpy(state, at, n_state * sizeof *state);
-    if (flights) memcpy(flights, at + n_state, n_flight * sizeof *flights);
+    const ric_point_row row = ric_atlas_point_row(atlas, branch, i);
+    if (point) *point = row.point;
+    if (state) memcpy(state, row.state, (size_t)(row.flights - row.state) * sizeof *state);
+    if (flights) memcpy(flights, row.flights, (size_t)(row.letters > 0 ? row.letters : 1) * sizeof *flights);
     return RIC_OK;
 }
 
 /* ----------------------------------------------------------------- columns */
-
-static const double two_pi = RIC_TWO_PI;
 
 double ric_point_trace(const ric_point *p)
 {
@@ -157,91 +166,35 @@ double ric_point_log_trace(const ric_point *p)
     return fabs(p->trace) + log(-expm1(-2 * fabs(p->trace)));
 }
 
-static double arclength_of(const ric_point *p)
+static ric_status find_column(const char *name, const ric_column **out)
 {
-    return p->arclength;
-}
-static double energy_of(const ric_point *p)
-{
-    return p->energy;
-}
-static double frequency_of(const ric_point *p)
-{
-    return p->frequency;
-}
-static double period_of(const ric_point *p)
-{
-    return two_pi / p->frequency;
-}
-static double rotation_of(const ric_point *p)
-{
-    return p->rotation;
-}
-static double stable_of(const ric_point *p)
-{
-    return p->stable;
-}
-static double reach_of(const ric_point *p)
-{
-    return p->reach;
-}
-static double approach_of(const ric_point *p)
-{
-    return p->approach;
-}
-static double residual_of(const ric_point *p)
-{
-    return (double)p->residual;
-}
-
-static const struct {
-    const char *name;
-    double (*value)(const ric_point *point);
-} columns[] = {
-    {"arclength", arclength_of}, {"energy", energy_of},      {"frequency", frequency_of},
-    {"period", period_of},       {"trace", ric_point_trace}, {"log_trace", ric_point_log_trace},
-    {"rotation", rotation_of},   {"stable", stable_of},      {"reach", reach_of},
-    {"approach", approach_of},   {"residual", residual_of},
-};
-
-static void copy_numbers(const ric_branch_record *record, double (*value)(const ric_point *), double *out)
-{
-    for (int i = 0; i < record->row.n_point; i++) {
-        ric_point point;
-        memcpy(&point, record->points + (size_t)i * record->stride, sizeof point);
-        out[i] = value(&point);
+    const ric_table *table = &ric_table_point;
+    char all[400] = "";
+    for (*out = table->column; *out < table->column + table->n; ++*out) {
+        if ((*out)->type == RIC_COLUMN_OF_BRANCH || (*out)->type == RIC_COLUMN_PLACE) continue;
+        if (!strcmp(name, (*out)->name)) return RIC_OK;
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", *all ? ", " : "", (*out)->name);
     }
-}
-
-static void copy_vectors(const ric_branch_record *record, size_t from, size_t width, double *out)
-{
-    for (int i = 0; i < record->row.n_point; i++)
-        memcpy(out + (size_t)i * width, record->points + (size_t)i * record->stride + from, width * sizeof *out);
+    return ric_fail(RIC_E_RANGE, "no column '%s': a point has %s", name, all);
 }
 
 ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width, double *out)
 {
+    const ric_column *c = NULL;
     ric_status status = check_id("branch", branch, atlas->n_branch);
+    if (!status) status = find_column(name, &c);
     if (status) return status;
-    const ric_branch_record *record = &atlas->branches[branch - 1];
-    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas)), n_point = sizeof(ric_point) / sizeof *out;
-    if (!strcmp(name, "state") || !strcmp(name, "flights")) {
-        bool state = *name == 's';
-        size_t n = state ? n_state : record->row.letters > 0 ? (size_t)record->row.letters : 1;
-        *width = (int)n;
-        if (out) copy_vectors(record, state ? n_point : n_point + n_state, n, out);
-        return RIC_OK;
+    const ric_branch *row = &atlas->branches[branch - 1].row;
+    const ric_point_row first = {.letters = row->letters};
+    const size_t n = ric_column_width(c, &first, ric_model_n_dof(ric_atlas_model(atlas)));
+    *width = (int)n;
+    for (int i = 0; out && i < row->n_point; i++) {
+        const ric_point_row at = ric_atlas_point_row(atlas, branch, i);
+        if (c->type == RIC_COLUMN_STATE) memcpy(out + (size_t)i * n, at.state, n * sizeof *out);
+        else if (c->type == RIC_COLUMN_FLIGHTS) memcpy(out + (size_t)i * n, at.flights, n * sizeof *out);
+        else out[i] = ric_column_number(c, &at);
     }
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        if (!strcmp(name, columns[i].name)) {
-            *width = 1;
-            if (out) copy_numbers(record, columns[i].value, out);
-            return RIC_OK;
-        }
-    return ric_fail(RIC_E_RANGE,
-                    "no column '%s': a point has arclength, energy, frequency, period, trace, log_trace, "
-                    "rotation, stable, reach, approach, residual, state and flights",
-                    name);
+    return RIC_OK;
 }
 
 /* ------------------------------------------------------------------- texts */

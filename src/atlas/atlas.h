@@ -2,7 +2,7 @@
 #ifndef RIC_ATLAS_ATLAS_H
 #define RIC_ATLAS_ATLAS_H
 
-#include "ricochet.h"
+#include "columns.h"
 
 /* A branch that owns its arrays. `row` is what the public interface hands out; its pointers lead into this struct. */
 typedef struct {
@@ -36,6 +36,8 @@ bool ric_atlas_contains(const ric_atlas *large, const ric_atlas *small);
 /* Releases what the records own, not the array itself. */
 void ric_atlas_branch_record_free(ric_branch_record *branch);
 void ric_atlas_junction_record_free(ric_junction_record *junction);
+/* Point i of a branch, both within the atlas; state and flights stay where they are. */
+ric_point_row ric_atlas_point_row(const ric_atlas *atlas, int branch, int i);
 size_t ric_atlas_point_stride(int n_dof, int letters);
 
 #endif

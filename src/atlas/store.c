@@ -12,27 +12,9 @@
 
 enum { WRITER_WAIT = 60000 }; /* ms that a run waits for readers */
 
-/* Floating-point columns carry no type: with REAL the file would keep -0.0 as 0. */
 static const char schema[] =
     "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT NULL) WITHOUT ROWID;CREATE TABLE trace (key TEXT "
-    "PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL);CREATE TABLE branch (id INTEGER PRIMARY KEY, "
-    "label TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL, symmetric INTEGER NOT NULL, reversible INTEGER "
-    "NOT NULL, mirror TEXT NOT NULL, stable_fraction, points INTEGER NOT NULL, energy_min, energy_max, frequency_min, "
-    "frequency_max, from_junction INTEGER REFERENCES junction, to_junction INTEGER REFERENCES junction, stop TEXT NOT "
-    "NULL, why TEXT NOT NULL, depth INTEGER NOT NULL, mode INTEGER NOT NULL);CREATE TABLE branch_junction (branch "
-    "INTEGER NOT NULL REFERENCES branch, position INTEGER NOT NULL, junction INTEGER NOT NULL REFERENCES junction, "
-    "arclength, PRIMARY KEY (branch, position)) WITHOUT ROWID;CREATE TABLE point (branch INTEGER NOT NULL REFERENCES "
-    "branch, point INTEGER NOT NULL, arclength, energy, frequency, period, trace, log_trace, trace_asinh, rotation, "
-    "stable INTEGER NOT NULL, reach, approach, residual, state BLOB NOT NULL, flights BLOB NOT NULL, PRIMARY KEY "
-    "(branch, point)) WITHOUT ROWID;CREATE TABLE junction (id INTEGER PRIMARY KEY, kind TEXT NOT NULL, label TEXT NOT "
-    "NULL, name TEXT NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT NULL, grazings INTEGER NOT NULL, multiple "
-    "INTEGER NOT NULL, rotation_p INTEGER NOT NULL, rotation_q INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT "
-    "NULL, energy, frequency, state BLOB NOT NULL, flights BLOB NOT NULL, taken INTEGER NOT NULL, known INTEGER NOT "
-    "NULL, inadmissible INTEGER NOT NULL, over_budget INTEGER NOT NULL, refused INTEGER NOT NULL, refusal TEXT NOT "
-    "NULL, over_window INTEGER NOT NULL, over_multiply INTEGER NOT NULL, over_impacts INTEGER NOT NULL, over_symmetric "
-    "INTEGER NOT NULL, over_touches INTEGER NOT NULL, over_depth INTEGER NOT NULL);CREATE TABLE junction_branch "
-    "(junction INTEGER NOT NULL REFERENCES junction, branch INTEGER NOT NULL REFERENCES branch, PRIMARY KEY (junction, "
-    "branch)) WITHOUT ROWID;";
+    "PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL)";
 
 struct ric_store {
     ric_database file;
@@ -72,6 +54,21 @@ static ric_status lay_file(const char *path)
     return RIC_OK;
 }
 
+static ric_status create_tables(ric_database file)
+{
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
+                                              &ric_table_junction, &ric_table_junction_branch};
+    ric_status status = ric_store_sqlite_run(file, schema);
+    for (size_t i = 0; !status && i < sizeof tables / sizeof *tables; i++) {
+        sqlite3_stmt *create;
+        bool row;
+        status = ric_store_sqlite_table(file, tables[i], RIC_SQL_CREATE, &create);
+        if (!status) status = ric_store_sqlite_step(file, create, &row);
+        sqlite3_finalize(create);
+    }
+    return status;
+}
+
 static ric_status create_file(ric_store *store, const ric_study *study, bool exists)
 {
     char numbers[96];
@@ -80,7 +77,7 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
     if (!status) status = set_up_writer(store->file);
     if (!status) status = begin(store->file);
-    if (!status) status = ric_store_sqlite_run(store->file, schema);
+    if (!status) status = create_tables(store->file);
     snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
              RIC_FORMAT_VERSION);
     if (!status) status = ric_store_sqlite_run(store->file, numbers);

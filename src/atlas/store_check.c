@@ -99,31 +99,35 @@ static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
                          bits);
 }
 
+/* All rows of a query, which is released. */
+static ric_status digest_rows(ric_database file, sqlite3_stmt *query, uint64_t *digest)
+{
+    bool row = true;
+    ric_status status = RIC_OK;
+    int n = sqlite3_column_count(query);
+    while (!status && row) {
+        status = ric_store_sqlite_step(file, query, &row);
+        for (int k = 0; !status && row && k < n; k++) *digest = digest_column(*digest, query, k);
+    }
+    sqlite3_finalize(query);
+    return status;
+}
+
 /* Over every value that a reader may rely on, derived columns included. */
 static ric_status digest_contents(ric_database file, uint64_t *digest)
 {
-    static const char *const queries[] = {
-        "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",
-        "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id",
-        "SELECT " BRANCH_JUNCTION_COLUMNS " FROM branch_junction ORDER BY branch, position",
-        "SELECT " POINT_COLUMNS " FROM point ORDER BY branch, point",
-        "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id",
-        "SELECT " JUNCTION_BRANCH_COLUMNS " FROM junction_branch ORDER BY junction, branch",
-    };
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
+                                              &ric_table_junction, &ric_table_junction_branch};
+    sqlite3_stmt *query = NULL;
     *digest = digest_start;
-    for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
-        sqlite3_stmt *query = NULL;
-        bool row = true;
-        ric_status status = ric_store_sqlite_prepare(file, queries[i], &query);
-        int n = sqlite3_column_count(query);
-        while (!status && row) {
-            status = ric_store_sqlite_step(file, query, &row);
-            for (int k = 0; !status && row && k < n; k++) *digest = digest_column(*digest, query, k);
-        }
-        sqlite3_finalize(query);
-        if (status) return status;
+    ric_status status = ric_store_sqlite_prepare(file, "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",
+                                                 &query);
+    if (!status) status = digest_rows(file, query, digest);
+    for (size_t i = 0; !status && i < sizeof tables / sizeof *tables; i++) {
+        status = ric_store_sqlite_table(file, tables[i], RIC_SQL_SELECT, &query);
+        if (!status) status = digest_rows(file, query, digest);
     }
-    return RIC_OK;
+    return status;
 }
 
 /* -------------------------------------------------------------------- meta */

@@ -6,30 +6,13 @@
 #include <stdint.h>
 #include <sys/types.h>
 
+#include "columns.h"
 #include "store.h"
 
 enum {
     RIC_APPLICATION_ID = 0x52434854, /* "RCHT" */
     RIC_FORMAT_VERSION = 1,
 };
-
-/* The columns of a row in the order in which store_write.c puts and store_read.c takes them. */
-#define BRANCH_COLUMNS                                                                                                 \
-    "id, label, impacts, word, symmetric, reversible, mirror, stable_fraction, points, energy_min, energy_max, "       \
-    "frequency_min, "                                                                                                  \
-    "frequency_max, from_junction, to_junction, stop, why, depth, mode"
-#define BRANCH_JUNCTION_COLUMNS "branch, position, junction, arclength"
-#define POINT_COLUMNS                                                                                                  \
-    "branch, point, arclength, energy, frequency, trace_asinh, rotation, stable, reach, approach, residual, state, "   \
-    "flights, "                                                                                                        \
-    "period, trace, log_trace"
-#define JUNCTION_COLUMNS                                                                                               \
-    "id, kind, label, name, impacts, word, grazings, multiple, rotation_p, rotation_q, a, b, energy, frequency, "      \
-    "state, flights, "                                                                                                 \
-    "taken, known, inadmissible, over_budget, refused, refusal, over_window, over_multiply, over_impacts, "            \
-    "over_symmetric, "                                                                                                 \
-    "over_touches, over_depth"
-#define JUNCTION_BRANCH_COLUMNS "junction, branch"
 
 typedef struct {
     sqlite3 *db;
@@ -53,6 +36,11 @@ ric_status ric_store_sqlite_run(ric_database file, const char *sql);
 ric_status ric_store_sqlite_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
 /* One row further; *row = false at the end, and then the query may run again. */
 ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row);
+/* What is asked of a table; the columns of other readers, which are derived, come last. */
+typedef enum { RIC_SQL_CREATE, RIC_SQL_INSERT, RIC_SQL_SELECT, RIC_SQL_COUNT } ric_sql;
+ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what, sqlite3_stmt **out);
+/* Columns in that order, NULL behind the last: of what is stored, and where all is false, not derived. */
+const ric_column *ric_store_next_column(const ric_table *table, const ric_column *before, bool all);
 /* The number in a one-row answer, as a result code of SQLite. */
 int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out);
 

@@ -12,10 +12,7 @@
 #include "model/room.h"
 
 enum {
-    READER_WAIT = 60000,   /* ms that a reader waits for a run that is just writing */
-    MULTIPLE_MAX = 1000,   /* of the option `multiply` */
-    IMPACTS_MAX = 1000000, /* of a word; the option `impacts` ends at 4096 */
-    GRAZINGS_MAX = 1000000 /* more than the letters of any word, so that products with a multiple stay integers */
+    READER_WAIT = 60000, /* ms that a reader waits for a run that is just writing */
 };
 
 /* Takes the values of one row from left to right. A value of the wrong type, range or size makes the row `wrong`, once
@@ -140,41 +137,21 @@ static ric_status reader_status(const row_reader *row, ric_database file, const 
     return ric_store_fail_damaged(file.path, what);
 }
 
-/* A table. `count`: all rows, or those of each owner, a branch or a junction, in its order. */
-typedef struct {
-    const char *table, *count, *rows;
-} listing;
-
-static const listing branches = {"branch", "SELECT count(*) FROM branch",
-                                 "SELECT " BRANCH_COLUMNS " FROM branch ORDER BY id"};
-static const listing junctions = {"junction", "SELECT count(*) FROM junction",
-                                  "SELECT " JUNCTION_COLUMNS " FROM junction ORDER BY id"};
-static const listing points_of_branches = {"point", "SELECT branch, count(*) FROM point GROUP BY branch",
-                                           "SELECT " POINT_COLUMNS " FROM point ORDER BY branch, point"};
-static const listing junctions_of_branches = {"branch_junction",
-                                              "SELECT branch, count(*) FROM branch_junction GROUP BY branch",
-                                              "SELECT " BRANCH_JUNCTION_COLUMNS
-                                              " FROM branch_junction ORDER BY branch, position"};
-static const listing branches_of_junctions = {"junction_branch",
-                                              "SELECT junction, count(*) FROM junction_branch GROUP BY junction",
-                                              "SELECT " JUNCTION_BRANCH_COLUMNS
-                                              " FROM junction_branch ORDER BY junction, branch"};
-
-static ric_status count_rows(ric_database file, const listing *list, int *n)
+static ric_status count_rows(ric_database file, const char *query, int *n)
 {
     sqlite3_int64 count = 0;
-    int code = ric_store_sqlite_ask(file.db, list->count, &count);
+    int code = ric_store_sqlite_ask(file.db, query, &count);
     *n = (int)(count <= INT_MAX ? count : 0);
     if (code) return ric_store_sqlite_fail(file, code);
     return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows") : RIC_OK;
 }
 
 /* How many rows each of n_owner owners has, counts[0..n_owner-1]; there are no rows without one. */
-static ric_status count_owned(ric_database file, const listing *list, int n_owner, int *counts)
+static ric_status count_owned(ric_database file, const ric_table *table, int n_owner, int *counts)
 {
     row_reader row = {0};
     bool more = true;
-    ric_status status = ric_store_sqlite_prepare(file, list->count, &row.query);
+    ric_status status = ric_store_sqlite_table(file, table, RIC_SQL_COUNT, &row.query);
     memset(counts, 0, (size_t)n_owner * sizeof *counts);
     while (!status && !(status = ric_store_sqlite_step(file, row.query, &more)) && more) {
         row.column = 0;
@@ -188,12 +165,12 @@ static ric_status count_owned(ric_database file, const listing *list, int n_owne
 
 /* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or of its owner, whose
  * number is its first value. */
-static ric_status take_rows(ric_database file, const listing *list, int n, const int *counts,
+static ric_status take_rows(ric_database file, const ric_table *table, int n, const int *counts,
                             void (*take)(row_reader *, int i, ric_atlas *), ric_atlas *atlas)
 {
     row_reader row = {0};
     bool more = true;
-    ric_status status = ric_store_sqlite_prepare(file, list->rows, &row.query);
+    ric_status status = ric_store_sqlite_table(file, table, RIC_SQL_SELECT, &row.query);
     for (int i = 0, last = 0; !status; i++) {
         if ((status = ric_store_sqlite_step(file, row.query, &more)) || !more) break;
         row.column = 0;
@@ -202,7 +179,7 @@ static ric_status take_rows(ric_database file, const listing *list, int n, const
         last = owner;
         row.column = 0;
         if (!row.wrong && i < (counts ? counts[owner - 1] : n)) take(&row, i, atlas);
-        status = reader_status(&row, file, list->table);
+        status = reader_status(&row, file, table->name);
     }
     sqlite3_finalize(row.query);
     return status;
@@ -218,67 +195,86 @@ static const char *kind_text(int kind)
     return ric_kind_text((ric_kind)kind);
 }
 
-static void take_branch(row_reader *row, int i, ric_atlas *atlas)
+/* A state or flights: where the row has room for them, else allocated. */
+static void take_vector(row_reader *row, size_t n, const double **at)
 {
-    const ric_model *model = ric_atlas_model(atlas);
-    ric_branch_record *record = &atlas->branches[i];
-    ric_branch *branch = &record->row;
-    branch->id = take_integer(row, i + 1, i + 1);
-    branch->label = record->label = take_text(row);
-    branch->impacts = take_integer(row, 0, IMPACTS_MAX);
-    branch->word = record->word = take_word(row, model, branch->impacts, &branch->letters);
-    branch->symmetric = take_integer(row, 0, 1);
-    branch->reversible = take_integer(row, 0, 1);
-    branch->mirror = record->mirror = take_text(row);
-    branch->stable_fraction = take_real(row);
-    branch->n_point = take_integer(row, 0, INT_MAX);
-    branch->energy_min = take_real(row);
-    branch->energy_max = take_real(row);
-    branch->frequency_min = take_real(row);
-    branch->frequency_max = take_real(row);
-    branch->from = take_id(row, atlas->n_junction);
-    branch->to = take_id(row, atlas->n_junction);
-    branch->stop = (ric_stop)take_choice(row, RIC_STOP_FAILED + 1, stop_text);
-    branch->why = record->why = take_text(row);
-    branch->depth = take_integer(row, 0, INT_MAX);
-    branch->mode = take_integer(row, 0, ric_model_n_dof(model));
-    record->stride = ric_atlas_point_stride(ric_model_n_dof(model), branch->letters);
+    double *values = *at ? (double *)*at : ric_calloc(n, sizeof *values);
+    row->no_memory |= !values;
+    take_float64s(row, n, values);
+    *at = values;
 }
 
+/* One value into its row, which has its own number and that of its owner, and the impacts of its word. */
+static void take_column(row_reader *in, const ric_column *c, const ric_atlas *atlas, void *row)
+{
+    const ric_model *model = ric_atlas_model(atlas);
+    char *at = (char *)row + c->offset;
+    int *number = (int *)at;
+    switch (c->type) {
+    case RIC_COLUMN_ID:
+    case RIC_COLUMN_PLACE: *number = take_integer(in, *number, *number); break;
+    case RIC_COLUMN_OF_BRANCH: *number = take_integer(in, 1, atlas->n_branch); break;
+    case RIC_COLUMN_OF_JUNCTION: *number = take_integer(in, 1, atlas->n_junction); break;
+    case RIC_COLUMN_INTEGER: *number = take_integer(in, (int)c->min, (int)c->max); break;
+    case RIC_COLUMN_MODE: *number = take_integer(in, 0, ric_model_n_dof(model)); break;
+    case RIC_COLUMN_FLAG: *(bool *)at = take_integer(in, 0, 1); break;
+    case RIC_COLUMN_JUNCTION: *number = take_id(in, atlas->n_junction); break;
+    case RIC_COLUMN_REAL:
+    case RIC_COLUMN_MAYBE: *(double *)at = take_real(in); break;
+    case RIC_COLUMN_SINGLE: *(float *)at = (float)take_real(in); break;
+    case RIC_COLUMN_TEXT: *(const char **)at = take_text(in); break;
+    case RIC_COLUMN_WORD: /* behind its impacts */
+        *(const int **)at = take_word(in, model, *(int *)((char *)row + c[-1].offset), (int *)((char *)row + c->count));
+        break;
+    case RIC_COLUMN_STOP: *(ric_stop *)at = (ric_stop)take_choice(in, RIC_STOP_FAILED + 1, stop_text); break;
+    case RIC_COLUMN_KIND: *(ric_kind *)at = (ric_kind)take_choice(in, RIC_KIND_USER + 1, kind_text); break;
+    case RIC_COLUMN_STATE:
+    case RIC_COLUMN_FLIGHTS:
+        take_vector(in, ric_column_width(c, row, ric_model_n_dof(model)), (const double **)at);
+        break;
+    default: break;
+    }
+}
+
+static void take_columns(row_reader *in, const ric_table *table, const ric_atlas *atlas, void *row)
+{
+    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, false));) take_column(in, c, atlas, row);
+}
+
+static void take_branch(row_reader *row, int i, ric_atlas *atlas)
+{
+    ric_branch_record *record = &atlas->branches[i];
+    ric_branch *branch = &record->row;
+    branch->id = i + 1;
+    take_columns(row, &ric_table_branch, atlas, branch);
+    record->label = (char *)branch->label;
+    record->word = (int *)branch->word;
+    record->mirror = (char *)branch->mirror;
+    record->why = (char *)branch->why;
+    record->stride = ric_atlas_point_stride(ric_model_n_dof(ric_atlas_model(atlas)), branch->letters);
+}
+
+/* Its state and flights go where they belong. */
 static void take_point(row_reader *row, int i, ric_atlas *atlas)
 {
-    const ric_branch_record *record = &atlas->branches[take_integer(row, 1, atlas->n_branch) - 1];
-    const ric_branch *branch = &record->row;
-    size_t n_state = 2 * (size_t)ric_model_n_dof(ric_atlas_model(atlas));
-    double *at = record->points + (size_t)i * record->stride;
-    ric_point point;
-    take_integer(row, i, i);
-    point.arclength = take_real(row);
-    point.energy = take_real(row);
-    point.frequency = take_real(row);
-    point.trace = take_real(row);
-    point.rotation = take_real(row);
-    point.stable = take_integer(row, RIC_STABLE_NO, RIC_STABLE_UNDECIDED);
-    point.reach = take_real(row);
-    point.approach = take_real(row);
-    point.residual = (float)take_real(row);
-    memcpy(at, &point, sizeof point);
-    at += sizeof point / sizeof *at;
-    take_float64s(row, n_state, at);
-    take_float64s(row, branch->letters > 0 ? (size_t)branch->letters : 1, at + n_state);
+    const int branch = sqlite3_column_int(row->query, 0); /* has been looked at */
+    ric_point_row point = ric_atlas_point_row(atlas, branch, i);
+    take_columns(row, &ric_table_point, atlas, &point);
+    memcpy((double *)point.state - sizeof(ric_point) / sizeof(double), &point.point, sizeof(ric_point));
 }
 
 static void take_branch_junction(row_reader *row, int i, ric_atlas *atlas)
 {
-    ric_branch_record *record = &atlas->branches[take_integer(row, 1, atlas->n_branch) - 1];
-    take_integer(row, i, i);
-    record->junctions[i] = take_integer(row, 1, atlas->n_junction);
-    record->junction_at[i] = take_real(row);
+    ric_link_row link = {.place = i};
+    take_columns(row, &ric_table_branch_junction, atlas, &link);
+    ric_branch_record *record = &atlas->branches[link.owner - 1];
+    record->junctions[i] = link.other;
+    record->junction_at[i] = link.arclength;
 }
 
 static ric_status read_points(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_status status = count_owned(file, &points_of_branches, atlas->n_branch, counts);
+    ric_status status = count_owned(file, &ric_table_point, atlas->n_branch, counts);
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         ric_branch_record *record = &atlas->branches[k];
         if (counts[k] != record->row.n_point)
@@ -286,12 +282,12 @@ static ric_status read_points(ric_database file, ric_atlas *atlas, int *counts)
         record->points = ric_calloc((size_t)counts[k] + 1, record->stride * sizeof *record->points);
         if (!record->points) return ric_store_fail_memory();
     }
-    return status ? status : take_rows(file, &points_of_branches, atlas->n_branch, counts, take_point, atlas);
+    return status ? status : take_rows(file, &ric_table_point, atlas->n_branch, counts, take_point, atlas);
 }
 
 static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_status status = count_owned(file, &junctions_of_branches, atlas->n_branch, counts);
+    ric_status status = count_owned(file, &ric_table_branch_junction, atlas->n_branch, counts);
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         ric_branch_record *record = &atlas->branches[k];
         record->row.n_junction = counts[k];
@@ -300,63 +296,42 @@ static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int
         if (!record->junctions || !record->junction_at) return ric_store_fail_memory();
     }
     return status ? status
-                  : take_rows(file, &junctions_of_branches, atlas->n_branch, counts, take_branch_junction, atlas);
+                  : take_rows(file, &ric_table_branch_junction, atlas->n_branch, counts, take_branch_junction, atlas);
 }
 
 static ric_status read_branches(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_status status = take_rows(file, &branches, atlas->n_branch, NULL, take_branch, atlas);
+    ric_status status = take_rows(file, &ric_table_branch, atlas->n_branch, NULL, take_branch, atlas);
     if (!status) status = read_points(file, atlas, counts);
     return status ? status : read_branch_junctions(file, atlas, counts);
 }
 
 static void take_junction(row_reader *row, int i, ric_atlas *atlas)
 {
-    const ric_model *model = ric_atlas_model(atlas);
     ric_junction_record *record = &atlas->junctions[i];
     ric_junction *junction = &record->row;
-    ric_departures *count = &junction->departures;
-    size_t n_state = 2 * (size_t)ric_model_n_dof(model), n_flight;
-    junction->id = take_integer(row, i + 1, i + 1);
-    junction->kind = (ric_kind)take_choice(row, RIC_KIND_USER + 1, kind_text);
-    junction->label = record->label = take_text(row);
-    junction->name = record->name = take_text(row);
-    junction->impacts = take_integer(row, 0, IMPACTS_MAX);
-    junction->word = record->word = take_word(row, model, junction->impacts, &junction->letters);
-    junction->grazings = take_integer(row, 0, GRAZINGS_MAX);
-    junction->multiple = take_integer(row, 1, MULTIPLE_MAX);
-    junction->rotation[0] = take_integer(row, 0, MULTIPLE_MAX);
-    junction->rotation[1] = take_integer(row, 0, MULTIPLE_MAX);
-    junction->a = take_integer(row, 0, GRAZINGS_MAX);
-    junction->b = take_integer(row, 0, GRAZINGS_MAX);
+    junction->id = i + 1;
+    take_columns(row, &ric_table_junction, atlas, junction);
     junction->decided = junction->a > 0 && junction->label && !strchr(junction->label, '?');
-    junction->energy = take_real(row);
-    junction->frequency = take_real(row);
-    n_flight = junction->letters > 0 && !row->wrong ? (size_t)junction->letters : 1;
-    junction->state = record->state = ric_calloc(n_state, sizeof *record->state);
-    junction->flights = record->flights = ric_calloc(n_flight, sizeof *record->flights);
-    row->no_memory |= !record->state || !record->flights;
-    take_float64s(row, n_state, record->state);
-    take_float64s(row, n_flight, record->flights);
-    count->taken = take_integer(row, 0, INT_MAX);
-    count->known = take_integer(row, 0, INT_MAX);
-    count->inadmissible = take_integer(row, 0, INT_MAX);
-    count->over_budget = take_integer(row, 0, INT_MAX);
-    count->refused = take_integer(row, 0, INT_MAX);
-    junction->refusal = record->refusal = take_text(row);
-    for (int b = 0; b < RIC_N_BUDGET; b++) count->over[b] = take_integer(row, 0, INT_MAX);
+    record->label = (char *)junction->label;
+    record->name = (char *)junction->name;
+    record->word = (int *)junction->word;
+    record->state = (double *)junction->state;
+    record->flights = (double *)junction->flights;
+    record->refusal = (char *)junction->refusal;
 }
 
 static void take_junction_branch(row_reader *row, int i, ric_atlas *atlas)
 {
-    ric_junction_record *record = &atlas->junctions[take_integer(row, 1, atlas->n_junction) - 1];
-    record->branches[i] = take_integer(row, 1, atlas->n_branch);
+    ric_link_row link = {0};
+    take_columns(row, &ric_table_junction_branch, atlas, &link);
+    atlas->junctions[link.owner - 1].branches[i] = link.other;
 }
 
 static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_status status = take_rows(file, &junctions, atlas->n_junction, NULL, take_junction, atlas);
-    if (!status) status = count_owned(file, &branches_of_junctions, atlas->n_junction, counts);
+    ric_status status = take_rows(file, &ric_table_junction, atlas->n_junction, NULL, take_junction, atlas);
+    if (!status) status = count_owned(file, &ric_table_junction_branch, atlas->n_junction, counts);
     for (int k = 0; !status && k < atlas->n_junction; k++) {
         ric_junction_record *record = &atlas->junctions[k];
         record->row.n_branch = counts[k];
@@ -364,7 +339,7 @@ static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *count
         if (!record->branches) return ric_store_fail_memory();
     }
     return status ? status
-                  : take_rows(file, &branches_of_junctions, atlas->n_junction, counts, take_junction_branch, atlas);
+                  : take_rows(file, &ric_table_junction_branch, atlas->n_junction, counts, take_junction_branch, atlas);
 }
 
 /* A count from 0; `missing` where an older program did not count. */
@@ -426,8 +401,8 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
 {
     int n_branch = 0, n_junction = 0;
     ric_status status = read_study(file, atlas);
-    if (!status) status = count_rows(file, &branches, &n_branch);
-    if (!status) status = count_rows(file, &junctions, &n_junction);
+    if (!status) status = count_rows(file, "SELECT count(*) FROM branch", &n_branch);
+    if (!status) status = count_rows(file, "SELECT count(*) FROM junction", &n_junction);
     if (status) return status;
     atlas->branches = ric_calloc((size_t)n_branch + 1, sizeof *atlas->branches);
     atlas->junctions = ric_calloc((size_t)n_junction + 1, sizeof *atlas->junctions);

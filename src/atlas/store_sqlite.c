@@ -73,6 +73,66 @@ ric_status ric_store_sqlite_prepare(ric_database file, const char *sql, sqlite3_
     return code ? ric_store_sqlite_fail(file, code) : RIC_OK;
 }
 
+const ric_column *ric_store_next_column(const ric_table *table, const ric_column *before, bool all)
+{
+    const ric_column *end = table->column + table->n, *c = before ? before + 1 : table->column;
+    bool derived = before && before->type == RIC_COLUMN_DERIVED;
+    for (;; c = table->column, derived = true) {
+        for (; c < end; c++)
+            if (!(c->flags & RIC_NOT_STORED) && (c->type == RIC_COLUMN_DERIVED) == derived) return c;
+        if (derived || !all) return NULL;
+    }
+}
+
+static void write_names(const ric_table *table, FILE *out)
+{
+    const char *between = "";
+    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true)); between = ", ")
+        fprintf(out, "%s%s", between, c->name);
+}
+
+static void write_schema(const ric_table *table, FILE *out)
+{
+    const char *between = "";
+    fprintf(out, "CREATE TABLE %s (", table->name);
+    for (const ric_column *c = table->column; c < table->column + table->n; c++)
+        if (!(c->flags & RIC_NOT_STORED)) {
+            fprintf(out, "%s%s%s", between, c->name, ric_column_declaration(c));
+            between = ", ";
+        }
+    if (table->column->type == RIC_COLUMN_ID) fputs(")", out);
+    else fprintf(out, ", PRIMARY KEY (%s)) WITHOUT ROWID", table->key);
+}
+
+static void write_insert(const ric_table *table, FILE *out)
+{
+    fprintf(out, "INSERT INTO %s (", table->name);
+    write_names(table, out);
+    fputs(") VALUES (?", out);
+    for (const ric_column *c = ric_store_next_column(table, NULL, true); (c = ric_store_next_column(table, c, true));)
+        fputs(",?", out);
+    fputs(")", out);
+}
+
+ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what, sqlite3_stmt **out)
+{
+    const char *owner = table->column->name;
+    ric_buffer sql;
+    *out = NULL;
+    if (!ric_buffer_open(&sql)) return ric_store_fail_memory();
+    if (what == RIC_SQL_CREATE) write_schema(table, sql.file);
+    else if (what == RIC_SQL_INSERT) write_insert(table, sql.file);
+    else if (what == RIC_SQL_SELECT) {
+        fputs("SELECT ", sql.file);
+        write_names(table, sql.file);
+        fprintf(sql.file, " FROM %s ORDER BY %s", table->name, table->key);
+    } else fprintf(sql.file, "SELECT %s, count(*) FROM %s GROUP BY %s", owner, table->name, owner);
+    char *text = ric_buffer_take(&sql);
+    ric_status status = text ? ric_store_sqlite_prepare(file, text, out) : ric_store_fail_memory();
+    free(text);
+    return status;
+}
+
 ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row)
 {
     int code = sqlite3_step(query);

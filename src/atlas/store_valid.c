@@ -13,8 +13,6 @@
 #include "study/room.h"
 #include "base/room.h"
 
-/* Largest number of any kind: its square, and sums of such, are still doubles. */
-#define LARGEST 1e100
 /* Largest relative difference between numbers that say the same: the stored ones agree to 1e-12 and better. */
 #define AGREE 1e-6
 /* Digits that the energy of a state loses where elastic forces balance, relative to the sum of its terms. */
@@ -27,8 +25,6 @@
 #define BEYOND 2
 /* Where a multiplier lies exactly at -1 older files have a rotation of minus a half. */
 #define HALF -0.5
-/* How far a touch or a share of time lies beyond its border by rounding. */
-#define SLACK 1e-6
 
 typedef struct {
     const char *path;
@@ -54,11 +50,23 @@ static ric_status refuse(const judge *j, const char *field, const char *format, 
     return ric_store_fail_damaged(j->path, all);
 }
 
-/* `given`: whether NULL is left out. */
-static ric_status check_range(const judge *j, const char *field, double value, double min, double max, bool given)
+static ric_status check_column(const judge *j, const ric_column *c, const void *row)
 {
-    if (isnan(value)) return given ? refuse(j, field, "not a number") : RIC_OK;
-    return value >= min && value <= max ? RIC_OK : refuse(j, field, "%.6g is not between %g and %g", value, min, max);
+    const double value = ric_column_number(c, row);
+    if (isnan(value)) return c->type == RIC_COLUMN_MAYBE ? RIC_OK : refuse(j, c->name, "not a number");
+    return (value >= c->min && value <= c->max) || (value == HALF && !strcmp(c->name, "rotation"))
+               ? RIC_OK
+               : refuse(j, c->name, "%.6g is not between %g and %g", value, c->min, c->max);
+}
+
+/* Whether the numbers with a fraction are in the ranges of their columns; whole ones have been looked at. */
+static ric_status check_columns(const judge *j, const ric_table *table, const void *row)
+{
+    ric_status status = RIC_OK;
+    for (const ric_column *c = NULL; !status && (c = ric_store_next_column(table, c, false));)
+        if (c->type == RIC_COLUMN_REAL || c->type == RIC_COLUMN_MAYBE || c->type == RIC_COLUMN_SINGLE)
+            status = check_column(j, c, row);
+    return status;
 }
 
 static bool is_finite(int n, const double *values, double max)
@@ -82,8 +90,8 @@ static ric_status check_state(const judge *j, const double *state, double energy
 {
     int n = j->model->n_dof;
     const double *x = state, *v = state + n;
-    if (!is_finite(2 * n, state, LARGEST))
-        return refuse(j, "state", "a number in it is not finite, or beyond %g", LARGEST);
+    if (!is_finite(2 * n, state, RIC_LARGEST))
+        return refuse(j, "state", "a number in it is not finite, or beyond %g", RIC_LARGEST);
     double found = ric_model_energy(j->model, x, v);
     return fabs(found - energy) <= AGREE * fabs(energy) + CANCEL * size_of_terms(j->model, x, v)
                ? RIC_OK
@@ -94,11 +102,11 @@ static ric_status check_state(const judge *j, const double *state, double energy
 static ric_status check_flights(const judge *j, int n, const double *flights, double omega)
 {
     double sum = 0, period = RIC_TWO_PI / omega;
-    if (!is_finite(n, flights, LARGEST))
-        return refuse(j, "flights", "a number in it is not finite, or beyond %g", LARGEST);
+    if (!is_finite(n, flights, RIC_LARGEST))
+        return refuse(j, "flights", "a number in it is not finite, or beyond %g", RIC_LARGEST);
     for (int i = 0; i < n; i++) {
         sum += flights[i];
-        if (flights[i] < -SLACK * period) return refuse(j, "flights", "%.6g s is less than no time", flights[i]);
+        if (flights[i] < -RIC_SLACK * period) return refuse(j, "flights", "%.6g s is less than no time", flights[i]);
     }
     if (fabs(sum - period) > AGREE * period)
         return refuse(j, "flights", "together %.6g s where the period is %.6g s", sum, period);
@@ -110,36 +118,26 @@ static ric_status check_flights(const judge *j, int n, const double *flights, do
     return RIC_OK;
 }
 
-static ric_status check_point(const judge *j, const ric_branch *branch, const double *at)
+static ric_status check_point(const judge *j, const ric_point_row *row)
 {
-    ric_point p;
-    memcpy(&p, at, sizeof p);
-    at += sizeof p / sizeof *at;
-    ric_status status = check_range(j, "arclength", p.arclength, 0, LARGEST, true);
-    if (!status) status = check_range(j, "energy", p.energy, 0, LARGEST, true);
-    if (!status) status = check_range(j, "frequency", p.frequency, 1 / LARGEST, LARGEST, true);
-    if (!status) status = check_range(j, "trace_asinh", p.trace, -LARGEST, LARGEST, false);
-    if (!status && p.rotation != HALF) status = check_range(j, "rotation", p.rotation, -SLACK, 1, false);
-    if (!status) status = check_range(j, "reach", p.reach, -LARGEST, LARGEST, false);
-    if (!status) status = check_range(j, "approach", p.approach, -LARGEST, LARGEST, false);
-    if (!status) status = check_range(j, "residual", p.residual, 0, 1, true);
-    if (!status) status = check_state(j, at, p.energy);
-    if (!status)
-        status = check_flights(j, branch->letters > 0 ? branch->letters : 1, at + 2 * j->model->n_dof, p.frequency);
-    return status;
+    const ric_point *p = &row->point;
+    ric_status status = check_columns(j, &ric_table_point, row);
+    if (!status) status = check_state(j, row->state, p->energy);
+    return status ? status : check_flights(j, row->letters > 0 ? row->letters : 1, row->flights, p->frequency);
 }
 
-static ric_status check_points(judge *j, const ric_branch_record *record)
+static ric_status check_points(judge *j, const ric_atlas *atlas, const ric_branch *branch)
 {
     double last = 0;
     ric_status status = RIC_OK;
     j->table = "point";
-    for (int i = 0; !status && i < record->row.n_point; i++) {
-        const double *at = record->points + (size_t)i * record->stride;
+    for (int i = 0; !status && i < branch->n_point; i++) {
+        const ric_point_row row = ric_atlas_point_row(atlas, branch->id, i);
+        const double at = row.point.arclength;
         j->sub = i;
-        status = check_point(j, &record->row, at);
-        if (!status && *at < last) status = refuse(j, "arclength", "%.6g after %.6g", *at, last);
-        last = *at;
+        status = check_point(j, &row);
+        if (!status && at < last) status = refuse(j, "arclength", "%.6g after %.6g", at, last);
+        last = at;
     }
     return status;
 }
@@ -149,8 +147,9 @@ static ric_status check_passed(judge *j, const ric_branch *branch)
     ric_status status = RIC_OK;
     j->table = "branch_junction";
     for (int i = 0; !status && i < branch->n_junction; i++) {
+        const ric_link_row link = {.arclength = branch->junction_at[i]};
         j->sub = i;
-        status = check_range(j, "arclength", branch->junction_at[i], -LARGEST, LARGEST, true);
+        status = check_columns(j, &ric_table_branch_junction, &link);
     }
     return status;
 }
@@ -160,11 +159,7 @@ static ric_status check_branch(judge *j, const ric_branch *b)
     bool linear = b->impacts == 0 && ric_model_detached(j->model);
     j->table = "branch";
     j->sub = -1;
-    ric_status status = check_range(j, "stable_fraction", b->stable_fraction, 0, 1 + SLACK, false);
-    if (!status) status = check_range(j, "energy_min", b->energy_min, 0, LARGEST, false);
-    if (!status) status = check_range(j, "energy_max", b->energy_max, 0, LARGEST, false);
-    if (!status) status = check_range(j, "frequency_min", b->frequency_min, 0, LARGEST, false);
-    if (!status) status = check_range(j, "frequency_max", b->frequency_max, 0, LARGEST, false);
+    ric_status status = check_columns(j, &ric_table_branch, b);
     if (!status && (b->energy_min > b->energy_max || b->frequency_min > b->frequency_max))
         status = refuse(j, b->energy_min > b->energy_max ? "energy_min" : "frequency_min", "more than the largest");
     if (!status && linear && b->mode == 0) status = refuse(j, "mode", "0 where nothing is hit, which a linear mode is");
@@ -176,8 +171,7 @@ static ric_status check_junction(judge *j, const ric_junction *at)
 {
     j->table = "junction";
     j->sub = -1;
-    ric_status status = check_range(j, "energy", at->energy, 0, LARGEST, true);
-    if (!status) status = check_range(j, "frequency", at->frequency, 1 / LARGEST, LARGEST, true);
+    ric_status status = check_columns(j, &ric_table_junction, at);
     if (!status && (at->rotation[0] < 0 || at->rotation[0] > at->rotation[1]))
         status = refuse(j, "rotation_p", "%d of %d", at->rotation[0], at->rotation[1]);
     if (!status) status = check_state(j, at->state, at->energy);
@@ -250,7 +244,7 @@ ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas)
         const ric_branch_record *record = &atlas->branches[k];
         j.row = k + 1;
         status = check_branch(&j, &record->row);
-        if (!status) status = check_points(&j, record);
+        if (!status) status = check_points(&j, atlas, &record->row);
         if (!status) status = check_passed(&j, &record->row);
     }
     for (int k = 0; !status && k < atlas->n_junction; k++) {

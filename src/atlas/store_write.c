@@ -14,15 +14,10 @@ typedef struct {
     int column, code;
 } row_writer;
 
-static ric_status writer_start(row_writer *row, ric_database file, const char *table, const char *columns)
+static ric_status writer_start(row_writer *row, ric_database file, const ric_table *table)
 {
-    char sql[1024];
-    size_t n = (size_t)snprintf(sql, sizeof sql, "INSERT INTO %s (%s) VALUES (?", table, columns);
-    for (const char *c = columns; *c && n < sizeof sql - 4; c++)
-        if (*c == ',') n += (size_t)sprintf(sql + n, ",?");
-    strcpy(sql + n, ")");
     *row = (row_writer){.file = file};
-    return ric_store_sqlite_prepare(file, sql, &row->insert);
+    return ric_store_sqlite_table(file, table, RIC_SQL_INSERT, &row->insert);
 }
 
 static void put_integer(row_writer *row, sqlite3_int64 value)
@@ -36,12 +31,6 @@ static void put_real(row_writer *row, double value)
     ++row->column;
     row->code |= isnan(value) ? sqlite3_bind_null(row->insert, row->column)
                               : sqlite3_bind_double(row->insert, row->column, value);
-}
-
-/* For columns that are only read by others, who are spared infinities. */
-static void put_finite(row_writer *row, double value)
-{
-    put_real(row, isfinite(value) ? value : NAN);
 }
 
 static void put_id(row_writer *row, int id)
@@ -71,117 +60,56 @@ static void put_word(row_writer *row, const ric_model *model, int n, const int *
     free(text);
 }
 
-static ric_status writer_row(row_writer *row)
+/* Derived columns are only read by others, who are spared infinities. */
+static void put_column(row_writer *out, const ric_column *c, const ric_model *model, const void *row)
 {
+    const char *at = (const char *)row + c->offset;
+    double number = ric_column_number(c, row);
+    switch (c->type) {
+    case RIC_COLUMN_FLAG: put_integer(out, *(const bool *)at); break;
+    case RIC_COLUMN_JUNCTION: put_id(out, *(const int *)at); break;
+    case RIC_COLUMN_REAL:
+    case RIC_COLUMN_MAYBE:
+    case RIC_COLUMN_SINGLE: put_real(out, number); break;
+    case RIC_COLUMN_DERIVED: put_real(out, isfinite(number) ? number : NAN); break;
+    case RIC_COLUMN_TEXT: put_text(out, *(const char *const *)at); break;
+    case RIC_COLUMN_WORD: put_word(out, model, ric_column_count(c, row), *(const int *const *)at); break;
+    case RIC_COLUMN_STOP: put_text(out, ric_stop_text(*(const ric_stop *)at)); break;
+    case RIC_COLUMN_KIND: put_text(out, ric_kind_text(*(const ric_kind *)at)); break;
+    case RIC_COLUMN_STATE:
+    case RIC_COLUMN_FLIGHTS:
+        put_float64s(out, ric_column_width(c, row, ric_model_n_dof(model)), *(const double *const *)at);
+        break;
+    default: put_integer(out, *(const int *)at);
+    }
+}
+
+static ric_status write_row(row_writer *out, const ric_table *table, const ric_model *model, const void *row)
+{
+    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true));) put_column(out, c, model, row);
     bool ignored;
-    ric_status status = row->code ? ric_store_fail_memory() : ric_store_sqlite_step(row->file, row->insert, &ignored);
-    row->column = 0;
+    ric_status status = out->code ? ric_store_fail_memory() : ric_store_sqlite_step(out->file, out->insert, &ignored);
+    out->column = 0;
     return status;
-}
-
-static ric_status write_branch(row_writer *row, const ric_model *model, const ric_branch *branch)
-{
-    put_integer(row, branch->id);
-    put_text(row, branch->label);
-    put_integer(row, branch->impacts);
-    put_word(row, model, branch->letters, branch->word);
-    put_integer(row, branch->symmetric);
-    put_integer(row, branch->reversible);
-    put_text(row, branch->mirror);
-    put_real(row, branch->stable_fraction);
-    put_integer(row, branch->n_point);
-    put_real(row, branch->energy_min);
-    put_real(row, branch->energy_max);
-    put_real(row, branch->frequency_min);
-    put_real(row, branch->frequency_max);
-    put_id(row, branch->from);
-    put_id(row, branch->to);
-    put_text(row, ric_stop_text(branch->stop));
-    put_text(row, branch->why);
-    put_integer(row, branch->depth);
-    put_integer(row, branch->mode);
-    return writer_row(row);
-}
-
-/* log |2 sinh y| without overflow */
-static double log_trace(double y)
-{
-    return fabs(y) + log(-expm1(-2 * fabs(y)));
-}
-
-static ric_status write_point(row_writer *row, int n_dof, const ric_branch *branch, int i, const double *at)
-{
-    ric_point point;
-    size_t n_flight = branch->letters > 0 ? (size_t)branch->letters : 1;
-    memcpy(&point, at, sizeof point);
-    at += sizeof point / sizeof *at;
-    put_integer(row, branch->id);
-    put_integer(row, i);
-    put_real(row, point.arclength);
-    put_real(row, point.energy);
-    put_real(row, point.frequency);
-    put_real(row, point.trace);
-    put_real(row, point.rotation);
-    put_integer(row, point.stable);
-    put_real(row, point.reach);
-    put_real(row, point.approach);
-    put_real(row, point.residual);
-    put_float64s(row, 2 * (size_t)n_dof, at);
-    put_float64s(row, n_flight, at + 2 * n_dof);
-    put_finite(row, RIC_TWO_PI / point.frequency);
-    put_finite(row, 2 * sinh(point.trace));
-    put_finite(row, log_trace(point.trace));
-    return writer_row(row);
-}
-
-static ric_status write_junction(row_writer *row, const ric_model *model, const ric_junction *junction)
-{
-    const ric_departures *count = &junction->departures;
-    put_integer(row, junction->id);
-    put_text(row, ric_kind_text(junction->kind));
-    put_text(row, junction->label);
-    put_text(row, junction->name);
-    put_integer(row, junction->impacts);
-    put_word(row, model, junction->letters, junction->word);
-    put_integer(row, junction->grazings);
-    put_integer(row, junction->multiple);
-    put_integer(row, junction->rotation[0]);
-    put_integer(row, junction->rotation[1]);
-    put_integer(row, junction->a);
-    put_integer(row, junction->b);
-    put_real(row, junction->energy);
-    put_real(row, junction->frequency);
-    put_float64s(row, 2 * (size_t)ric_model_n_dof(model), junction->state);
-    put_float64s(row, junction->letters > 0 ? (size_t)junction->letters : 1, junction->flights);
-    put_integer(row, count->taken);
-    put_integer(row, count->known);
-    put_integer(row, count->inadmissible);
-    put_integer(row, count->over_budget);
-    put_integer(row, count->refused);
-    put_text(row, junction->refusal);
-    for (int i = 0; i < RIC_N_BUDGET; i++) put_integer(row, count->over[i]);
-    return writer_row(row);
 }
 
 ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas)
 {
     const ric_model *model = ric_atlas_model(atlas);
-    int n_dof = ric_model_n_dof(model);
     row_writer branch = {0}, point = {0}, junction = {0};
-    ric_status status = writer_start(&branch, file, "branch", BRANCH_COLUMNS);
-    if (!status) status = writer_start(&point, file, "point", POINT_COLUMNS);
-    if (!status) status = writer_start(&junction, file, "branch_junction", BRANCH_JUNCTION_COLUMNS);
+    ric_status status = writer_start(&branch, file, &ric_table_branch);
+    if (!status) status = writer_start(&point, file, &ric_table_point);
+    if (!status) status = writer_start(&junction, file, &ric_table_branch_junction);
     for (int k = 0; !status && k < atlas->n_branch; k++) {
-        const ric_branch_record *record = &atlas->branches[k];
-        status = write_branch(&branch, model, &record->row);
-        for (int i = 0; !status && i < record->row.n_point; i++)
-            status = write_point(&point, n_dof, &record->row, i, record->points + (size_t)i * record->stride);
-        for (int i = 0; !status && i < record->row.n_junction; i++) {
-            put_integer(&junction, record->row.id);
-            put_integer(&junction, i);
-            put_integer(&junction, record->row.junctions[i]);
-            put_real(&junction, record->row.junction_at[i]);
-            status = writer_row(&junction);
+        const ric_branch *row = &atlas->branches[k].row;
+        status = write_row(&branch, &ric_table_branch, model, row);
+        for (int i = 0; !status && i < row->n_point; i++) {
+            const ric_point_row at = ric_atlas_point_row(atlas, row->id, i);
+            status = write_row(&point, &ric_table_point, model, &at);
+        }
+        for (int i = 0; !status && i < row->n_junction; i++) {
+            const ric_link_row link = {row->id, i, row->junctions[i], row->junction_at[i]};
+            status = write_row(&junction, &ric_table_branch_junction, model, &link);
         }
     }
     sqlite3_finalize(branch.insert);
@@ -193,15 +121,14 @@ ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas)
 ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
 {
     row_writer junction = {0}, branch = {0};
-    ric_status status = writer_start(&junction, file, "junction", JUNCTION_COLUMNS);
-    if (!status) status = writer_start(&branch, file, "junction_branch", JUNCTION_BRANCH_COLUMNS);
+    ric_status status = writer_start(&junction, file, &ric_table_junction);
+    if (!status) status = writer_start(&branch, file, &ric_table_junction_branch);
     for (int k = 0; !status && k < atlas->n_junction; k++) {
         const ric_junction *row = &atlas->junctions[k].row;
-        status = write_junction(&junction, ric_atlas_model(atlas), row);
+        status = write_row(&junction, &ric_table_junction, ric_atlas_model(atlas), row);
         for (int i = 0; !status && i < row->n_branch; i++) {
-            put_integer(&branch, row->id);
-            put_integer(&branch, row->branches[i]);
-            status = writer_row(&branch);
+            const ric_link_row link = {.owner = row->id, .other = row->branches[i]};
+            status = write_row(&branch, &ric_table_junction_branch, ric_atlas_model(atlas), &link);
         }
     }
     sqlite3_finalize(junction.insert);

@@ -575,6 +575,41 @@ static void every_column_is_documented(void **state)
     free(text.bytes);
 }
 
+/* The tables of docs/atlas-format.md are those that the list of columns makes: table after table from the head of the
+ * first row to an empty line. UPDATE=1 in the environment writes them anew. */
+static void document_is_up_to_date(void **state)
+{
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
+                                              &ric_table_junction, &ric_table_junction_branch};
+    content page = content_of("docs/atlas-format.md"); /* tests run in the root of the source */
+    (void)state;
+    assert_non_null(page.bytes);
+    page.bytes[page.n] = '\0';
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        char heading[96], *wanted = NULL, *whole = NULL;
+        size_t size;
+        FILE *out = open_memstream(&wanted, &size);
+        assert_non_null(out);
+        ric_column_document(tables[i], out);
+        fclose(out);
+        snprintf(heading, sizeof heading, "\n## `%s`\n", tables[i]->name);
+        char *section = strstr((char *)page.bytes, heading), *from = section ? strstr(section, "\n| column |") : NULL,
+             *to = from ? strstr(from, "\n\n") : NULL;
+        assert_non_null(to);
+        if (getenv("UPDATE")) {
+            assert_true(asprintf(&whole, "%.*s%s%s", (int)(from + 1 - (char *)page.bytes), (char *)page.bytes, wanted,
+                                 to + 1) > 0);
+            free(page.bytes);
+            page = (content){(unsigned char *)whole, strlen(whole)};
+            write_file("docs/atlas-format.md", page.bytes, page.n);
+        } else if ((size_t)(to - from) != size || strncmp(from + 1, wanted, size))
+            fail_msg("docs/atlas-format.md: the table of `%s` is not that of src/atlas/columns.c; UPDATE=1 writes it",
+                     tables[i]->name);
+        free(wanted);
+    }
+    free(page.bytes);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -597,6 +632,7 @@ int main(void)
         TEST(truncated_files_are_refused),
         TEST(flipped_bits_are_harmless),
         TEST(every_column_is_documented),
+        TEST(document_is_up_to_date),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);
