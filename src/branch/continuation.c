@@ -67,7 +67,7 @@ static double rounding(const ric_shooting *c)
 
 double ric_continuation_tolerance(const ric_shooting *c)
 {
-    return rounding(c) + DBL_EPSILON * c->grain;
+    return rounding(c) * c->share + DBL_EPSILON * c->grain;
 }
 
 /* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves /
@@ -88,14 +88,15 @@ bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, 
                               double *du, int *iterations)
 {
     int size = c->n_unknown;
-    /* with springs most displacements are met better than they may be */
-    double floor = FLOOR * of_flights(c), last = HUGE_VAL, kernel[size];
+    double last = HUGE_VAL, kernel[size];
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
         ric_shooting_evaluate(c, u);
         if (c->singular || !(c->residual < 1e3)) return false;
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
         double tolerance = fmin(ric_continuation_tolerance(c), LOST);
+        /* with springs most displacements are met better than they may be */
+        double floor = FLOOR * of_flights(c) * c->share;
         if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
         if (i > 2 && c->residual > 0.5 * last) return ric_continuation_solved(c);
         last = c->residual;

@@ -11,6 +11,9 @@
 #define EQUAL 1e-11  /* difference of two squared frequencies, relative, that rounding makes */
 #define UNMOVED 1e-9 /* share of a force that counts as none */
 #define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
+#define MIXED 0.01   /* of the amplitude of a mode: its orbit with more of others is a mixture */
+#define LOWER 0.01   /* factor from one energy at which a mode is tried to the next, */
+#define LEAST 1e-11  /* and down to this part of the first: at amplitudes of 4e-9 */
 
 /* Whether contacts with this exponent drive mode `other` when mode `mode` alone moves: the average of their force over
  * a period, in units that all of them share. */
@@ -65,16 +68,21 @@ static ric_status no_start(const ric_model *m, int mode)
 
 /* A mode that no branch can be started from is a start all the same, at an energy at which its linear motion is an
  * orbit to rounding, whose departures are refused with the reason. */
-static ric_status refused_start(const ric_model *m, ric_shooting *chain, int mode, ric_node **out)
+static ric_status refused_start(const ric_model *m, int mode, ric_node **out)
 {
+    static const int face[] = {-1, -1};
     double u[m->n + 1];
+    ric_shooting *chain;
+    ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
+    if (status) return status;
     memset(u, 0, sizeof u);
     u[mode] = STILL;
     u[m->n] = RIC_TWO_PI / (4 * m->omega[mode]);
     ric_shooting_fly(chain, u);
     ric_periodic *cycle = ric_periodic_from_chain(chain, u);
-    ric_status status = cycle ? ric_node_start(m, cycle, out) : ric_no_memory("a start");
+    status = cycle ? ric_node_start(m, cycle, out) : ric_no_memory("a start");
     ric_periodic_free(cycle);
+    ric_shooting_free(chain);
     if (status) return status;
     no_start(m, mode);
     (*out)->mode = mode;
@@ -85,6 +93,47 @@ static ric_status refused_start(const ric_model *m, ric_shooting *chain, int mod
     return status;
 }
 
+/* The orbit of a mode alone at an energy, to a part MIXED of its amplitude: where a mode of nearly the same frequency
+ * mixes with it, at a lower one. u [n + 1] and *energy, scaled; false: at none. */
+static bool alone(const ric_model *m, ric_shooting *chain, int mode, double *u, double *energy)
+{
+    int n = m->n, iterations;
+    double du[n + 1], lowest = LEAST * *energy;
+    for (; *energy > lowest; *energy *= LOWER) {
+        double amplitude = sqrt(2 * *energy), moved = 0;
+        memset(u, 0, (size_t)n * sizeof *u);
+        u[mode] = amplitude;
+        u[n] = RIC_TWO_PI / (4 * m->omega[mode]);
+        if (!ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations)) continue;
+        for (int i = 0; i < n; i++) moved = fmax(moved, fabs(u[i] - (i == mode ? amplitude : 0)));
+        if (moved <= MIXED * amplitude) return true;
+    }
+    return false;
+}
+
+/* Follows the branch of an orbit below the window up to there. *out = NULL: it does not come so far, or, *lost, it is
+ * lost on the way. The chain is taken. */
+static ric_status follow_up(const ric_graph *g, ric_shooting *chain, int mode, const double *u, bool *lost,
+                            ric_periodic **out)
+{
+    int n = g->model->n;
+    double t[n + 1];
+    ric_continuation *way = NULL;
+    ric_limits limits = {.energy = {0, g->limits.energy[0] * (1 + ABOVE)},
+                         .period = {0, HUGE_VAL},
+                         .max_step = g->limits.max_step,
+                         .max_points = g->limits.max_points};
+    memset(t, 0, sizeof t);
+    t[mode] = 1;
+    ric_status status = ric_continuation_create(chain, u, t, 0, &limits, &way);
+    if (!status) status = ric_continuation_run(way);
+    *lost = status == RIC_E_NUMERIC || (!status && (way->stop == RIC_STOP_FAILED || way->stop == RIC_STOP_BUDGET));
+    if (!status && way->end.test == RIC_TEST_E_MAX && !(*out = ric_continuation_cycle(way, way->end.u)))
+        status = ric_no_memory("a start");
+    ric_continuation_free(way);
+    return *lost ? RIC_OK : status;
+}
+
 /* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts
  * higher, the branch is followed up to there. *out = NULL: it does not come so far. */
 static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
@@ -92,40 +141,22 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     static const int face[] = {-1, -1};
     const ric_model *m = g->model;
     ric_shooting *chain = NULL;
-    ric_continuation *way = NULL;
     ric_periodic *cycle = NULL;
-    int n = m->n, iterations;
-    double u[n + 1], t[n + 1], du[n + 1], energy = 2 * m->linear_energy / m->energy_unit;
-    ric_limits limits = g->limits;
+    double u[m->n + 1], energy = 2 * m->linear_energy / m->energy_unit;
     *out = NULL;
     if (m->omega[mode] == 0) return RIC_OK;
     ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
     if (status) return status;
-    memset(u, 0, sizeof u);
-    u[mode] = sqrt(2 * energy);
-    u[n] = RIC_TWO_PI / (4 * m->omega[mode]);
-    if (mixed_with(m, mode) >= 0 || !ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations)) {
-        status = refused_start(m, chain, mode, out);
-        goto out;
-    }
-    if (energy > limits.energy[0]) cycle = ric_periodic_from_chain(chain, u);
-    else {
-        limits = (ric_limits){.energy = {0, g->limits.energy[0] * (1 + ABOVE)},
-                              .period = {0, HUGE_VAL},
-                              .max_step = limits.max_step,
-                              .max_points = limits.max_points};
-        memset(t, 0, sizeof t);
-        t[mode] = 1;
-        status = ric_continuation_create(chain, u, t, 0, &limits, &way);
+    bool lost = mixed_with(m, mode) >= 0 || !alone(m, chain, mode, u, &energy);
+    if (!lost && energy > g->limits.energy[0]) cycle = ric_periodic_from_chain(chain, u);
+    else if (!lost) {
+        status = follow_up(g, chain, mode, u, &lost, &cycle);
         chain = NULL;
-        if (status || (status = ric_continuation_run(way)) || way->end.test != RIC_TEST_E_MAX) goto out;
-        cycle = ric_continuation_cycle(way, way->end.u);
     }
-    status = cycle ? ric_node_start(m, cycle, out) : ric_no_memory("a start");
+    if (!status && lost) status = refused_start(m, mode, out);
+    else if (cycle) status = ric_node_start(m, cycle, out);
     if (*out) (*out)->mode = mode;
-out:
     ric_periodic_free(cycle);
-    ric_continuation_free(way);
     ric_shooting_free(chain);
     return status;
 }

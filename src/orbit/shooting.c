@@ -188,6 +188,7 @@ static void set_residual(ric_shooting *c, const double *u, double largest)
     for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
     for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
     c->scale = 1 + sqrt(sum);
+    c->share = ric_model_detached(c->model) ? 1 : fmin(sqrt(sum), 1);
     largest = fmax(largest, ric_shooting_nodes_gap(c, u));
     double longest = 0, fastest = 0;
     const double *end = c->w + 2 * n * c->n_flight;

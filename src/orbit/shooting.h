@@ -46,6 +46,8 @@ typedef struct {
                        * impact mirror */
     double residual;  /* largest residual relative to 1 + |w| */
     double scale;     /* 1 + |w| */
+    double share;     /* of scale that flights round to: |w| under a power law if that is below 1, since its orbits
+                       * become linear, whatever their size, towards nothing; otherwise 1 */
     double stiff;     /* what closed springs make of an error of the displacements, relative to scale: a velocity
                        * so much larger */
     double grain;     /* how far the state moves within the last digit of the longest flight time, relative to

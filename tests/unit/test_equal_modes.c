@@ -58,12 +58,36 @@ static void parts_say_so(void **state)
          "the structure falls into parts", 2, false);
 }
 
+/* Two modes whose frequencies differ by less than the springs change them at the lowest energy of a branch: the motion
+ * there is a mixture, and each has its branch from that energy on, not from nothing. */
+static void near_modes_have_branches(void **state)
+{
+    (void)state;
+    const double lowest = 1e-6, apart[] = {1e-8, 1e-7, 4e-7, 1e-6, 3e-6}, aside[] = {0.6, 0.3, -0.9};
+    for (int i = 0; i < 15; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "title: near modes\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, %.17g]], contacts: "
+                 "[{normal: [1, %g], law: power, exponent: 3, length: 1, reference: 1}]}\n%s",
+                 1 + apart[i % 5], aside[i / 5], options);
+        ric_atlas *atlas = explore_text(text);
+        assert_int_equal(ric_atlas_n_branch(atlas), 2);
+        for (int id = 1; id <= 2; id++) {
+            const ric_branch branch = branch_of(atlas, id);
+            assert_true(branch.energy_min > lowest * (1 - 1e-6));
+            for (int k = 0; k < branch.n_point; k++) point_passes(atlas, id, k);
+        }
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mixed_modes_say_so),
         cmocka_unit_test(the_others_are_followed),
         cmocka_unit_test(parts_say_so),
+        cmocka_unit_test(near_modes_have_branches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
