@@ -5,7 +5,8 @@
 - a file includes a header of another room that is not its room.h, or a room above its own;
 - rooms include each other in a circle, or files of one room do, by their headers;
 - a function that leaves its file does not carry the first word of the file's name;
-- a file asks which law a contact has that is neither of the ground (model, study, flow), nor of the second way (check, hunt).
+- a file asks which law a contact has that is neither of the ground (model, study, flow), nor of the second way (check, hunt);
+- a number such as 1e-9 stands in a formula: it has a name, a reason, and its place, src/base/tolerances.h or the top of a file.
 """
 import pathlib
 import re
@@ -110,13 +111,26 @@ def check_laws():
     return wrong
 
 
+def check_numbers():
+    wrong = []
+    for path in sorted(SOURCES.glob("*/*.[ch]")):
+        code = re.sub(r"/\*.*?\*/", lambda found: "\n" * found.group().count("\n"), path.read_text(), flags=re.S)
+        for number, line in enumerate(code.splitlines(), 1):
+            if re.match(r"#define|\s*static const|\s*const double|\s*[{]?[-\d.e, {}]*[}]?,?$", line):
+                continue
+            if re.search(r"\b[\d.]+e-?\d+", re.sub(r'"(\\.|[^"])*"', "", line)):
+                wrong.append(f"{path.parent.name}/{path.name}:{number} has a number without a name: {line.strip()}")
+    return wrong
+
+
 def main():
     rooms, failed = rooms_of_map(), 0
     checks = [("every source lies in a room of docs/map.md", check_files(rooms)),
               ("rooms are entered from above, by their header", check_directions(rooms)),
               ("no headers include each other in a circle", check_circles()),
               ("functions carry the name of their file", check_prefixes()),
-              ("only the ground asks which law a contact has", check_laws())]
+              ("only the ground asks which law a contact has", check_laws()),
+              ("numbers of a tolerance have names", check_numbers())]
     print(f"1..{len(checks)}")
     for number, (text, wrong) in enumerate(checks, 1):
         print(f"{'not ok' if wrong else 'ok'} {number} - {text}")

@@ -3,12 +3,11 @@
 #include <string.h>
 
 #include "atlas.h"
-
-#define SAME 1e-7 /* relative: ends of a branch in two runs, of which one met more junctions on the way */
+#include "base/room.h"
 
 static bool close_to(double a, double b)
 {
-    return fabs(a - b) <= SAME * (fabs(a) + fabs(b));
+    return fabs(a - b) <= RIC_SAME_LOCATED * (fabs(a) + fabs(b));
 }
 
 /* Whether two branches of different runs are the same curve. */

@@ -9,12 +9,10 @@
 #include "base/room.h"
 
 #define AT_CUT 1e-6 /* of the length of a segment: a stored point this near to its end is the junction itself */
-/* SAME_ORBIT: of two stored states and energies, relative to 1 + their size: a junction is solved to rounding */
-#define SAME_ORBIT 1e-7
 
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 {
-    double once = junction->frequency, slack = 1e-9 * once;
+    double once = junction->frequency, slack = RIC_TIE * once;
     if (junction->kind != RIC_KIND_MULTIPLICATION || branch->impacts != junction->impacts) return 1;
     if (branch->impacts > 0) return junction->multiple;
     /* under a power law impacts do not tell; what ends here has left, and of the others the range of frequencies
@@ -28,7 +26,7 @@ int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 
 static bool close_to(double a, double b)
 {
-    return fabs(a - b) <= SAME_ORBIT * (1 + fabs(a) + fabs(b));
+    return fabs(a - b) <= RIC_SAME_LOCATED * (1 + fabs(a) + fabs(b));
 }
 
 static bool same_grazing(int n_state, const ric_junction *a, const ric_junction *b)

@@ -10,5 +10,6 @@
 #include "halt.h"
 #include "memory.h"
 #include "status.h"
+#include "tolerances.h"
 
 #endif

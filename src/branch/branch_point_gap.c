@@ -7,10 +7,8 @@
 
 #include "base/room.h"
 
-#define GAP 1e-3    /* of the next singular value, below which two belong to the kernel (branch_point.c) */
 #define GAP_STEPS 3 /* Newton steps towards a crossing: they converge quadratically from 1e-3 */
 #define LEFT 1e-3   /* distance, relative, from a crossing at which another one is looked at */
-#define LARGE 300   /* unknowns from which on dense singular value decompositions cost more than the rest */
 
 /* Newton's method in the range of the Jacobian without its smallest singular values, of which two are those of the
  * kernel: the right hand side that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the
@@ -19,7 +17,7 @@ double ric_branch_point_gap(ric_shooting *c, const double *u)
 {
     size_t n = (size_t)c->n_unknown, rows = (size_t)ric_shooting_rows(c);
     int rank = c->n_unknown - 2, unknowns = c->n_unknown, equations = 0;
-    if (unknowns > LARGE) return 0;
+    if (unknowns > RIC_DENSE_MOST) return 0;
     double *memory = ric_calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN,
            moved = 0;
     if (!memory || rank < 1) goto out;
@@ -43,7 +41,7 @@ double ric_branch_point_gap(ric_shooting *c, const double *u)
     }
     gap /= c->scale;
     for (size_t j = 0; j < n; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    bool singular = rank == 1 || s[rank] < GAP * s[rank - 1];
+    bool singular = rank == 1 || s[rank] < RIC_RANK_GAP * s[rank - 1];
     if (!singular || !(moved < LEFT * c->scale)) gap = NAN;
 out:
     free(memory);

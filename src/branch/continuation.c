@@ -20,8 +20,12 @@
 #define FIRST_STEP 3e-5     /* of the size of the unknowns */
 #define SMALLEST_STEP 1e-11 /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
-#define FLOOR 0.03 /* of the tolerance: where another Newton step changes nothing */
-#define ACCEPTED 4 /* tolerances: the largest residual of an orbit that is stored */
+#define HOPELESS 1e3 /* residual, of the size, from which no Newton step leads back */
+/* NEGATIVE: scaled time: events whose flight is shorter than minus this do not come in that order */
+#define NEGATIVE 1e-3
+#define STRAIGHT 1e-12 /* angle of a step, rad, that is rounding */
+#define FLOOR 0.03     /* of the tolerance: where another Newton step changes nothing */
+#define ACCEPTED 4     /* tolerances: the largest residual of an orbit that is stored */
 /* LOST: the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is known of an orbit */
 #define LOST 2.5e-10
 /* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
@@ -30,7 +34,6 @@
 #define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8         /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
-#define ON_OTHER 1e-9     /* of the size: an orbit this near to one with more symmetry is that one */
 /* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
 #define LAST_STEP 1e-3
 #define MARGIN 1e-11   /* margins that count as rounding */
@@ -92,7 +95,7 @@ bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, 
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
         ric_shooting_evaluate(c, u);
-        if (c->singular || !(c->residual < 1e3)) return false;
+        if (c->singular || !(c->residual < HOPELESS)) return false;
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
         double tolerance = fmin(ric_continuation_tolerance(c), LOST);
         /* with springs most displacements are met better than they may be */
@@ -105,7 +108,7 @@ bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, 
             ric_shooting_step(c, false, 1, kernel);
             double across = ric_dot(size, normal, kernel), now = ric_dot(size, normal, du) - target;
             for (int j = 0; j < size; j++) now += normal[j] * (u[j] - origin[j]);
-            if (fabs(across) < 1e-8) return false;
+            if (fabs(across) < RIC_RANK) return false;
             for (int j = 0; j < size; j++) du[j] -= now / across * kernel[j];
         }
         for (int j = 0; j < size; j++) u[j] += du[j];
@@ -165,7 +168,7 @@ static double smallest_flight(const ric_shooting *c, const double *u, bool ghost
 static bool positive_flights(const ric_shooting *c, const double *u)
 {
     for (int k = 0; k < c->n_flight; k++)
-        if (!(u[c->n_start + k] > -1e-3)) return false;
+        if (!(u[c->n_start + k] > -NEGATIVE)) return false;
     return true;
 }
 
@@ -627,7 +630,7 @@ static bool crowded(const ric_continuation *tr, double h)
 
 static void adapt(ric_continuation *tr, double h, double angle, int iterations)
 {
-    double factor = angle > 1e-12 ? STEP_ANGLE / angle : 2;
+    double factor = angle > STRAIGHT ? STEP_ANGLE / angle : 2;
     if (iterations > 3) factor = fmin(factor, 0.7);
     factor = fmax(0.3, fmin(2, factor));
     tr->step_max = tr->limits->max_step * tr->chain->scale;
@@ -664,7 +667,7 @@ static bool symmetric_after_all(const ric_shooting *c)
     double off = 0;
     if (ric_periodic_has_events(c->model) || c->start != c->end || c->start == RIC_MIRROR_NONE) return false;
     for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(c->w[i] + c->w[2 * n + i]));
-    return off < ON_OTHER * c->scale;
+    return off < RIC_SAME_SOLVED * c->scale;
 }
 
 /* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips

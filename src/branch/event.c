@@ -26,7 +26,7 @@
 #define APPROACHES 4
 /* What may keep two branches apart (ric_branch_point_gap) that cross: rounding. */
 #define CROSSED 1e-11
-/* dE/ds at a multiplication, of that at 1/2 CROSSING beside it, below which it counts as zero. */
+/* dE/ds at a multiplication, of that at 1/2 RIC_CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
 /* POLE: of 1, its largest value: the test of a resonance that is above it where it has changed its sign has no zero
@@ -65,7 +65,8 @@ static bool watched(const ric_continuation *tr, int test)
 static double crossing_ahead(const ric_continuation *tr, double h)
 {
     double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], x = h * fa / (fa - fb);
-    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + CROSSING / 4 * tr->chain->scale ? x : HUGE_VAL;
+    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + RIC_CROSSING / 4 * tr->chain->scale ? x
+                                                                                                             : HUGE_VAL;
 }
 
 /* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first
@@ -292,7 +293,7 @@ static unsigned seen_in(const ric_continuation *tr, unsigned which)
  * determinant is rounding; false when all is well. */
 static bool approach_crossing(ric_continuation *tr, double h)
 {
-    double x = crossing_ahead(tr, h), length = CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
+    double x = crossing_ahead(tr, h), length = RIC_CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
     if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES)
         return false;
     tr->wanted = x > 1.1 * length ? fmin(x - length / 2, 0.9 * h) : step;
@@ -480,8 +481,8 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
     return n;
 }
 
-/* A step over a branch point (shorter than CROSSING): every inner function from the cubics. *end_test: why the branch
- * ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
+/* A step over a branch point (shorter than RIC_CROSSING): every inner function from the cubics. *end_test: why the
+ * branch ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
 static ric_status cross(ric_continuation *tr, double h, int *end_test, double *end, bool *retry)
 {
     ric_event_bridge q;

@@ -6,6 +6,8 @@
 #include "model/room.h"
 #include "base/room.h"
 
+#define PLACE 2e-16         /* of the step: where Brent's method ends, at the last digit */
+#define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
@@ -78,7 +80,7 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
             fb = fc;
             fc = fa;
         }
-        double tolerance = 2e-16 * h + 1e-17, m = (c - b) / 2;
+        double tolerance = PLACE * h + PLACE_AT_ZERO, m = (c - b) / 2;
         if (fabs(m) <= tolerance || fb == 0) break;
         if (fabs(e) < tolerance || fabs(fa) <= fabs(fb)) d = e = m;
         else {
@@ -170,7 +172,7 @@ ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_brid
     bool good = false;
     if (!(q->u = ric_malloc(4 * (size + pairs) * sizeof *q->u))) return ric_no_memory("a crossing");
     q->own = q->u + 4 * size;
-    for (int i = 0; i < 4; i++) q->x[i] = root * h + place[i] * CROSSING / 2 * tr->chain->scale;
+    for (int i = 0; i < 4; i++) q->x[i] = root * h + place[i] * RIC_CROSSING / 2 * tr->chain->scale;
     ric_status status = build_at(tr, h, q, &good);
     if (!status && !good) {
         memcpy(q->x, within, sizeof within);

@@ -10,8 +10,8 @@
 #define EVENT_SINGULAR (1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D)
 /* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet
  * there: at distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing
- * is read off a cubic through four points at good distance, and the junction is solved on its own equations later. */
-#define CROSSING 1e-3
+ * is read off a cubic through four points at good distance, and the junction is solved on its own equations later:
+ * RIC_CROSSING. */
 
 /* The unknowns [n_unknown] on the cubic through now and next. */
 void ric_event_cubic(const ric_continuation *trace, double x, double h, double *u);

@@ -18,8 +18,6 @@
  * isometric; under a power law it was seen to fall twice as fast */
 #define FASTEST 2
 #define STEPS 8         /* so many steps ahead an orbit of fewer periods is taken into account */
-#define CROSSING 1e-3   /* length of a step over a branch point (event.c): it could reach beyond a node */
-#define REPEATED 1e-7   /* distance below which it is that orbit */
 #define FLAT 1e-6       /* smallest pivot below which no step is made any more */
 #define MULTIPLIER 1e-3 /* accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
 
@@ -44,7 +42,7 @@ static bool may_repeat(const ric_shooting *c, const double *u, int step)
         double d = tau[k + step < c->n_flight ? k + step : k + step - c->n_flight] - tau[k];
         sum += d * d;
     }
-    return sum <= limit * limit && sum > REPEATED * REPEATED * c->scale * c->scale;
+    return sum <= limit * limit && sum > RIC_SAME_LOCATED * RIC_SAME_LOCATED * c->scale * c->scale;
 }
 
 /* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first
@@ -166,7 +164,7 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
      * determinant vanishes there, too */
     bool far = left > 2 * *h && !flat;
     if (left < STEPS * *h) *h = fmin(*h, fmax(nearest, left / 4));
-    if (nearest < CROSSING * scale && left < STEPS * CROSSING * scale) tr->longest = fmin(tr->longest, *h);
+    if (nearest < RIC_CROSSING * scale && left < STEPS * RIC_CROSSING * scale) tr->longest = fmin(tr->longest, *h);
     if (far) return RIC_OK;
     for (int i = 0; i < c->n_unknown; i++) out->u[i] = now[i] + x * (now[i] - before[i]);
     ric_status status = solve_short(c, order, sign, out->u, found);
@@ -188,7 +186,7 @@ static bool candidate(const ric_shooting *c, const double *u, int r, int sign, c
 {
     if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
     if (!ric_periodic_has_events(c->model))
-        return distances[r] <= NEAR * c->scale && distances[r] > REPEATED * c->scale;
+        return distances[r] <= NEAR * c->scale && distances[r] > RIC_SAME_LOCATED * c->scale;
     return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) && word_repeats(c, c->n_flight / r, sign);
 }
 

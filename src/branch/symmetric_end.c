@@ -9,17 +9,9 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-/* Relative distance within which a crossing, read off cubics, counts as an orbit with a symmetry. */
-#define SAME_ORBIT 1e-5
-/* Within which it is worth to look for a better place along the branch: on sharp turns the zero of the determinant is
- * off by that. */
-#define MAY_BE_SAME 1e-3
 /* Cosine with the direction of the branch beyond which the image of a neighbour counts as lying on it. */
 #define ALONG 0.9
-/* An orbit this near to one with more symmetry is that one. */
-#define ON_OTHER 1e-9
 #define SETTLE_STEPS 3
-#define SINGULAR 1e-8 /* singular values below this part of the largest are zeros of a branch point */
 
 /* Unknowns of a cycle in the convention of ric_periodic_to_chain (a chain may start at either of its mirror points);
  * allocated. */
@@ -100,11 +92,11 @@ static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, 
                 ric_periodic_shift(m, here, shift, image_here);
                 double distance = ric_periodic_distance(here, image_here);
                 free_unknowns(c, image_here, same);
-                if (distance < MAY_BE_SAME) {
+                if (distance < RIC_SAME_READ_OFF) {
                     ric_periodic_shift(m, here, shift, image_near);
                     free_unknowns(c, image_near, w);
                     bool turned = opposite(c->n_unknown, place->at, place->beyond, w);
-                    found = turned && distance < SAME_ORBIT;
+                    found = turned && distance < RIC_SAME_EXTRAPOLATED;
                     if (turned && !found) *aside = middle(c->n_unknown, place->at, place->beside, same);
                 }
             }
@@ -145,13 +137,13 @@ static bool turned_round(const ric_continuation *tr, const ric_crossed *place, i
             double distance = image && image->pure == here->pure && image->flip == here->flip
                                   ? ric_periodic_distance(here, image)
                                   : HUGE_VAL;
-            double *same = distance < MAY_BE_SAME ? unknowns(m, image) : NULL;
+            double *same = distance < RIC_SAME_READ_OFF ? unknowns(m, image) : NULL;
             ric_periodic_free(image);
             if (!same) continue;
             image = ric_periodic_transform(m, near, s, op & 1, op & 2);
             double *w = unknowns(m, image);
             bool turned = w && opposite(c->n_unknown, u, x, w);
-            found = turned && distance < SAME_ORBIT;
+            found = turned && distance < RIC_SAME_EXTRAPOLATED;
             if (turned && !found) *aside = middle(c->n_unknown, u, v, same);
             free(w);
             free(same);
@@ -183,22 +175,22 @@ bool ric_symmetric_end_passes(const ric_continuation *tr, const ric_crossed *pla
 bool ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)
 {
     ric_periodic *cycle = ric_continuation_cycle(tr, at);
-    bool result = cycle && ric_periodic_repeats(tr->chain->model, cycle, SAME_ORBIT);
+    bool result = cycle && ric_periodic_repeats(tr->chain->model, cycle, RIC_SAME_EXTRAPOLATED);
     ric_periodic_free(cycle);
     return result;
 }
 
-/* Under a power law the shortest step to a crossing may leave a singular value above SINGULAR: how many there are to
+/* Under a power law the shortest step to a crossing may leave a singular value above RIC_RANK: how many there are to
  * drop is known. */
 static double cut(const ric_shooting *c, int rows, int columns, const double *J, double *work, double *right)
 {
     int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
     double values[rows];
-    if (!ric_flight_law_of(c->model)->integrated || rows <= dropped) return SINGULAR;
+    if (!ric_flight_law_of(c->model)->integrated || rows <= dropped) return RIC_RANK;
     memcpy(work, J, (size_t)rows * columns * sizeof *J);
     memset(right, 0, (size_t)columns * sizeof *right);
     if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank)))
-        return SINGULAR;
+        return RIC_RANK;
     return fmin(1.5 * values[rows - dropped], sqrt(values[rows - dropped] * values[rows - dropped - 1])) / values[0];
 }
 
@@ -226,10 +218,10 @@ bool ric_symmetric_end_may_gain(const ric_shooting *c)
 
 bool ric_symmetric_end_gains(const ric_shooting *c, const double *u)
 {
-    return has_more(c->model, ric_periodic_from_chain(c, u), ON_OTHER);
+    return has_more(c->model, ric_periodic_from_chain(c, u), RIC_SAME_SOLVED);
 }
 
-/* Newton's method with the shortest correction, without the directions that singular values below SINGULAR leave
+/* Newton's method with the shortest correction, without the directions that singular values below RIC_RANK leave
  * undetermined. */
 ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
 {
@@ -244,7 +236,7 @@ ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
     memcpy(v, u, (size_t)columns * sizeof *u);
     for (int i = 0; i < SETTLE_STEPS; i++) {
         int rows = ric_shooting_jacobian(c, v, J);
-        double least = rows ? cut(c, rows, columns, J, work, right) : SINGULAR;
+        double least = rows ? cut(c, rows, columns, J, work, right) : RIC_RANK;
         ric_shooting_residuals(c, v, r);
         if (!rows ||
             ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank)))
@@ -253,7 +245,8 @@ ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
     }
     ric_shooting_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (ric_continuation_solved(c) && moved <= SAME_ORBIT * c->scale) memcpy(u, v, (size_t)columns * sizeof *u);
+    if (ric_continuation_solved(c) && moved <= RIC_SAME_EXTRAPOLATED * c->scale)
+        memcpy(u, v, (size_t)columns * sizeof *u);
 out:
     free(J);
     free(r);

@@ -342,7 +342,7 @@ static void check_energy(replay *r)
 
 static bool orthogonal(const replay *r, const face_t *f, const face_t *g)
 {
-    return fabs(ric_replay_dot(r->n, f->c, g->c)) <= 1e-12 * sqrt(f->cc * g->cc);
+    return fabs(ric_replay_dot(r->n, f->c, g->c)) <= RIC_VERIFY_ORTHOGONAL * sqrt(f->cc * g->cc);
 }
 
 /* Whether another face is met at state w together with `face` and the order matters: of two stops whose impacts do not

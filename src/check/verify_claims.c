@@ -362,7 +362,7 @@ static ric_status reach_in_flight(replay *r, int k, int f, bool image, reached *
     count(reach, false, whole);
     const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
     bool smooth = !end || end->spring > 0 ||
-                  fabs(ric_replay_dot(r->n, end->c, face->c)) <= 1e-12 * sqrt(end->cc * face->cc),
+                  fabs(ric_replay_dot(r->n, end->c, face->c)) <= RIC_VERIFY_ORTHOGONAL * sqrt(end->cc * face->cc),
          flat = fabs(ric_replay_dot(r->n, face->c, w + r->n)) <= FLAT * ric_replay_fastest(r, face) ||
                 (r->n_event && t <= SHORT * r->period);
     double value = (double)gap_over(r, face, image, closed, w);

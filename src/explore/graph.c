@@ -7,6 +7,7 @@
 #include "base/room.h"
 #include "junction/room.h"
 
+#define ORDERED 1e-8 /* relative: nodes nearer in energy or period are put in order by what cannot be rounded */
 #define MAX_POINTS 200000
 
 /* ------------------------------------------------------------------- create */
@@ -61,11 +62,11 @@ void ric_graph_free(ric_graph *g)
 int ric_graph_node_order(const ric_node *a, const ric_node *b)
 {
     double de = a->energy - b->energy, dt = a->period - b->period;
-    if (fabs(de) > 1e-8 * (fabs(a->energy) + fabs(b->energy))) return de < 0 ? -1 : 1;
+    if (fabs(de) > ORDERED * (fabs(a->energy) + fabs(b->energy))) return de < 0 ? -1 : 1;
     if (a == b) return 0;
     int na = a->cycle->N - a->n_touch, nb = b->cycle->N - b->n_touch;
     if (na != nb) return na < nb ? -1 : 1;
-    if (fabs(dt) > 1e-8 * (a->period + b->period)) return dt > 0 ? -1 : 1;
+    if (fabs(dt) > ORDERED * (a->period + b->period)) return dt > 0 ? -1 : 1;
     if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
     if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
@@ -90,7 +91,7 @@ static int place_of(const ric_graph *g, double energy)
 static int known(const ric_graph *g, const ric_node *node)
 {
     int found = -1;
-    double near = 2 * RIC_NODE_NEAR * (1e-3 + fabs(node->energy));
+    double near = 2 * ric_node_near(node->energy);
     for (int k = place_of(g, node->energy - near); k < g->n_node; k++) {
         int i = g->by_energy[k];
         if (g->nodes[i]->energy > node->energy + near) break;

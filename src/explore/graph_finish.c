@@ -8,6 +8,8 @@
 
 #include "base/room.h"
 
+#define ON_ENERGY 1e-13 /* of 1 + energy: an orbit that near to the energy of a junction has it */
+
 /* ---------------------------------------------------------------- passages */
 
 ric_status ric_graph_edge_attach(ric_edge *e, int node, unsigned choice, double at)
@@ -49,11 +51,11 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
             double slope, kernel[size], miss = ric_shooting_energy(c) - node->energy;
             ric_continuation_tangent(c, t, kernel);
             slope = ric_shooting_energy_slope(c, kernel);
-            if (fabs(miss) < 1e-13 * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
+            if (fabs(miss) < ON_ENERGY * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
             for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
         }
         ric_periodic *cycle = ric_continuation_cycle(tr, u);
-        found = cycle && ric_periodic_match(m, node->cycle, cycle, 1e-5, &shift, &reverse, &mirror);
+        found = cycle && ric_periodic_match(m, node->cycle, cycle, RIC_SAME_EXTRAPOLATED, &shift, &reverse, &mirror);
         ric_periodic_free(cycle);
         *at = a->arclength + x * (b->arclength - a->arclength);
     }

@@ -446,7 +446,7 @@ static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ri
 static bool passes_image(const ric_model *m, const ric_periodic *cycle, int test)
 {
     ric_periodic *found = !m->symmetric && test == RIC_TEST_DET ? ric_periodic_copy(cycle) : NULL;
-    if (found) ric_periodic_find_symmetries(m, found, 1e-5);
+    if (found) ric_periodic_find_symmetries(m, found, RIC_SAME_EXTRAPOLATED);
     bool more = found && ((found->half && !cycle->half) || (found->flip >= 0 && cycle->flip < 0));
     ric_periodic_free(found);
     return more;
@@ -481,7 +481,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     ric_periodic *cycle = ric_continuation_cycle(e->trace, event->u);
     if (!cycle) return ric_no_memory("a junction");
     bool aside = !doubling && breaks_or_crosses(event->test) &&
-                 (ric_periodic_repeats(g->model, cycle, 1e-5) || passes_image(g->model, cycle, event->test));
+                 (ric_periodic_repeats(g->model, cycle, RIC_SAME_EXTRAPOLATED) ||
+                  passes_image(g->model, cycle, event->test));
     const ric_user_point *asked = ric_continuation_user_point(e->trace, event->test);
     ric_defining solve = aside   ? (ric_defining){.kind = RIC_DEFINING_ARRIVAL}
                          : asked ? (ric_defining){.kind = RIC_DEFINING_USER, .asked = *asked}

@@ -201,7 +201,8 @@ static void closed_form(const ric_model *m, const ric_face *f, double omega, dou
     u[n] = quarter;
 }
 
-#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
+#define SLOWEST 1e-3 /* scaled frequency at which the scan begins where the window has no lower end */
+#define SCAN 1.01    /* ratio of neighbouring frequencies of the scan */
 
 static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double *u)
 {
@@ -245,12 +246,12 @@ static ric_status start_loose(ric_graph *g)
     ric_status status = ric_graph_check_start(m);
     if (status) return status;
     status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
-    double u[n + 1], low = isfinite(g->limits.period[1]) ? RIC_TWO_PI / g->limits.period[1] : 1e-3;
+    double u[n + 1], low = isfinite(g->limits.period[1]) ? RIC_TWO_PI / g->limits.period[1] : SLOWEST;
     for (double omega = low; !status && omega < RIC_TWO_PI / g->limits.period[0]; omega *= SCAN) {
         closed_form(m, &m->face[upper], omega, u);
         ric_shooting_fly(chain, u);
         double energy = ric_shooting_energy(chain);
-        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < 1e-9 &&
+        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < RIC_SAME_SOLVED &&
                     chain->approach[1] > 0 && ric_reach(chain, u, NULL) < 1;
         if (good && !inside) status = start_stretch(g, chain, u);
         inside = good;

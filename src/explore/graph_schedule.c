@@ -9,13 +9,14 @@
 #include "graph_parts.h"
 #include "base/room.h"
 
-#define SAVE_EVERY 1.0 /* seconds between commits of finished traces */
+#define SAVE_EVERY 1.0  /* seconds between commits of finished traces */
+#define NANOSECONDS 1e9 /* in a second */
 
 static double seconds_since(const struct timespec *start)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
+    return (double)(now.tv_sec - start->tv_sec) + (double)(now.tv_nsec - start->tv_nsec) / NANOSECONDS;
 }
 
 /* Shows how far the owner has come and asks whether to stop. */

@@ -5,6 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Relative, energy and frequency together: a name of the study belongs to the nearest junction within this distance, as
+ * places are read off printed figures. */
+#define NAMED 2e-3
+
 static const char *letter(ric_kind kind)
 {
     switch (kind) {
@@ -235,7 +239,7 @@ ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_ro
     for (int k = 0; k < ric_study_n_name(study); k++) {
         ric_name name;
         int best = -1;
-        double least = 2e-3;
+        double least = NAMED;
         ric_status status = ric_study_name(study, k, &name);
         if (status) return status;
         for (int i = 0; i < n; i++) {

@@ -42,7 +42,7 @@ static inline double ric_linear_amplitude(double omega, double energy)
 /* Equal to what rounding leaves: 0. */
 static inline int ric_compare_numbers(double a, double b)
 {
-    if (fabs(a - b) <= 1e-9 * (fabs(a) + fabs(b))) return 0;
+    if (fabs(a - b) <= RIC_TIE * (fabs(a) + fabs(b))) return 0;
     return a < b ? -1 : 1;
 }
 

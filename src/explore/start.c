@@ -8,7 +8,6 @@
 #include "base/room.h"
 #include "branch/room.h"
 
-#define NEAR 1e-6    /* a start that moves farther, relative to its size, when it is solved is none */
 #define LONGEST 4096 /* impacts: explore.impacts goes no further */
 
 void ric_starts_release(ric_starts *s)
@@ -131,7 +130,7 @@ ric_status ric_start_solve(const ric_model *m, const ric_periodic *given, ric_pe
     bool solved = ric_continuation_correct(chain, u, NULL, NULL, 0, work + size, &iterations);
     double moved = 0;
     for (int i = 0; i < size; i++) moved = fmax(moved, fabs(u[i] - work[i]));
-    if (!solved || !(moved < NEAR * chain->scale))
+    if (!solved || !(moved < RIC_SAME_LOCATED * chain->scale))
         status = ric_fail(RIC_E_NUMERIC, "a given start of %d impacts is no orbit: it moves by %.3g when it is solved",
                           given->N, moved);
     else if (!(*out = ric_periodic_from_chain(chain, u))) status = ric_no_memory("a start");

@@ -14,6 +14,9 @@
 /* ROUNDING: relative change of the unknowns at which Newton's method has converged; its last step is far below */
 #define ROUNDING 1e-13
 #define RIGHT_ANGLE 1.57079632679489661923
+#define NOTHING 1e-300     /* a pivot below it is zero */
+#define NEARLY 1e-9        /* relative: from there on Newton's method goes by its steps, and may rest */
+#define ASTRAY 1e6         /* a step that long leads nowhere */
 #define STEEPEST 1.6       /* just beyond grazing, so that Newton's method may pass it on its way */
 #define REPLAY 1e-8        /* the simulator's impacts agree with the orbit within this, and, near a grazing, */
 #define NEAR_GRAZING 1e-12 /* within the time that rounding of the gap means: this over the cosine of the angle */
@@ -379,7 +382,7 @@ static bool solve(int n, double *A, double *b)
         int best = j;
         for (int i = j + 1; i < n; i++)
             if (fabs(A[i * n + j]) > fabs(A[best * n + j])) best = i;
-        if (!(fabs(A[best * n + j]) > 1e-300)) return false;
+        if (!(fabs(A[best * n + j]) > NOTHING)) return false;
         for (int k = j; best != j && k < n; k++) {
             double t = A[j * n + k];
             A[j * n + k] = A[best * n + k];
@@ -453,7 +456,7 @@ bool ric_impact_map_polish(const ric_impact_map *s, int N, bool half, ric_hit *h
     for (int i = 0; i < STEPS; i++) {
         double size = 1, change = 0, residual = assemble(s, N, half, hits, A, r);
         if (!(residual < INFINITY) || !solve(n, A, r)) return false;
-        if (i > 8 && residual > before / 2 && residual > 1e-9) return false;
+        if (i > 8 && residual > before / 2 && residual > NEARLY) return false;
         before = residual;
         double part = allowed(s, N, hits, r);
         if (part == 0) return false;
@@ -464,8 +467,8 @@ bool ric_impact_map_polish(const ric_impact_map *s, int N, bool half, ric_hit *h
             hits[k].angle -= part * r[3 * k + 1];
             hits[k].tau -= part * r[3 * k + 2];
         }
-        if (!(change < 1e6)) return false;
-        settled += change < 1e-9 * size;
+        if (!(change < ASTRAY)) return false;
+        settled += change < NEARLY * size;
         if (change < ROUNDING * size || settled > 3) return true;
     }
     return settled > 0;

@@ -8,9 +8,6 @@
 #include "flow/room.h"
 #include "base/room.h"
 
-#define SMALL 1e-8      /* singular values below this part of the largest, */
-#define GAP 1e-3        /* and this part of the next one, belong to the kernel (switching.c) */
-#define DIFFERENCE 1e-5 /* half step of central differences, relative to the orbit */
 /* DISTINCT: smallest sine of the angle between two directions that can be told apart at the first step, 1e-3 of the
  * orbit */
 #define DISTINCT 1e-3
@@ -64,7 +61,7 @@ static ric_status kernels(crossing *q)
     if (n < 3 || equations != (whole ? n : n - 1) ||
         ric_lapack(
             LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super)) ||
-        s[rank] > SMALL * s[0] || s[rank] > GAP * s[rank - 1])
+        s[rank] > RIC_RANK * s[0] || s[rank] > RIC_RANK_GAP * s[rank - 1])
         return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     memcpy(q->kernel, q->V + (size_t)rank * n, 2 * (size_t)n * sizeof *q->kernel);
     if (whole) {
@@ -88,7 +85,7 @@ static ric_status directions(crossing *q)
 {
     ric_shooting *c = q->chain;
     int n = q->size;
-    double h = DIFFERENCE * c->scale, Q[2][2] = {{0}}, u[n], slope[2], t[n];
+    double h = RIC_DIFFERENCE * c->scale, Q[2][2] = {{0}}, u[n], slope[2], t[n];
     for (int i = 0; i < 2; i++)
         for (int side = -1; side <= 1; side += 2) {
             for (int j = 0; j < n; j++) u[j] = q->u0[j] + side * h * q->kernel[i * n + j];
@@ -110,7 +107,7 @@ static ric_status directions(crossing *q)
     ric_shooting_fly(c, q->u0);
     for (int k = 0; k < 2; k++) {
         double norm = hypot(x[k][0], x[k][1]);
-        if (!(norm > SMALL * size))
+        if (!(norm > RIC_RANK * size))
             return ric_fail(RIC_E_NUMERIC, "the branching equation at the branch point is degenerate");
         for (int j = 0; j < 2; j++) x[k][j] /= norm;
         for (int j = 0; j < n; j++) t[j] = x[k][0] * q->kernel[j] + x[k][1] * q->kernel[n + j];
@@ -149,7 +146,7 @@ ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, uns
     }
     for (int i = 0; i < n; i++) (*t0)[i] = way[0] * q.kernel[i] + way[1] * q.kernel[n + i];
     for (int i = 1; i < n; i++)
-        if (fabs((*t0)[i]) > fabs((*t0)[largest]) * (1 + 1e-6)) largest = i;
+        if (fabs((*t0)[i]) > fabs((*t0)[largest]) * (1 + RIC_TIE_IN_KERNEL)) largest = i;
     double sign = (*t0)[largest] < 0 ? -1 : 1;
     for (int i = 0; i < n; i++) (*t0)[i] *= sign;
     *chain = q.chain;

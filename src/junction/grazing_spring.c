@@ -18,7 +18,6 @@
 #define SIMPLE 1e-6   /* smallest pivot of a kernel of one dimension */
 #define ALONG 0.99    /* cosine of that kernel with the direction expected */
 #define NO_TIME 1e-7  /* scaled time that counts as none */
-#define SAME 1e-5
 
 typedef struct {
     double alpha, bend; /* of one touch: slope along the family, |s''| */
@@ -137,7 +136,7 @@ static bool is_touch(const ric_model *m, const touch *t, int face, const double 
             off = fmax(off, fmax(fabs(w[i] - sign * t->w[i]), fabs(w[m->n + i] - sign * back * t->w[m->n + i])));
             size = fmax(size, fmax(fabs(w[i]), fabs(w[m->n + i])));
         }
-        if (off <= SAME * size) return true;
+        if (off <= RIC_SAME_EXTRAPOLATED * size) return true;
     }
     return false;
 }

@@ -8,7 +8,6 @@
 #include "orbit/room.h"
 
 #define TOUCH 1e-9 /* reach within this of 1 at a located event is a touch */
-#define SAME 1e-6  /* two located orbits closer than this (relative) are one */
 #define FITS 1e-4  /* distance within which the end of a branch is the orbit of its junction */
 
 /* ------------------------------------------------------------------ touches */
@@ -66,7 +65,7 @@ out:
 ric_periodic *ric_grazing_words_keep(const ric_model *m, const ric_periodic *whole, const bool *keep)
 {
     ric_periodic *out = ric_periodic_keep(m, whole, keep), *seen = out ? ric_periodic_copy(out) : NULL;
-    if (seen && ric_periodic_find_symmetries(m, seen, SAME) == 1) {
+    if (seen && ric_periodic_find_symmetries(m, seen, RIC_SAME_LOCATED) == 1) {
         out->half |= seen->half;
         if (out->pure < 0) out->pure = seen->pure;
         if (out->flip < 0) out->flip = seen->flip;
@@ -285,7 +284,7 @@ ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, 
 {
     int N = node->cycle->N, all = N * node->multiple, kept = 0, p = node->n_touch;
     bool keep[all];
-    if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, p, node->touch, choice, SAME);
+    if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, p, node->touch, choice, RIC_SAME_LOCATED);
     action actions[4];
     ric_periodic *whole = find_actions(m, node, actions) ? ric_periodic_repeat(node->cycle, node->multiple) : NULL,
                  *out = NULL;

@@ -9,12 +9,6 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-#define SMALL 1e-8 /* singular values below this part of the largest, */
-/* GAP: and this part of the next one, belong to the kernel; as for branch points with a plane (switching.c) */
-#define GAP 1e-3
-/* DIFFERENCE: half step of central differences, relative to the orbit: their error, its square, is as large as their
- * rounding */
-#define DIFFERENCE 1e-5
 #define TURNS 1e-4 /* the shift, from such differences, is a rotation of its order within this */
 /* RADIUS: first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding (continuation.c) */
 #define RADIUS 1e-3
@@ -101,7 +95,7 @@ static ric_status kernels(ring *q, double *right, double *left)
         return ric_no_memory("a departure");
     }
     if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', n, n, q->J, n, s, U, n, V, n, super)))
-        three = n > 3 && s[n - 3] <= SMALL * s[0] && s[n - 3] <= GAP * s[n - 4];
+        three = n > 3 && s[n - 3] <= RIC_RANK * s[0] && s[n - 3] <= RIC_RANK_GAP * s[n - 4];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < n; j++) {
             right[i * n + j] = V[(n - 3 + i) * n + j];
@@ -136,7 +130,7 @@ static void shift(ring *q, const double *v, double *out)
 {
     ric_shooting *c = q->chain;
     int n = 2 * c->n, step = c->n_flight / q->order;
-    double u[q->size], after[n], h = DIFFERENCE * c->scale;
+    double u[q->size], after[n], h = RIC_DIFFERENCE * c->scale;
     if (!ric_periodic_has_events(c->model)) {
         shift_smooth(q, v, out);
         return;
@@ -191,7 +185,7 @@ static void longest_image(const ring *q, const double *kernel, const double *A, 
         double v[3] = {kernel[j], kernel[q->size + j], kernel[2 * q->size + j]}, image[3];
         apply(A, v, image);
         double length = ric_dot(3, image, image);
-        if (length <= most * (1 + 1e-6)) continue;
+        if (length <= most * (1 + RIC_TIE_IN_KERNEL)) continue;
         most = length;
         memcpy(out, image, sizeof image);
     }
@@ -270,7 +264,7 @@ static void split_left(ring *q, const double *kernel)
 static ric_status twist(ring *q)
 {
     int n = q->size;
-    double h = DIFFERENCE * q->chain->scale, u[n], row[n];
+    double h = RIC_DIFFERENCE * q->chain->scale, u[n], row[n];
     memset(q->M, 0, sizeof q->M);
     for (int side = -1; side <= 1; side += 2) {
         for (int i = 0; i < n; i++) u[i] = q->u0[i] + side * h * q->tangent[i];
@@ -282,7 +276,7 @@ static ric_status twist(ring *q)
         }
     }
     double size = ric_dot(4, q->M, q->M);
-    if (fabs(q->M[0] * q->M[3] - q->M[1] * q->M[2]) > SMALL * size) return RIC_OK;
+    if (fabs(q->M[0] * q->M[3] - q->M[1] * q->M[2]) > RIC_RANK * size) return RIC_OK;
     return ric_fail(RIC_E_NUMERIC, "the rotation number does not pass the multiplication, it turns round there");
 }
 
@@ -358,7 +352,7 @@ static bool root(ring *q, double a, double ga, double b, double gb, double *angl
     for (int i = 0; i < ROOT_STEPS; i++) {
         *angle = b - gb * (b - a) / (gb - ga);
         if (!on_circle(q, *angle, u, &g)) return false;
-        if (g == 0 || fabs(b - a) < 1e-15 || *angle == last) break;
+        if (g == 0 || fabs(b - a) < RIC_LAST_DIGIT || *angle == last) break;
         last = *angle;
         if (g * gb < 0) {
             a = b;

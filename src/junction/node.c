@@ -11,11 +11,8 @@
 #include "base/room.h"
 
 #define NO_SPEED 1e-7 /* approach speed below this (scaled) at a located event is a touch that was kept */
-#define SAME 1e-6     /* two located orbits closer than this (relative) are one */
-#define FIXED 1e-5    /* distance of an orbit from its image at which a corner counts as its own */
 /* ALONE: a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
 #define ALONE 0.25
-#define ARRIVED 1e-3 /* distance of the orbit at the end of a branch, read off cubics, from the junction there */
 
 void ric_node_free(ric_node *node)
 {
@@ -121,7 +118,7 @@ static int linear_mode(const ric_node *node)
         if (hypot(c->w[i], c->w[c->n + i]) > hypot(c->w[most], c->w[c->n + most])) most = i;
     for (int i = 0; i < c->n; i++)
         if (i != most) rest = hypot(rest, hypot(c->w[i], c->w[c->n + i]));
-    return rest < SAME * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
+    return rest < RIC_SAME_LOCATED * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
 }
 
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
@@ -143,12 +140,12 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL), *solved = NULL;
     *out = NULL;
     if (!full) return ric_no_memory("a junction");
-    int q = ric_periodic_find_symmetries(m, full, SAME);
+    int q = ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
     if (q > 1) { /* a duplicate of a grazing of fewer impacts */
         ric_periodic *shorter = ric_periodic_shorten(full, q);
         ric_periodic_free(full);
         if (!(full = shorter)) return ric_no_memory("a junction");
-        ric_periodic_find_symmetries(m, full, SAME);
+        ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
     }
     solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
     ric_periodic_free(full);
@@ -175,7 +172,7 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     if (omega == 0) return RIC_OK;
     for (int f = 0; f < m->n_face; f++) {
         double g = m->face[f].g[mode];
-        if (g != 0 && fabs(m->face[f].gap / g) < amplitude * (1 - 1e-9)) {
+        if (g != 0 && fabs(m->face[f].gap / g) < amplitude * (1 - RIC_TIE)) {
             amplitude = fabs(m->face[f].gap / g);
             first = f;
         }
@@ -188,7 +185,7 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     for (int phase = 0; phase < 2; phase++)
         for (int f = 0; f < m->n_face; f++) {
             double g = m->face[f].g[mode], value = (phase ? -1 : 1) * c->w[mode] * g;
-            if (g == 0 || fabs(value / m->face[f].gap - 1) > 1e-9) continue;
+            if (g == 0 || fabs(value / m->face[f].gap - 1) > RIC_TIE) continue;
             double t = phase * RIC_PI / omega;
             if (count) c->tau[count - 1] = t - last;
             last = t;
@@ -198,7 +195,7 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
     c->N = count;
     c->closed = ric_flight_toggle(m, 0, c->face[0]);
     c->tau[count - 1] = RIC_TWO_PI / omega - last;
-    ric_periodic_find_symmetries(m, c, SAME);
+    ric_periodic_find_symmetries(m, c, RIC_SAME_LOCATED);
     ric_periodic *canonical = ric_periodic_canonical(m, c);
     ric_periodic_free(c);
     if (!canonical) return ric_no_memory("a junction");
@@ -221,7 +218,7 @@ bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)
 static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, int n_pair, const int *pairs,
                                 ric_node **out)
 {
-    ric_periodic *least = ric_corner_least(m, cycle, n_pair, pairs, SAME), *solved;
+    ric_periodic *least = ric_corner_least(m, cycle, n_pair, pairs, RIC_SAME_LOCATED), *solved;
     if (!least) return ric_no_memory("a junction");
     solved = ric_node_solve(m, least, (ric_criterion){.test = RIC_TEST_FLIGHT}, NULL);
     ric_periodic_free(least);
@@ -244,7 +241,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     *out = NULL;
     if (!full) return ric_no_memory("a junction");
     n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
-    if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, FIXED)))
+    if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED)))
         n_pair = RIC_CORNER_TOGETHER;
     ric_periodic_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
@@ -402,12 +399,12 @@ ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_n
     ric_periodic *sym = ric_periodic_copy(cycle);
     *out = NULL;
     if (!sym) return ric_no_memory("a junction");
-    int q = ric_periodic_find_symmetries(m, sym, 1e-5);
+    int q = ric_periodic_find_symmetries(m, sym, RIC_SAME_EXTRAPOLATED);
     if (q > 1) {
         ric_periodic *shorter = ric_periodic_shorten(sym, q);
         ric_periodic_free(sym);
         if (!(sym = shorter)) return ric_no_memory("a junction");
-        ric_periodic_find_symmetries(m, sym, 1e-5);
+        ric_periodic_find_symmetries(m, sym, RIC_SAME_EXTRAPOLATED);
         int p = rotation_of(m, sym, q);
         ric_status status = p > 0 ? ric_node_multiplication(m, sym, p, q, out)
                                   : ric_fail(RIC_E_NUMERIC,
@@ -429,7 +426,7 @@ ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_n
         }
     }
     ric_periodic_free(sym);
-    if (!status && *out && ric_periodic_repeats(m, (*out)->cycle, SAME)) {
+    if (!status && *out && ric_periodic_repeats(m, (*out)->cycle, RIC_SAME_LOCATED)) {
         /* read off, the orbit was too far from the repeated one to be known for it; solved, it is */
         ric_node *repeated = *out;
         status = ric_node_arrival(m, repeated->cycle, out);
@@ -456,10 +453,10 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
         a->cycle->N != b->cycle->N)
         return false;
     if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
-    if (fabs(a->energy - b->energy) > RIC_NODE_NEAR * (1e-3 + fabs(a->energy)) ||
-        fabs(a->period - b->period) > RIC_NODE_NEAR * a->period)
+    if (fabs(a->energy - b->energy) > ric_node_near(a->energy) ||
+        fabs(a->period - b->period) > RIC_SAME_LOCATED * a->period)
         return false;
-    return ric_periodic_same(m, a->cycle, b->cycle, 10 * SAME);
+    return ric_periodic_same(m, a->cycle, b->cycle, RIC_SAME_EXTRAPOLATED);
 }
 
 unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
@@ -474,9 +471,9 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
     ric_periodic *here = ric_periodic_copy(cycle);
     bool found = here && ric_periodic_divide(m, here, repeated->N);
-    found = found && ric_periodic_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
+    found = found && ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
     if (here && !found && ric_periodic_half_mark(m, here)) /* one starts at a rest, the other at a centre */
-        found = ric_periodic_match(m, repeated, here, ARRIVED, &shift, &reverse, &mirror);
+        found = ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
     if (found) home = ric_periodic_transform(m, here, shift, reverse, mirror);
     ric_periodic_free(here);
     ric_symmetry other = ric_node_problem(node, RIC_OTHER_SIDE);

@@ -5,6 +5,7 @@
 
 #include "orbit/room.h"
 #include "branch/room.h"
+#include "base/room.h"
 
 #define RIC_MAX_TOUCHES 16
 
@@ -95,7 +96,12 @@ bool ric_node_leaves(const ric_node *node, unsigned choice);
 ric_symmetry ric_node_problem(const ric_node *node, unsigned choice);
 bool ric_node_passes(const ric_node *node, unsigned choice);
 
-#define RIC_NODE_NEAR 1e-6 /* relative: nodes farther apart in energy or period are not the same */
+/* Nodes whose energies are farther apart are not the same: relative, and beside zero as if it were a thousandth. */
+static inline double ric_node_near(double energy)
+{
+    const double low = 1e-3;
+    return RIC_SAME_LOCATED * (low + fabs(energy));
+}
 /* Same orbit (and, unless kinds are both branch points of some sort, the same kind). */
 bool ric_node_same(const ric_model *model, const ric_node *a, const ric_node *b);
 /* Which way out of a branch point or multiplication a branch is that arrives with `cycle`. */

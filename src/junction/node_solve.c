@@ -7,10 +7,13 @@
 #include "branch/room.h"
 #include "base/room.h"
 
-#define FAR 1e-3 /* a located orbit that moves farther when it is solved on its own equations is another one */
 /* AT_ZERO: a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a
  * pole */
 #define AT_ZERO 1e-6
+#define TOLD 1e-3  /* of it: two points nearer than this do not tell a slope */
+#define FIRST 1e-6 /* of the size: first step of the secant, and the least that is tried */
+#define LEAST_FIRST 1e-8
+#define ASTRAY 1e-2 /* of the size: a secant that goes so far seeks another zero */
 /* FINE: where rounding may move the zero of a determinant of a smooth flow by more, it is sought in higher precision */
 #define FINE 1e-12
 /* PLACED: an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a
@@ -265,27 +268,27 @@ static bool solve_criterion(criterion *q, double *u)
     ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double du[size], origin[size], normal[size], t[size], best[size];
-    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = 1e-6;
+    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = FIRST;
     q->u = u;
     if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
     ric_continuation_tangent(c, NULL, normal);
     f1 = evaluate(q, u, normal, 1);
     for (int i = 0; i < 30; i++) {
-        if (fabs(x1 - x0) > 1e-3 * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
+        if (fabs(x1 - x0) > TOLD * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
         if (fabs(f1) < least) {
             least = fabs(f1);
             memcpy(best, u, sizeof best);
         } else if (i > 4) break;
         if (f1 == 0) break;
         double x2 = i == 0 ? first * c->scale : x1 - f1 * (x1 - x0) / (f1 - f0);
-        if (!isfinite(x2) || fabs(x2) > 1e-2 * c->scale) break;
+        if (!isfinite(x2) || fabs(x2) > ASTRAY * c->scale) break;
         x0 = x1;
         f0 = f1;
         x1 = x2;
         for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
         if (!ric_continuation_correct(c, u, origin, normal, x1, du, &iterations)) {
-            if (i > 0 || first < 1e-8) return false;
+            if (i > 0 || first < LEAST_FIRST) return false;
             first /= 10; /* deep in a cascade a branch is no longer than that */
             x1 = 0;
             i = -1;
@@ -398,7 +401,7 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     if (!out) return NULL;
     /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
     /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
-    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : FAR;
+    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : RIC_SAME_READ_OFF;
     bool near = ric_periodic_same(m, cycle, out, far);
     canonical = near ? ric_periodic_canonical(m, out) : NULL;
     if (moved) *moved = !near;

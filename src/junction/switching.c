@@ -14,12 +14,12 @@
 #include "base/room.h"
 #include "orbit/room.h"
 
-#define TRIAL 1e-4  /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
-#define SECANT 1e-4 /* distance, relative, of the point that gives the direction of a side branch */
-#define NEAR 1e-5   /* the same of points that are not solved: directions are their differences */
+#define SEVERAL 1e-9 /* a pivot below it belongs to a kernel of several dimensions */
+#define TRIAL 1e-4   /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
+#define SECANT 1e-4  /* distance, relative, of the point that gives the direction of a side branch */
+#define NEAR 1e-5    /* the same of points that are not solved: directions are their differences */
 /* ITSELF: of an orbit and its image, one is the orbit itself if its distance is less than this part of the other's */
 #define ITSELF 1e-2
-#define LARGE 300   /* unknowns from which on a dense singular value decomposition costs more than the rest */
 #define SECOND 1e-6 /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
 
 /* Two contacts of a kept word that close at one instant. */
@@ -63,7 +63,7 @@ static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
     *found = 0;
     if (!ric_continuation_correct(c, u0, NULL, NULL, 0, t, &iterations))
         return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
-    if (c->smallest < 1e-9)
+    if (c->smallest < SEVERAL)
         return ric_fail(RIC_E_NUMERIC,
                         "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
                         "together there and no single branch leaves");
@@ -131,7 +131,7 @@ static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
         if (!ric_lapack(
                 LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
             double second = size - 2 < equations ? s[size - 2] : 0;
-            found = size > 2 && second <= 1e-8 * s[0] && second <= 1e-3 * s[size - 3];
+            found = size > 2 && second <= RIC_RANK * s[0] && second <= RIC_RANK_GAP * s[size - 3];
             memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
         }
     }
@@ -145,7 +145,7 @@ static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
 static bool plane(ric_shooting *c, const double *u, double *kernel)
 {
     double second;
-    if (c->n_unknown <= LARGE) return dense_plane(c, u, kernel);
+    if (c->n_unknown <= RIC_DENSE_MOST) return dense_plane(c, u, kernel);
     ric_shooting_evaluate(c, u);
     return ric_shooting_plane(c, kernel, &second) && second <= SECOND;
 }
@@ -182,7 +182,7 @@ static ric_status side_direction(ric_shooting *c, const double *u0, const double
     }
     for (int i = 0; i < size; i++) t0[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
     for (int i = 1; i < size; i++)
-        if (fabs(t0[i]) > fabs(t0[largest]) * (1 + 1e-6)) largest = i;
+        if (fabs(t0[i]) > fabs(t0[largest]) * (1 + RIC_TIE_IN_KERNEL)) largest = i;
     if (t0[largest] < 0)
         for (int i = 0; i < size; i++) t0[i] = -t0[i];
     return RIC_OK;

@@ -12,6 +12,8 @@
 #include "regime.h"
 #include "base/room.h"
 
+/* Of the largest entry: what rounding of a study's numbers leaves of symmetry; more is a mistake in them. */
+#define ASYMMETRIC 1e-12
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
 
@@ -33,7 +35,7 @@ static ric_status check_matrix(int n, const double *A, const char *name)
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
-            if (fabs(A[i * n + j] - A[j * n + i]) > 1e-12 * largest)
+            if (fabs(A[i * n + j] - A[j * n + i]) > ASYMMETRIC * largest)
                 return ric_fail(RIC_E_INPUT,
                                 "%s matrix is not symmetric: row %d, column %d is %.17g but row %d, column %d is "
                                 "%.17g; make them equal",

@@ -47,7 +47,7 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
     for (int i = 0; i < n; i++) /* S becomes the correction E */
         for (int j = 0; j < n; j++) {
             long double gap = lambda[j] - lambda[i], large = fabsl(lambda[i]) + fabsl(lambda[j]);
-            if (fabsl(gap) > 1e-9L * large) S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
+            if (fabsl(gap) > RIC_TIE * large) S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
             else S[i * n + j] = R[i * n + j] / 2;
         }
     for (int i = 0; i < n; i++) {
@@ -204,7 +204,7 @@ static void fix_signs(ric_model *m)
     for (int i = 0; i < n; i++) {
         int largest = 0;
         for (int j = 1; j < n; j++)
-            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + 1e-9)) largest = j;
+            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + RIC_TIE)) largest = j;
         if (m->Phi[largest * n + i] < 0)
             for (int j = 0; j < n; j++) m->Phi[j * n + i] = -m->Phi[j * n + i];
     }

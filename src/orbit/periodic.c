@@ -5,7 +5,7 @@
 
 #include "base/room.h"
 
-#define EXACT 1e-9 /* distance of images that are one orbit, and not of one beside an orbit with more symmetry */
+#define APART 1e-2 /* scaled time: flights that differ by more are told apart before any state is computed */
 
 static int modulo(int i, int N)
 {
@@ -324,7 +324,7 @@ static double image_distance(const ric_model *m, const ric_periodic *a, const ri
     /* flight times first: they cost nothing */
     for (int i = 0; i < a->N; i++) {
         int j = reverse ? modulo(shift - i - 1, a->N) : modulo(shift + i, a->N);
-        if (fabs(a->tau[i] - b->tau[j]) > 1e-2) return HUGE_VAL;
+        if (fabs(a->tau[i] - b->tau[j]) > APART) return HUGE_VAL;
     }
     ric_periodic *image = ric_periodic_transform(m, b, shift, reverse, mirror);
     double distance = image ? ric_periodic_distance(a, image) : HUGE_VAL;
@@ -353,7 +353,7 @@ bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_per
             *shift = s;
             *reverse = op & 1;
             *mirror = op & 2;
-            if (distance <= EXACT)
+            if (distance <= RIC_SAME_SOLVED)
                 return true; /* the images of an orbit with symmetries differ by rounding: the first
                               * one */
         }
@@ -442,9 +442,9 @@ int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_peri
     }
     if (a->closed != b->closed) return a->closed < b->closed ? -1 : 1;
     for (int i = 0; i < 2 * a->n; i++)
-        if (fabs(a->w[i] - b->w[i]) > 1e-7 * size) return a->w[i] < b->w[i] ? -1 : 1;
+        if (fabs(a->w[i] - b->w[i]) > RIC_SAME_LOCATED * size) return a->w[i] < b->w[i] ? -1 : 1;
     for (int i = 0; i < a->N; i++)
-        if (fabs(a->tau[i] - b->tau[i]) > 1e-7) return a->tau[i] < b->tau[i] ? -1 : 1;
+        if (fabs(a->tau[i] - b->tau[i]) > RIC_SAME_LOCATED) return a->tau[i] < b->tau[i] ? -1 : 1;
     return 0;
 }
 

@@ -103,8 +103,8 @@ ric_periodic *ric_periodic_nearest(const ric_model *model, const ric_periodic *o
 int ric_periodic_find_symmetries(const ric_model *model, ric_periodic *cycle, double tolerance);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */
 int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_periodic *b);
-/* Canonical start: smallest word over the whole group, then smallest state (components closer than 1e-7 count as
- * equal). */
+/* Canonical start: smallest word over the whole group, then smallest state (components closer than RIC_SAME_LOCATED
+ * count as equal). */
 ric_periodic *ric_periodic_canonical(const ric_model *model, const ric_periodic *cycle);
 
 /* Smooth structures (law power): a cycle of `marks` marks, which have no effect, equally far apart in time; false: no

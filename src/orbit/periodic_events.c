@@ -5,8 +5,6 @@
 #include "base/room.h"
 #include "periodic_form.h"
 
-#define STORED 1e-8 /* relative distance within which an image of a stored orbit is the orbit */
-
 static int modulo(int i, int N)
 {
     i %= N;
@@ -243,7 +241,7 @@ static ric_periodic *spell(const ric_model *m, int letters, const int *word, con
 /* Impacts tell where the mirror points are. */
 static void claim(const ric_model *m, const ric_periodic_claim *said, ric_periodic *c)
 {
-    find_symmetries(m, c, STORED);
+    find_symmetries(m, c, RIC_SAME_LOCATED);
     if (!said->symmetric) c->half = false;
     if (!said->reversible || !said->other) c->pure = -1;
     if (!said->reversible || !said->centre) c->flip = -1;

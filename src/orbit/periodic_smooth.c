@@ -115,7 +115,7 @@ static void to_summit(const ric_model *m, double period, double *w)
         double t = -slope / bend;
         if (!isfinite(t) || fabs(t) > around) break;
         ric_flight_go(m, 0, -1, t, best, best);
-        if (fabs(t) < 1e-15 * period) break;
+        if (fabs(t) < RIC_LAST_DIGIT * period) break;
     }
     memcpy(w, best, sizeof best);
 }
@@ -142,7 +142,7 @@ static bool onto_plane(const ric_model *m, const double *to, double most, double
         if (!(fabs(*time + t - from) <= most)) return false;
         ric_flight_go(m, 0, -1, t, w, w);
         *time += t;
-        if (fabs(t) < 1e-15 * (most + fabs(*time))) break;
+        if (fabs(t) < RIC_LAST_DIGIT * (most + fabs(*time))) break;
     }
     return true;
 }

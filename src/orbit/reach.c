@@ -18,6 +18,9 @@
 #define LEVELS 48
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
+#define BERNSTEIN 1e-13 /* rounding of a bound from Bernstein coefficients, relative */
+#define NARROWEST 1e-12 /* of the flight: an interval that is not divided any more */
+#define ITSELF 1e-14    /* relative: what rounding may take from the largest reach when it is computed again */
 /* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
 #define NO_TIME 1e-12
 #define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
@@ -119,7 +122,7 @@ static void polish(search *q, sample l, sample r)
         double curved = i ? curvature(q, mid.t) : 0,
                t = i ? mid.t - mid.ds / curved : l.t + (r.t - l.t) * l.ds / (l.ds - r.ds);
         if (!(t > l.t && t < r.t)) t = (l.t + r.t) / 2;
-        if (i && fabs(t - mid.t) <= 1e-16 * q->tau) break;
+        if (i && fabs(t - mid.t) <= RIC_LAST_DIGIT / 10 * q->tau) break;
         double before = mid.t;
         mid = sample_at(q, t);
         if ((mid.ds > 0) == maximum) l = mid;
@@ -164,7 +167,7 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
     if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
     double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
-    if (towards(q, l.s, b1, b2, r.s) + value <= level(q) * (1 + 1e-13)) return false;
+    if (towards(q, l.s, b1, b2, r.s) + value <= level(q) * (1 + BERNSTEIN)) return false;
     /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s''
      * (D4 h^2 / 12) */
     double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
@@ -185,7 +188,7 @@ static void search_flight(search *q, sample first, sample last)
         if (!(r.t > l.t) || !undecided(q, l, r, &single)) continue;
         bool close = r.t - l.t < CLOSE * q->tau;
         if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) continue;
-        if (single || top + 2 > LEVELS || r.t - l.t < 1e-12 * q->tau) {
+        if (single || top + 2 > LEVELS || r.t - l.t < NARROWEST * q->tau) {
             if (l.ds * r.ds < 0) polish(q, l, r);
             continue;
         }
@@ -349,7 +352,7 @@ double ric_reach(const ric_shooting *chain, const double *u, ric_touch *where)
     search_all(&q, u);
     if (where) {
         where->face = -1;
-        if (q.best > 0) ric_reach_all(chain, u, q.best * (1 - 1e-14), 1, where);
+        if (q.best > 0) ric_reach_all(chain, u, q.best * (1 - ITSELF), 1, where);
     }
     return q.best;
 }

@@ -17,7 +17,8 @@
 #define PART 0.1
 #define GROWTH 1.2      /* of that step from point to point, back to that of the study */
 #define LEAST_STEP 1e-9 /* below this part of the orbit its digits do not tell neighbours apart */
-#define TOUCH 1e-6      /* scaled speed below which the simulator's impact is a touch */
+#define LATER 1e-7 /* of a mean flight: so much longer than the period the simulator runs, to meet the last impact */
+#define TOUCH 1e-6 /* scaled speed below which the simulator's impact is a touch */
 
 /* One multiplication, or the end. */
 typedef struct {
@@ -100,7 +101,7 @@ static ric_status simulate(const ric_model *m, const ric_periodic *orbit, const 
     ric_simulator *sim = NULL;
     ric_impact impact;
     int n = m->n_dof, found = 0;
-    double back[2 * n], period = ric_periodic_period(orbit) / m->omega_ref, margin = 1e-7 * period / orbit->N;
+    double back[2 * n], period = ric_periodic_period(orbit) / m->omega_ref, margin = LATER * period / orbit->N;
     ric_status status = ric_simulator_create(m, &sim);
     bool hit = true, agree = true;
     if (!status) status = ric_simulator_start(sim, state, state + n);

@@ -65,7 +65,7 @@ static bool grazes(const ric_atlas *a, const ric_branch *b, ric_end end)
 
 static bool inside(const ric_ghost_limits *l, const ric_point *p)
 {
-    double slack = 1e-9; /* relative: an end may lie on the border of the window */
+    double slack = RIC_TIE; /* an end may lie on the border of the window */
     return p->energy >= l->energy[0] - slack * p->energy && p->energy <= l->energy[1] * (1 + slack) &&
            p->frequency >= l->frequency[0] * (1 - slack) && p->frequency <= l->frequency[1] * (1 + slack);
 }

@@ -8,6 +8,9 @@
 #include "stored.h"
 #include "branch/room.h"
 
+#define ON_VALUE 4e-16      /* relative: two last digits of the energy or frequency asked for */
+#define ITS_FREQUENCY 1e-12 /* relative: a frequency asked for that is that of a linear mode */
+
 /* Orbits of a stored branch, solved again at the very point that is asked for. */
 
 struct ric_orbit {
@@ -146,7 +149,7 @@ static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua,
         for (int i = 0; i < size; i++) u[i] = ua[i] + x / full * (ub[i] - ua[i]);
         if (!ric_continuation_correct(c, u, ua, normal, x, du, &iterations)) return false;
         double f = quantity(m, c, u, at) - value;
-        if (fabs(f) <= 4e-16 * fabs(value) || fabs(xb - xa) < 1e-15 * full) return true;
+        if (fabs(f) <= ON_VALUE * fabs(value) || fabs(xb - xa) < RIC_LAST_DIGIT * full) return true;
         if (fa * f < 0) {
             xb = x;
             fb = f;
@@ -241,7 +244,7 @@ static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at
 {
     *n = 0;
     if (at == RIC_AT_FREQUENCY) {
-        if (fabs(value / b->frequency_min - 1) > 1e-12) return RIC_OK;
+        if (fabs(value / b->frequency_min - 1) > ITS_FREQUENCY) return RIC_OK;
         return linear(a, b, 1, b->n_point - 1, &list[(*n)++]); /* all amplitudes fit: the largest stands for them */
     }
     if (at == RIC_AT_ENERGY) {

@@ -6,6 +6,8 @@
 #include "base/room.h"
 #include "model/room.h"
 
+#define NARROW 1e-9 /* of the period: where a maximum is bracketed, which then is known to the square of it */
+
 static const double two_pi = RIC_TWO_PI;
 
 enum {
@@ -67,7 +69,7 @@ static double polish(subject *s, int i, double a, double b)
     const double ratio = 0.6180339887498949;
     double left = b - ratio * (b - a), right = a + ratio * (b - a), y_left = size_at(s, i, left),
            y_right = size_at(s, i, right);
-    for (int k = 0; k < 60 && b - a > 1e-9 * s->period; k++) {
+    for (int k = 0; k < 60 && b - a > NARROW * s->period; k++) {
         if (y_left > y_right) {
             b = right;
             right = left;
