@@ -85,7 +85,8 @@ static const ric_column point[] = {
     {COLUMN("point", PLACE, number, NONE, RIC_IN_TABLE, "0, 1, ... along the branch")},
     {COLUMN("arclength", REAL, point.arclength, NONE, RIC_IN_TABLE, "from the near end"), POSITIVE},
     {COLUMN("energy", REAL, point.energy, ENERGY, RIC_IN_TABLE, "E"), POSITIVE},
-    {COLUMN("frequency", REAL, point.frequency, FREQUENCY, RIC_IN_TABLE, "ω"), .min = 1 / RIC_LARGEST, .max = RIC_LARGEST},
+    {COLUMN("frequency", REAL, point.frequency, FREQUENCY, RIC_IN_TABLE, "ω"),
+     .min = 1 / RIC_LARGEST, .max = RIC_LARGEST},
     {COLUMN("period", DERIVED, point, TIME, RIC_IN_TABLE, "2π/ω"), .derived = period},
     {COLUMN("trace", DERIVED, point, NONE, RIC_IN_TABLE | RIC_MADE,
             "trace of the monodromy without its trivial part, for two modes; NULL for other numbers of modes and "
@@ -101,7 +102,8 @@ static const ric_column point[] = {
     {COLUMN("reach", MAYBE, point.reach, NONE, RIC_IN_TABLE,
             "largest gap over clearance in flight; NULL if no gap has an extremum there"), ANY},
     {COLUMN("approach", MAYBE, point.approach, SPEED, RIC_IN_TABLE, "smallest speed of approach of the impacts"), ANY},
-    {COLUMN("residual", SINGLE, point.residual, NONE, RIC_IN_TABLE, "relative residual of the orbit problem"), BELOW(1)},
+    {COLUMN("residual", SINGLE, point.residual, NONE, RIC_IN_TABLE, "relative residual of the orbit problem"),
+     BELOW(1)},
     {COLUMN("state", STATE, state, STATE, 0, "x then v, 2n floats")},
     {COLUMN("flights", FLIGHTS, flights, TIME, 0, "flight times"), MANY(letters)},
 };
