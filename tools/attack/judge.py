@@ -20,6 +20,7 @@ from structure import Structure, read_word
 
 RESIDUAL = 1e-10  # of a stored orbit in its equations, relative to its size; times the square root of the stiffest phase
 ROUNDED = 16 * 2.2e-16  # of the stored numbers: what the equations make of it is allowed, too
+RETURN = 1e-12  # of an orbit under a power law to its start, relative to its size, over the growth of its neighbours
 AMPLIFIES = 1e6  # more than this between two events of one chain: each flight is given a state of its own
 DISTANCE = 1e-8  # from a stored orbit to the nearest solution, relative
 TOUCH = 1e-8  # by which reach may pass 1, s/d
@@ -28,6 +29,7 @@ SIMILAR = 1e-7  # relative: symmetries of an orbit
 SYMMETRIC = 1e-11  # the same, to take multipliers from half of it
 FACTOR = 200.0  # rounding of the program over what one rounding of the stored numbers does to a multiplier
 BORDER = 1e-14  # of |rho| from 2: rounding of the stored doubles moves the orbit along its branch across it
+FINELY_REAL = 1e-14  # of rho in many digits, of orbits 1e-30 away, whose double roots are off by the square root
 HOPELESS = 1e-3  # a multiplier less certain than this, relative, is not compared
 MP_POINTS = 25  # per structure that are worth 50 digits
 TOO_MANY = f"more than {MP_POINTS} points ask for many digits"
@@ -401,13 +403,13 @@ class Judge:
         return {p["point"]: p["multipliers"] or [] for p in json.loads(out.stdout)}
 
     @staticmethod
-    def stable(rho):
-        """YES or NO by these numbers, whatever their error."""
+    def stable(rho, real=1e-12):
+        """YES or NO by these numbers, whatever their error; `real`: what a double root may have of an imaginary part."""
         rho = np.asarray(rho, dtype=complex)
         if not np.isfinite(rho).all():
             return None
-        real = np.abs(rho.imag) <= 1e-12 * (1 + np.abs(rho))
-        return YES if real.all() and (np.abs(rho.real) < 2).all() else NO
+        on_axis = np.abs(rho.imag) <= real * (1 + np.abs(rho))
+        return YES if on_axis.all() and (np.abs(rho.real) < 2).all() else NO
 
     def _flag(self, row, where, rho, coarse, finer, redo):
         v = self.verdict
@@ -426,6 +428,7 @@ class Judge:
             return
         self.fine_left -= 1
         better = redo() if self.fine_left >= 0 else None
+        digits = better is not None
         distances = np.abs(np.subtract.outer(np.asarray(rho), np.asarray(rho))) + 9 * np.eye(len(rho))
         crowded = distances.min() < 1e-2  # moves like a root of its rounding
         if better is None and len(mine) == 1 and None not in mine and not crowded:
@@ -433,7 +436,7 @@ class Judge:
         if better is None:
             v.leave("flags", where, text, "many digits do not converge" if self.fine_left >= 0 else TOO_MANY)
             return
-        finest = {self.stable(r) for r in better}
+        finest = {self.stable(r, FINELY_REAL if digits else 1e-12) for r in better}
         if finest == {said}:
             v.counts["flags confirmed finely"] += 1
             return
@@ -460,16 +463,16 @@ class Judge:
         v.counts["orbits"] += len(rows)
         T0 = np.array([float(floats(r["flights"]).sum()) for r in rows]).astype(ar.LONG) * s.omega_ref
         energies = ar.double(s.raw_energy(states, frozenset()))
-        u, w, T, X, start, moved, left, drift = smooth.polish(s, u0, v0, T0)
+        u, w, T, X, start, moved, left, drift, least = smooth.polish(s, u0, v0, T0)
         growth = np.abs(ar.double(X)).max(axis=(1, 2))
         if drift.max() > 1e-15:
             v.counts["not replayed"] += len(rows)  # the judge's own series are not good enough
             return
         for i, row in enumerate(rows):
             where = f"{name} point {row['point']}"
-            if start[i] > 1e-9 * max(1, 1e-6 * growth[i]):
+            if start[i] > RETURN * max(1, growth[i]):
                 v.find("residual", where, f"stored orbit returns {start[i]:.1e} off, growth {growth[i]:.1e}")
-            if moved[i] > 1e-6 and left[i] < 1e-13:
+            if moved[i] > max(1e-6, FACTOR * 2.2e-16 / least[i]) and left[i] < 1e-13:
                 v.find("distance", where, f"nearest solution is {moved[i]:.1e} away")
             if not close(energies[i], row["energy"], NUMBER):
                 v.find("energy", where, f"{row['energy']!r} said, {energies[i]!r} from matrices")

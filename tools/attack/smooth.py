@@ -138,8 +138,9 @@ def energy(structure, u, v):
 
 def polish(structure, u, v, T, rounds=2, cut=1e-10):
     """The nearest periodic orbits, their matrices, what the closure lacked at the start (relative) how far they are,
-    what the closure lacks at the end, and what one period changes in their energy."""
-    n, first = structure.n, None
+    what the closure lacks at the end, what one period changes in their energy, and the least singular value, relative,
+    by which the closure divides rounding."""
+    n, first, least = structure.n, None, None
     start = np.concatenate([u, v, T[:, None]], axis=1)
     for _ in range(rounds + 1):
         a, b, X = integrate(structure, u, v, T)
@@ -156,9 +157,11 @@ def polish(structure, u, v, T, rounds=2, cut=1e-10):
         unknowns = np.concatenate([weight, ar.double(T)[:, None]], axis=1)
         J = J * unknowns[:, None, :] / weight[:, :, None]
         U, s, Vt = np.linalg.svd(J, full_matrices=False)
+        if least is None:
+            least = np.where(s > cut * s[:, :1], s / s[:, :1], 1).min(axis=1)
         inverse = np.where(s > cut * s[:, :1], 1 / np.maximum(s, 1e-300), 0)
         step = -np.einsum("pji,pj->pi", Vt, inverse * np.einsum("pji,pj->pi", U, gap)) * unknowns
         u, v, T = u + step[:, :n], v + step[:, n:2 * n], T + step[:, 2 * n]
     moved = ar.double(np.concatenate([u, v, T[:, None]], axis=1) - start) / np.concatenate([weight, ar.double(T)[:, None]], axis=1)
     drift = np.abs(ar.double(energy(structure, a, b) / energy(structure, u, v) - 1))
-    return u, v, T, X, first, np.abs(moved).max(axis=1), np.abs(gap).max(axis=1), drift
+    return u, v, T, X, first, np.abs(moved).max(axis=1), np.abs(gap).max(axis=1), drift, least
