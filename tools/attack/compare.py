@@ -9,6 +9,8 @@ import numpy as np
 from judge import Atlas, floats
 
 SAME = 1e-7  # relative: energies and frequencies of junctions that are one
+MATRICES = 16 * 2.2e-16  # of a squared frequency: what rounding of the matrices makes of it
+ROUGHEST = 1e-4  # and of a place on a branch, at most, where two frequencies differ by little more
 
 
 def _run(program, study, folder, name, limit, *more):
@@ -37,12 +39,21 @@ def _rows(atlas):
     return junctions + ends
 
 
-def missing(one, other):
+def rounded(model):
+    """To what the places on branches are known by the matrices: springs mix modes of nearly the same frequency at energies
+    in proportion to their difference, and that is known to the rounding of the frequencies."""
+    root = np.linalg.inv(np.linalg.cholesky(np.array(model["mass"], dtype=float)))
+    squares = np.linalg.eigvalsh(root @ np.array(model["stiffness"], dtype=float) @ root.T)
+    apart = np.diff(squares).min() / squares.max() if len(squares) > 1 else 1
+    return min(max(SAME, MATRICES / max(apart, 1e-300)), ROUGHEST)
+
+
+def missing(one, other, same=SAME):
     """Rows of `one` that `other` lacks, each row used once."""
     left, lost = list(_rows(other)), []
     for row in _rows(one):
         for i, candidate in enumerate(left):
-            if row[:4] == candidate[:4] and all(abs(a - b) <= SAME * max(abs(a), abs(b)) + 1e-12
+            if row[:4] == candidate[:4] and all(abs(a - b) <= same * max(abs(a), abs(b)) + 1e-12
                                                 for a, b in zip(row[4:6], candidate[4:6])):
                 del left[i]
                 break
@@ -118,6 +129,7 @@ def unnamed(lost, one, other):
 def variants(program, study, base_path, folder, which, limit):
     findings, named = [], []
     base = Atlas(base_path)
+    same = rounded(study["model"])
     tries = []
     if "step" in which:
         for factor in (0.3, 3):
@@ -139,7 +151,7 @@ def variants(program, study, base_path, folder, which, limit):
             if atlas is not None:
                 findings.append({"kind": "other atlas", "where": name, "text": f"exit {atlas}"})
             continue
-        lost, more_rows = missing(base, atlas), missing(atlas, base)
+        lost, more_rows = missing(base, atlas, same), missing(atlas, base, same)
         if lost or more_rows:
             unsaid = unnamed(lost, base, atlas) + unnamed(more_rows, atlas, base)
             shown = unsaid or lost + more_rows
