@@ -3,6 +3,7 @@
 #define RIC_BASE_ROOM_H
 
 #include "buffer.h"
+#include "bytes.h"
 #include "c_locale.h"
 #include "cache.h"
 #include "constants.h"

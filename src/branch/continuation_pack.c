@@ -22,140 +22,131 @@ const char *ric_continuation_version(void)
     return TEXT(RIC_NUMERICS) "." TEXT(PACK_FORMAT);
 }
 
-static size_t packed_size(const ric_continuation *tr)
+static void pass_event(ric_bytes *b, ric_event *e, int size, int n_test)
 {
-    size_t unknowns = (size_t)tr->chain->n_unknown, events = (size_t)tr->n_event + 1;
-    return sizeof(header) + ((size_t)tr->chain->n_flight + 1) * sizeof(int32_t) +
-           (size_t)tr->n_point * tr->stride * sizeof(double) +
-           events * (sizeof(double) * (2 * unknowns + 1) + sizeof(int32_t)) + sizeof(uint64_t) + 5 * sizeof(double) +
-           sizeof(int); /* closed springs, blind, unresolved, and where */
-}
-
-static void write(char **to, const void *from, size_t size)
-{
-    memcpy(*to, from, size);
-    *to += size;
-}
-
-static void write_event(char **to, const ric_event *e, int size)
-{
+    const size_t bytes = (size_t)size * sizeof(double);
     int32_t test = e->u ? e->test : -1;
-    write(to, &test, sizeof test);
+    ric_bytes_pass(b, &test, sizeof test);
+    e->test = test;
     if (test < 0) return;
-    write(to, &e->s, sizeof e->s);
-    write(to, e->u, (size_t)size * sizeof *e->u);
-    write(to, e->t, (size_t)size * sizeof *e->t);
+    b->lost |= test >= n_test;
+    if (b->lost) return;
+    if (b->reading) {
+        e->u = ric_malloc(bytes);
+        e->t = ric_malloc(bytes);
+    }
+    b->lost |= !e->u || !e->t;
+    if (b->lost) return;
+    ric_bytes_pass(b, &e->s, sizeof e->s);
+    ric_bytes_pass(b, e->u, bytes);
+    ric_bytes_pass(b, e->t, bytes);
+}
+
+/* What is known of a trace beside its form, its points and its events. */
+static void pass_findings(ric_bytes *b, ric_continuation *tr, uint64_t *closed)
+{
+    if (!ric_flight_law_of(tr->chain->model)->turns) ric_bytes_pass(b, closed, sizeof *closed);
+    ric_bytes_pass(b, &tr->blind, sizeof tr->blind);
+    ric_bytes_pass(b, &tr->unresolved, sizeof tr->unresolved);
+    ric_bytes_pass(b, tr->blind_at, sizeof tr->blind_at);
+    ric_bytes_pass(b, tr->crowded_at, sizeof tr->crowded_at);
+}
+
+static void pass_found(ric_bytes *b, ric_continuation *tr)
+{
+    const int n_test = RIC_N_TEST + tr->n_resonance + tr->limits->n_asked;
+    ric_bytes_pass(b, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
+    for (int i = 0; i < tr->n_event && !b->lost; i++) pass_event(b, &tr->events[i], tr->chain->n_unknown, n_test);
+    pass_event(b, &tr->end, tr->chain->n_unknown, n_test);
+}
+
+static void pack(ric_bytes *b, void *user)
+{
+    ric_continuation *tr = user;
+    const ric_shooting *c = tr->chain;
+    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,         c->n_flight, c->parts,
+                tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
+    ric_bytes_pass(b, &h, sizeof h);
+    ric_bytes_pass(b, c->face, ((size_t)c->n_flight + 1) * sizeof *c->face);
+    pass_findings(b, tr, c->closed);
+    pass_found(b, tr);
 }
 
 ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t *size)
 {
-    const ric_shooting *c = tr->chain;
-    char *start = ric_malloc(packed_size(tr)), *to = start;
-    if (!start) return ric_no_memory("a branch that is kept");
-    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,         c->n_flight, c->parts,
-                tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
-    write(&to, &h, sizeof h);
-    for (int i = 0; i <= c->n_flight; i++) {
-        int32_t face = c->face[i];
-        write(&to, &face, sizeof face);
-    }
-    if (!ric_flight_law_of(c->model)->turns) write(&to, c->closed, sizeof *c->closed);
-    write(&to, &tr->blind, sizeof tr->blind);
-    write(&to, &tr->unresolved, sizeof tr->unresolved);
-    write(&to, tr->blind_at, sizeof tr->blind_at);
-    write(&to, tr->crowded_at, sizeof tr->crowded_at);
-    write(&to, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
-    for (int i = 0; i < tr->n_event; i++) write_event(&to, &tr->events[i], c->n_unknown);
-    write_event(&to, &tr->end, c->n_unknown);
-    *blob = start;
-    *size = (size_t)(to - start);
-    return RIC_OK;
+    ric_continuation copy = *tr; /* what it points to is only read */
+    *blob = ric_bytes_make(pack, &copy, size);
+    return *blob ? RIC_OK : ric_no_memory("a branch that is kept");
 }
 
-/* Reads `size` bytes or says that there are not as many. */
-static bool take(const char **from, size_t *left, void *to, size_t size)
+static bool sane(const header *h, const ric_model *m)
 {
-    if (*left < size) return false;
-    memcpy(to, *from, size);
-    *from += size;
-    *left -= size;
+    return h->format == PACK_FORMAT && h->n_flight >= 1 && h->n_flight <= SANE && h->parts >= 1 &&
+           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 0 && h->n_point <= SANE &&
+           h->n_event >= 0 && h->n_event <= SANE && h->start >= 0 && h->start <= RIC_MIRROR_CENTRE && h->end >= 0 &&
+           h->end <= RIC_MIRROR_CENTRE && h->stop >= 0 && h->stop <= RIC_STOP_FAILED && h->why >= 0 &&
+           h->why < RIC_N_WHY;
+}
+
+/* The form of the orbits; RIC_E_FORMAT where it can be none. */
+static ric_status unpack_chain(ric_bytes *b, const ric_model *m, const header *h, ric_shooting **out)
+{
+    const size_t n = (size_t)h->n_flight + 1, bytes = n * sizeof(int);
+    int *face = ric_bytes_have(b, bytes) ? ric_malloc(bytes) : NULL;
+    if (!face) return RIC_E_FORMAT;
+    ric_bytes_pass(b, face, bytes);
+    for (size_t i = 0; i < n; i++) b->lost |= face[i] < -1 || face[i] >= m->n_face;
+    ric_status status = b->lost ? RIC_E_FORMAT
+                                : ric_shooting_create(m, (ric_mirror)h->start, (ric_mirror)h->end,
+                                                      h->sigma < 0 ? -1 : 1, h->n_flight, face, out);
+    free(face);
+    return status;
+}
+
+/* Room for the points and events that follow; false: there are not as many, or there is no memory. */
+static bool make_room(const ric_bytes *b, const header *h, ric_continuation *tr)
+{
+    tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
+    const size_t bytes = (size_t)h->n_point * tr->stride * sizeof(double);
+    if (!ric_bytes_have(b, bytes + (size_t)h->n_event)) return false;
+    tr->points = ric_malloc(bytes ? bytes : 1);
+    tr->events = ric_calloc((size_t)h->n_event + 1, sizeof *tr->events);
+    if (!tr->points || !tr->events) return false;
+    tr->n_point = tr->point_capacity = h->n_point;
+    tr->n_event = h->n_event;
+    tr->event_capacity = h->n_event + 1;
     return true;
-}
-
-static bool read_event(const char **from, size_t *left, int size, int n_test, ric_event *e)
-{
-    int32_t test;
-    size_t bytes = (size_t)size * sizeof(double);
-    if (!take(from, left, &test, sizeof test)) return false;
-    e->test = test;
-    if (test < 0) return true;
-    if (test >= n_test) return false;
-    e->u = ric_malloc(bytes);
-    e->t = ric_malloc(bytes);
-    return e->u && e->t && take(from, left, &e->s, sizeof e->s) && take(from, left, e->u, bytes) &&
-           take(from, left, e->t, bytes);
 }
 
 ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
                                    ric_continuation **out)
 {
-    const char *from = blob;
+    ric_bytes b = ric_bytes_of(blob, size);
     header h;
-    ric_status status = RIC_OK;
+    uint64_t closed = 0;
     ric_continuation *tr = ric_calloc(1, sizeof *tr);
-    int *face = NULL;
     *out = NULL;
     if (!tr) return ric_no_memory("a branch");
     tr->end.test = -1;
     tr->limits = limits;
-    if (!take(&from, &size, &h, sizeof h) || h.format != PACK_FORMAT || h.n_flight < 1 || h.n_flight > SANE ||
-        h.parts < 1 || h.parts > RIC_PARTS_MOST || (h.parts > 1 && !ric_flight_law_of(m)->integrated) ||
-        h.n_point < 0 || h.n_point > SANE || h.n_event < 0 || h.n_event > SANE || h.start < 0 ||
-        h.start > RIC_MIRROR_CENTRE || h.end < 0 || h.end > RIC_MIRROR_CENTRE || h.stop < 0 ||
-        h.stop > RIC_STOP_FAILED || h.why < 0 || h.why >= RIC_N_WHY || (size_t)h.n_flight * sizeof(int32_t) > size)
-        goto damaged;
-    if (!(face = ric_calloc((size_t)h.n_flight + 1, sizeof *face))) goto damaged;
-    for (int i = 0; i <= h.n_flight; i++) {
-        int32_t f;
-        if (!take(&from, &size, &f, sizeof f) || f < -1 || f >= m->n_face) goto damaged;
-        face[i] = f;
-    }
-    if ((status = ric_shooting_create(m, (ric_mirror)h.start, (ric_mirror)h.end, h.sigma < 0 ? -1 : 1, h.n_flight, face,
-                                      &tr->chain)))
-        goto out;
-    uint64_t closed = 0;
-    if (!ric_flight_law_of(m)->turns && !take(&from, &size, &closed, sizeof closed)) goto damaged;
+    ric_bytes_pass(&b, &h, sizeof h);
+    ric_status status = !b.lost && sane(&h, m) ? unpack_chain(&b, m, &h, &tr->chain) : RIC_E_FORMAT;
+    if (status) goto out;
+    pass_findings(&b, tr, &closed);
     ric_shooting_close(tr->chain, closed);
-    if (!take(&from, &size, &tr->blind, sizeof tr->blind)) goto damaged;
-    if (!take(&from, &size, &tr->unresolved, sizeof tr->unresolved)) goto damaged;
-    if (!take(&from, &size, tr->blind_at, sizeof tr->blind_at)) goto damaged;
-    if (!take(&from, &size, tr->crowded_at, sizeof tr->crowded_at)) goto damaged;
-    if (h.parts > 1 && (status = ric_shooting_nodes_divide(tr->chain, h.parts))) goto out;
-    if (!ric_continuation_resonances(tr)) goto damaged;
-    tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
-    size_t bytes = (size_t)h.n_point * tr->stride * sizeof(double);
-    if (bytes > size || !(tr->points = ric_malloc(bytes ? bytes : 1))) goto damaged;
-    take(&from, &size, tr->points, bytes);
-    tr->n_point = tr->point_capacity = h.n_point;
-    int n_test = RIC_N_TEST + tr->n_resonance + limits->n_asked;
-    if (!(tr->events = ric_calloc((size_t)h.n_event + 1, sizeof *tr->events))) goto damaged;
-    tr->event_capacity = h.n_event + 1;
-    for (int i = 0; i < h.n_event; i++) {
-        tr->n_event = i + 1;
-        if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->events[i])) goto damaged;
-    }
-    if (!read_event(&from, &size, tr->chain->n_unknown, n_test, &tr->end)) goto damaged;
+    if (!b.lost && h.parts > 1 && (status = ric_shooting_nodes_divide(tr->chain, h.parts))) goto out;
+    status = RIC_E_FORMAT;
+    if (b.lost || !ric_continuation_resonances(tr) || !make_room(&b, &h, tr)) goto out;
+    pass_found(&b, tr);
+    if (b.lost) goto out;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;
     tr->why = (ric_why)h.why;
     *out = tr;
-    free(face);
     return RIC_OK;
-damaged:
-    status = ric_fail(RIC_E_FORMAT, "the atlas holds finished work that cannot be read: the file is "
-                                    "damaged; move it away and run again");
 out:
-    free(face);
     ric_continuation_free(tr);
-    return status;
+    return status == RIC_E_FORMAT ? ric_fail(status, "the atlas holds finished work that cannot be read: the file is "
+                                                     "damaged; move it away and run again")
+                                  : status;
 }

@@ -7,90 +7,72 @@
 #include "continuation_pack.h"
 #include "base/room.h"
 
-#define PAUSE_FORMAT 4 /* changes with the layout, which is private to one version on one type of machine */
+#define PAUSE_FORMAT 5 /* changes with the layout, which is private to one version on one type of machine */
 
 /* -------------------------------------------------------------------- bytes */
 
 typedef struct {
     int32_t format, parts, begun, n_unknown, n_pair, n_resonance;
+    uint64_t n_trace; /* bytes of what is kept of a finished trace, too, which come first */
 } head;
 
-/* The doubles of a station, and those of the start. */
-static size_t station_size(int n_unknown, int n_pair)
+static void pass_station(ric_bytes *b, ric_station *p, int n_unknown, int n_pair)
 {
-    return 1 + 2 * (size_t)n_unknown + RIC_N_TEST + 6 + 2 * (size_t)n_pair + sizeof(ric_point) / sizeof(double);
+    ric_bytes_pass(b, &p->s, sizeof p->s);
+    ric_bytes_pass(b, p->u, (size_t)n_unknown * sizeof *p->u);
+    ric_bytes_pass(b, p->t, (size_t)n_unknown * sizeof *p->t);
+    ric_bytes_pass(b, p->test, sizeof p->test);
+    ric_bytes_pass(b, p->factor, sizeof p->factor);
+    ric_bytes_pass(b, p->hidden, sizeof p->hidden);
+    ric_bytes_pass(b, p->own, 2 * (size_t)n_pair * sizeof *p->own);
+    ric_bytes_pass(b, &p->row, sizeof p->row);
+}
+
+static void pass_stations(ric_bytes *b, ric_continuation *tr, ric_continuation_place *place)
+{
+    int size = tr->chain->n_unknown, n_pair = tr->floquet.n_pair;
+    ric_bytes_pass(b, place, sizeof *place);
+    pass_station(b, &tr->now, size, n_pair);
+    pass_station(b, &tr->past, size, n_pair);
+    ric_bytes_pass(b, tr->start_u, (size_t)size * sizeof *tr->start_u);
+    ric_bytes_pass(b, tr->start_t, (size_t)size * sizeof *tr->start_t);
+    ric_bytes_pass(b, tr->samples.s, sizeof tr->samples.s);
+    ric_bytes_pass(b, tr->samples.values, RIC_PAST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
 }
 
 typedef struct {
-    char *at;
-    bool reading;
-} cursor;
+    head head;
+    void *packed;
+    ric_continuation trace; /* what it points to is only read */
+} paused;
 
-static void pass(cursor *c, void *values, size_t size)
+static void pass_paused(ric_bytes *b, void *user)
 {
-    if (c->reading) memcpy(values, c->at, size);
-    else memcpy(c->at, values, size);
-    c->at += size;
-}
-
-/* Out or in, so that both have one layout. */
-static void pass_station(cursor *c, ric_station *p, int n_unknown, int n_pair)
-{
-    pass(c, &p->s, sizeof p->s);
-    pass(c, p->u, (size_t)n_unknown * sizeof *p->u);
-    pass(c, p->t, (size_t)n_unknown * sizeof *p->t);
-    pass(c, p->test, sizeof p->test);
-    pass(c, p->factor, sizeof p->factor);
-    pass(c, p->hidden, sizeof p->hidden);
-    pass(c, p->own, 2 * (size_t)n_pair * sizeof *p->own);
-    pass(c, &p->row, sizeof p->row);
-}
-
-static void pass_stations(cursor *c, ric_continuation *tr, ric_continuation_place *place)
-{
-    int size = tr->chain->n_unknown, n_pair = tr->floquet.n_pair;
-    pass(c, place, sizeof *place);
-    pass_station(c, &tr->now, size, n_pair);
-    pass_station(c, &tr->past, size, n_pair);
-    pass(c, tr->start_u, (size_t)size * sizeof *tr->start_u);
-    pass(c, tr->start_t, (size_t)size * sizeof *tr->start_t);
-    pass(c, tr->samples.s, sizeof tr->samples.s);
-    pass(c, tr->samples.values, RIC_PAST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
-}
-
-static size_t fixed_size(int n_unknown, int n_pair, int n_resonance)
-{
-    return sizeof(ric_continuation_place) + (2 * station_size(n_unknown, n_pair) + 2 * (size_t)n_unknown +
-                                             RIC_PAST_SAMPLES * (1 + RIC_N_TEST + (size_t)n_resonance)) *
-                                                sizeof(double);
+    paused *p = user;
+    ric_bytes_pass(b, &p->head, sizeof p->head);
+    if (!p->head.begun) return;
+    ric_continuation_place place = ric_continuation_mark(&p->trace);
+    ric_bytes_pass(b, p->packed, p->head.n_trace);
+    pass_stations(b, &p->trace, &place);
 }
 
 ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob, size_t *size)
 {
-    head h = {PAUSE_FORMAT, parts, trace != NULL, 0, 0, 0};
-    void *found = NULL;
-    size_t n_found = 0, fixed = 0;
-    ric_status status = RIC_OK;
+    paused p = {.head = {.format = PAUSE_FORMAT, .parts = parts, .begun = trace != NULL}};
+    size_t n_trace = 0;
     *blob = NULL;
     if (trace) {
-        h.n_unknown = trace->chain->n_unknown;
-        h.n_pair = trace->floquet.n_pair;
-        h.n_resonance = trace->n_resonance;
-        fixed = fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
-        if ((status = ric_continuation_pack(trace, &found, &n_found))) return status;
+        ric_status status = ric_continuation_pack(trace, &p.packed, &n_trace);
+        if (status) return status;
+        p.trace = *trace;
+        p.head.n_unknown = trace->chain->n_unknown;
+        p.head.n_pair = trace->floquet.n_pair;
+        p.head.n_resonance = trace->n_resonance;
+        p.head.n_trace = n_trace;
     }
-    *size = sizeof h + fixed + n_found;
-    cursor c = {.at = *blob = ric_malloc(*size)};
-    if (!*blob) status = ric_no_memory("a branch that is kept");
-    else pass(&c, &h, sizeof h);
-    if (!status && trace) {
-        ric_continuation_place here = ric_continuation_mark(trace);
-        ric_continuation copy = *trace; /* what it points to is only read */
-        pass_stations(&c, &copy, &here);
-        memcpy(c.at, found, n_found);
-    }
-    free(found);
-    return status;
+    *blob = ric_bytes_make(pass_paused, &p, size);
+    free(p.packed);
+    return *blob ? RIC_OK : ric_no_memory("a branch that is kept");
 }
 
 /* A file may hold anything: a step that is no number would never end. */
@@ -108,40 +90,41 @@ static bool sane(const ric_continuation *tr, const ric_continuation_place *p)
            p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!c->has_past || tr->now.s > tr->past.s);
 }
 
+/* A trace that had begun, and its place. */
+static ric_status take_up(ric_bytes *b, const head *h, const ric_model *model, const ric_limits *limits,
+                          ric_continuation **out)
+{
+    ric_continuation_place place;
+    if (!ric_bytes_have(b, h->n_trace)) return RIC_E_FORMAT;
+    ric_status status = ric_continuation_unpack(model, limits, b->at, h->n_trace, out);
+    ric_continuation *tr = *out;
+    if (!status &&
+        (tr->chain->n_unknown != h->n_unknown || tr->chain->n - 1 != h->n_pair || tr->n_resonance != h->n_resonance))
+        return RIC_E_FORMAT;
+    if (!status) status = ric_continuation_equip(tr);
+    if (status) return status;
+    ric_bytes rest = ric_bytes_of(b->at + h->n_trace, b->size - h->n_trace);
+    pass_stations(&rest, tr, &place);
+    if (rest.lost || !sane(tr, &place)) return RIC_E_FORMAT;
+    ric_continuation_return(tr, &place);
+    return RIC_OK;
+}
+
 ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
                                    int *parts, ric_continuation **out)
 {
-    const ric_status foreign = RIC_E_FORMAT;
+    ric_bytes b = ric_bytes_of(blob, size);
     head h;
-    ric_continuation *tr = NULL;
     *parts = 0;
     *out = NULL;
-    if (size < sizeof h) return foreign;
-    memcpy(&h, blob, sizeof h);
-    if (h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST || h.n_unknown < 0 || h.n_pair < 0 ||
-        h.n_resonance < 0 || (size_t)h.n_resonance > size || (size_t)h.n_unknown > size || (size_t)h.n_pair > size)
-        return foreign;
-    if (h.begun) {
-        size_t fixed = sizeof h + fixed_size(h.n_unknown, h.n_pair, h.n_resonance);
-        if (size < fixed) return foreign;
-        ric_status status = ric_continuation_unpack(model, limits, (const char *)blob + fixed, size - fixed, &tr);
-        if (!status &&
-            (tr->chain->n_unknown != h.n_unknown || tr->chain->n - 1 != h.n_pair || tr->n_resonance != h.n_resonance))
-            status = foreign;
-        if (!status) status = ric_continuation_equip(tr);
-        if (!status) {
-            ric_continuation_place place;
-            cursor c = {(char *)(uintptr_t)blob + sizeof h, true};
-            pass_stations(&c, tr, &place);
-            if (sane(tr, &place)) ric_continuation_return(tr, &place);
-            else status = foreign;
-        }
-        if (status) {
-            ric_continuation_free(tr);
-            return status == RIC_E_NOMEM ? status : foreign;
-        }
+    ric_bytes_pass(&b, &h, sizeof h);
+    if (b.lost || h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST) return RIC_E_FORMAT;
+    ric_status status = h.begun ? take_up(&b, &h, model, limits, out) : RIC_OK;
+    if (status) {
+        ric_continuation_free(*out);
+        *out = NULL;
+        return status == RIC_E_NOMEM ? status : RIC_E_FORMAT;
     }
     *parts = h.parts;
-    *out = tr;
     return RIC_OK;
 }

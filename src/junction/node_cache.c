@@ -10,150 +10,82 @@
 
 enum { HEAD = 7 };
 
-static size_t cycle_size(const ric_periodic *c)
+/* One that is read is made of its head. */
+static void pass_cycle(ric_bytes *b, const ric_model *m, ric_periodic **cycle)
 {
-    size_t states = c->opposite ? 2 : 1;
-    return HEAD * sizeof(int32_t) + sizeof c->closed + (size_t)c->N * (sizeof(int32_t) + sizeof(double)) +
-           states * 2 * (size_t)c->n * sizeof(double);
-}
-
-static void put(char **to, const void *from, size_t size)
-{
-    if (size) memcpy(*to, from, size);
-    *to += size;
-}
-
-static void put_cycle(char **to, const ric_periodic *c)
-{
-    int32_t head[HEAD] = {c->n, c->N, c->half, c->pure, c->flip, c->parts, c->opposite != NULL};
-    put(to, head, sizeof head);
-    put(to, &c->closed, sizeof c->closed);
-    for (int i = 0; i < c->N; i++) {
-        int32_t face = c->face[i];
-        put(to, &face, sizeof face);
+    ric_periodic *c = *cycle;
+    int head[HEAD] = {0};
+    if (c) memcpy(head, (int[HEAD]){c->n, c->N, c->half, c->pure, c->flip, c->parts, c->opposite != NULL}, sizeof head);
+    ric_bytes_pass(b, head, sizeof head);
+    if (b->reading) {
+        b->lost |= head[0] != m->n || head[1] < 0 || !ric_bytes_have(b, (size_t)head[1]) || head[5] < 0 ||
+                   head[5] > RIC_PARTS_MOST;
+        c = *cycle = b->lost ? NULL : ric_periodic_create(head[0], head[1]);
+        b->lost |= !c;
+        if (!c) return;
+        c->half = head[2];
+        c->pure = head[3];
+        c->flip = head[4];
+        c->parts = head[5];
     }
-    put(to, c->tau, (size_t)c->N * sizeof *c->tau);
-    put(to, c->w, 2 * (size_t)c->n * sizeof *c->w);
-    if (c->opposite) put(to, c->opposite, 2 * (size_t)c->n * sizeof *c->w);
+    ric_bytes_pass(b, &c->closed, sizeof c->closed);
+    ric_bytes_pass(b, c->face, (size_t)c->N * sizeof *c->face);
+    for (int i = 0; b->reading && i < c->N; i++) b->lost |= c->face[i] < -1 || c->face[i] >= m->n_face;
+    ric_bytes_pass(b, c->tau, (size_t)c->N * sizeof *c->tau);
+    ric_bytes_pass(b, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    if (!head[6]) return;
+    double w[2 * c->n];
+    if (c->opposite) memcpy(w, c->opposite, sizeof w);
+    ric_bytes_pass(b, w, sizeof w);
+    if (b->reading && !b->lost) b->lost = !ric_periodic_oppose(c, w);
 }
 
 typedef struct {
-    const char *at;
-    size_t left;
-    bool short_of; /* more was asked for than there is */
-} source;
+    const ric_model *model;
+    ric_node *node;
+} parcel;
 
-static void get(source *s, void *to, size_t size)
+/* As it is when it has just been made: without its depth, and what became of its departures. */
+static void pass_node(ric_bytes *b, void *user)
 {
-    s->short_of |= size > s->left;
-    if (s->short_of) return;
-    if (size) memcpy(to, s->at, size);
-    s->at += size;
-    s->left -= size;
+    const parcel *p = user;
+    ric_node *n = p->node, flat = *n;
+    flat.cycle = NULL;
+    flat.departures = NULL;
+    flat.depth = 0;
+    flat.expanded = false;
+    ric_bytes_pass(b, &flat, sizeof flat);
+    b->lost |= flat.n_touch < 0 || flat.n_touch > RIC_MAX_TOUCHES || flat.n_departure < 0 ||
+               (b->reading && !ric_bytes_have(b, (size_t)flat.n_departure));
+    if (b->lost) return;
+    if (b->reading) *n = flat;
+    pass_cycle(b, p->model, &n->cycle);
+    if (b->reading && !b->lost) n->departures = ric_calloc((size_t)n->n_departure + 1, sizeof *n->departures);
+    b->lost |= !n->departures && n->n_departure > 0;
+    for (int i = 0; i < n->n_departure && !b->lost; i++)
+        ric_bytes_pass(b, &n->departures[i].choice, sizeof n->departures[i].choice);
 }
-
-static ric_periodic *get_cycle(const ric_model *m, source *s)
-{
-    int32_t head[HEAD] = {0};
-    get(s, head, sizeof head);
-    if (s->short_of || head[0] != m->n || head[1] < 0 || (size_t)head[1] > s->left || head[5] < 0 ||
-        head[5] > RIC_PARTS_MOST)
-        return NULL;
-    ric_periodic *c = ric_periodic_create(head[0], head[1]);
-    if (!c) return NULL;
-    c->half = head[2];
-    c->pure = head[3];
-    c->flip = head[4];
-    c->parts = head[5];
-    get(s, &c->closed, sizeof c->closed);
-    for (int i = 0; i < c->N; i++) {
-        int32_t face = -1;
-        get(s, &face, sizeof face);
-        c->face[i] = face;
-        s->short_of |= face < -1 || face >= m->n_face;
-    }
-    get(s, c->tau, (size_t)c->N * sizeof *c->tau);
-    get(s, c->w, 2 * (size_t)c->n * sizeof *c->w);
-    if (head[6]) {
-        double w[2 * c->n];
-        get(s, w, sizeof w);
-        if (s->short_of || ric_periodic_oppose(c, w)) return c;
-        ric_periodic_free(c);
-        return NULL;
-    }
-    return c;
-}
-
-typedef struct {
-    int32_t kind, n_touch, touch[RIC_MAX_TOUCHES], test, multiple, rotation[2], a, b, refusal, mode, mirrors,
-        n_departure, frequency;
-    double energy, period, asked;
-} node_head;
 
 ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size)
 {
-    *size = cycle_size(node->cycle) + sizeof(node_head) + (size_t)node->n_departure * sizeof(unsigned);
-    char *to = *bytes = ric_malloc(*size);
-    if (!to) return ric_no_memory("a junction");
-    node_head h;
-    memset(&h, 0, sizeof h);
-    h = (node_head){.kind = (int32_t)node->kind,
-                    .n_touch = node->n_touch,
-                    .test = node->test,
-                    .multiple = node->multiple,
-                    .rotation = {node->rotation[0], node->rotation[1]},
-                    .a = node->a,
-                    .b = node->b,
-                    .refusal = (int32_t)node->refusal,
-                    .mode = node->mode,
-                    .mirrors = node->mirrors,
-                    .n_departure = node->n_departure,
-                    .frequency = node->asked.frequency,
-                    .energy = node->energy,
-                    .period = node->period,
-                    .asked = node->asked.value};
-    for (int i = 0; i < node->n_touch; i++) h.touch[i] = node->touch[i];
-    put(&to, &h, sizeof h);
-    put_cycle(&to, node->cycle);
-    for (int i = 0; i < node->n_departure; i++) put(&to, &node->departures[i].choice, sizeof(unsigned));
-    return RIC_OK;
+    ric_node copy = *node; /* what it points to is only read */
+    *bytes = ric_bytes_make(pass_node, &(parcel){.node = &copy}, size);
+    return *bytes ? RIC_OK : ric_no_memory("a junction");
 }
 
 ric_status ric_node_unpack(const ric_model *m, const void *bytes, size_t size, ric_node **out)
 {
-    source s = {bytes, size, false};
-    node_head h;
-    memset(&h, 0, sizeof h);
-    get(&s, &h, sizeof h);
+    ric_bytes b = ric_bytes_of(bytes, size);
     ric_node *node = ric_calloc(1, sizeof *node);
     *out = NULL;
     if (!node) return ric_no_memory("a junction");
-    s.short_of |= h.n_touch < 0 || h.n_touch > RIC_MAX_TOUCHES || h.n_departure < 0 || (size_t)h.n_departure > s.left;
-    if (!s.short_of) node->cycle = get_cycle(m, &s);
-    if (!s.short_of) node->departures = ric_calloc((size_t)h.n_departure + 1, sizeof *node->departures);
-    if (s.short_of || !node->cycle || !node->departures) goto damaged;
-    node->n_departure = h.n_departure;
-    for (int i = 0; i < h.n_departure; i++) get(&s, &node->departures[i].choice, sizeof(unsigned));
-    if (s.short_of) goto damaged;
-    node->kind = (ric_kind)h.kind;
-    node->n_touch = h.n_touch;
-    for (int i = 0; i < h.n_touch; i++) node->touch[i] = h.touch[i];
-    node->test = h.test;
-    node->multiple = h.multiple;
-    node->rotation[0] = h.rotation[0];
-    node->rotation[1] = h.rotation[1];
-    node->a = h.a;
-    node->b = h.b;
-    node->energy = h.energy;
-    node->period = h.period;
-    node->refusal = (ric_refusal)h.refusal;
-    node->asked = (ric_user_point){h.frequency, h.asked};
-    node->mode = h.mode;
-    node->mirrors = h.mirrors;
-    node->springs = ric_periodic_springs(m);
-    *out = node;
-    return RIC_OK;
-damaged:
+    pass_node(&b, &(parcel){m, node});
+    if (!b.lost) {
+        node->springs = ric_periodic_springs(m);
+        *out = node;
+        return RIC_OK;
+    }
+    if (!node->departures) node->n_departure = 0;
     ric_node_free(node);
     return ric_fail(RIC_E_FORMAT, "the bytes of a junction are damaged");
 }
@@ -173,17 +105,28 @@ static ric_status compute(const ric_model *m, const ric_defining *solve, const r
     return ric_fail(RIC_E_INPUT, "no such junction");
 }
 
-/* Everything that the junction depends on; NULL without memory. */
+/* Everything that a junction depends on. */
+typedef struct {
+    const ric_defining *solve;
+    ric_periodic *cycle;
+} question;
+
+static void pass_key(ric_bytes *b, void *user)
+{
+    const question *q = user;
+    ric_periodic *cycle = q->cycle;
+    int head[] = {'N', (int)q->solve->kind, q->solve->test, q->solve->p, q->solve->q, q->solve->asked.frequency};
+    double value = q->solve->asked.value;
+    ric_bytes_pass(b, head, sizeof head);
+    ric_bytes_pass(b, &value, sizeof value);
+    pass_cycle(b, NULL, &cycle);
+}
+
+/* NULL without memory. */
 static char *make_key(const ric_defining *solve, const ric_periodic *cycle, size_t *size)
 {
-    int32_t head[] = {'N', (int32_t)solve->kind, solve->test, solve->p, solve->q, solve->asked.frequency};
-    *size = sizeof head + sizeof solve->asked.value + cycle_size(cycle);
-    char *key = ric_malloc(*size), *to = key;
-    if (!key) return NULL;
-    put(&to, head, sizeof head);
-    put(&to, &solve->asked.value, sizeof solve->asked.value);
-    put_cycle(&to, cycle);
-    return key;
+    ric_periodic copy = *cycle; /* what it points to is only read */
+    return ric_bytes_make(pass_key, &(question){solve, &copy}, size);
 }
 
 /* A junction that does not converge is kept as no bytes, one that is none as one. */
