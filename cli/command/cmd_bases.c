@@ -94,11 +94,9 @@ static ric_status add_rows(const ric_atlas *atlas, double d, const void *user, j
 
 static int run(int argc, char **argv)
 {
-    static const char *const all[] = {"base",          "mode",       "j",          "number",     "branches",
-                                      "labels",        "duplicates", "energy_min", "energy_max", "frequency_min",
-                                      "frequency_max", NULL};
-    static const char *const few[] =
-        {"base", "mode", "j", "number", "energy_min", "energy_max", "frequency_min", "frequency_max", "branches", NULL};
+    static const char all[] =
+        "base mode j number branches labels duplicates energy_min energy_max frequency_min frequency_max";
+    static const char few[] = "base mode j number energy_min energy_max frequency_min frequency_max branches";
     const char *largest, *branch;
     wanted w = {0};
     if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))

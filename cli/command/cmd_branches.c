@@ -95,9 +95,8 @@ static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user
 
 static int run(int argc, char **argv)
 {
-    static const char *const parts[] = {"segment",    "branch",        "from",          "to",     "energy_min",
-                                        "energy_max", "frequency_min", "frequency_max", "stable", "stable_fraction",
-                                        NULL};
+    static const char parts[] =
+        "segment branch from to energy_min energy_max frequency_min frequency_max stable stable_fraction";
     const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
                       .elementary = cli_take_flag(&argc, argv, "--elementary")};
     const cli_listing listing = {.command = &cli_branches,

@@ -122,11 +122,10 @@ static void set_multiplication(json_t *row, int p, int q)
 
 static int print_followed(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
 {
-    static const char *const all[] = {"step",         "multiple", "p/q",       "impacts", "grazings",
-                                      "symmetric",    "energy",   "frequency", "ratio",   "residual",
-                                      "return_error", "stop",     "points",    "word",    NULL};
-    static const char *const few[] = {"step",      "p/q",   "impacts",  "grazings",     "form", "energy",
-                                      "frequency", "ratio", "residual", "return_error", NULL};
+    static const char all[] =
+        "step multiple p/q impacts grazings symmetric energy frequency ratio residual return_error stop "
+        "points word";
+    static const char few[] = "step p/q impacts grazings form energy frequency ratio residual return_error";
     ric_cascade *cascade = NULL;
     int code = cli_follow_cascade(atlas, request, &cascade);
     if (code != CLI_DONE) return code;
@@ -284,11 +283,10 @@ int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request,
 
 static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
 {
-    static const char *const all[] = {"path",  "step",    "branch",   "junction",  "label",  "multiple",
-                                      "p/q",   "impacts", "grazings", "symmetric", "energy", "frequency",
-                                      "ratio", "stop",    "word",     NULL};
-    static const char *const few[] = {"path",     "step", "branch", "junction",  "label", "p/q", "impacts",
-                                      "grazings", "form", "energy", "frequency", "ratio", NULL};
+    static const char all[] =
+        "path step branch junction label multiple p/q impacts grazings symmetric energy frequency ratio "
+        "stop word";
+    static const char few[] = "path step branch junction label p/q impacts grazings form energy frequency ratio";
     json_t *rows = json_array();
     const int n_path = cli_cascade_rows(atlas, request, d, rows);
     int code = cli_print_rows(rows, format == CLI_TEXT ? few : all, format);

@@ -119,26 +119,12 @@ static json_t *mode_row(const facts *f, int i)
     return row;
 }
 
-/* Columns of CSV: the keys of the first row, in order. */
 static int print_rows(const facts *f, const ric_study *study, cli_format format)
 {
-    json_t *rows = json_array(), *value;
-    const char **columns = NULL, *key;
-    int n = 0, code;
+    json_t *rows = json_array();
     for (int i = 0; i < f->n; i++) json_array_append_new(rows, mode_row(f, i));
-    ric_status status = cli_windows_rows(study, rows);
-    if (status) {
-        json_decref(rows);
-        return cli_report(status);
-    }
-    columns = calloc(json_object_size(json_array_get(rows, 0)) + 1, sizeof *columns);
-    if (!columns) {
-        json_decref(rows);
-        return cli_report(RIC_E_NOMEM);
-    }
-    json_object_foreach(json_array_get(rows, 0), key, value) columns[n++] = key;
-    code = cli_print_rows(rows, columns, format);
-    free(columns);
+    const ric_status status = cli_windows_rows(study, rows);
+    const int code = status ? cli_report(status) : cli_print_rows(rows, NULL, format);
     json_decref(rows);
     return code;
 }

@@ -139,10 +139,8 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, int i, const ric_
 
 static int print(const ric_hunt *h, const ric_model *m, const ric_comparison *c, cli_format format)
 {
-    static const char *const columns[] = {"orbit", "word",  "period", "frequency", "symmetric", "reversible",
-                                          "trace", "atlas", "branch", "reason",    NULL};
-    static const char *const alone[] = {"orbit",     "word",       "period", "frequency",
-                                        "symmetric", "reversible", "trace",  NULL};
+    static const char columns[] = "orbit word period frequency symmetric reversible trace atlas branch reason";
+    static const char alone[] = "orbit word period frequency symmetric reversible trace";
     json_t *rows = json_array();
     for (int i = 0; rows && i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, i, c));
     int code = rows ? cli_print_rows(rows, c ? columns : alone, format) : cli_report(RIC_E_NOMEM);

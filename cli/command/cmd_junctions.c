@@ -168,10 +168,8 @@ static ric_status all_duplicates(const ric_atlas *atlas, double d, const void *u
 
 static int run_duplicates(const wanted *w, int argc, char **argv)
 {
-    static const char *const columns[] = {"duplicate", "branch", "k",        "kind",   "origin",    "j", "rotation",
-                                          "label",     "name",   "junction", "energy", "frequency", NULL};
-    static const char *const of_ghosts[] = {"duplicate", "branch", "k",          "kind",   "origin",    "j",
-                                            "rotation",  "end",    "admissible", "energy", "frequency", NULL};
+    static const char columns[] = "duplicate branch k kind origin j rotation label name junction energy frequency";
+    static const char of_ghosts[] = "duplicate branch k kind origin j rotation end admissible energy frequency";
     const cli_listing listing = {.command = &cli_junctions,
                                  .all = w->ghost ? of_ghosts : columns,
                                  .few = w->ghost ? of_ghosts : columns,

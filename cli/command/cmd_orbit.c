@@ -192,40 +192,27 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     return CLI_FAILED;
 }
 
-static int print_history(const json_t *rows, cli_format format)
-{
-    const json_t *first = json_array_get(rows, 0);
-    const char **columns = calloc(json_object_size(first) + 1, sizeof *columns), *key;
-    json_t *value;
-    size_t n = 0;
-    if (!columns) return cli_report(RIC_E_NOMEM);
-    json_object_foreach((json_t *)first, key, value) columns[n++] = key;
-    int code = cli_print_rows(rows, columns, format);
-    free(columns);
-    return code;
-}
-
 /* An orbit is too long for a line: the table has one line per quantity. */
 static int print_orbits(const json_t *orbits, cli_format format)
 {
-    static const char *const across[] = {"word",        "state",  "flights",    "period",        "frequency", "energy",
-                                         "multipliers", "stable", "amplitudes", "impact_speeds", "impulses",  NULL};
-    static const char *const down[] = {"orbit", "quantity", "value", NULL};
     const json_t *orbit;
+    const char *name;
+    json_t *value;
     size_t i;
-    if (format != CLI_TEXT) return cli_print_rows(orbits, across, format);
+    if (format != CLI_TEXT) return cli_print_rows(orbits, NULL, format);
     json_t *rows = json_array();
     json_array_foreach(orbits, i, orbit)
     {
-        for (const char *const *name = across; *name; name++) {
+        json_object_foreach((json_t *)orbit, name, value)
+        {
             json_t *row = json_object();
             json_object_set_new(row, "orbit", json_integer((json_int_t)i + 1));
-            json_object_set_new(row, "quantity", json_string(*name));
-            json_object_set(row, "value", json_object_get(orbit, *name));
+            json_object_set_new(row, "quantity", json_string(name));
+            json_object_set(row, "value", value);
             json_array_append_new(rows, row);
         }
     }
-    int code = cli_print_rows(rows, down, format);
+    int code = cli_print_rows(rows, NULL, format);
     json_decref(rows);
     return code;
 }
@@ -242,7 +229,7 @@ static int answer(const request *ask)
     else if (!status && too_long)
         code = cli_wrong("orbit: --history %g gives more than %d rows; choose a larger step", ask->step, STEPS_MAX);
     else if (status) code = cli_report(status);
-    else code = ask->step > 0 ? print_history(rows, ask->format) : print_orbits(rows, ask->format);
+    else code = ask->step > 0 ? cli_print_rows(rows, NULL, ask->format) : print_orbits(rows, ask->format);
     json_decref(rows);
     ric_atlas_free(atlas);
     return code;

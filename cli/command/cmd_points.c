@@ -149,19 +149,20 @@ static int add_ghosts(const listing *l, const char *path)
 
 /* ---------------------------------------------------------------- the command */
 
-static void choose_columns(cli_format format, bool ghost, bool multipliers_too, const char **out)
+static int print(const listing *l, bool ghost, bool multipliers_too, cli_format format)
 {
-    int n = 0;
-    if (ghost) out[n++] = "end";
-    n += cli_table_names(&ric_table_point, format, out + n);
-    if (ghost) out[n++] = "admissible";
-    if (multipliers_too && format != CLI_TEXT) out[n++] = "multipliers";
-    out[n] = NULL;
+    char *names = cli_table_names(&ric_table_point, format), *columns = NULL;
+    if (names && asprintf(&columns, "%s%s%s%s", ghost ? "end " : "", names, ghost ? " admissible" : "",
+                          multipliers_too && format != CLI_TEXT ? " multipliers" : "") < 0)
+        columns = NULL;
+    const int code = columns ? cli_print_rows(l->rows, columns, format) : cli_report(RIC_E_NOMEM);
+    free(names);
+    free(columns);
+    return code;
 }
 
 static int list(const char *path, int id, bool physical, bool ghost, cli_format format)
 {
-    const char *columns[CLI_MAX_COLUMN + 4];
     ric_atlas *atlas = NULL;
     listing l = {.rows = json_array()};
     ric_status status = ric_atlas_read(path, &atlas);
@@ -174,8 +175,7 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     l.n_multiplier = format != CLI_TEXT && n_mode > 2 ? 2 * (n_mode - 1) : 0;
     l.multipliers = calloc(2 * (size_t)l.n_multiplier + 1, sizeof *l.multipliers);
     code = !l.multipliers ? cli_report(RIC_E_NOMEM) : ghost ? add_ghosts(&l, path) : cli_report(add_points(&l));
-    choose_columns(format, ghost, n_mode > 2, columns);
-    if (code == CLI_DONE) code = cli_print_rows(l.rows, columns, format);
+    if (code == CLI_DONE) code = print(&l, ghost, n_mode > 2, format);
 out:
     free(l.multipliers);
     json_decref(l.rows);

@@ -236,7 +236,7 @@ static ric_status rows_of(const ric_atlas *atlas, double d, const void *user, js
 
 static int run(int argc, char **argv)
 {
-    static const char *const columns[] = {"item", "value", "detail", NULL};
+    static const char columns[] = "item value detail";
     static const cli_listing listing = {.command = &cli_report_atlas, .rows = rows_of, .all = columns, .few = columns};
     return cli_list(&listing, argc, argv);
 }

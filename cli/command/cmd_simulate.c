@@ -174,11 +174,11 @@ static void simulation_free(simulation *s)
 /* What was found before the motion came to an end is printed all the same. */
 static int simulate_and_print(simulation *s, cli_format format)
 {
-    static const char *const impact_columns[] = {"t", "face", "approach", "impulse", "opens", NULL};
+    static const char impact_columns[] = "t face approach impulse opens";
     ric_status status = simulate(s);
     int code = s->told ? CLI_FAILED : cli_report(status);
     if (code == CLI_WRONG) return code;
-    int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : (const char *const *)s->column, format);
+    int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : NULL, format);
     return code ? code : printed;
 }
 

@@ -254,22 +254,9 @@ static int tell_all(const audit *a)
 
 static int print_audit(const audit *a, cli_format format)
 {
-    static const char *const columns[] = {"kind",
-                                          "branch",
-                                          "point",
-                                          "junction",
-                                          "flight_error",
-                                          "return_error",
-                                          "condition",
-                                          "energy_error",
-                                          "faces_agree",
-                                          "multiplier_error",
-                                          "multiplier_bound",
-                                          "multipliers_agree",
-                                          "stable_agrees",
-                                          "numbers_agree",
-                                          "passed",
-                                          NULL};
+    static const char columns[] =
+        "kind branch point junction flight_error return_error condition energy_error faces_agree "
+        "multiplier_error multiplier_bound multipliers_agree stable_agrees numbers_agree passed";
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < a->n; i++)

@@ -101,7 +101,7 @@ static void format_count(const lister *l, bool reversal, size_t size, char *out)
 
 static int print_words(lister *l, const json_t *rows, cli_format format, bool complete)
 {
-    static const char *const columns[] = {"number", "word", "repeats", "symmetric", "reversible", "reversed", NULL};
+    static const char columns[] = "number word repeats symmetric reversible reversed";
     char without[64], with[64];
     format_count(l, false, sizeof without, without);
     format_count(l, true, sizeof with, with);

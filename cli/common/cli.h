@@ -85,10 +85,10 @@ extern const struct ric_remote *cli_run_remote;
 
 typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
 
-/* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns` (NULL-terminated)
- * orders and selects the columns of CSV and text; JSON shows everything. Numbers read back bit for bit; NaN and
- * infinities become null. Returns CLI_DONE or CLI_FAILED. */
-int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format);
+/* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns`, names with blanks
+ * between, orders and selects those of CSV and text, NULL: what the first row has; JSON shows everything. Numbers read
+ * back bit for bit; NaN and infinities become null. Returns CLI_DONE or CLI_FAILED. */
+int cli_print_rows(const json_t *rows, const char *columns, cli_format format);
 /* From cli_watch_memory on, whether JSON values of this thread have found no memory since the last question; they are
  * then missing in what they belong to. */
 void cli_watch_memory(void);
@@ -109,8 +109,8 @@ typedef struct {
     const cli_command *command;
     int (*count)(const ric_atlas *atlas);
     ric_status (*row)(const ric_atlas *atlas, int id, double d, json_t *row);
-    const ric_table *table;              /* whose columns are listed; NULL: */
-    const char *const *all, *const *few; /* those of CSV and of a terminal */
+    const ric_table *table; /* whose columns are listed; NULL: */
+    const char *all, *few;  /* those of CSV and of a terminal */
     /* or, for rows that are no such list: appends all of them; `row` and `count` are not used then */
     ric_status (*rows)(const ric_atlas *atlas, double d, const void *user, json_t *rows);
     const void *user;
@@ -122,9 +122,8 @@ int cli_list(const cli_listing *listing, int argc, char **argv);
 /* The listed columns of a row of the atlas, into an empty object; what the command makes itself comes from `made`. */
 void cli_table_row(const ric_table *table, const void *row, const ric_model *model, double d,
                    json_t *(*made)(const ric_column *column, const void *row), json_t *out);
-/* Their names, as cli_print_rows takes them, and how many. */
-enum { CLI_MAX_COLUMN = 64 };
-int cli_table_names(const ric_table *table, cli_format format, const char *out[CLI_MAX_COLUMN]);
+/* Their names, as cli_print_rows takes them; to be freed, NULL: no memory. */
+char *cli_table_names(const ric_table *table, cli_format format);
 
 /* What `ricochet report` lists: rows with item, value and detail. */
 ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows);

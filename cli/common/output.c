@@ -289,12 +289,35 @@ bool cli_lost_memory(void)
     return was;
 }
 
-int cli_print_rows(const json_t *rows, const char *const *columns, cli_format format)
+/* The names of the columns of CSV and text, NULL behind the last: those of a text that is cut, or of the first row. */
+static const char **split(char *text, const json_t *rows)
 {
-    bool done = cli_lost_memory()    ? false
-                : format == CLI_JSON ? print_json(rows)
-                : format == CLI_CSV  ? print_csv(rows, columns)
-                                     : print_table(rows, columns);
+    const json_t *first = json_array_get(rows, 0);
+    const char **names = calloc((text ? strlen(text) : json_object_size(first)) + 1, sizeof *names), *key;
+    json_t *value;
+    size_t n = 0;
+    if (!names) return NULL;
+    if (text)
+        for (char *rest = NULL, *name = strtok_r(text, " ", &rest); name; name = strtok_r(NULL, " ", &rest))
+            names[n++] = name;
+    else json_object_foreach((json_t *)first, key, value) names[n++] = key;
+    return names;
+}
+
+static bool print_rows(const json_t *rows, const char *columns, cli_format format)
+{
+    if (format == CLI_JSON) return print_json(rows);
+    char *text = columns ? strdup(columns) : NULL;
+    const char **names = text || !columns ? split(text, rows) : NULL;
+    const bool done = names && (format == CLI_CSV ? print_csv(rows, names) : print_table(rows, names));
+    free(names);
+    free(text);
+    return done;
+}
+
+int cli_print_rows(const json_t *rows, const char *columns, cli_format format)
+{
+    bool done = !cli_lost_memory() && print_rows(rows, columns, format);
     errno = 0;
     if (!done && !ferror(stdout)) {
         fputs("ricochet: out of memory\n", stderr);
@@ -365,15 +388,18 @@ void cli_table_row(const ric_table *table, const void *row, const ric_model *mod
         json_object_set_new(out, name_of(c), c->flags & RIC_MADE ? made(c, row) : value_of(c, row, model, d));
 }
 
-int cli_table_names(const ric_table *table, cli_format format, const char *out[CLI_MAX_COLUMN])
+char *cli_table_names(const ric_table *table, cli_format format)
 {
     const unsigned shown = format == CLI_TEXT ? RIC_IN_TABLE : RIC_LISTED;
     const ric_column *c;
-    int n = 0;
-    for (int k = 0; n < CLI_MAX_COLUMN - 1 && (c = ric_column_listed(table, k)); k++)
-        if ((c->flags & shown) == shown) out[n++] = name_of(c);
-    out[n] = NULL;
-    return n;
+    buffer b = {0};
+    for (int k = 0; (c = ric_column_listed(table, k)); k++)
+        if ((c->flags & shown) == shown) {
+            add_text(&b, b.n ? " " : "");
+            add_text(&b, name_of(c));
+        }
+    if (b.failed) free(b.text);
+    return b.failed ? NULL : b.text;
 }
 
 static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
@@ -399,9 +425,10 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(listing->command, argc, argv, 1)) goto out;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     if (!status) status = add_rows(rows, listing, atlas, physical);
-    const char *names[CLI_MAX_COLUMN], *const *columns = format == CLI_TEXT ? listing->few : listing->all;
-    if (listing->table) cli_table_names(listing->table, format, names);
-    code = status ? cli_report(status) : cli_print_rows(rows, listing->table ? names : columns, format);
+    char *names = listing->table ? cli_table_names(listing->table, format) : NULL;
+    const char *columns = names ? names : format == CLI_TEXT ? listing->few : listing->all;
+    code = status ? cli_report(status) : columns ? cli_print_rows(rows, columns, format) : cli_report(RIC_E_NOMEM);
+    free(names);
 out:
     json_decref(rows);
     ric_atlas_free(atlas);
