@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build python demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
+.PHONY: help setup setup-tests build install python demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -20,6 +20,7 @@ help:
 	@echo "make bench     build and measure the speed"
 	@echo "make time      what is promised about time, on a machine that does nothing else"
 	@echo "make build     build the program and the library in $(BUILD)/"
+	@echo "make install   build and install all of it below PREFIX=/usr/local, or below DESTDIR for a package"
 	@echo "make python    build, install what the Python package needs, and leave it ready in python/"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
@@ -58,6 +59,11 @@ comma := ,
 
 build: $(BUILD)/build.ninja
 	@ninja -C $(BUILD) --quiet
+
+# Program, library, header, manual pages, completions, documents and examples.
+install: build
+	@$(if $(PREFIX),meson configure $(BUILD) -Dprefix=$(abspath $(PREFIX)) && ninja -C $(BUILD) --quiet)
+	@meson install -C $(BUILD) --no-rebuild --quiet $(if $(DESTDIR),--destdir $(abspath $(DESTDIR)))
 
 python: build
 	@tools/setup python

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The installed library: the programs of examples/c are compiled against it through pkg-config, as C and as C++, and run.
+# What is installed. The programs of examples/c are compiled against it through pkg-config, as C and as C++, and run.
 set -u
 . tests/support/tap.sh
 
@@ -41,4 +41,46 @@ ok "a hunt finds orbits of the atlas again" hunted
 # from -2 the mass is at the stop, 1, after 2 pi / 3, with the speed sqrt(4 - 1)
 first() { "$folder/simulation" | head -n 1 | awk '{ exit !($3 + 0 > 2.094394 && $3 + 0 < 2.094396 && $5 > 1.732050 && $5 < 1.732052) }'; }
 ok "the simulation has its first impact where it should" first
+
+# What stands beside the program: a manual page for every command, completions, documents and examples.
+share=$(find "$root" -type d -name doc -printf '%h\n' | head -n 1)
+for command in $("$ricochet" --help | awk '/^  [a-z]+  / { print $1 }'); do
+    ok "ricochet-$command.1 is installed" grep -q '^\.SH OPTIONS' "$share/man/man1/ricochet-$command.1"
+done
+for file in man/man1/ricochet.1 bash-completion/completions/ricochet zsh/site-functions/_ricochet fish/vendor_completions.d/ricochet.fish \
+    doc/ricochet/README.md doc/ricochet/docs/commands.md; do
+    ok "$file is installed" test -s "$share/$file"
+done
+for study in examples/*/study.yaml; do
+    ok "$study is installed with its files" diff -rq -x '*.ricochet*' "$(dirname "$study")" "$share/doc/ricochet/$(dirname "$study")"
+done
+program=$(find "$root" -path '*bin/ricochet')
+runs() { (cd "$folder" && "$program" new fresh && "$program" check fresh/study.yaml); }
+ok "the installed program runs" runs
+
+version=$("$ricochet" --version | cut -d' ' -f2)
+ok "debian/changelog has the same version" grep -q "^ricochet ($version)" debian/changelog
+if sanitized; then
+    left_out "calls that only Linux has" "a sanitizer brings its own"
+else
+    ok "no new call that only Linux or the GNU library has" tools/portable.py "$ricochet" "$build/src/libricochet.so"
+fi
+
+# The packages themselves take minutes: a copy of the tree is built as Debian does it, searched for faults, and what is in it runs.
+packages() {
+    mkdir "$folder/deb" "$folder/deb/x" && tar c --exclude=./build* --exclude=./.git --exclude=node_modules . | tar x --one-top-level="$folder/deb/ricochet" || return 1
+    (cd "$folder/deb/ricochet" && dpkg-buildpackage -b -us -uc) || return 1
+    (cd "$folder/deb" && lintian --allow-root --fail-on error,warning ./*.changes) || return 1
+    for package in ricochet libricochet0 libricochet-dev python3-ricochet; do
+        dpkg -x "$folder/deb/$package"_*_*.deb "$folder/deb/x" || return 1
+    done
+    PATH="$folder/deb/x/usr/bin:$PATH" ricochet --version
+}
+if ! long_form; then
+    left_out "packages for Debian" "long form only"
+elif ! command -v dpkg-buildpackage >/dev/null || ! command -v dh >/dev/null || ! command -v lintian >/dev/null; then
+    left_out "packages for Debian" "dpkg-dev, debhelper or lintian is missing"
+else
+    ok "packages for Debian" packages
+fi
 finish
