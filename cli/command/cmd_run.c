@@ -210,6 +210,8 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
     else fputs(" all departures are done", stderr);
     const int unmeasured = cli_unmeasured(atlas);
     if (unmeasured) cli_say(", %d labels are not measured yet", unmeasured);
+    /* a branch under way is in no table, and may be all that the time went into */
+    if (d->last.fresh > 0) cli_say("; %d steps of this run are kept, those of unfinished branches too", d->last.fresh);
     cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }

@@ -47,6 +47,7 @@ run_slow() { "$ricochet" run "$folder/slow.yaml" -o "$folder/slow.ricochet" --se
 
 ok 'a run that is in the midst of one branch stops in time' stops 3 'the 1 s given are over' 10 run_slow
 ok 'it says what is left and how to go on' grep -q 'departures of depth 0 are left' "$folder/out"
+ok 'and that the branch under way is kept' grep -q '[1-9][0-9]* steps of this run are kept' "$folder/out"
 before=$(points)
 run_slow 2>/dev/null
 further() { echo "$before, then $(points)"; [ "$before" -gt 0 ] && [ "$(points)" -gt "$before" ]; }
