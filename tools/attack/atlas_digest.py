@@ -36,12 +36,13 @@ class Text(bytes):
 @functools.cache
 def columns():
     sources = pathlib.Path(__file__).resolve().parents[2] / "src"
-    header = next(sources.rglob("store_parts.h"))  # whatever folder it lies in
-    text = header.read_text().replace("\\\n", " ")
+    text = next(sources.rglob("columns.c")).read_text()  # whatever folder it lies in
     found = {}
     for table in ORDER:
-        line = re.search(rf"#define {table.upper()}_COLUMNS ([^\n]*)", text).group(1)
-        found[table] = "".join(re.findall(r'"([^"]*)"', line))
+        rows = re.search(rf"ric_column {table}\[\] = \{{(.*?)\n\}};", text, re.S).group(1)
+        entries = re.findall(r'\{COLUMN\("(\w+)", (\w+), [\w.\[\]]+, \w+, ([\w |]+),', rows)
+        stored = [(kind == "DERIVED", name) for name, kind, flags in entries if "RIC_NOT_STORED" not in flags]
+        found[table] = ", ".join(name for _, name in sorted(stored, key=lambda one: one[0]))  # what is derived comes last
     return found
 
 
