@@ -51,17 +51,32 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
 
 /* ---------------------------------------------------------------------- gaps */
 
-/* A branch that could not be followed further: what lies beyond its last point is missing. */
+/* One end of a branch: its junction if there is one, and where it is. */
+static void name_end(const ric_atlas *atlas, int junction, const ric_point *point, size_t size, char *text)
+{
+    ric_junction at;
+    if (junction && !ric_atlas_junction(atlas, junction, &at))
+        snprintf(text, size, "%.100s (junction %d, E %.9g omega %.9g)", at.label, junction, at.energy, at.frequency);
+    else snprintf(text, size, "E %.9g omega %.9g", point->energy, point->frequency);
+}
+
+/* A branch that could not be followed further: what lies beyond its last point is missing. One that has a junction at
+ * its far end was followed to it, but from there it comes to somewhere else: either end may be the wrong one. */
 static void add_stopped(json_t *rows, const ric_atlas *atlas, const ric_branch *branch)
 {
-    ric_point end;
-    char detail[400];
+    ric_point first, last;
+    char from[200], to[200];
     if (branch->stop != RIC_STOP_FAILED || !branch->n_point ||
-        ric_atlas_point(atlas, branch->id, branch->n_point - 1, &end, NULL, NULL))
+        ric_atlas_point(atlas, branch->id, 0, &first, NULL, NULL) ||
+        ric_atlas_point(atlas, branch->id, branch->n_point - 1, &last, NULL, NULL))
         return;
-    snprintf(detail, sizeof detail, "%.100s beyond E %.9g omega %.9g: %.200s", branch->label, end.energy, end.frequency,
-             branch->why);
-    add_count(rows, "rest missing of branch", branch->id, detail);
+    name_end(atlas, branch->from, &first, sizeof from, from);
+    name_end(atlas, branch->to, &last, sizeof to, to);
+    json_t *detail = branch->to ? json_sprintf("%s from %s to %s: %s", branch->label, from, to, branch->why)
+                                : json_sprintf("%s beyond %s, from %s: %s", branch->label, to, from, branch->why);
+    add(rows, branch->to ? "ends disagree of branch" : "rest missing of branch", json_integer(branch->id),
+        detail ? json_string_value(detail) : branch->why);
+    json_decref(detail);
 }
 
 /* Every branch on which events may be missing, with their kind, their place and the reason. */
@@ -79,6 +94,23 @@ static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
             json_decref(detail);
         }
         add_stopped(rows, atlas, &branch);
+    }
+    return RIC_OK;
+}
+
+/* Every junction with branches that leave it and could not be followed. */
+static ric_status add_refused(json_t *rows, const ric_atlas *atlas)
+{
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        ric_status status = ric_atlas_junction(atlas, id, &j);
+        if (status) return status;
+        if (j.departures.refused <= 0) continue;
+        json_t *detail = json_sprintf("%s, E %.9g omega %.9g: %d refused: %s", j.label, j.energy, j.frequency,
+                                      j.departures.refused, j.refusal);
+        add(rows, "branches may be missing at junction", json_integer(id),
+            detail ? json_string_value(detail) : j.refusal);
+        json_decref(detail);
     }
     return RIC_OK;
 }
@@ -224,6 +256,7 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
     add_onset(rows, atlas);
     if (!status) status = add_departures(rows, atlas);
     if (!status) status = add_gaps(rows, atlas);
+    if (!status) status = add_refused(rows, atlas);
     return status ? status : add_replay(rows, atlas);
 }
 
@@ -244,8 +277,10 @@ static int run(int argc, char **argv)
 static const cli_item items[] = {
     {.text = "Counts the branches and how they end, and what became of the departures from every junction: taken, "
              "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which "
-             "events may be missing, with what kind of event, where, and why. The largest residual is that of all "
-             "points; the errors of replay are those of the middle points of at most 64 branches (fewer beyond 32 "
+             "events may be missing, with what kind of event, where, and why; every branch that could not be "
+             "followed, with both its ends; and every junction with departures that could not be followed, with its "
+             "place and the reasons. The largest residual is that of all points; the errors of replay are those of the "
+             "middle points of at most 64 branches (fewer beyond 32 "
              "degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes from the "
              "file."},
     CLI_ITEM_JSON,

@@ -74,14 +74,18 @@ static void clear_progress(const display *d)
 
 /* ----------------------------------------------------------------- summary */
 
-/* Whether a row is about one branch. There may be hundreds of these: `ricochet report` lists them. */
-static bool of_one_branch(const char *item)
+/* Whether a row names one branch or junction. There may be hundreds of these: `ricochet report` lists them. */
+static bool names_one(const char *item)
 {
-    return item && (!strcmp(item, "events may be missing on branch") || !strcmp(item, "rest missing of branch"));
+    static const char *const items[] = {"events may be missing on branch", "rest missing of branch",
+                                        "ends disagree of branch", "branches may be missing at junction"};
+    for (size_t i = 0; item && i < sizeof items / sizeof *items; i++)
+        if (!strcmp(item, items[i])) return true;
+    return false;
 }
 
 /* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none
- * of is left out, and rows of single branches are counted. */
+ * of is left out, and rows of single branches and junctions are counted. */
 static void print_report(const json_t *rows)
 {
     const char *last = "";
@@ -91,7 +95,7 @@ static void print_report(const json_t *rows)
     {
         const char *item = json_string_value(json_object_get(row, "item")),
                    *detail = json_string_value(json_object_get(row, "detail"));
-        if (of_one_branch(item)) {
+        if (names_one(item)) {
             incomplete++;
             continue;
         }
@@ -106,7 +110,9 @@ static void print_report(const json_t *rows)
         if (*detail) cli_say(" (%s)", detail);
     }
     fputc('\n', stderr);
-    if (incomplete) cli_say("something may be missing on branches: %zu (`ricochet report` names them)\n", incomplete);
+    if (incomplete)
+        cli_say("something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
+                incomplete);
 }
 
 /* What `ricochet report` says of the file, from what was written there. */

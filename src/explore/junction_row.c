@@ -33,12 +33,30 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
         }
 }
 
+/* Whether departure `place` is refused for a reason that none before it has. */
+static bool new_reason(const ric_node *node, int place)
+{
+    const char *why = node->departures[place].why;
+    if (!why || !*why) return false;
+    for (int i = 0; i < place; i++)
+        if (node->departures[i].why && !strcmp(node->departures[i].why, why)) return false;
+    return true;
+}
+
+/* All reasons, each once: departures of one junction are refused for different ones. */
 static char *refusals(const ric_node *node)
 {
-    const char *why = ric_node_refusal_text(node->refusal);
+    const char *whole = ric_node_refusal_text(node->refusal);
+    size_t size = strlen(whole) + 1;
     for (int i = 0; i < node->n_departure; i++)
-        if (node->departures[i].why && !*why) why = node->departures[i].why;
-    return ric_strdup(why);
+        if (new_reason(node, i)) size += strlen(node->departures[i].why) + 2;
+    char *text = ric_malloc(size);
+    if (!text) return NULL;
+    int used = snprintf(text, size, "%s", whole);
+    for (int i = 0; i < node->n_departure; i++)
+        if (new_reason(node, i))
+            used += snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "", node->departures[i].why);
+    return text;
 }
 
 static bool solve_chain(ric_shooting *chain, double *u)

@@ -1,0 +1,46 @@
+#!/bin/bash
+# What a report says of branches and departures that could not be followed: which, where, and why.
+set -u
+. tests/support/tap.sh
+
+sed 's/depth: .*/depth: 1/' examples/elementary/study.yaml >"$folder/study.yaml"
+"$ricochet" run "$folder/study.yaml" -o "$folder/a.ricochet" 2>"$folder/err" || cat "$folder/err"
+
+# alter SQL: on a copy, whose digest is made anew
+alter() {
+    cp "$folder/a.ricochet" "$folder/b.ricochet"
+    python3 -c 'import sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+assert db.execute(sys.argv[2]).rowcount == 1
+db.commit()' "$folder/b.ricochet" "$1" && tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null
+}
+one() { python3 -c 'import sqlite3, sys; print(*sqlite3.connect(sys.argv[1]).execute(sys.argv[2]).fetchone())' "$folder/a.ricochet" "$1"; }
+# said PATTERN...: one row of the report has them all
+said() {
+    "$ricochet" report "$folder/b.ricochet" >"$folder/rows" || return 1
+    cat "$folder/rows"
+    for pattern in "$@"; do grep -e "$pattern" "$folder/rows" >"$folder/left"; cp "$folder/left" "$folder/rows"; done
+    [ "$(wc -l <"$folder/rows")" = 1 ]
+}
+
+read -r branch from to < <(one 'SELECT id, from_junction, to_junction FROM branch WHERE from_junction <> to_junction')
+disagree() {
+    alter "UPDATE branch SET stop = 'failed', why = 'planted' WHERE id = $branch" || return 1
+    said "^ends disagree of branch  *$branch " "from [^ ]* (junction $from, E [0-9]" "to [^ ]* (junction $to, E [0-9]" ': planted$'
+}
+ok 'a branch whose ends disagree is named with both of them' disagree
+
+read -r loose start < <(one 'SELECT id, from_junction FROM branch WHERE to_junction IS NULL AND from_junction > 0')
+beyond() {
+    alter "UPDATE branch SET stop = 'failed', why = 'planted' WHERE id = $loose" || return 1
+    said "^rest missing of branch  *$loose " 'beyond E [0-9]' "from [^ ]* (junction $start, E [0-9]" ': planted$'
+}
+ok 'a branch that stops before its end is named with where it stops and where it began' beyond
+
+label=$(one 'SELECT label FROM junction WHERE id = 2')
+refused() {
+    alter "UPDATE junction SET refused = 3, refusal = 'planted' WHERE id = 2" || return 1
+    said '^branches may be missing at junction  *2 ' "$label, E [0-9.]* omega [0-9.]*: 3 refused: planted"
+}
+ok 'a junction with refused departures is named with its place' refused
+finish
