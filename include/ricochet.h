@@ -620,8 +620,10 @@ typedef struct {
                                                 * off by and may be; NaN where there is nothing to compare */
     ric_agreement multipliers;                 /* trace and rotation, n = 2; else what ric_orbit_multipliers gives */
     ric_agreement stable;                      /* the flag, any n */
-    ric_agreement numbers;                     /* energy, frequency, reach, approach */
+    ric_agreement numbers;                     /* the state, energy, frequency, reach, approach */
     char finding[200];                         /* what does not agree, or why something was not checked; "" otherwise */
+    char unchecked[200]; /* "x1, v2, approach": numbers that may be off by a part in a million (of the largest of their
+                          * kind) without being found; "" where there are none */
 } ric_claims;
 
 /* Recomputes what is stored with point `i` of a branch, from its state and flight times alone. */

@@ -17,9 +17,7 @@
  * polishing */
 #define REGULAR 1e-9
 
-/* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow
- * the gap. Returns the gap's derivative before the reflection. */
-static real fly_column(const replay *r, int k, bool stretch, real *column)
+real ric_replay_fly_column(const replay *r, int k, bool stretch, real *column)
 {
     int n = r->n;
     const face_t *face = ric_replay_end_face(r, k);
@@ -70,7 +68,7 @@ static real multiply(const replay *r, int first, real *A)
     memset(A, 0, (size_t)m * (size_t)m * sizeof *A);
     for (int i = 0; i < m; i++) A[i * m + i] = 1;
     for (int k = first; k < r->n_event; k++) {
-        for (int i = 0; i < m; i++) fly_column(r, k, true, A + i * m);
+        for (int i = 0; i < m; i++) ric_replay_fly_column(r, k, true, A + i * m);
         scale += rescale((size_t)m * (size_t)m, A);
     }
     return scale;
@@ -113,7 +111,7 @@ real ric_replay_growth(const replay *r, int from, int to)
         for (int j = 0; j < m; j++) {
             for (int i = 0; i < m; i++) column[i] = i == j;
             for (int k = first; k < to; k++) {
-                fly_column(r, k, false, column);
+                ric_replay_fly_column(r, k, false, column);
                 most = fmax(most, sqrt(ric_replay_dot(m, column, column)));
             }
         }
@@ -140,26 +138,35 @@ static void residuals(const replay *r, double *F)
 static void carry_column(const replay *r, int k, int j, int m, real *column, double *J)
 {
     int N = r->n_flight;
-    for (; k < N; k++) J[k * m + j] = (double)fly_column(r, k, false, column);
+    for (; k < N; k++) J[k * m + j] = (double)ric_replay_fly_column(r, k, false, column);
     for (int i = 0; i < 2 * r->n; i++) J[(N + i) * m + j] = (double)column[i];
+}
+
+/* Later by dt: dw = R f(w) dt, f taken before the impact. */
+void ric_replay_delay_column(const replay *r, int k, const real *w, real *column)
+{
+    int n = r->n;
+    const face_t *face = ric_replay_end_face(r, k);
+    real cf = 0;
+    ric_replay_accelerations(r, k, w, column + n);
+    for (int i = 0; i < n; i++) {
+        column[i] = r->kappa[i] * w[n + i];
+        cf += face->c[i] * column[n + i];
+    }
+    for (int i = 0; i < n && !(face->spring > 0); i++) column[n + i] -= 2 * cf / face->cc * face->c[i];
 }
 
 /* J [m * m], m = n_flight + 2n; unknowns in the order flight times, initial state. */
 static void jacobian(const replay *r, real *column, double *J)
 {
     int n = r->n, N = r->n_flight, m = N + 2 * n;
-    for (int k = 0; k < N; k++) { /* later by dt: dw = R f(w) dt, f taken before the impact */
+    for (int k = 0; k < N; k++) {
         const face_t *face = ric_replay_end_face(r, k);
-        real *w = column + 2 * n, cf = 0;
+        real *w = column + 2 * n;
         memcpy(w, r->chain + (size_t)(k + 1) * 2 * (size_t)n, 2 * (size_t)n * sizeof *w);
         ric_replay_reflect(r, face, w);
         J[k * m + k] = (double)(face->side * ric_replay_dot(n, face->c, w + n));
-        ric_replay_accelerations(r, k, w, column + n);
-        for (int i = 0; i < n; i++) {
-            column[i] = r->kappa[i] * w[n + i];
-            cf += face->c[i] * column[n + i];
-        }
-        for (int i = 0; i < n && !(face->spring > 0); i++) column[n + i] -= 2 * cf / face->cc * face->c[i];
+        ric_replay_delay_column(r, k, w, column);
         carry_column(r, k + 1, k, m, column, J);
     }
     for (int j = 0; j < 2 * n; j++) {
@@ -236,7 +243,7 @@ static void residuals_apart(const replay *r, const real *ends, real *column, dou
     memset(column, 0, 2 * (size_t)n * sizeof *column);
     for (int k = 0; k < N; k++) {
         const real *end = ends + (size_t)k * 2 * (size_t)n;
-        F[k] = (double)(ric_replay_gap(r, ric_replay_end_face(r, k), end) + fly_column(r, k, false, column));
+        F[k] = (double)(ric_replay_gap(r, ric_replay_end_face(r, k), end) + ric_replay_fly_column(r, k, false, column));
         add_break(r, end, k + 1 < N ? r->chain + (size_t)(k + 1) * 2 * (size_t)n : r->chain, column);
     }
     for (int i = 0; i < 2 * n; i++) F[N + i] = (double)column[i];
@@ -252,7 +259,7 @@ static void correct_apart(replay *r, const double *F, real *ends, real *column)
         real *w = r->chain + (size_t)k * 2 * (size_t)n;
         const real *end = ends + (size_t)k * 2 * (size_t)n;
         memcpy(moved, column, sizeof moved);
-        fly_column(r, k, false, column);
+        ric_replay_fly_column(r, k, false, column);
         ric_replay_accelerations(r, k, end, force);
         for (int i = 0; i < n; i++) {
             column[i] -= F[k] * r->kappa[i] * end[n + i];

@@ -38,6 +38,7 @@ ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, cons
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     if (!(out->multipliers = ric_calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
+    out->end = i == 0 || i == b.n_point - 1;
     out->joint = is_joint(atlas, &b, i, point->arclength);
     /* an orbit that the library does not give cannot be compared */
     out->given = !ric_orbit_find(atlas, branch, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&

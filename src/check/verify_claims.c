@@ -23,9 +23,10 @@
 #define MOST_OPEN 1e-11         /* no orbit that is more than this open passes */
 #define UNSEEN 1e-12            /* part of a normal below which a mode is not seen */
 #define EQUAL 1e-11             /* relative: squares of frequencies that are one */
-#define BACK 1e-6      /* an orbit that repeats itself is after part of the period where it began, to this part */
-#define IMAGE 1e-9     /* half a period later a symmetric orbit is its image to this part */
-#define UNKNOWN 1e-4   /* where rounding of the stored digits grows to this part of the norm, margins tell nothing */
+#define BACK 1e-6  /* an orbit that repeats itself is after part of the period where it began, to this part */
+#define IMAGE 1e-9 /* half a period later a symmetric orbit is its image to this part */
+#define FAULT 1e-6 /* relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
+#define LEAST 1e-8
 #define NO_SPEED 1e-60 /* relative: no impact is slower */
 #define FLAT 1e-7      /* part of the largest speed: a gap that changes no faster may be at a maximum */
 #define BRIEF 1e-7     /* of the period: a flight of that length begins and ends at once */
@@ -297,17 +298,18 @@ static void say(ric_claims *out, const char *name, double stored, double found)
         snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
 }
 
-static double smallest_approach(const replay *r)
+/* Smallest speed into a face, and what the digits leave of it: [0] at least, [1] at most. */
+static void smallest_approach(const replay *r, const ric_digits *d, double approach[2])
 {
-    double least = HUGE_VAL;
+    approach[0] = approach[1] = HUGE_VAL;
     for (int k = 0; k < r->n_flight; k++) {
         const face_t *face = ric_replay_end_face(r, k);
         const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
         if (!face || (face->spring > 0 && ric_replay_opens(r, k))) continue;
         real speed = face->spring > 0 ? face->side * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
-        least = fmin(least, (double)speed);
+        approach[0] = fmin(approach[0], (double)(speed - d->speed[k]));
+        approach[1] = fmin(approach[1], (double)(speed + d->speed[k]));
     }
-    return least;
 }
 
 /* Gap over clearance of the face at w, on the scale on which 1 is a touch: of a closed spring what is left until it
@@ -421,53 +423,55 @@ static double gap_slack(const replay *r, real slack)
     return (double)(most * slack);
 }
 
-static bool margins_agree(const replay *r, const reached *reach, double approach, real slack)
+static bool approach_agrees(const replay *r, const double approach[2])
 {
-    const ric_point *p = &r->point;
-    double fastest = 0, stored = isnan(p->reach) ? 0 : p->reach, near = REACHED + gap_slack(r, slack);
-    bool none = isinf(approach);
-    for (int f = 0; f < r->n_face; f++) fastest = fmax(fastest, (double)ric_replay_fastest(r, &r->face[f]));
-    if (none != !!isnan(p->approach)) return false;
-    if (!none && !(fabs(p->approach - approach) <= (NUMBER + (double)slack) * fastest)) return false;
+    double stored = r->point.approach;
+    if (isinf(approach[0])) return isnan(stored);
+    return stored >= approach[0] && stored <= approach[1];
+}
+
+static bool reach_agrees(const replay *r, const reached *reach, double near)
+{
+    double stored = isnan(r->point.reach) ? 0 : r->point.reach;
     return fabs(stored - reach->sure) <= near || fabs(stored - reach->also) <= near ||
            fabs(stored - reach->touched) <= near;
 }
 
-static void say_margin(const replay *r, const reached *reach, double approach, real slack, ric_claims *out)
+/* A number that is off by this is found, or said not to be checked. */
+static double fault(double number)
 {
-    double said = isnan(r->point.reach) ? 0 : r->point.reach;
-    const reached stored = {said, said, said};
-    if (margins_agree(r, &stored, approach, slack)) say(out, "reach", r->point.reach, reach->touched);
-    else say(out, "approach", r->point.approach, isinf(approach) ? NAN : approach);
+    return fmax(FAULT * fabs(number), LEAST);
 }
 
-/* Where they differ the orbit is flown from its stored state both ways, over half a period, and it is measured what
- * springs make there of the rounding of the stored digits. */
-static ric_status check_margins(replay *r, ric_claims *out)
+static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
 {
-    double approach = smallest_approach(r);
+    double approach[2], near = REACHED + (r->norm > 0 ? gap_slack(r, d->state / r->norm) : 0);
     reached reach;
+    smallest_approach(r, d, approach);
     ric_status status = find_reach(r, &reach);
-    if (status || margins_agree(r, &reach, approach, 0)) return status;
-    int N = r->n_event;
-    real slack = N ? fmax(ric_replay_growth(r, 0, N / 2), ric_replay_growth(r, N / 2, N)) * NOISE * N : 0;
-    if (N) ric_replay_fold(r);
-    approach = smallest_approach(r);
-    status = find_reach(r, &reach);
-    if (!(slack <= UNKNOWN) && out->numbers == RIC_AGREES_YES) out->numbers = RIC_AGREES_UNCHECKED;
-    else if (!status && !margins_agree(r, &reach, approach, slack)) say_margin(r, &reach, approach, slack, out);
-    ric_replay_make_chain(r);
+    if (status) return status;
+    if (r->n_event && !reach_agrees(r, &reach, near)) {
+        /* what is lost in rounding at the end of the period is not so before it */
+        ric_replay_fold(r);
+        status = find_reach(r, &reach);
+        ric_replay_make_chain(r);
+    }
+    if (!status && !reach_agrees(r, &reach, near)) say(out, "reach", r->point.reach, reach.touched);
+    if (!approach_agrees(r, approach))
+        say(out, "approach", r->point.approach, isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
+    if (!(2 * near < fault(r->point.reach)) && !isnan(r->point.reach)) ric_verify_digits_doubt(out, "reach");
+    if (!isinf(approach[0]) && !(approach[1] - approach[0] < fault(r->point.approach)))
+        ric_verify_digits_doubt(out, "approach");
     return status;
 }
 
-static ric_status check_numbers(replay *r, ric_claims *out)
+static ric_status check_numbers(replay *r, const ric_digits *d, ric_claims *out)
 {
     const ric_point *p = &r->point;
     double turn = RIC_TWO_PI, omega = (double)(turn / r->period);
-    out->numbers = RIC_AGREES_YES;
     if (!(fabs(p->frequency - omega) <= NUMBER * omega)) say(out, "frequency", p->frequency, omega);
     if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER)) say(out, "energy", p->energy, r->energy);
-    return check_margins(r, out);
+    return check_margins(r, d, out);
 }
 
 ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_claims *out)
@@ -484,12 +488,19 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
     ric_verify_asked asked = {0};
     if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
     ric_status status = ric_verify_replay_open(&r, atlas, branch, i, true);
-    if (!status) status = check_numbers(&r, out);
+    ric_digits digits = {0};
+    if (!status) status = ric_verify_digits_open(&r, &digits);
+    if (!status) {
+        out->numbers = RIC_AGREES_YES;
+        ric_verify_digits_judge(&r, &digits, out);
+        status = check_numbers(&r, &digits, out);
+    }
     if (!status) check_period(&r, i, out);
     if (!status && r.n_event == 0) check_linear(&r, out);
     else if (!status && !(status = ric_verify_asked_open(atlas, branch, i, &r.point, &asked)))
         status = check_multipliers(&r, &asked, out);
     ric_verify_asked_close(&asked);
+    ric_verify_digits_close(&digits);
     ric_verify_replay_close(&r);
     return status;
 }

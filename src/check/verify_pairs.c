@@ -273,9 +273,10 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
 {
     const ric_verify_asked *asked = p->asked;
     real border = 0;
-    if (asked && ((asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
+    if (!(inside > 0) && !(outside > 0) && !all_outside(p)) return RIC_AGREES_YES; /* nor is it decided here */
+    if (asked && (asked->end || (asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
-        return RIC_AGREES_YES;
+        return RIC_AGREES_UNCHECKED;
     for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
     if (asked && asked->given) border = fmax(border, UNSAID * asked->error);
     bool clear = inside > border || outside > border;
@@ -323,9 +324,17 @@ static real apart(real a, real b)
     return fmin(off, 1 - off);
 }
 
+/* What the rounding of rho itself leaves of its angle, in turns: where the pair meets 1 or -1, the root of it. */
+static real angle_known(const ric_pairs *p)
+{
+    real rho = creall(own(p, 0, 0)), off = 8 * LDBL_EPSILON * (2 + fabs(rho)),
+         sine = sqrt(fmax(0, (2 - rho) * (2 + rho))) / 2;
+    return (p->half ? 2 : 1) * fmin(sqrt(off), off / sine) / RIC_TWO_PI_LONG;
+}
+
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
-    real outside, inside, found = turns(p, 0), bound = RESOLUTION;
+    real outside, inside, found = turns(p, 0), bound = RESOLUTION + angle_known(p);
     weigh(p, &outside, &inside);
     for (int run = 1; run < RIC_PAIR_RUNS; run++) {
         real other = turns(p, run);
@@ -354,7 +363,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);
     out->multipliers = vague ? RIC_AGREES_UNCHECKED : out->multiplier_error <= bound ? RIC_AGREES_YES : RIC_AGREES_NO;
-    if (out->multipliers == RIC_AGREES_NO)
+    if (out->multipliers == RIC_AGREES_NO && !*out->finding)
         snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",
                  2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * hypot(2, full(p, 0, 0))));
 }
@@ -395,6 +404,7 @@ static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used,
     worsen(&out->multiplier_bound, bound / size);
     if (!(bound <= VAGUE * fmin(size, hypot(2, p->half ? at * at : at)))) return RIC_AGREES_UNCHECKED;
     if (off <= bound) return RIC_AGREES_YES;
+    if (*out->finding) return RIC_AGREES_NO;
     snprintf(out->finding, sizeof out->finding,
              "multipliers %.17g and %.17g given, their sum is off by %.2g, bound %.2g", z[0], z[2], (double)off,
              (double)bound);

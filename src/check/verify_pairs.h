@@ -15,6 +15,7 @@ enum { RIC_PAIR_RUNS = 4 }; /* one as exact as can be, and three with the roundi
 /* What the library gives of a point on request. */
 typedef struct {
     bool given, joint; /* joint: the branch ends in another one, so that the flag is undecided */
+    bool end;          /* of a branch: an impact may have no speed there, and the solver no flag */
     ric_stability stable;
     int n_pair;
     double error;        /* of the sum of a pair, as the library states it */

@@ -78,6 +78,31 @@ void ric_replay_make_chain(replay *r);
 double ric_replay_part(real error, real of);
 void ric_replay_worsen(double *worst, double error);
 
+/* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0 lets the impact follow
+ * the gap. Returns the gap's derivative before the reflection. */
+real ric_replay_fly_column(const replay *r, int k, bool stretch, real *column);
+/* What the state w, before the event at the end of flight k, becomes for every unit of time that it comes later: a
+ * column [2n] behind the event. */
+void ric_replay_delay_column(const replay *r, int k, const real *w, real *column);
+
+/* What the rounding of the stored digits leaves open, first order, times fixed as they are stored. */
+typedef struct {
+    real *gap, *speed; /* [n_flight] at the end of each flight, of the gap and of the speed into its face */
+    real *close;       /* [2n] of w_N - w_0, (kappa q, p) */
+    real state;        /* of any state of the chain, in the energy norm */
+    double *moves;     /* [2n * (n_flight + 2n)] what a unit of each stored number moves: gaps, then w_N - w_0 */
+    double unit[2];    /* largest displacement and velocity */
+} ric_digits;
+
+/* To be closed in any case. */
+ric_status ric_verify_digits_open(const replay *r, ric_digits *out);
+void ric_verify_digits_close(ric_digits *digits);
+/* Whether the stored orbit closes within its digits; what does not is said in `out`, and which of its numbers could be
+ * off by a part in a million of the largest of its kind without being found. */
+void ric_verify_digits_judge(const replay *r, const ric_digits *digits, ric_claims *out);
+/* One more number that could not be checked. */
+void ric_verify_digits_doubt(ric_claims *out, const char *name);
+
 /* What an error of the state behind event `from`, or later, becomes until the end of flight `to` - 1 at most, with the
  * times as they are stored: 1 but for springs, which multiply it as they close. */
 real ric_replay_growth(const replay *r, int from, int to);

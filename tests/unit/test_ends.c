@@ -143,17 +143,22 @@ static void margins_through_stiff_springs(void **state)
          "explore: {energy: [0, 2025000], frequency: [226.5, 6770], impacts: 8, multiply: 2, depth: 2}\n"};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
+        int points = 0, open = 0;
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
             for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
                 ric_claims claims = claims_of(atlas, id, i);
-                if (claims.numbers != RIC_AGREES_YES) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+                if (claims.numbers == RIC_AGREES_NO) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+                points++;
+                const bool named = strstr(claims.unchecked, "reach") || strstr(claims.unchecked, "approach");
+                open += named;
                 ric_branch_record *r = &atlas->branches[id - 1];
                 ric_point *p = (ric_point *)(void *)(r->points + (size_t)i * r->stride), kept = *p;
                 p->approach += 1e-5 * p->approach + 1e-6;
-                if (!isnan(p->approach) && claims_of(atlas, id, i).numbers == RIC_AGREES_YES)
+                if (!isnan(p->approach) && !named && claims_of(atlas, id, i).numbers != RIC_AGREES_NO)
                     fail_msg("branch %d, point %d: an approach that is off is not seen", id, i);
                 *p = kept;
             }
+        if (5 * open > points) fail_msg("margins not checked at %d of %d points", open, points);
         for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
             ric_claims claims = claims_of(atlas, id, -1);
             if (claims.numbers == RIC_AGREES_NO) fail_msg("junction %d: %s", id, claims.finding);

@@ -98,6 +98,63 @@ static void verify_s2(void **state)
     ric_model_free(model);
 }
 
+/* A stored orbit closes within its digits: what they leave is far less than what the replay of a flight may lose. */
+static void verify_digits(void **state)
+{
+    (void)state;
+    ric_model *model = make_two();
+    modal m = make_modal(model);
+    const double h = PI / 0.95;
+    double x[4], flights[] = {h, h};
+    int word[] = {0, 1};
+    one_branch a;
+    ric_claims claims;
+    assert_true(s2_orbit(&m, h, x, x + 2));
+    make_atlas(&a, 2, word, 1, x, flights);
+    assert_int_equal(ric_verify_claims(&a.atlas, 1, 0, &claims), RIC_OK);
+    assert_null(strstr(claims.finding, "is open"));
+    assert_string_equal(claims.unchecked, "");
+    for (int j = 0; j < 2; j++) {
+        double *stored = a.record.points + sizeof(ric_point) / sizeof(double) + j, kept = *stored;
+        *stored += 3e-12;
+        assert_true(verify(&a, 0).passed);
+        assert_int_equal(ric_verify_claims(&a.atlas, 1, 0, &claims), RIC_OK);
+        assert_int_equal(claims.numbers, RIC_AGREES_NO);
+        assert_non_null(strstr(claims.finding, "is open"));
+        *stored = kept;
+    }
+    free_atlas(&a);
+    ric_model_free(model);
+}
+
+/* Near the grazing all speeds are as small as what rounding leaves of them, and it is said which. */
+static void verify_names_what_is_unchecked(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                                    "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: "
+                                    "1}\n");
+    int named = 0, whole = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        for (int i = 0; i < b.n_point && b.impacts; i++) {
+            ric_claims claims;
+            double x[4], flights[2];
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, x, flights), RIC_OK);
+            assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
+            assert_int_not_equal(claims.numbers, RIC_AGREES_NO);
+            const double speed = fmax(fabs(x[2]), fabs(x[3])) / sqrt(2 * p.energy);
+            if (speed < 1e-10) named += strstr(claims.unchecked, "v1, v2") && claims.numbers == RIC_AGREES_UNCHECKED;
+            if (speed > 1e-4) assert_string_equal(claims.unchecked, "");
+            whole += speed > 1e-4;
+        }
+    }
+    assert_true(named > 0 && whole > 20);
+    ric_atlas_free(atlas);
+}
+
 /* The multiplier against the growth of a small error from one period to the next, on unstable pieces of S2+. */
 static void verify_condition(void **state)
 {
@@ -367,6 +424,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(verify_s2),
+        cmocka_unit_test(verify_digits),
+        cmocka_unit_test(verify_names_what_is_unchecked),
         cmocka_unit_test(verify_condition),
         cmocka_unit_test(verify_linear),
         cmocka_unit_test(verify_touches),
