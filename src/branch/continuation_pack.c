@@ -82,10 +82,10 @@ ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t
 static bool sane(const header *h, const ric_model *m)
 {
     return h->format == PACK_FORMAT && h->n_flight >= 1 && h->n_flight <= SANE && h->parts >= 1 &&
-           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 0 && h->n_point <= SANE &&
-           h->n_event >= 0 && h->n_event <= SANE && h->start >= 0 && h->start <= RIC_MIRROR_CENTRE && h->end >= 0 &&
-           h->end <= RIC_MIRROR_CENTRE && h->stop >= 0 && h->stop <= RIC_STOP_FAILED && h->why >= 0 &&
-           h->why < RIC_N_WHY;
+           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 0 &&
+           h->n_point <= SANE && h->n_event >= 0 && h->n_event <= SANE && h->start >= 0 &&
+           h->start <= RIC_MIRROR_CENTRE && h->end >= 0 && h->end <= RIC_MIRROR_CENTRE && h->stop >= 0 &&
+           h->stop <= RIC_STOP_FAILED && h->why >= 0 && h->why < RIC_N_WHY;
 }
 
 /* The form of the orbits; RIC_E_FORMAT where it can be none. */
