@@ -1,4 +1,5 @@
 /* The atlas file: what goes in comes out, and nothing else ever does. */
+#include "base/bytes.h"
 #include "stored_atlases.h"
 
 /* Some tests forge a file with the store's own inner functions. */
@@ -539,6 +540,34 @@ static void flipped_bits_are_harmless(void **state)
     ric_atlas_free(made);
 }
 
+/* ------------------------------------------------------------------- bytes */
+
+static void pass_three(ric_bytes *b, void *user)
+{
+    double *values = user;
+    for (int i = 0; i < 3; i++) ric_bytes_pass(b, &values[i], sizeof *values);
+}
+
+/* What is written comes back; what is cut off is 0 and said, and nothing behind it is read. */
+static void bytes_come_back(void **state)
+{
+    double values[] = {1.5, -0.0, 3};
+    size_t size;
+    char *bytes = ric_bytes_make(pass_three, values, &size);
+    (void)state;
+    assert_non_null(bytes);
+    assert_int_equal(size, sizeof values);
+    for (size_t cut = 0; cut <= size; cut++) {
+        double back[] = {7, 7, 7};
+        ric_bytes b = ric_bytes_of(bytes, cut);
+        pass_three(&b, back);
+        assert_int_equal(b.lost, cut < size);
+        for (size_t i = 0; i < 3; i++)
+            assert_memory_equal(&back[i], i < cut / sizeof *back ? &values[i] : &(double){0}, sizeof *back);
+    }
+    free(bytes);
+}
+
 /* ----------------------------------------------------------- documentation */
 
 /* Every table and column of the file is in docs/atlas-format.md, as `table` in a heading and `column` in the first
@@ -633,6 +662,7 @@ int main(void)
         TEST(flipped_bits_are_harmless),
         TEST(every_column_is_documented),
         TEST(document_is_up_to_date),
+        TEST(bytes_come_back),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

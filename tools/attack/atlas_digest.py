@@ -6,7 +6,7 @@
 
 An atlas whose contents do not match their digest is refused before anything in it is looked at. Whoever wants to know
 what becomes of a file that was made to deceive edits its rows with sqlite3, calls update(path), and gives it to the
-program. The digest is FNV-1a with 64 bits (Fowler, Noll, Vo) over the columns that src/atlas/store_parts.h lists, in the
+program. The digest is FNV-1a with 64 bits (Fowler, Noll, Vo) over the columns that src/atlas/columns.c lists, in the
 order of src/atlas/store_check.c; the columns are read from there, so that both stay the same.
 """
 
