@@ -69,7 +69,7 @@ fi
 # The packages themselves take minutes: a copy of the tree is built as Debian does it, searched for faults, and what is in it runs.
 packages() {
     mkdir "$folder/deb" "$folder/deb/x" && tar c --exclude=./build* --exclude=./.git --exclude=node_modules . | tar x --one-top-level="$folder/deb/ricochet" || return 1
-    (cd "$folder/deb/ricochet" && dpkg-buildpackage -b -us -uc) || return 1
+    (cd "$folder/deb/ricochet" && env -u PKG_CONFIG_PATH -u PKG_CONFIG_SYSROOT_DIR -u LD_LIBRARY_PATH dpkg-buildpackage -b -us -uc) || return 1
     (cd "$folder/deb" && lintian --allow-root --fail-on error,warning ./*.changes) || return 1
     for package in ricochet libricochet0 libricochet-dev python3-ricochet; do
         dpkg -x "$folder/deb/$package"_*_*.deb "$folder/deb/x" || return 1
