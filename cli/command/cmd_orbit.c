@@ -203,7 +203,7 @@ static int print_orbits(const json_t *orbits, cli_format format)
     json_t *rows = json_array();
     json_array_foreach(orbits, i, orbit)
     {
-        json_object_foreach((json_t *)orbit, name, value)
+        json_object_foreach((json_t *)(uintptr_t)orbit, name, value)
         {
             json_t *row = json_object();
             json_object_set_new(row, "orbit", json_integer((json_int_t)i + 1));

@@ -97,7 +97,7 @@ static void add_members(buffer *b, const json_t *value, cli_format format)
         }
         return;
     }
-    json_object_foreach((json_t *)value, key, member)
+    json_object_foreach((json_t *)(uintptr_t)value, key, member)
     { /* Jansson asks for one that may change and leaves it as it
        * is */
         add_text(b, first ? "" : " ");
@@ -300,7 +300,7 @@ static const char **split(char *text, const json_t *rows)
     if (text)
         for (char *rest = NULL, *name = strtok_r(text, " ", &rest); name; name = strtok_r(NULL, " ", &rest))
             names[n++] = name;
-    else json_object_foreach((json_t *)first, key, value) names[n++] = key;
+    else json_object_foreach((json_t *)(uintptr_t)first, key, value) names[n++] = key;
     return names;
 }
 
@@ -351,7 +351,7 @@ static double scale_of(ric_unit unit, double d)
 
 static json_t *value_of(const ric_column *c, const void *row, const ric_model *model, double d)
 {
-    const char *at = (const char *)row + c->offset;
+    const void *at = (const char *)row + c->offset;
     const double number = ric_column_number(c, row), scale = scale_of(c->unit, d);
     const size_t count = (size_t)ric_column_count(c, row), width = ric_column_width(c, row, ric_model_n_dof(model));
     switch (c->type) {

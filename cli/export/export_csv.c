@@ -65,7 +65,7 @@ const char *export_csv(const char *path, const export_table *tables, int n)
     FILE *file = fopen(path, "w");
     if (!file) return "the file cannot be opened";
     for (int i = 0; i < n; i++) {
-        fprintf(file, n > 1 ? "%s# %s\n" : "", i ? "\n" : "", tables[i].name);
+        if (n > 1) fprintf(file, "%s# %s\n", i ? "\n" : "", tables[i].name);
         put_table(file, &tables[i]);
     }
     const bool failed = ferror(file);

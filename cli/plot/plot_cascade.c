@@ -328,10 +328,10 @@ static int draw_circle(picture *p)
             draw_dot(p, &angles, thick[k], (plot_point){point.arclength, turn[k]});
         }
     }
-    const plot_legend_entry pair[2] = {{"exp(2πiγ)", thick[0], -1},
+    const plot_legend_entry pair[2] = {{"exp(2πiγ)", (int)thick[0], -1},
                                        {"exp(\xe2\x88\x92"
                                         "2πiγ)",
-                                        thick[1], -1}};
+                                        (int)thick[1], -1}};
     plot_legend(p->page, 2, pair, 66, 66 + side, plot_page_height(p->page) - 28);
     plot_panel_frame(p->page, &circle, "Re μ", "Im μ");
     plot_panel_frame(p->page, &angles, "arclength", "arg μ / 2π");

@@ -256,7 +256,7 @@ static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *
 
 static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
 {
-    const int family = (plot_branch_family(branch) - PLOT_LINEAR) / 3;
+    const int family = ((int)plot_branch_family(branch) - PLOT_LINEAR) / 3;
     plot_track t = {0};
     ric_status status = make_track(s, branch, part, &t);
     plot_point *curve = malloc(((size_t)t.n + 1) * sizeof *curve);

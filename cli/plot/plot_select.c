@@ -169,7 +169,7 @@ static int take_junction(const ric_atlas *atlas, const char *text, const char *w
     const ric_status status = ric_atlas_junction(atlas, id, &j);
     if (status != RIC_OK) return cli_report(status);
     out->junction = id;
-    out->kind = j.kind;
+    out->kind = (int)j.kind;
     out->energy = j.energy;
     out->stable = -1;
     out->periods *= j.multiple;

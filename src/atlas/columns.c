@@ -203,7 +203,7 @@ const char *ric_column_declaration(const ric_column *c)
 
 int ric_column_count(const ric_column *c, const void *row)
 {
-    return c->count ? *(const int *)((const char *)row + c->count) : 1;
+    return c->count ? *(const int *)(const void *)((const char *)row + c->count) : 1;
 }
 
 size_t ric_column_width(const ric_column *c, const void *row, int n_dof)
@@ -215,7 +215,7 @@ size_t ric_column_width(const ric_column *c, const void *row, int n_dof)
 
 double ric_column_number(const ric_column *c, const void *row)
 {
-    const char *at = (const char *)row + c->offset;
+    const void *at = (const char *)row + c->offset;
     switch (c->type) {
     case RIC_COLUMN_REAL:
     case RIC_COLUMN_MAYBE: return *(const double *)at;

@@ -198,7 +198,7 @@ static const char *kind_text(int kind)
 /* A state or flights: where the row has room for them, else allocated. */
 static void take_vector(row_reader *row, size_t n, const double **at)
 {
-    double *values = *at ? (double *)*at : ric_calloc(n, sizeof *values);
+    double *values = *at ? ric_own(*at) : ric_calloc(n, sizeof *values);
     row->no_memory |= !values;
     take_float64s(row, n, values);
     *at = values;
@@ -208,8 +208,8 @@ static void take_vector(row_reader *row, size_t n, const double **at)
 static void take_column(row_reader *in, const ric_column *c, const ric_atlas *atlas, void *row)
 {
     const ric_model *model = ric_atlas_model(atlas);
-    char *at = (char *)row + c->offset;
-    int *number = (int *)at;
+    void *at = (char *)row + c->offset;
+    int *number = at;
     switch (c->type) {
     case RIC_COLUMN_ID:
     case RIC_COLUMN_PLACE: *number = take_integer(in, *number, *number); break;
@@ -224,7 +224,8 @@ static void take_column(row_reader *in, const ric_column *c, const ric_atlas *at
     case RIC_COLUMN_SINGLE: *(float *)at = (float)take_real(in); break;
     case RIC_COLUMN_TEXT: *(const char **)at = take_text(in); break;
     case RIC_COLUMN_WORD: /* behind its impacts */
-        *(const int **)at = take_word(in, model, *(int *)((char *)row + c[-1].offset), (int *)((char *)row + c->count));
+        *(const int **)at = take_word(in, model, *(int *)(void *)((char *)row + c[-1].offset),
+                                      (void *)((char *)row + c->count));
         break;
     case RIC_COLUMN_STOP: *(ric_stop *)at = (ric_stop)take_choice(in, RIC_STOP_FAILED + 1, stop_text); break;
     case RIC_COLUMN_KIND: *(ric_kind *)at = (ric_kind)take_choice(in, RIC_KIND_USER + 1, kind_text); break;
@@ -247,10 +248,10 @@ static void take_branch(row_reader *row, int i, ric_atlas *atlas)
     ric_branch *branch = &record->row;
     branch->id = i + 1;
     take_columns(row, &ric_table_branch, atlas, branch);
-    record->label = (char *)branch->label;
-    record->word = (int *)branch->word;
-    record->mirror = (char *)branch->mirror;
-    record->why = (char *)branch->why;
+    record->label = ric_own(branch->label);
+    record->word = ric_own(branch->word);
+    record->mirror = ric_own(branch->mirror);
+    record->why = ric_own(branch->why);
     record->stride = ric_atlas_point_stride(ric_model_n_dof(ric_atlas_model(atlas)), branch->letters);
 }
 
@@ -260,7 +261,7 @@ static void take_point(row_reader *row, int i, ric_atlas *atlas)
     const int branch = sqlite3_column_int(row->query, 0); /* has been looked at */
     ric_point_row point = ric_atlas_point_row(atlas, branch, i);
     take_columns(row, &ric_table_point, atlas, &point);
-    memcpy((double *)point.state - sizeof(ric_point) / sizeof(double), &point.point, sizeof(ric_point));
+    memcpy((double *)ric_own(point.state) - sizeof(ric_point) / sizeof(double), &point.point, sizeof(ric_point));
 }
 
 static void take_branch_junction(row_reader *row, int i, ric_atlas *atlas)
@@ -313,12 +314,12 @@ static void take_junction(row_reader *row, int i, ric_atlas *atlas)
     junction->id = i + 1;
     take_columns(row, &ric_table_junction, atlas, junction);
     junction->decided = junction->a > 0 && junction->label && !strchr(junction->label, '?');
-    record->label = (char *)junction->label;
-    record->name = (char *)junction->name;
-    record->word = (int *)junction->word;
-    record->state = (double *)junction->state;
-    record->flights = (double *)junction->flights;
-    record->refusal = (char *)junction->refusal;
+    record->label = ric_own(junction->label);
+    record->name = ric_own(junction->name);
+    record->word = ric_own(junction->word);
+    record->state = ric_own(junction->state);
+    record->flights = ric_own(junction->flights);
+    record->refusal = ric_own(junction->refusal);
 }
 
 static void take_junction_branch(row_reader *row, int i, ric_atlas *atlas)

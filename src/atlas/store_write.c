@@ -63,7 +63,7 @@ static void put_word(row_writer *row, const ric_model *model, int n, const int *
 /* Derived columns are only read by others, who are spared infinities. */
 static void put_column(row_writer *out, const ric_column *c, const ric_model *model, const void *row)
 {
-    const char *at = (const char *)row + c->offset;
+    const void *at = (const char *)row + c->offset;
     double number = ric_column_number(c, row);
     switch (c->type) {
     case RIC_COLUMN_FLAG: put_integer(out, *(const bool *)at); break;

@@ -5,6 +5,7 @@
 #define RIC_BASE_MEMORY_H
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,11 @@ void *ric_malloc(size_t size);
 void *ric_calloc(size_t count, size_t size);
 void *ric_realloc(void *old, size_t size);
 char *ric_strdup(const char *text);
+/* What a structure that others only read owns, for who fills or frees it. */
+static inline void *ric_own(const void *owned)
+{
+    return (void *)(uintptr_t)owned;
+}
 /* Passes on what a function of LAPACKE returned. */
 int ric_lapack(int info);
 

@@ -318,7 +318,7 @@ static ric_status measure(ric_continuation *tr, double s, const double *u, ric_s
                          .reach = out->reach > 0 ? out->reach : NAN,
                          .approach = out->closing < HUGE_VAL ? out->closing * m->length * m->omega_ref : NAN,
                          .residual = (float)c->residual,
-                         .stable = tr->floquet.stable};
+                         .stable = (int32_t)tr->floquet.stable};
     return RIC_OK;
 }
 

@@ -64,8 +64,8 @@ static void pack(ric_bytes *b, void *user)
 {
     ric_continuation *tr = user;
     const ric_shooting *c = tr->chain;
-    header h = {PACK_FORMAT, c->start,    c->end,   c->sigma,         c->n_flight, c->parts,
-                tr->n_point, tr->n_event, tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
+    header h = {PACK_FORMAT, (int32_t)c->start, (int32_t)c->end,   c->sigma,         c->n_flight, c->parts,
+                tr->n_point, tr->n_event,       (int32_t)tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
     ric_bytes_pass(b, &h, sizeof h);
     ric_bytes_pass(b, c->face, ((size_t)c->n_flight + 1) * sizeof *c->face);
     pass_findings(b, tr, c->closed);

@@ -155,8 +155,8 @@ static ric_status build_at(ric_continuation *tr, double h, ric_event_bridge *q, 
         ric_status status = ric_event_solve(tr, q->x[i], h, &tr->mid, good);
         if (status) return status;
         memcpy(q->test[i], tr->mid.test, sizeof tr->mid.test);
-        memcpy(q->u + i * size, tr->mid.u, size * sizeof *q->u);
-        memcpy(q->own + i * pairs, tr->mid.own, pairs * sizeof *q->own);
+        memcpy(q->u + (size_t)i * (size_t)size, tr->mid.u, (size_t)size * sizeof *q->u);
+        memcpy(q->own + (size_t)i * (size_t)pairs, tr->mid.own, (size_t)pairs * sizeof *q->own);
     }
     return RIC_OK;
 }

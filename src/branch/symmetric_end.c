@@ -187,7 +187,7 @@ static double cut(const ric_shooting *c, int rows, int columns, const double *J,
     int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
     double values[rows];
     if (!ric_flight_law_of(c->model)->integrated || rows <= dropped) return RIC_RANK;
-    memcpy(work, J, (size_t)rows * columns * sizeof *J);
+    memcpy(work, J, (size_t)rows * (size_t)columns * sizeof *J);
     memset(right, 0, (size_t)columns * sizeof *right);
     if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank)))
         return RIC_RANK;
@@ -227,8 +227,8 @@ ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
 {
     ric_status status = RIC_OK;
     int columns = c->n_unknown, capacity = ric_shooting_rows(c), m = capacity > columns ? capacity : columns, rank;
-    double *J = ric_calloc((size_t)capacity * columns, sizeof *J), *r = ric_calloc((size_t)m, sizeof *r);
-    double *work = ric_calloc((size_t)capacity * columns, sizeof *work), values[m], v[m], right[m], moved = 0;
+    double *J = ric_calloc((size_t)capacity * (size_t)columns, sizeof *J), *r = ric_calloc((size_t)m, sizeof *r);
+    double *work = ric_calloc((size_t)capacity * (size_t)columns, sizeof *work), values[m], v[m], right[m], moved = 0;
     if (!J || !r || !work) {
         status = ric_no_memory("the end of a branch");
         goto out;

@@ -185,7 +185,8 @@ static ric_status find_next(ric_simulator *sim, real to)
         real end = is_finite(chunk) ? sim->known + chunk : to;
         bool open = false;
         for (int f = 0; f < sim->n_face; f++) {
-            real t = ric_simulator_search_face(sim, &sim->face[f], sim->known, fmin(end, sim->next));
+            real t = ric_simulator_search_face(sim, &sim->face[f], (double)sim->known,
+                                               fmin((double)end, (double)sim->next));
             open |= sim->face[f].sign * sim->face[f].rest + sim->face[f].D[0] >= sim->face[f].level;
             if (t >= sim->next) continue;
             sim->next = t;
@@ -207,7 +208,7 @@ static ric_status check_alone(const ric_simulator *sim, int f, real t)
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (k == f || other->contact == face->contact || other->spring > 0) continue;
-        real g = ric_simulator_search_look(sim, other, t).g[0];
+        real g = ric_simulator_search_look(sim, other, (double)t).g[0];
         if (fabs(g) > TOGETHER * other->limit + other->band) continue;
         if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
         return ric_fail(
@@ -225,7 +226,7 @@ static void kink_reach(ric_simulator *sim, const face_t *face, real t, real chan
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (other->contact == face->contact || other->closed) continue;
-        sample a = ric_simulator_search_look(sim, other, t);
+        sample a = ric_simulator_search_look(sim, other, (double)t);
         real after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
         if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(other, a.g[0]));
     }
@@ -263,7 +264,7 @@ static ric_status toggle(ric_simulator *sim, ric_impact *impact)
     face_t *face = &sim->face[f];
     const frame *other;
     real g[3], t = sim->next;
-    ric_simulator_search_scan_reach(sim, t);
+    ric_simulator_search_scan_reach(sim, (double)t);
     sim->now = t;
     ric_simulator_search_look_closely(sim, face, t, g);
     for (int k = 0; k < sim->n_face; k++) closed[k] = sim->face[k].closed != (k == f);
@@ -285,7 +286,7 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
     const face_t *face = &sim->face[f];
     if (face->spring > 0) return toggle(sim, impact);
     real t = sim->next;
-    ric_simulator_search_scan_reach(sim, t);
+    ric_simulator_search_scan_reach(sim, (double)t);
     sim->now = t;
     ric_status status = check_alone(sim, f, t);
     if (status) return status;
@@ -438,7 +439,7 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
         return RIC_OK;
     }
     if ((status = check_flight(sim, to - sim->now))) return status;
-    ric_simulator_search_scan_reach(sim, to);
+    ric_simulator_search_scan_reach(sim, (double)to);
     sim->now = to;
     return RIC_OK;
 }

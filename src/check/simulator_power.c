@@ -278,14 +278,14 @@ static real step(ric_simulator_power *s, real H, real *y, double *Y)
     memcpy(stiff0, s->stiff, (size_t)s->n_contact * sizeof *stiff0);
     for (int attempt = 0; attempt < 60; attempt++) {
         for (int k = 0; k < LEVELS; k++) {
-            real *row = s->table + (size_t)k * 2 * n;
+            real *row = s->table + (size_t)k * 2 * (size_t)n;
             double moved = 0;
             leap(s, H, 2 * (k + 1), y, a0, a, row, Y, stiff0, s->columns + (size_t)k * size);
             /* Aitken and Neville, in place from the newest row upwards */
             if (k) memcpy(corner, s->table, 2 * (size_t)n * sizeof *corner);
             for (int j = k - 1; j >= 0; j--) {
                 real ratio = (real)(k + 1) / (j + 1), factor = 1 / (ratio * ratio - 1);
-                real *up = s->table + (size_t)j * 2 * n, *down = up + 2 * n;
+                real *up = s->table + (size_t)j * 2 * (size_t)n, *down = up + 2 * n;
                 for (int i = 0; i < 2 * n; i++) up[i] = down[i] + (down[i] - up[i]) * factor;
                 double *Up = s->columns + (size_t)j * size;
                 if (Y) moved = extrapolate_columns(size, (double)factor, Up, Up + size);

@@ -209,7 +209,7 @@ real ric_simulator_search_face(const ric_simulator *sim, const face_t *face, dou
 
 double ric_simulator_search_to_reach(const face_t *face, double g)
 {
-    return (g + face->level) / face->limit;
+    return (double)((g + face->level) / face->limit);
 }
 
 void ric_simulator_search_scan_reach(ric_simulator *sim, double to)
@@ -217,12 +217,12 @@ void ric_simulator_search_scan_reach(ric_simulator *sim, double to)
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
         double h = ric_simulator_search_panel(face);
-        sample a = ric_simulator_search_look(sim, face, sim->scanned);
+        sample a = ric_simulator_search_look(sim, face, (double)sim->scanned);
         while (a.t < to && !face->closed &&
                face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
             sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
             if (b.t <= a.t) break;
-            double level = sim->reach * face->limit - face->level, top = highest(sim, face, &a, &b, level);
+            double level = (double)(sim->reach * face->limit - face->level), top = highest(sim, face, &a, &b, level);
             if (top > level) sim->reach = ric_simulator_search_to_reach(face, top);
             a = b;
         }
@@ -266,10 +266,10 @@ double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double
 
 double ric_simulator_reach(const ric_simulator *sim)
 {
-    double reach = sim->reach;
+    double reach = (double)sim->reach;
     if (!sim->started || sim->now == 0) return (double)reach;
     for (int f = 0; f < sim->n_face; f++) {
-        sample a = ric_simulator_search_look(sim, &sim->face[f], sim->now);
+        sample a = ric_simulator_search_look(sim, &sim->face[f], (double)sim->now);
         if (a.g[1] >= 0 && !sim->face[f].closed)
             reach = fmax(reach, ric_simulator_search_to_reach(&sim->face[f], a.g[0]));
     }

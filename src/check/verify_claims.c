@@ -397,7 +397,8 @@ static int times_through(const replay *r)
     int N = r->n_event;
     size_t step = 2 * (size_t)r->n;
     for (int part = 1; part <= N / 2; part++) {
-        bool same = N % part == 0 && ric_replay_distance(r, r->chain + part * step, r->chain) <= BACK * r->norm;
+        bool same = N % part == 0 &&
+                    ric_replay_distance(r, r->chain + (size_t)part * (size_t)step, r->chain) <= BACK * r->norm;
         for (int k = 0; same && k < N; k++)
             same = r->branch.word[k] == r->branch.word[(k + part) % N] &&
                    fabs(r->tau[k] - r->tau[(k + part) % N]) <= NUMBER * r->period;

@@ -113,7 +113,7 @@ static void turn(int n, int low, int high, complex_t shift, complex_t *A, comple
 static complex_t choose_shift(int n, int high, const complex_t *A)
 {
     const complex_t *x = A + (high - 1) * n + high - 1, *y = x + n;
-    complex_t half = (x[0] - y[1]) / 2, root = csqrt(half * half + x[1] * y[0]);
+    complex_t half = (x[0] - y[1]) / 2, root = csqrtl(half * half + x[1] * y[0]);
     if (cabsl(half + root) < cabsl(half - root)) root = -root;
     return half + root == 0 ? y[1] : y[1] - x[1] * y[0] / (half + root);
 }
@@ -386,7 +386,7 @@ static void worsen(double *worst, real value)
 /* One pair that the library gives, z [4], against the nearest that is not yet used. */
 static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used, ric_claims *out)
 {
-    ric_pair rho = CMPLXL(z[0], z[1]) + CMPLXL(z[2], z[3]);
+    ric_pair rho = (z[0] + z[2]) + (z[1] + z[3]) * I;
     real off = INFINITY;
     int best = -1;
     if (isnan(creall(rho))) return RIC_AGREES_UNCHECKED;

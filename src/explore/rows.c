@@ -164,7 +164,7 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     const ric_model *m = g->model;
     int n_sheet = 0, n_mark = 0;
     ric_branch_row *sheets = ric_calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
-    size_t most = (size_t)g->n_node + (size_t)m->n_dof * g->limits.n_asked + 1;
+    size_t most = (size_t)g->n_node + (size_t)m->n_dof * (size_t)g->limits.n_asked + 1;
     ric_junction_row *marks = ric_calloc(most, sizeof *marks);
     int *id = ric_calloc(most, sizeof *id);
     bool *used = ric_calloc(most, sizeof *used);

@@ -20,7 +20,7 @@ static void map(const ric_model *m, uint64_t closed, int event, double tau, cons
     ric_flight_trig(m, n, tau, trig);
     ric_flight(n, trig, w, after);
     ric_flow(m, n, after, rate);
-    memset(matrix, 0, 4 * (size_t)n * n * sizeof *matrix);
+    memset(matrix, 0, 4 * (size_t)n * (size_t)n * sizeof *matrix);
     for (int i = 0; i < n; i++) {
         matrix[i * 2 * n + i] = matrix[(n + i) * 2 * n + n + i] = trig[i];
         matrix[i * 2 * n + n + i] = trig[n + i];

@@ -54,7 +54,7 @@ double ric_power_flow_pace(const ric_model *m, const double *w, double *work)
 {
     int n = m->n, contacts = m->n_contact;
     powers *p = (powers *)work;
-    double *W = work + contacts * powers_size(), after[2 * n];
+    double *W = work + (size_t)contacts * powers_size(), after[2 * n];
     for (int f = 0; f < contacts; f++) plan(m->contact[f].exponent, &p[f]);
     memcpy(W, w, sizeof after);
     for (int j = 0; j < ORDER; j++) state_order(m, n, contacts, j, p, W);

@@ -113,7 +113,7 @@ static inline double radius(int count, const real *coefficients)
 {
     double size = TRUNCATION * top_of(count, coefficients), h = HUGE_VAL;
     for (int j = ORDER; j >= ORDER - 1; j--) {
-        double top = top_of(count, coefficients + (size_t)j * count);
+        double top = top_of(count, coefficients + (size_t)j * (size_t)count);
         if (top > 0) h = fmin(h, pow(size / top, 1.0 / j));
     }
     return h;
@@ -152,9 +152,9 @@ static double guard(const ric_model *m, int n, int contacts, const powers *p, do
 /* x [count] at h. */
 static inline __attribute__((always_inline)) void sum_series(int count, real h, const real *coefficients, real *x)
 {
-    memcpy(x, coefficients + (size_t)ORDER * count, (size_t)count * sizeof *x);
+    memcpy(x, coefficients + (size_t)ORDER * (size_t)count, (size_t)count * sizeof *x);
     for (int j = ORDER - 1; j >= 0; j--)
-        for (int i = 0; i < count; i++) x[i] = coefficients[(size_t)j * count + i] + h * x[i];
+        for (int i = 0; i < count; i++) x[i] = coefficients[(size_t)j * (size_t)count + (size_t)i] + h * x[i];
 }
 
 /* Largest |dp/dt - force| at h, where the series has come to w. The last term left out grows like t^ORDER: the error
@@ -170,8 +170,8 @@ static inline __attribute__((always_inline)) double defect(const ric_model *m, i
         push[f] = m->spring[f] * power(s, m->contact[f].exponent);
     }
     for (int i = 0; i < n; i++) {
-        real rate = ORDER * W[(size_t)ORDER * 2 * n + n + i];
-        for (int j = ORDER - 1; j >= 1; j--) rate = j * W[(size_t)j * 2 * n + n + i] + h * rate;
+        real rate = ORDER * W[(size_t)ORDER * 2 * (size_t)n + (size_t)n + (size_t)i];
+        for (int j = ORDER - 1; j >= 1; j--) rate = j * W[(size_t)j * 2 * (size_t)n + (size_t)n + (size_t)i] + h * rate;
         rate += m->stiff[i] * w[i];
         for (int f = 0; f < contacts; f++) rate += push[f] * m->c[f * n + i];
         off = larger(off, (double)ABS(rate));
@@ -197,8 +197,8 @@ static inline __attribute__((always_inline)) real advance(const ric_model *m, in
 static inline __attribute__((always_inline)) void state_order(const ric_model *m, int n, int contacts, int j, powers *p,
                                                               real *W)
 {
-    const real *a = W + (size_t)j * 2 * n;
-    real *next = W + (size_t)(j + 1) * 2 * n, over = (real)1 / (j + 1);
+    const real *a = W + (size_t)j * 2 * (size_t)n;
+    real *next = W + (size_t)(j + 1) * 2 * (size_t)n, over = (real)1 / (j + 1);
     for (int i = 0; i < n; i++) {
         next[i] = over * m->kappa[i] * a[n + i];
         next[n + i] = -over * m->stiff[i] * a[i];
@@ -218,8 +218,8 @@ static inline __attribute__((always_inline)) void column_order(const ric_model *
                                                                int j, const powers *p, lane *A, lane *S)
 {
     int lanes = columns / LANES;
-    const lane *now = A + (size_t)j * 2 * n * lanes;
-    lane *next = A + (size_t)(j + 1) * 2 * n * lanes;
+    const lane *now = A + (size_t)j * 2 * (size_t)n * (size_t)lanes;
+    lane *next = A + (size_t)(j + 1) * 2 * (size_t)n * (size_t)lanes;
     real over = (real)1 / (j + 1);
     for (int i = 0; i < n; i++) {
         real kappa = over * m->kappa[i], stiff = -over * m->stiff[i];
@@ -232,7 +232,7 @@ static inline __attribute__((always_inline)) void column_order(const ric_model *
         const real *u = p[f].power[p[f].count].back + ORDER - j;
         const double *g = m->g + f * n, *c = m->c + f * n;
         real factor = over * m->spring[f] * m->contact[f].exponent;
-        lane *all = S + (size_t)f * (ORDER + 1) * lanes;
+        lane *all = S + (size_t)f * (ORDER + 1) * (size_t)lanes;
         for (int k = 0; k < lanes; k++) {
             lane ds = {0}, even = {0}, odd = {0};
             for (int i = 0; i < n; i++) ds += g[i] * now[i * lanes + k];
@@ -286,18 +286,18 @@ static inline __attribute__((always_inline)) bool fly_series(const ric_model *m,
                                                              real tau, real *w, real *X, double *S, real *work)
 {
     powers *p = (powers *)work;
-    real *W = work + contacts * powers_size(), *A = W + (size_t)(ORDER + 1) * 2 * n;
-    real *series = A + (size_t)(ORDER + 1) * 2 * n * columns, left = ABS(tau);
+    real *W = work + (size_t)contacts * powers_size(), *A = W + (size_t)(ORDER + 1) * 2 * (size_t)n;
+    real *series = A + (size_t)(ORDER + 1) * 2 * (size_t)n * (size_t)columns, left = ABS(tau);
     int sign = tau < 0 ? -1 : 1;
     if (!isfinite((double)tau)) return false;
     for (int f = 0; f < contacts; f++) plan(m->contact[f].exponent, &p[f]);
     for (int step = 0; left > 0; step++) {
         if (step == RIC_SMOOTH_STEPS || ric_halt(ORDER * ORDER * (1.0 + contacts) * (1 + columns))) return false;
         memcpy(W, w, 2 * (size_t)n * sizeof *w);
-        if (columns) memcpy(A, X, 2 * (size_t)n * columns * sizeof *X);
+        if (columns) memcpy(A, X, 2 * (size_t)n * (size_t)columns * sizeof *X);
         for (int j = 0; j < ORDER; j++) {
             state_order(m, n, contacts, j, p, W);
-            if (columns) column_order(m, n, contacts, columns, j, p, (lane *)A, (lane *)series);
+            if (columns) column_order(m, n, contacts, columns, j, p, (lane *)(void *)A, (lane *)(void *)series);
         }
         double longest = radius(2 * n, W);
         if (columns) longest = fmin(longest, radius(2 * n * columns, A));

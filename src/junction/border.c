@@ -163,7 +163,7 @@ static void condition(const ric_border *q, int k, double *h)
 static bool pin(ric_border *q, int k)
 {
     int m = 2 * q->n;
-    double h[m], row[m], *v = q->v + (size_t)k * m, *X = q->X, sum = 0;
+    double h[m], row[m], *v = q->v + (size_t)k * (size_t)m, *X = q->X, sum = 0;
     condition(q, k, h);
     for (int j = 0; j < m; j++) {
         row[j] = 0;
@@ -179,7 +179,7 @@ static bool pin(ric_border *q, int k)
     for (int i = 0; i < m; i++) {
         double s = q->beta[k] * ric_dot(m, X + i * m, v);
         for (int j = 0; j < m; j++) X[i * m + j] -= s * v[j];
-        q->pinned[(size_t)k * m + i] = X[i * m + m - 1];
+        q->pinned[(size_t)k * (size_t)m + (size_t)i] = X[i * m + m - 1];
     }
     q->operations += 3L * m * m;
     return true;
@@ -193,7 +193,7 @@ static void lift(ric_border *q, const double *last, const double *pinned, double
     double z[m];
     memcpy(z, last, sizeof z);
     for (int k = q->N - 1; k >= 0; k--) {
-        const double *v = q->v + (size_t)k * m;
+        const double *v = q->v + (size_t)k * (size_t)m;
         y[m + k] = z[m - 1];
         z[m - 1] = pinned ? pinned[k] : 0;
         double s = q->beta[k] * ric_dot(m, v, z);
@@ -211,7 +211,7 @@ static void lift_all(ric_border *q)
         memset(z, 0, sizeof z);
         z[j] = 1;
         lift(q, z, NULL, y);
-        for (int i = 0; i < q->unknowns; i++) q->K[(size_t)i * m + j] = y[i];
+        for (int i = 0; i < q->unknowns; i++) q->K[(size_t)i * (size_t)m + (size_t)j] = y[i];
     }
 }
 
@@ -220,12 +220,12 @@ bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
     int m = 2 * q->n;
     double super[m], copy[m * m];
     take_flights(q, rounding, bits);
-    memset(q->X, 0, (size_t)m * m * sizeof *q->X);
+    memset(q->X, 0, (size_t)m * (size_t)m * sizeof *q->X);
     for (int i = 0; i < m; i++) q->X[i * m + i] = 1;
     for (int k = 0; k < q->N; k++) {
         if (!pin(q, k)) return false;
         fly_columns(q, k, m - 1, m, q->X);
-        for (int i = 0; i < m; i++) q->X[i * m + m - 1] = q->rate[(size_t)k * m + i];
+        for (int i = 0; i < m; i++) q->X[i * m + m - 1] = q->rate[(size_t)k * (size_t)m + (size_t)i];
         strike_columns(q, k, m, m, q->X);
     }
     lift_all(q);
@@ -241,7 +241,7 @@ void ric_border_kernel(const ric_border *q, int i, double *du)
 {
     int m = 2 * q->n;
     const double *z = q->right + (m - 1 - i) * m;
-    for (int j = 0; j < q->unknowns; j++) du[j] = ric_dot(m, q->K + (size_t)j * m, z) * (j < m ? q->size : 1);
+    for (int j = 0; j < q->unknowns; j++) du[j] = ric_dot(m, q->K + (size_t)j * (size_t)m, z) * (j < m ? q->size : 1);
 }
 
 /* ------------------------------------------------------------------- borders */
@@ -252,7 +252,8 @@ static void own_border(ric_border *q, int b)
     for (int i = 0; i < b; i++) {
         const double *z = q->right + (m - 1 - i) * m;
         for (int r = 0; r < m; r++) q->U[r * b + i] = q->left[r * m + m - 1 - i];
-        for (int j = 0; j < q->unknowns; j++) q->V[(size_t)j * b + i] = ric_dot(m, q->K + (size_t)j * m, z);
+        for (int j = 0; j < q->unknowns; j++)
+            q->V[(size_t)j * (size_t)b + (size_t)i] = ric_dot(m, q->K + (size_t)j * (size_t)m, z);
     }
 }
 
@@ -263,9 +264,9 @@ bool ric_border_set(ric_border *q, const ric_border *frame, int b)
     if (frame == q) own_border(q, b);
     else {
         memcpy(q->U, frame->U, (size_t)(m * b) * sizeof *q->U);
-        memcpy(q->V, frame->V, (size_t)q->unknowns * b * sizeof *q->V);
+        memcpy(q->V, frame->V, (size_t)q->unknowns * (size_t)b * sizeof *q->V);
     }
-    memset(q->small, 0, (size_t)size * size * sizeof *q->small);
+    memset(q->small, 0, (size_t)size * (size_t)size * sizeof *q->small);
     for (int r = 0; r < m; r++) {
         memcpy(q->small + r * size, q->S + r * m, (size_t)m * sizeof *q->S);
         for (int i = 0; i < b; i++) q->small[r * size + m + i] = q->U[r * b + i];
@@ -273,7 +274,8 @@ bool ric_border_set(ric_border *q, const ric_border *frame, int b)
     for (int j = 0; j < q->unknowns; j++)
         for (int i = 0; i < b; i++)
             for (int l = 0; l < m; l++)
-                q->small[(m + i) * size + l] += q->V[(size_t)j * b + i] * q->K[(size_t)j * m + l];
+                q->small[(m + i) * size + l] += q->V[(size_t)j * (size_t)b + (size_t)i] *
+                                                q->K[(size_t)j * (size_t)m + (size_t)l];
     return !ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, size, size, q->small, size, q->swap));
 }
 
@@ -286,7 +288,7 @@ static void forward(ric_border *q, const double *conditions, double *pinned, dou
     for (int k = 0; k < q->N; k++) {
         condition(q, k, h);
         pinned[k] = (conditions[k] / q->size - ric_dot(m, h, out)) / q->pivot[k];
-        for (int i = 0; i < m; i++) out[i] += q->pinned[(size_t)k * m + i] * pinned[k];
+        for (int i = 0; i < m; i++) out[i] += q->pinned[(size_t)k * (size_t)m + (size_t)i] * pinned[k];
         fly_columns(q, k, 1, 1, out);
         strike_columns(q, k, 1, 1, out);
         q->operations += 2 * m;
@@ -303,11 +305,11 @@ bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x
     for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + x[i];
     for (int i = 0; i < b; i++) {
         rhs[m + i] = s[i];
-        for (int j = 0; j < q->unknowns; j++) rhs[m + i] -= q->V[(size_t)j * b + i] * x[j];
+        for (int j = 0; j < q->unknowns; j++) rhs[m + i] -= q->V[(size_t)j * (size_t)b + (size_t)i] * x[j];
     }
     if (ric_lapack(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1))) return false;
     memcpy(g, rhs + m, (size_t)b * sizeof *g);
-    for (int j = 0; j < q->unknowns; j++) x[j] += ric_dot(m, q->K + (size_t)j * m, rhs);
+    for (int j = 0; j < q->unknowns; j++) x[j] += ric_dot(m, q->K + (size_t)j * (size_t)m, rhs);
     for (int k = 0; k < N; k++) total += x[m + k];
     double dT = total - q->T * r[q->unknowns];
     x[q->unknowns] = dT;

@@ -63,7 +63,7 @@ static ric_status kernels(crossing *q)
             LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, n, q->J, n, s, q->U, equations, q->V, n, super)) ||
         s[rank] > RIC_RANK * s[0] || s[rank] > RIC_RANK_GAP * s[rank - 1])
         return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
-    memcpy(q->kernel, q->V + (size_t)rank * n, 2 * (size_t)n * sizeof *q->kernel);
+    memcpy(q->kernel, q->V + (size_t)rank * (size_t)n, 2 * (size_t)n * sizeof *q->kernel);
     if (whole) {
         double from[2 * c->n], gradient[2 * c->n], h[2] = {0};
         for (int i = 0; i < 2 * c->n; i++) from[i] = c->sigma * c->w[i];

@@ -224,12 +224,13 @@ static unsigned char *permutations(const ric_model *m, const ric_node *node, int
 {
     int bits = node->n_touch * node->multiple;
     action actions[4];
-    unsigned char *table = find_actions(m, node, actions) ? ric_malloc((size_t)4 * node->multiple * (bits ? bits : 1))
-                                                          : NULL;
+    unsigned char *table = find_actions(m, node, actions)
+                               ? ric_malloc((size_t)4 * (size_t)node->multiple * (size_t)(bits ? bits : 1))
+                               : NULL;
     *n = 0;
     for (int e = 0; table && e < 4; e++)
         for (int s = e == 0; s < node->multiple && acts(node, actions, e); s++) {
-            unsigned char *row = table + (size_t)(*n)++ * bits;
+            unsigned char *row = table + (size_t)(*n)++ * (size_t)bits;
             for (int bit = 0; bit < bits; bit++) {
                 unsigned to = mapped(node, actions, (operation){e, s}, 1u << bit);
                 for (row[bit] = 0; to > 1; to >>= 1) row[bit]++;
@@ -244,7 +245,7 @@ static bool is_listed(const ric_node *node, const unsigned char *table, int n, u
 {
     int bits = node->n_touch * node->multiple;
     for (int k = 0; k < n; k++) {
-        const unsigned char *row = table + (size_t)k * bits;
+        const unsigned char *row = table + (size_t)k * (size_t)bits;
         unsigned other = 0;
         for (int bit = 0; bit < bits; bit++)
             if (choice & 1u << bit) other |= 1u << row[bit];

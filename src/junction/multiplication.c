@@ -86,7 +86,8 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
 static ric_status kernels(ring *q, double *right, double *left)
 {
     int n = q->size;
-    double *U = ric_malloc((size_t)n * n * sizeof *U), *V = ric_malloc((size_t)n * n * sizeof *V), s[n], super[n];
+    double *U = ric_malloc((size_t)n * (size_t)n * sizeof *U), *V = ric_malloc((size_t)n * (size_t)n * sizeof *V), s[n],
+           super[n];
     bool three = false;
     ric_shooting_fly(q->chain, q->u0);
     if (!U || !V || ric_shooting_jacobian(q->chain, q->u0, q->J) != n) {
@@ -317,7 +318,7 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
         ric_shooting_fly(c, u);
         if (ric_shooting_jacobian(c, u, q->J) != n) return false;
         ric_shooting_residuals(c, u, q->b);
-        memset(q->A, 0, (size_t)k * k * sizeof *q->A);
+        memset(q->A, 0, (size_t)k * (size_t)k * sizeof *q->A);
         double size = 0;
         for (int j = 0; j < n; j++) {
             memcpy(q->A + j * k, q->J + j * n, (size_t)n * sizeof *q->J);

@@ -90,7 +90,7 @@ static double impact_speed(const ric_model *m, const ric_periodic *c, const doub
 static bool list_touches(const ric_model *m, ric_node *node)
 {
     const ric_periodic *c = node->cycle;
-    double *W = ric_calloc((size_t)c->N * 2 * c->n, sizeof *W);
+    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W);
     bool fits = true;
     if (!W) return false;
     ric_periodic_states(m, c, W);

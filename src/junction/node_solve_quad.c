@@ -52,7 +52,7 @@ static void lift(fine *q, const real *u, bool neighbours)
     memset(q->w, 0, 2 * (size_t)n * sizeof *q->w);
     for (int i = 0; i < count; i++) q->w[first + i] = u[i];
     if (!neighbours) return;
-    memset(q->X, 0, 2 * (size_t)n * count * sizeof *q->X);
+    memset(q->X, 0, 2 * (size_t)n * (size_t)count * sizeof *q->X);
     for (int i = 0; i < count; i++) q->X[(first + i) * count + i] = 1;
 }
 
@@ -100,7 +100,7 @@ static bool invert(fine *q)
     for (int i = 0; i < rows; i++) B[i * rows + i] = 1;
     if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, rows, J, columns, B, rows, values, REGULAR, &rank)))
         return false;
-    memcpy(q->inverse, B, (size_t)columns * rows * sizeof *B);
+    memcpy(q->inverse, B, (size_t)columns * (size_t)rows * sizeof *B);
     return true;
 }
 
@@ -169,12 +169,12 @@ static bool test(fine *q, real *value)
     double end[n2], h[n2];
     lift(q, q->u, false);
     rate(q, q->w, f);
-    memset(q->X, 0, (size_t)n2 * count * sizeof *q->X);
+    memset(q->X, 0, (size_t)n2 * (size_t)count * sizeof *q->X);
     for (int k = 0; k < count; k++) q->X[(column + k) * count + k] = 1;
     if (!fly(q, q->u[c->n_start], count)) return false;
     for (int i = 0; i < n2; i++) end[i] = (double)q->w[i];
     ric_flight_secant(q->m, 0, end, end, h);
-    memset(q->B, 0, (size_t)size * size * sizeof *q->B);
+    memset(q->B, 0, (size_t)size * (size_t)size * sizeof *q->B);
     for (int i = 0; i < count; i++) {
         for (int k = 0; k < count; k++) q->B[i * size + k] = q->X[(row + i) * count + k] - (!mirrored && i == k);
         if (size == count) continue;

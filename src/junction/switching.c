@@ -122,9 +122,9 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
 static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
 {
     int size = c->n_unknown, rows = ric_shooting_rows(c), k = rows < size ? rows : size;
-    double *J = ric_calloc((size_t)rows * size, sizeof *J), *s = ric_calloc((size_t)k, sizeof *s),
+    double *J = ric_calloc((size_t)rows * (size_t)size, sizeof *J), *s = ric_calloc((size_t)k, sizeof *s),
            *super = ric_calloc((size_t)k, sizeof *super);
-    double *V = ric_calloc((size_t)size * size, sizeof *V);
+    double *V = ric_calloc((size_t)size * (size_t)size, sizeof *V);
     bool found = false;
     if (J && s && super && V) {
         int equations = ric_shooting_jacobian(c, u, J);
@@ -132,7 +132,7 @@ static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
                 LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
             double second = size - 2 < equations ? s[size - 2] : 0;
             found = size > 2 && second <= RIC_RANK * s[0] && second <= RIC_RANK_GAP * s[size - 3];
-            memcpy(kernel, V + (size_t)(size - 2) * size, 2 * (size_t)size * sizeof *V);
+            memcpy(kernel, V + (size_t)(size - 2) * (size_t)size, 2 * (size_t)size * sizeof *V);
         }
     }
     free(J);

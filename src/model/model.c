@@ -99,12 +99,12 @@ static ric_status check(int n, const double *M, const double *K, int n_contact, 
 static ric_status check_mass(int n, const double *M)
 {
     ric_status status = RIC_OK;
-    double *A = array((size_t)n * n, sizeof *A), *value = array((size_t)n, sizeof *value);
+    double *A = array((size_t)n * (size_t)n, sizeof *A), *value = array((size_t)n, sizeof *value);
     if (!A || !value) {
         status = ric_no_memory("the mass matrix");
         goto out;
     }
-    memcpy(A, M, (size_t)n * n * sizeof *A);
+    memcpy(A, M, (size_t)n * (size_t)n * sizeof *A);
     if (ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n, A, n, value))) {
         status = ric_fail(RIC_E_NUMERIC, "the eigenvalues of the mass matrix could not be computed");
         goto out;
@@ -227,7 +227,7 @@ static void make_faces(ric_model *m)
     int n = m->n;
     m->symmetric = true;
     for (int f = 0; f < m->n_contact; f++) {
-        double *E = m->E + (size_t)f * (n - 1) * n;
+        double *E = m->E + (size_t)f * (size_t)(n - 1) * (size_t)n;
         ric_model_complement(n, m->c + f * n, E);
         if (m->contact[f].law == RIC_LAW_POWER) continue;
         bool both = m->contact[f].sides == RIC_SIDES_BOTH;
@@ -252,7 +252,7 @@ static void make_faces(ric_model *m)
 
 static ric_status allocate(ric_model *m, int n, int n_contact)
 {
-    size_t nn = (size_t)n * n, fn = (size_t)n_contact * n;
+    size_t nn = (size_t)n * (size_t)n, fn = (size_t)n_contact * (size_t)n;
     m->n_dof = n;
     m->n_contact = n_contact;
     m->M = array(nn, sizeof(double));
@@ -335,7 +335,7 @@ out:
 void ric_model_free(ric_model *m)
 {
     if (!m) return;
-    for (int i = 0; m->contact && i < m->n_contact; i++) free((void *)(uintptr_t)m->contact[i].name);
+    for (int i = 0; m->contact && i < m->n_contact; i++) free(ric_own(m->contact[i].name));
     void *owned[] = {m->M,     m->K,      m->b,    m->contact, m->spring, m->frequency, m->frequency_low,
                      m->Phi,   m->normal, m->seen, m->mode,    m->omega,  m->omega_low, m->kappa,
                      m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
@@ -414,7 +414,7 @@ ric_status ric_model_frequencies(const ric_model *m, double *out)
 
 ric_status ric_model_modes(const ric_model *m, double *out)
 {
-    memcpy(out, m->Phi, (size_t)m->n_dof * m->n_dof * sizeof *out);
+    memcpy(out, m->Phi, (size_t)m->n_dof * (size_t)m->n_dof * sizeof *out);
     return RIC_OK;
 }
 
@@ -426,7 +426,7 @@ ric_status ric_model_seen(const ric_model *m, bool *out)
 
 ric_status ric_model_modal_normals(const ric_model *m, double *out)
 {
-    memcpy(out, m->normal, (size_t)m->n_contact * m->n_dof * sizeof *out);
+    memcpy(out, m->normal, (size_t)m->n_contact * (size_t)m->n_dof * sizeof *out);
     return RIC_OK;
 }
 
@@ -502,7 +502,7 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
 {
     ric_status status = RIC_OK;
     int n = m->n_dof;
-    double *E = array((size_t)n * n, sizeof *E), *A = array((size_t)n * n, sizeof *A);
+    double *E = array((size_t)n * (size_t)n, sizeof *E), *A = array((size_t)n * (size_t)n, sizeof *A);
     if (contact < 0 || contact >= m->n_contact) {
         status = ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
         goto out;

@@ -57,7 +57,7 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
             MX[i * n + j] = sum;
         }
     }
-    memcpy(X, MX, (size_t)n * n * sizeof *X);
+    memcpy(X, MX, (size_t)n * (size_t)n * sizeof *X);
 }
 
 /* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever the gaps between the
@@ -83,13 +83,13 @@ static void orthonormalise(const ric_model *m, int n, long double *X, long doubl
             for (int k = 0; k < n; k++) sum += X[i * n + k] * R[k * n + j] / 2;
             MX[i * n + j] = sum;
         }
-    memcpy(X, MX, (size_t)n * n * sizeof *X);
+    memcpy(X, MX, (size_t)n * (size_t)n * sizeof *X);
 }
 
 static ric_status refine_modes(ric_model *m)
 {
     int n = m->n_dof;
-    size_t square = (size_t)n * n;
+    size_t square = (size_t)n * (size_t)n;
     if (n > REFINED) return RIC_OK;
     long double *work = ric_calloc(5 * square + (size_t)n, sizeof *work);
     if (!work) return ric_fail(RIC_E_NOMEM, "no memory to refine %d modes", n);
@@ -112,13 +112,13 @@ static ric_status eigenmodes(ric_model *m)
 {
     ric_status status = RIC_OK;
     int n = m->n_dof;
-    double *B = ric_calloc((size_t)n * n, sizeof *B);
+    double *B = ric_calloc((size_t)n * (size_t)n, sizeof *B);
     if (!B) {
         status = ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
         goto out;
     }
-    memcpy(m->Phi, m->K, (size_t)n * n * sizeof *B);
-    memcpy(B, m->M, (size_t)n * n * sizeof *B);
+    memcpy(m->Phi, m->K, (size_t)n * (size_t)n * sizeof *B);
+    memcpy(B, m->M, (size_t)n * (size_t)n * sizeof *B);
     if (ric_lapack(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
         status =
             ric_fail(RIC_E_NUMERIC,
@@ -154,7 +154,7 @@ static ric_status rotate_equal(ric_model *m, int first, int last)
 {
     ric_status status = RIC_OK;
     int n = m->n_dof, k = last - first + 1, f = m->n_contact;
-    double *C = ric_calloc((size_t)f * k, sizeof *C), *V = ric_calloc((size_t)k * k, sizeof *V);
+    double *C = ric_calloc((size_t)f * (size_t)k, sizeof *C), *V = ric_calloc((size_t)k * (size_t)k, sizeof *V);
     double *s = ric_calloc((size_t)(f > k ? f : k), sizeof *s), *row = ric_calloc((size_t)k, sizeof *row);
     double *super = ric_calloc((size_t)(f > k ? f : k), sizeof *super);
     if (!C || !V || !s || !row || !super) {

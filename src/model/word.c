@@ -148,7 +148,7 @@ static bool fixed_by_rotations(uint64_t k, int n, bool flip, wide limit, wide *s
     for (int d = 1; d <= n; d++) {
         if (n % d) continue;
         if (!power(k, n / d, limit, &words)) return false;
-        *sum += words * (wide)totient(d) * (flip && d % 2 == 0 ? 2 : 1);
+        *sum += words * (wide)(unsigned)totient(d) * (flip && d % 2 == 0 ? (wide)2 : (wide)1);
     }
     return true;
 }

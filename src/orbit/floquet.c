@@ -67,7 +67,7 @@ static void section(const ric_shooting *c, ric_mirror mirror, uint64_t closed, c
         for (int i = 0; i < n; i++) h[i] = -rate[n + i];
     } else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, w + n, sizeof h);
     else {
-        memcpy(E, c->model->face[face].E, (size_t)(n - 1) * n * sizeof *E);
+        memcpy(E, c->model->face[face].E, (size_t)(n - 1) * (size_t)n * sizeof *E);
         return;
     }
     ric_model_complement(n, h, E);
@@ -87,7 +87,7 @@ static void section_columns(const ric_shooting *c, ric_mirror mirror, const doub
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
-    memset(V, 0, (size_t)2 * n * ld * sizeof *V);
+    memset(V, 0, (size_t)2 * (size_t)n * (size_t)ld * sizeof *V);
     for (int j = 0; j < k; j++)
         for (int i = 0; i < n; i++) {
             V[i * ld + j] = m->kappa[i] * E[j * n + i];
@@ -693,12 +693,13 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
         size = fmax(size, fabs(P[i]));
     }
     for (int i = 0; i < ld; i++) trace += P[i * ld + i];
-    double error = ROUNDING * DBL_EPSILON * roundings(c) * ldexp(size, fmin(exponent, 1000)) + 8 * DBL_EPSILON;
+    double error = ROUNDING * DBL_EPSILON * roundings(c) * ldexp(size, exponent < 1000 ? exponent : 1000) +
+                   8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
     f->error_a = f->error_b = f->error_d = 0;
     f->size_a = f->size_b = f->size_d = 1;
     /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
-    memcpy(A, P, (size_t)ld * ld * sizeof *A);
+    memcpy(A, P, (size_t)ld * (size_t)ld * sizeof *A);
     for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
     f->det_a = 1;
     if (c->sigma < 0 && k > 1) {

@@ -101,7 +101,7 @@ static void start_columns(course *q, ric_mirror mirror, int face)
 {
     int n = q->n, k = q->k, ld = q->ld;
     const ric_model *m = q->c->model;
-    memset(q->V, 0, (size_t)2 * n * ld * sizeof *q->V);
+    memset(q->V, 0, (size_t)2 * (size_t)n * (size_t)ld * sizeof *q->V);
     for (int j = 0; j < k; j++)
         for (int i = 0; i < n; i++) {
             q->V[i * ld + j] = m->kappa[i] * q->E[j * n + i];

@@ -88,7 +88,7 @@ int ric_periodic_impacts(uint64_t springs, const ric_periodic *c)
 {
     int switches = 0;
     if (ric_periodic_letters(c) == 0) return 0;
-    for (int i = 0; springs && i < c->N; i++) switches += springs >> c->face[i] & 1;
+    for (int i = 0; springs && i < c->N; i++) switches += (int)(springs >> c->face[i] & 1);
     return c->N - switches / 2;
 }
 
@@ -229,7 +229,7 @@ ric_periodic *ric_periodic_keep(const ric_model *m, const ric_periodic *c, const
     for (int i = 0; i < N; i++) kept += keep[i];
     while (first < N && !keep[first]) first++;
     ric_periodic *out = ric_periodic_create(n, kept);
-    double *W = ric_calloc((size_t)N * 2 * n, sizeof *W);
+    double *W = ric_calloc((size_t)N * 2 * (size_t)n, sizeof *W);
     if (!out || !W) {
         ric_periodic_free(out);
         free(W);

@@ -144,7 +144,7 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
     int n = c->n, N = c->N, nf = 0;
     bool hit0 = x0 % 2 == 0, hit1 = x1 % 2 == 0;
     int *face = ric_calloc((size_t)(x1 - x0) + 3, sizeof *face);
-    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau), *W = ric_calloc((size_t)N * 2 * n, sizeof *W),
+    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau), *W = ric_calloc((size_t)N * 2 * (size_t)n, sizeof *W),
            *u = NULL;
     double w[2 * n];
     *chain = NULL;

@@ -230,7 +230,7 @@ void ric_shooting_fly(ric_shooting *c, const double *u)
 static inline __attribute__((always_inline)) void start_columns(ric_shooting *c, int n, int rows, int ld)
 {
     double *X = c->X;
-    memset(X, 0, (size_t)rows * ld * sizeof *X);
+    memset(X, 0, (size_t)rows * (size_t)ld * sizeof *X);
     switch (c->start) {
     case RIC_MIRROR_NONE:
         for (int i = 0; i < 2 * n; i++) X[i * ld + i] = X[(2 * n + i) * ld + i] = 1;
@@ -368,7 +368,7 @@ static void end_rows_reversible(ric_shooting *c)
 {
     int n = c->n, ld = c->ld;
     double *X = c->X;
-    if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * ld * sizeof *X);
+    if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * (size_t)ld * sizeof *X);
     else if (c->end == RIC_MIRROR_IMPACT) {
         const ric_face *face = &c->model->face[c->face[c->n_flight]];
         for (int r = 0; r < n - 1; r++)
@@ -487,7 +487,7 @@ bool ric_shooting_plane(const ric_shooting *c, double *kernel, double *second)
         const double *y = V + (rows - 1 + i) * columns;
         double end[rows];
         for (int r = 0; r < rows; r++) end[r] = y[rows - r];
-        unwind(c, false, y[0], end, kernel + (size_t)i * c->n_unknown);
+        unwind(c, false, y[0], end, kernel + (size_t)i * (size_t)c->n_unknown);
     }
     return true;
 }

@@ -53,7 +53,7 @@ static inline bool ric_general(const ric_shooting *c)
 static inline __attribute__((always_inline)) double ric_pin(ric_shooting *c, int vector, int m, const double *g,
                                                             double rhs, int rows, int ld)
 {
-    double *v = c->hv + (size_t)vector * ld, *X = c->X;
+    double *v = c->hv + (size_t)vector * (size_t)ld, *X = c->X;
     double sum = 0;
     for (int j = 0; j < m; j++) sum += g[j] * g[j];
     double norm = sqrt(sum), last = g[m - 1], rho = last > 0 ? -norm : norm;
@@ -81,7 +81,7 @@ static inline __attribute__((always_inline)) double ric_pin(ric_shooting *c, int
 /* Undoes one Householder reflection on z [m], whose last coordinate was pinned at `pinned`. */
 static inline void ric_unpin(const ric_shooting *c, int vector, int m, double pinned, double *z)
 {
-    const double *v = c->hv + (size_t)vector * c->ld;
+    const double *v = c->hv + (size_t)vector * (size_t)c->ld;
     double s = 0;
     z[m - 1] = pinned;
     for (int j = 0; j < m; j++) s += v[j] * z[j];

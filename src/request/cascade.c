@@ -493,7 +493,7 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (W) {
         ric_periodic_states(c->model, cycle, W);
         for (int k = 0; k < cycle->N; k++)
-            ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * n, v);
+            ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * (size_t)n, v);
     } else status = ric_no_memory("a cascade");
     free(W);
     ric_periodic_free(cycle);

@@ -83,7 +83,7 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
                            .reach = reach > 0 ? reach : NAN,
                            .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
                            .residual = (float)c->residual,
-                           .stable = floquet.stable};
+                           .stable = (int32_t)floquet.stable};
     /* what memory was missing for looks undecided or lost, not missing */
     if ((status = ric_trust(RIC_OK))) goto out;
     *out = o;

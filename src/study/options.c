@@ -406,8 +406,8 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
     if (option->type == RIC_OPTION_WINDOW) status = read_window(option, list, n, texts, value, item);
     else if (list) return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
     else if (option->type == RIC_OPTION_SWITCH) {
-        value[0] = !strcmp(texts[0], "true");
-        if (!value[0] && strcmp(texts[0], "false"))
+        value[0] = strcmp(texts[0], "true") ? 0 : 1;
+        if (value[0] == 0 && strcmp(texts[0], "false"))
             return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them", texts[0]);
     } else status = read_number(option, texts[0], &value[0]);
     if (!status) store(option, value, out);

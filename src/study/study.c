@@ -510,8 +510,8 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
     ric_status status = RIC_OK;
     *out = (ric_raw_model){.n = ric_model_n_dof(m),
                            .n_contact = ric_model_n_contact(m),
-                           .mass = (double *)ric_model_mass(m),
-                           .stiffness = (double *)ric_model_stiffness(m),
+                           .mass = ric_own(ric_model_mass(m)),
+                           .stiffness = ric_own(ric_model_stiffness(m)),
                            .restitution = ric_model_restitution(m)};
     out->contacts = ric_calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
     if (!out->contacts) return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
