@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/halt.h"
 #include "common/cli.h"
 
 enum { MOST_WORKERS = 256 };
@@ -106,9 +107,17 @@ static void fail(audit *a, ric_status status)
     a->stop = true;
 }
 
+/* Asked within a point, which may take long. */
+static bool is_over(void *user)
+{
+    const audit *a = user;
+    return a->stop || cli_stopped() || seconds_since(&a->start) > a->seconds;
+}
+
 static void *work(void *user)
 {
     audit *a = user;
+    ric_halt_ask(is_over, a);
     while (!a->stop) {
         int i = atomic_fetch_add(&a->next, 1);
         if (i >= a->n) break;
@@ -118,6 +127,7 @@ static void *work(void *user)
                             : r->of == OF_JUNCTION ? ric_verify_junction(a->atlas, point, &r->claims)
                                                    : ric_verify_point(a->atlas, branch, point, &r->check);
         if (!status && r->of == OF_POINT) status = ric_verify_claims(a->atlas, branch, point, &r->claims);
+        if (ric_halted()) break; /* what was found since is no answer */
         if (status) {
             fail(a, status);
             break;
@@ -125,6 +135,8 @@ static void *work(void *user)
         r->done = true;
         atomic_fetch_add(&a->finished, 1);
     }
+    if (ric_halted()) a->stop = true;
+    ric_halt_ask(NULL, NULL);
     return NULL;
 }
 

@@ -15,6 +15,7 @@
 #include <tgmath.h>
 
 #include "simulator_power.h"
+#include "base/halt.h"
 #include "base/room.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };
@@ -309,6 +310,8 @@ ric_status ric_simulator_power_go(ric_simulator_power *s, ric_real time, ric_rea
         if (k == MOST_STEPS)
             return ric_fail(RIC_E_RANGE, "the motion up to time %.9g took %d steps; follow it in shorter pieces",
                             (double)done, k);
+        if (ric_halt(LEVELS * LEVELS * 8.0 * s->n * s->n * (Y ? s->n : 1)))
+            return ric_fail(RIC_E_INTERRUPTED, "stopped on request at time %.9g", (double)done);
         real rest = time - done, H = fmin(s->step, rest), kept = s->step, taken = step(s, H, y, Y);
         if (!(taken > 0))
             return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g", (double)done);
