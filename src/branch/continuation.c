@@ -30,7 +30,6 @@
 #define LOST 2.5e-10
 /* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
 #define STEEP 1e-11
-#define NEAR_BORDER 100   /* of the error of rho: nearer to the border of stability it is measured */
 #define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8         /* points of a step at which its period is looked at */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
@@ -125,20 +124,6 @@ double ric_continuation_tangent(const ric_shooting *c, const double *along, doub
 }
 
 /* ------------------------------------------------------------------ stations */
-
-/* Of the impacts; `springs`: of the closings too. */
-static double smallest_approach(const ric_shooting *c, bool springs)
-{
-    const ric_model *m = c->model;
-    double least = HUGE_VAL;
-    if (c->start == RIC_MIRROR_IMPACT) least = c->approach[0];
-    for (int k = 1; k <= c->n_flight; k++) {
-        if (c->face[k] < 0) continue;
-        bool spring = m->face[c->face[k]].spring > 0, closes = spring && c->closed[k] >> c->face[k] & 1;
-        if (!spring || springs) least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
-    }
-    return least;
-}
 
 /* Smallest time between two switches of one spring: it vanishes where an impact would lose its speed, at a grazing. */
 static double smallest_touch(const ric_shooting *c, const double *u)
@@ -254,43 +239,6 @@ static ric_status keep_definite(ric_continuation *tr, ric_station *p, double app
     return RIC_OK;
 }
 
-/* How far inside the stable region all rho of the map in use are, or, negative, how far outside the farthest is, x, as
- * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. */
-static double stable_margin(const ric_floquet *f)
-{
-    double least = HUGE_VAL;
-    for (int i = 0; i < f->n_pair; i++) {
-        double inside = 2 - fabs(f->own[2 * i]), aside = -fabs(f->own[2 * i + 1]);
-        least = fmin(least, aside < 0 ? fmin(inside, aside) : inside);
-    }
-    return least < 0 ? (isinf(least) ? -2 : 2 * least / (2 - least)) : least;
-}
-
-/* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
- * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow. What is so near to the
- * border that this may count is measured, as signs are in keep_definite. */
-ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
-{
-    int size = c->n_unknown;
-    double approach = fmax(fabs(smallest_approach(c, false)), DBL_MIN), at = stable_margin(f), seen = 0,
-           steep = at < 0 ? (2 + at) / 2 * ((2 + at) / 2) : 1, error = f->error * steep,
-           blur = 1 + (1 + 1 / approach) * c->scale / c->smallest,
-           move = rounding(c) * c->scale * (1 + 1 / c->smallest), moved[size];
-    if (f->stable == RIC_STABLE_UNDECIDED || !(fabs(at) <= NEAR_BORDER * f->rough * steep * blur)) return RIC_OK;
-    ric_stability stable = f->stable;
-    ric_status status = RIC_OK;
-    for (unsigned way = 1; way <= 2 && !status && isfinite(move); way++) {
-        unsigned bits = way * 2654435769u;
-        for (int i = 0; i < size; i++) moved[i] = u[i] + ric_moved(&bits, move);
-        ric_shooting_fly(c, moved);
-        if (!(status = ric_floquet_compute(c, f))) seen = fmax(seen, RIC_MEASURED * fabs(stable_margin(f) - at));
-    }
-    ric_shooting_fly(c, u);
-    if (!status) status = ric_floquet_compute(c, f);
-    f->stable = isfinite(move) && fabs(at) > error + seen ? stable : RIC_STABLE_UNDECIDED;
-    return status;
-}
-
 typedef struct {
     double reach, approach, closing, time, energy;
 } margin;
@@ -305,8 +253,8 @@ static ric_status measure(ric_continuation *tr, double s, const double *u, ric_s
     if (!status) status = ric_continuation_judge(c, u, &tr->floquet);
     if (status) return status;
     *out = (margin){.reach = ric_reach(c, u, NULL),
-                    .approach = smallest_approach(c, false),
-                    .closing = smallest_approach(c, true),
+                    .approach = ric_continuation_approach(c, false),
+                    .closing = ric_continuation_approach(c, true),
                     .time = ric_shooting_time(c, u),
                     .energy = ric_shooting_energy(c)};
     p->solved = ric_continuation_solved(c);

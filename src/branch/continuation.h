@@ -204,6 +204,8 @@ ric_status ric_continuation_end_at(ric_continuation *trace, const double *u);
  * when converged. */
 bool ric_continuation_correct(ric_shooting *chain, double *u, const double *origin, const double *normal, double target,
                               double *du, int *iterations);
+/* Least speed of approach of the impacts; `springs`: of the closings too. */
+double ric_continuation_approach(const ric_shooting *chain, bool springs);
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);

@@ -6,8 +6,36 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "flow/room.h"
 
+#define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
+
+double ric_continuation_approach(const ric_shooting *c, bool springs)
+{
+    const ric_model *m = c->model;
+    double least = HUGE_VAL;
+    if (c->start == RIC_MIRROR_IMPACT) least = c->approach[0];
+    for (int k = 1; k <= c->n_flight; k++) {
+        if (c->face[k] < 0) continue;
+        bool spring = m->face[c->face[k]].spring > 0, closes = spring && c->closed[k] >> c->face[k] & 1;
+        if (!spring || springs) least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
+    }
+    return least;
+}
+
+static bool closes_springs(const ric_model *m)
+{
+    return m->n_face > 0 && !ric_flight_law_of(m)->turns;
+}
+
+/* Of the size: error of each unknown. Where springs close, velocities are as wrong as the displacement at which they
+ * did makes them, and touches that are short pass all stabilities within that. A part of the tolerance, whose own
+ * safety RIC_MEASURED gives back. */
+static double of_unknown(const ric_shooting *c)
+{
+    return closes_springs(c->model) ? fmax(UNKNOWN, ric_continuation_tolerance(c) / RIC_MEASURED) : UNKNOWN;
+}
 
 bool ric_continuation_move(const ric_shooting *c, const double *u, int way, double *out)
 {
@@ -16,7 +44,8 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, int way, doub
     unsigned bits = (unsigned)way * 2654435769u;
     if (!ric_shooting_plane(c, plane, &second)) return false;
     double across = ric_continuation_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
-    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, UNKNOWN * c->scale) + across * plane[i];
+    double each = of_unknown(c) * c->scale;
+    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, each) + across * plane[i];
     return isfinite(across);
 }
 
@@ -28,27 +57,66 @@ static double off_pair(int count, const double *rho, const double *one)
     return off;
 }
 
-ric_status ric_continuation_bound(ric_shooting *c, const double *u, ric_floquet *f)
+/* How far inside the stable region all rho of the map in use are, or, negative, how far outside the farthest is, x, as
+ * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. */
+static double stable_margin(const ric_floquet *f)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) {
+        double inside = 2 - fabs(f->own[2 * i]), aside = -fabs(f->own[2 * i + 1]);
+        least = fmin(least, aside < 0 ? fmin(inside, aside) : inside);
+    }
+    return least < 0 ? (isinf(least) ? -2 : 2 * least / (2 - least)) : least;
+}
+
+/* What an error of rho is in the margin. */
+static double steepness(double margin)
+{
+    return margin < 0 ? (2 + margin) / 2 * ((2 + margin) / 2) : 1;
+}
+
+/* The flag and, in seen [n_pair], the error of each pair, by orbits that are the same but for rounding: f is again that
+ * of u afterwards, undecided where one of them, with a margin, may be on the other side of the border. */
+static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
     int k = f->n_pair, size = c->n_unknown;
-    double at[2 * k + 1], seen[k + 1], moved[WAYS * size + 1];
+    double at[2 * k], moved[WAYS * size], margin = stable_margin(f), off = 0, error = f->error * steepness(margin);
     ric_status status = RIC_OK;
     ric_stability stable = f->stable;
-    if (k < 1) return RIC_OK;
-    memcpy(at, f->rho, 2 * (size_t)k * sizeof *at);
-    memset(seen, 0, sizeof seen);
     bool known = true;
+    memcpy(at, f->rho, sizeof at);
+    memset(seen, 0, (size_t)k * sizeof *seen);
     for (int way = 0; way < WAYS; way++) known = known && ric_continuation_move(c, u, way + 1, moved + way * size);
     for (int way = 0; way < WAYS && known && !status; way++) {
         ric_shooting_fly(c, moved + way * size);
-        status = ric_floquet_compute(c, f);
-        for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], off_pair(k, f->rho, at + 2 * i));
+        if ((status = ric_floquet_compute(c, f))) break;
+        off = fmax(off, RIC_MEASURED * fabs(stable_margin(f) - margin));
+        for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
     }
     ric_shooting_fly(c, u);
     if (!status) status = ric_floquet_compute(c, f);
-    f->stable = stable;
-    for (int i = 0; i < k; i++) seen[i] = known ? RIC_MEASURED * seen[i] : HUGE_VAL;
+    for (int i = 0; i < k && !known; i++) seen[i] = HUGE_VAL;
+    f->stable = known && fabs(margin) > error + off ? stable : RIC_STABLE_UNDECIDED;
+    return status;
+}
+
+/* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
+ * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow or a spring is hardly
+ * closed. What is so near to the border that this may count is measured. */
+ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
+{
+    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f),
+           seen[f->n_pair + 1], blur = 1 + (1 + 1 / approach) * c->scale / c->smallest;
+    bool far = !closes_springs(c->model) && !(fabs(margin) <= NEAR_BORDER * f->rough * steepness(margin) * blur);
+    return f->n_pair < 1 || f->stable == RIC_STABLE_UNDECIDED || far ? RIC_OK : measure(c, u, f, seen);
+}
+
+ric_status ric_continuation_bound(ric_shooting *c, const double *u, ric_floquet *f)
+{
+    double seen[f->n_pair + 1];
+    if (f->n_pair < 1) return RIC_OK;
+    ric_status status = measure(c, u, f, seen);
     ric_floquet_widen(f, seen);
     return status;
 }

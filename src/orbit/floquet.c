@@ -296,6 +296,22 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     }
 }
 
+/* How far rho i may be off: m of them that may be one are moved by the m-th root of the error, relative to their size
+ * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie m. `least`: how
+ * many are together at least. */
+static double radius_of(const ric_floquet *f, int i, int least, double error)
+{
+    const double *r = f->rho + 2 * i;
+    double size = 1 + fabs(r[0]) + fabs(r[1]), radius = least == 1 ? error : sqrt(error / size) * size;
+    for (int m = 2; m <= f->n_pair; m++) {
+        int count = 0;
+        double wide = pow(error / size, 1.0 / m) * size;
+        for (int j = 0; j < f->n_pair; j++) count += hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]) <= wide;
+        if (count >= m) radius = fmax(radius, wide);
+    }
+    return radius;
+}
+
 /* error [n_pair]: of each rho of the chain's map. What is lost in it is NaN; the map's own rho only if it may be on the
  * unit circle. */
 static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
@@ -303,11 +319,13 @@ static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
     bool undecided = false, unstable = false;
     f->error = 0;
     for (int i = 0; i < f->n_pair; i++) {
+        double alone = radius_of(f, i, 1, error[i]), pair = radius_of(f, i, 2, error[i]);
+        bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
+        if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;
+        else if (complex_pair || fabs(f->rho[2 * i]) > 2 - alone) undecided = true;
+    }
+    for (int i = 0; i < f->n_pair; i++) {
         double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
-        /* a double eigenvalue splits like the square root of the error */
-        double split = sqrt(error[i] / size) * size;
-        if (fabs(r[1]) > split || fabs(r[0]) - 2 > error[i]) unstable = true;
-        else if (fabs(r[1]) > 0 || fabs(r[0]) > 2 - error[i]) undecided = true;
         bool lost = !(error[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - error[i] > 2;
         memcpy(f->own + 2 * i, r, 2 * sizeof *r);
         if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
@@ -754,7 +772,6 @@ ric_status ric_floquet_compute(const ric_shooting *c, ric_floquet *f)
 void ric_floquet_widen(ric_floquet *f, const double *more)
 {
     double worst = 0;
-    bool any = false;
     for (int i = 0; i < f->n_pair; i++) {
         double *r = f->rho + 2 * i;
         f->each[i] += more[i];
@@ -762,11 +779,9 @@ void ric_floquet_widen(ric_floquet *f, const double *more)
             worst = fmax(worst, f->each[i]);
             continue;
         }
-        any = true;
         r[0] = r[1] = NAN;
     }
     f->error = worst;
-    if (any && f->stable == RIC_STABLE_YES) f->stable = RIC_STABLE_UNDECIDED;
 }
 
 /* The large one first: the other is its inverse, without cancellation. */

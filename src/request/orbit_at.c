@@ -53,9 +53,7 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
     if (!o) return ric_no_memory("an orbit");
     if ((status = ric_floquet_create(n, &floquet))) goto out;
     ric_shooting_evaluate(c, u);
-    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_continuation_judge(c, u, &floquet)) ||
-        (status = ric_continuation_bound(c, u, &floquet)))
-        goto out;
+    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_continuation_bound(c, u, &floquet))) goto out;
     o->cycle = ric_turn_cycle(m, c, u, t);
     int N = o->cycle ? o->cycle->N : 0;
     o->state = ric_calloc(2 * (size_t)m->n_dof, sizeof *o->state);
