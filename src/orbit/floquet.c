@@ -796,7 +796,21 @@ static void pair_from_rho(const double *rho, double *out)
     out[3] = cimag(inverse);
 }
 
+/* Relative error of lambda where rho has the error e: d lambda / lambda = d rho / (lambda - 1 / lambda), and where the
+ * two meet, at +-1, the root of e. */
+static double error_of_multiplier(const double *rho, double e)
+{
+    double complex r = rho[0] + I * rho[1];
+    return e / fmax(cabs(csqrt(r * r - 4)), sqrt(e));
+}
+
 void ric_floquet_multipliers(const ric_floquet *f, double *out)
 {
-    for (int i = 0; i < f->n_pair; i++) pair_from_rho(f->rho + 2 * i, out + 4 * i);
+    for (int i = 0; i < f->n_pair; i++) {
+        const double *rho = f->rho + 2 * i;
+        bool known = f->each[i] == 0 || error_of_multiplier(rho, f->each[i]) <= LOST;
+        if (known) pair_from_rho(rho, out + 4 * i);
+        else
+            for (int k = 0; k < 4; k++) out[4 * i + k] = NAN;
+    }
 }

@@ -38,7 +38,8 @@ void ric_floquet_release(ric_floquet *floquet);
 ric_status ric_floquet_compute(const ric_shooting *chain, ric_floquet *out);
 /* Adds more [n_pair] to the error of each rho; those of which less than three digits are left are lost, NaN. */
 void ric_floquet_widen(ric_floquet *floquet, const double *more);
-/* The multipliers of what was computed: 2 n_pair complex numbers as re, im pairs. */
+/* The multipliers of what was computed: 2 n_pair complex numbers as re, im pairs; NaN those of which less than three
+ * digits are known, near +-1 those whose rho has less than six. */
 void ric_floquet_multipliers(const ric_floquet *floquet, double *out);
 
 #endif

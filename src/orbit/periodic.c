@@ -388,14 +388,23 @@ ric_periodic *ric_periodic_nearest_event(const ric_model *m, const ric_periodic 
     return best;
 }
 
-int ric_periodic_try_symmetries(const ric_model *m, ric_periodic *c, int copies, double tolerance)
+/* Whether both mirror points of the reversal s are of a kind that is said: an even half position is an impact. */
+static bool mirrors_fit(const ric_periodic_claim *said, int s, int N)
+{
+    bool impact = s % 2 == 0 || (s + N) % 2 == 0, rest = s % 2 != 0 || (s + N) % 2 != 0;
+    return !said || ((!impact || said->impact) && (!rest || said->rest));
+}
+
+int ric_periodic_try_symmetries(const ric_model *m, ric_periodic *c, int copies, double tolerance,
+                                const ric_periodic_claim *said)
 {
     int shift = ric_periodic_shifts(m, c, tolerance), q = shift < c->N ? c->N / shift : copies, period = c->N / q;
     c->half = period % 2 == 0 && image_distance(m, c, c, period / 2, false, true) <= tolerance;
     c->pure = c->flip = -1;
     for (int s = 0; s < period; s++) {
         /* the image under (shift s, reverse) has impact i = old impact s - i */
-        if (c->pure < 0 && image_distance(m, c, c, s, true, false) <= tolerance) c->pure = s;
+        if (c->pure < 0 && mirrors_fit(said, s, c->N) && image_distance(m, c, c, s, true, false) <= tolerance)
+            c->pure = s;
         if (c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
     }
     return q;

@@ -50,7 +50,7 @@ void ric_periodic_spell(const ric_model *model, ric_periodic *cycle, const int *
 /* A cycle of a word [letters] and its flight times tau, both as they leave the library but for the unit of time, at
  * state zero; and what a stored branch says of its symmetries. NULL: no memory. */
 typedef struct {
-    bool symmetric, reversible, centre, other; /* mirror points: a centre, or a rest or an impact */
+    bool symmetric, reversible, centre, rest, impact; /* which kinds of mirror points it has */
 } ric_periodic_claim;
 ric_periodic *ric_periodic_spelled(const ric_model *model, int letters, const int *word, const double *tau);
 void ric_periodic_claimed(const ric_model *model, const ric_periodic_claim *claim, ric_periodic *cycle);

@@ -226,7 +226,7 @@ static bool repeats(const ric_model *m, const ric_periodic *c, double tolerance)
 
 static int find_symmetries(const ric_model *m, ric_periodic *c, double tolerance)
 {
-    return ric_periodic_try_symmetries(m, c, 1, tolerance);
+    return ric_periodic_try_symmetries(m, c, 1, tolerance, NULL);
 }
 
 static ric_periodic *spell(const ric_model *m, int letters, const int *word, const double *tau)
@@ -241,9 +241,9 @@ static ric_periodic *spell(const ric_model *m, int letters, const int *word, con
 /* Impacts tell where the mirror points are. */
 static void claim(const ric_model *m, const ric_periodic_claim *said, ric_periodic *c)
 {
-    find_symmetries(m, c, RIC_SAME_LOCATED);
+    ric_periodic_try_symmetries(m, c, 1, RIC_SAME_LOCATED, said);
     if (!said->symmetric) c->half = false;
-    if (!said->reversible || !said->other) c->pure = -1;
+    if (!said->reversible || !(said->rest || said->impact)) c->pure = -1;
     if (!said->reversible || !said->centre) c->flip = -1;
 }
 

@@ -334,7 +334,7 @@ static void claim(const ric_model *m, const ric_periodic_claim *said, ric_period
     (void)m;
     c->half = said->symmetric;
     c->flip = said->reversible && said->centre ? 0 : -1;
-    c->pure = !said->reversible || !said->other ? -1 : said->centre;
+    c->pure = !said->reversible || !said->rest ? -1 : said->centre;
 }
 
 static bool same(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance)
@@ -365,7 +365,7 @@ static int find_symmetries(const ric_model *m, ric_periodic *c, double tolerance
     c->pure = c->flip = -1;
     int q = ric_periodic_copies(m, c, tolerance);
     if (!ric_periodic_mark(c, 2 * q)) return 1;
-    q = ric_periodic_try_symmetries(m, c, q, tolerance);
+    q = ric_periodic_try_symmetries(m, c, q, tolerance, NULL);
     /* the other reversal a quarter on */
     if (phase_free(c) && ric_periodic_find_mirrors(m, c, q, tolerance) && c->half)
         *(c->pure < 0 ? &c->pure : &c->flip) = 1;

@@ -23,7 +23,7 @@ ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_
 
 void ric_stored_symmetries(const ric_model *m, const ric_branch *b, ric_periodic *c)
 {
-    ric_periodic_claim claim = {b->symmetric, b->reversible, strstr(b->mirror, "centre"),
-                                strstr(b->mirror, "rest") || strstr(b->mirror, "impact")};
+    ric_periodic_claim claim = {b->symmetric, b->reversible, strstr(b->mirror, "centre"), strstr(b->mirror, "rest"),
+                                strstr(b->mirror, "impact")};
     ric_periodic_claimed(m, &claim, c);
 }

@@ -191,6 +191,32 @@ static void solved_again(void **state)
     }
 }
 
+/* A branch between rests ends in a doubling, beside which the mirror points at impacts of the orbit that doubles all
+ * but hold, too: its multipliers are those of its own mirror points. */
+static void ends_between_their_mirrors(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0, 0], [0, 0.5, 0], [0, 0, 0.75]]\n"
+        "  stiffness: [[4.5, -1, 0], [-1, 5.5, -4.5], [0, -4.5, 8.25]]\n  contacts:\n"
+        "    - {normal: [0, -1, 1], law: rigid, clearance: 0.893, sides: lower}\n"
+        "    - {normal: [1, 0, -1], law: rigid, clearance: 0.893, sides: both}\n"
+        "explore: {energy: [0, 97.67], frequency: [0.3446, 12.88], impacts: 4, multiply: 2, depth: 2}\n");
+    int doubled = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        if (b.letters != 2 || b.word[0] != b.word[1]) continue;
+        doubled++;
+        for (int end = 0; end < 2; end++) {
+            int i = end ? b.n_point - 1 : 0;
+            if (claims_of(atlas, id, i).multipliers == RIC_AGREES_NO)
+                fail_msg("branch %d, point %d: %s", id, i, ric_detail());
+        }
+    }
+    assert_true(doubled > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -200,6 +226,7 @@ int main(void)
         cmocka_unit_test(no_branch_without_length),
         cmocka_unit_test(margins_through_stiff_springs),
         cmocka_unit_test(solved_again),
+        cmocka_unit_test(ends_between_their_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

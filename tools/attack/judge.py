@@ -580,11 +580,26 @@ class Judge:
         fine, _ = orbits.polish(chain)
         rho = self._rho(fine)[0]
         blur = np.max([np.abs(self._rho(self._shaken(fine, 1e-15))[0] - rho) for _ in range(3)], axis=0)
+        across = self._across(fine)
+        if across is None:
+            return
+        blur = np.maximum(blur, np.max([np.abs(self._rho(x)[0] - rho) for x in across], axis=0))
         want = 2 * math.cos(2 * math.pi * j["rotation_p"] / j["rotation_q"])
         k = int(np.argmin(np.abs(rho - want)))
         if abs(rho[k] - want) > 1e-6 + 1e3 * blur[k]:
             self.verdict.find("rotation", where, f"rotation {j['rotation_p']}/{j['rotation_q']} needs rho {want}, "
                                                  f"nearest {rho[k]!r} +- {blur[k]:.1e}")
+
+    def _across(self, chain):
+        """Orbits that the stored digits do not tell from this one: moved to either side along the direction that the
+        equations hold least, by rounding over how they hold it. None where they hold it not at all."""
+        _, sv, Vt = (x[0] for x in chain.singular())
+        if len(sv) < 2:
+            return [chain]
+        if not sv[-2] > 1e-15:
+            return None
+        step = Vt[-2] * chain.weights()[0][0] * (2 ** -53 / sv[-2])
+        return [chain.moved((sign * step)[None, :]) for sign in (-1, 1)]
 
     def _singular(self, j, chain, where):
         """At an extremum the curve has no slope in energy; at a branch point the kernel has a second direction."""
