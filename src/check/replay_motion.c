@@ -91,9 +91,23 @@ bool ric_replay_opens(const replay *r, int k)
     return face && r->closed && r->closed[(size_t)k * (size_t)r->n_face + (size_t)(face - r->face)];
 }
 
+real ric_replay_pull(const replay *r, int k, const face_t *face, const real *w)
+{
+    real force[r->n];
+    ric_replay_accelerations(r, k, w, force);
+    return -face->side * ric_replay_dot(r->n, face->c, force);
+}
+
+bool ric_replay_touches(const replay *r, int k, const face_t *face, const real *w, real speed)
+{
+    return speed * speed <= 2 * fabs(ric_replay_pull(r, k, face, w)) * DEPTH * face->limit ||
+           fabs(speed) <= BLUNT * ric_replay_fastest(r, face);
+}
+
 bool ric_replay_is_touch(const replay *r, int k)
 {
-    return fabs(r->speed[k + 1]) <= TOUCH * ric_replay_fastest(r, ric_replay_end_face(r, k));
+    return ric_replay_touches(r, k, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n,
+                              r->speed[k + 1]);
 }
 
 void ric_replay_make_chain(replay *r)

@@ -35,6 +35,7 @@
 #define MISS 8       /* safety of the speed below which an impact may be missed */
 #define AMPLIFIED 1e-7
 #define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
+#define GRAZED 1e-12   /* an error of the state beyond which a face that is touched may be struck */
 #define REACH 1e-10    /* a touch shows as reach 1 -+ this */
 #define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
 #define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
@@ -252,16 +253,17 @@ typedef struct {
 
 /* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that
  * the simulator can tell them apart. */
-static bool only_touched(const replay *r, bool far, real *wait)
+static bool only_touched(const replay *r, int k, bool far, real *wait)
 {
     *wait = 0;
     for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
-        real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n), fall = 0;
-        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit || speed < -TOUCH * ric_replay_fastest(r, face))
-            continue;
-        for (int i = 0; i < r->n; i++) fall += face->side * face->c[i] * r->omega[i] * r->omega[i] * r->w[i];
-        if (speed > TOUCH * ric_replay_fastest(r, face) || fall <= 0) return false;
+        real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n);
+        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit) continue;
+        bool slow = ric_replay_touches(r, k, face, r->w, speed);
+        if (speed < 0 && !slow) continue;
+        real fall = ric_replay_pull(r, k, face, r->w);
+        if (!slow || fall <= 0) return false;
         *wait = fmax(*wait, fmax(3 * fabs(speed) / fall, far ? sqrt(2 * CLOSED * face->limit / fall) : 0));
     }
     return *wait > 0;
@@ -273,7 +275,7 @@ static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, e
 {
     real wait;
     if (struck) ric_replay_reflect(r, struck, r->w);
-    if (!only_touched(r, !struck, &wait)) {
+    if (!only_touched(r, k, !struck, &wait)) {
         e->refused = true;
         return RIC_OK;
     }
@@ -286,12 +288,12 @@ static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, e
     return e->time < end ? start_at(r, k, r->w, e->time) : RIC_OK;
 }
 
-/* Whether a hit is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight k, due
- * at time `due`. */
+/* Whether a hit at r->w is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight
+ * k, due at time `due`. */
 static bool is_impact(const replay *r, const ric_impact *impact, real time, int k, real due)
 {
     const face_t *face = &r->face[impact->face];
-    if (fabs(impact->approach) > TOUCH * ric_replay_fastest(r, face)) return true;
+    if (!ric_replay_touches(r, k, face, r->w, impact->approach)) return true;
     return face == ric_replay_end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
            fabs(fabs(impact->approach) - r->speed[k + 1]) <= r->speed[k + 1] / 2;
 }
@@ -407,7 +409,14 @@ static void compare_end(replay *r, int k, real time)
                                                     ric_replay_part(error, r->norm)));
 }
 
-/* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. */
+/* Whether r->w lies on a face of a spring. While it is closed nothing is said of how near it came to opening. */
+static bool is_at(const replay *r, const face_t *face)
+{
+    return face->spring > 0 && fabs(ric_replay_gap(r, face, r->w)) <= REACH * face->limit;
+}
+
+/* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. A contact
+ * of a spring that is as shallow as that may be met or not, and the state is continuous. */
 static ric_status check_touch(replay *r, int k)
 {
     event e;
@@ -419,7 +428,8 @@ static ric_status check_touch(replay *r, int k)
         return RIC_OK;
     }
     if (e.refused || (e.hit && &r->face[e.face] != ric_replay_end_face(r, k))) r->check->faces_agree = false;
-    if (!e.hit && !e.touches && fabs(r->reach - 1) > REACH) r->check->faces_agree = false;
+    bool met = e.hit || e.touches || fabs(r->reach - 1) <= REACH;
+    if (!met && !is_at(r, ric_replay_end_face(r, k))) r->check->faces_agree = false;
     compare_end(r, k, e.hit ? e.time : r->tau[k]);
     return RIC_OK;
 }
@@ -475,10 +485,9 @@ static ric_status check_flights(replay *r)
         r->reach = 0;
         status = start_at(r, k, r->chain + (size_t)k * 2 * (size_t)r->n, 0);
         if (status || !r->check->faces_agree) break;
-        bool spring = ric_replay_end_face(r, k) && ric_replay_end_face(r, k)->spring > 0;
-        status = !ric_replay_end_face(r, k)             ? check_linear(r)
-                 : !spring && ric_replay_is_touch(r, k) ? check_touch(r, k)
-                                                        : check_impact(r, k);
+        status = !ric_replay_end_face(r, k)  ? check_linear(r)
+                 : ric_replay_is_touch(r, k) ? check_touch(r, k)
+                                             : check_impact(r, k);
         r->grazes |= r->touched || r->reach > 1 - REACH;
         check_energy(r);
     }
@@ -517,7 +526,7 @@ static real rounding_returned(const replay *r)
     if (open > LAST_DIGITS) open = 0;
     real error = 32 * LDBL_EPSILON * way + open, grown = error * exp(fmin(700, r->amplification));
     /* what is only touched is struck with the root of that as speed, and then taken for an impact */
-    bool may_strike = r->grazes && grown > TOUCH * TOUCH;
+    bool may_strike = r->grazes && grown > GRAZED;
     return may_strike || may_miss(r, error) ? HUGE_VAL : grown;
 }
 
@@ -549,8 +558,7 @@ static ric_status check_return(replay *r)
     real due = 0, mean = r->period / r->n_flight;
     ric_status status = start_at(r, 0, r->chain, 0);
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
-        bool linear = r->n_event == 0,
-             touch = linear || (ric_replay_is_touch(r, k) && !(ric_replay_end_face(r, k)->spring > 0));
+        bool linear = r->n_event == 0, touch = linear || ric_replay_is_touch(r, k);
         real late = linear ? 0 : touch ? fmin(LATE * mean, r->tau[(k + 1) % r->n_flight] / 2) : LATE * mean;
         due += r->tau[k];
         before = e;

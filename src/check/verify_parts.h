@@ -7,9 +7,11 @@
 
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
 #define RIC_VERIFY_ORTHOGONAL 1e-12 /* cosine between two normals below which their impacts commute */
-#define TOUCH 1e-6 /* at or below, an impact may be a touch: sqrt of the rounding of a gap, with a margin */
-#define SLOW 1e-3  /* below, the time of the impact is weighed */
-#define BLUNT 1e-9 /* no impact amplifies more than one of this speed */
+#define SLOW 1e-3                   /* below, the time of the impact is weighed */
+#define BLUNT 1e-9                  /* no impact amplifies more than one of this speed */
+/* DEPTH: of the clearance: a motion that would go no farther beyond its face touches it, as what an orbit may be left
+ * open decides whether it is met at all */
+#define DEPTH 1e-11
 
 typedef ric_real real;
 
@@ -72,6 +74,11 @@ real ric_replay_fastest(const replay *r, const face_t *face);
 const face_t *ric_replay_end_face(const replay *r, int k);
 /* Whether the event at the end of flight k is the opening of a spring. */
 bool ric_replay_opens(const replay *r, int k);
+/* How strongly a gap is drawn back from its face at the state w of flight k; negative: towards it. */
+real ric_replay_pull(const replay *r, int k, const face_t *face, const real *w);
+/* Whether a face that is met at w in flight k at that speed is only touched: the motion goes on by speed^2 / 2 pull. */
+bool ric_replay_touches(const replay *r, int k, const face_t *face, const real *w, real speed);
+/* Whether the event at the end of flight k is a touch. */
 bool ric_replay_is_touch(const replay *r, int k);
 /* Expected states behind every impact, from chain[0] and tau. */
 void ric_replay_make_chain(replay *r);
