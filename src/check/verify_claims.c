@@ -332,19 +332,32 @@ static bool is_closed(const replay *r, int k, const face_t *face, bool *this)
     return any;
 }
 
-/* The largest gap over clearance. An impact that does not turn the gap back may fall on a maximum, which then lies in
- * none of the flights or in either, and a contact may be too short to have one; where a branch ends a touch counts as
- * an impact or as a reach of 1. */
+/* The largest gap over clearance of all maxima. An impact that does not turn the gap back may fall on one, which then
+ * lies in none of the flights or in either, and a contact may be too short to tell whether it has one; where a branch
+ * ends a touch counts as an impact or as a reach of 1. What is stored is one of those that may count, and not less than
+ * any that does. */
 typedef struct {
-    double sure, also, touched; /* of what counts in any case; of the others too; of touches too */
+    double stored, near; /* the number that is judged, and how near is the same */
+    double sure, also;   /* of what counts in any case; of the others too, but for touches */
+    double nearest;      /* to the stored one */
 } reached;
 
 static void count(reached *r, bool sure, double value)
 {
-    r->touched = fmax(r->touched, value);
+    if (fabs(value - r->stored) < fabs(r->nearest - r->stored)) r->nearest = value;
     if (fabs(value - 1) <= REACHED) return;
     r->also = fmax(r->also, value);
     if (sure) r->sure = fmax(r->sure, value);
+}
+
+/* Whether a gap at w, where it does not change, has a minimum: it is pushed towards the face. `turned`: what counts is
+ * the gap from the other side. */
+static bool is_lowest(const replay *r, int k, const face_t *face, bool turned, const real *w)
+{
+    real force[r->n], size = 0, pull = (turned ? -1 : 1) * ric_replay_pull(r, k, face, w);
+    ric_replay_accelerations(r, k, w, force);
+    for (int i = 0; i < r->n; i++) size += fabs(face->c[i] * force[i]);
+    return pull < -FLAT * size;
 }
 
 /* Of one face, or of its image, in flight k. */
@@ -368,7 +381,8 @@ static ric_status reach_in_flight(replay *r, int k, int f, bool image, reached *
          flat = fabs(ric_replay_dot(r->n, face->c, w + r->n)) <= FLAT * ric_replay_fastest(r, face) ||
                 (r->n_event && t <= SHORT * r->period);
     double value = (double)gap_over(r, face, image, closed, w);
-    if (!meets && (!smooth || flat)) count(reach, !smooth && !brief, value);
+    bool turns = t <= SHORT * r->period || !is_lowest(r, k, face, image != closed, w);
+    if (!meets && (!smooth || (flat && turns))) count(reach, !smooth && !brief, value);
     return RIC_OK;
 }
 
@@ -376,7 +390,7 @@ static ric_status reach_in_flight(replay *r, int k, int f, bool image, reached *
 static ric_status find_reach(replay *r, reached *reach)
 {
     real w[2 * r->n];
-    *reach = (reached){0, 0, 0};
+    reach->sure = reach->also = reach->nearest = 0;
     for (int k = 0; k < r->n_flight; k++) {
         const bool *closed = r->closed ? r->closed + (size_t)k * (size_t)r->n_face : NULL;
         memcpy(w, r->chain + (size_t)k * 2 * (size_t)r->n, sizeof w);
@@ -431,11 +445,9 @@ static bool approach_agrees(const replay *r, const double approach[2])
     return stored >= approach[0] && stored <= approach[1];
 }
 
-static bool reach_agrees(const replay *r, const reached *reach, double near)
+static bool reach_agrees(const reached *reach)
 {
-    double stored = isnan(r->point.reach) ? 0 : r->point.reach;
-    return fabs(stored - reach->sure) <= near || fabs(stored - reach->also) <= near ||
-           fabs(stored - reach->touched) <= near;
+    return fabs(reach->stored - reach->nearest) <= reach->near && reach->stored >= reach->sure - reach->near;
 }
 
 /* A number that is off by this is found, or said not to be checked. */
@@ -447,20 +459,22 @@ static double fault(double number)
 static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
 {
     double approach[2], near = REACHED + (r->norm > 0 ? gap_slack(r, d->state / r->norm) : 0);
-    reached reach;
+    reached reach = {.stored = isnan(r->point.reach) ? 0 : r->point.reach, .near = near};
     smallest_approach(r, d, approach);
     ric_status status = find_reach(r, &reach);
     if (status) return status;
-    if (r->n_event && !reach_agrees(r, &reach, near)) {
+    if (r->n_event && !reach_agrees(&reach)) {
         /* what is lost in rounding at the end of the period is not so before it */
         ric_replay_fold(r);
         status = find_reach(r, &reach);
         ric_replay_make_chain(r);
     }
-    if (!status && !reach_agrees(r, &reach, near)) say(out, "reach", r->point.reach, reach.touched);
+    if (!status && !reach_agrees(&reach))
+        say(out, "reach", r->point.reach, reach.stored < reach.sure ? reach.sure : reach.nearest);
     if (!approach_agrees(r, approach))
         say(out, "approach", r->point.approach, isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
-    if (!(2 * near < fault(r->point.reach)) && !isnan(r->point.reach)) ric_verify_digits_doubt(out, "reach");
+    bool more = reach.also > fmax(reach.sure, reach.stored) + fault(reach.stored); /* which may count or not */
+    if ((more || !(2 * near < fault(r->point.reach))) && !isnan(r->point.reach)) ric_verify_digits_doubt(out, "reach");
     if (!isinf(approach[0]) && !(approach[1] - approach[0] < fault(r->point.approach)))
         ric_verify_digits_doubt(out, "approach");
     return status;

@@ -99,13 +99,20 @@ static void offer(search *q, double t, double s, int side, bool kink)
     q->count++;
 }
 
+/* A stationary point, which is a maximum on one side only: a closed face that is farthest beyond the clearance does not
+ * come near to opening. */
+static void offer_stationary(search *q, sample at)
+{
+    offer(q, at.t, at.s, curvature(q, at.t) < 0 ? 1 : -1, false);
+}
+
 /* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring:
  * then only a maximum that happens to fall on the impact must not be lost between the flights before and after. */
 static void offer_impact(search *q, const ric_face *other, sample at)
 {
     bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
-    if (kink || fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau)
-        offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, kink);
+    if (kink) offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, true);
+    else if (fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau) offer_stationary(q, at);
 }
 
 static double largest(double a, double b, double c, double d)
@@ -193,7 +200,7 @@ static void search_flight(search *q, sample first, sample last)
             continue;
         }
         sample mid = sample_at(q, (l.t + r.t) / 2);
-        if (mid.ds == 0) offer(q, mid.t, mid.s, curvature(q, mid.t) < 0 ? 1 : -1, false);
+        if (mid.ds == 0) offer_stationary(q, mid);
         left[top + 1] = mid; /* the right half waits, the left half is next: order of time */
         right[top + 1] = r;
         left[top + 2] = l;
@@ -209,14 +216,21 @@ static bool is_bounded(const search *q, sample l, sample r)
     return isfinite(sum);
 }
 
+/* The gap coordinate of the contact in the phase of the flight. */
+static void enter_contact(search *q)
+{
+    const double *all = q->phase ? q->phase->G : q->chain->model->g;
+    q->g = all + q->contact * q->n;
+    q->rest = q->phase ? q->phase->rest[q->contact] : 0;
+}
+
 static void search_contact(search *q)
 {
     const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
     int n = q->n, k = q->flight, last = c->n_flight - 1;
-    const double *w = q->start, *e = q->end,
-                 *g = q->g = q->phase ? q->phase->G + q->contact * n : m->g + q->contact * n;
-    q->rest = q->phase ? q->phase->rest[q->contact] : 0;
+    enter_contact(q);
+    const double *w = q->start, *e = q->end, *g = q->g;
     sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
     q->D3 = q->D4 = q->bend_start = q->bend_end = 0;
     for (int i = 0; i < n; i++) {
@@ -238,9 +252,8 @@ static void search_contact(search *q)
     q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
     /* at rest every gap is stationary */
     if (k == 0 && c->start == RIC_MIRROR_REST) {
-        double bend = curvature(q, 0);
-        offer(q, 0, l.s, bend < 0 ? 1 : -1, false);
-        q->bend_start = fabs(bend);
+        offer_stationary(q, l);
+        q->bend_start = fabs(curvature(q, 0));
         l.ds = 0;
     }
     if (k == last && c->end == RIC_MIRROR_REST) {
@@ -248,7 +261,7 @@ static void search_contact(search *q)
         r.ds = 0;
     }
     search_flight(q, l, r);
-    if (k == last && c->end == RIC_MIRROR_REST) offer(q, q->tau, r.s, curvature(q, q->tau) < 0 ? 1 : -1, false);
+    if (k == last && c->end == RIC_MIRROR_REST) offer_stationary(q, r);
     /* the start of the chain counts for the end in the general form */
     if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, &m->face[f0], l);
     if (f1 >= 0 && !q->own_end) offer_impact(q, &m->face[f1], r);
@@ -303,11 +316,15 @@ static void search_rest(search *q)
     bool first = k == 0 && c->start == RIC_MIRROR_REST;
     if (!ric_shooting_touches(c, k) || fabs(q->tau) >= NO_TIME) return;
     if (!first && (k != last || c->end != RIC_MIRROR_REST)) return;
+    if (!enter_flight(q)) {
+        q->best = HUGE_VAL;
+        return;
+    }
     int own = m->face[c->face[first ? 1 : k]].contact;
     for (int f = 0; f < m->n_face; f += m->face[f].mirror >= 0 ? 2 : 1) {
         choose_faces(q, f);
-        double s = ric_dot(q->n, m->g + q->contact * q->n, c->w + 2 * q->n * (first ? 0 : k + 1));
-        if (q->contact != own) offer(q, first ? 0 : q->tau, s, (s > 0) != q->closed ? 1 : -1, false);
+        enter_contact(q);
+        if (q->contact != own) offer_stationary(q, sample_at(q, first ? 0 : q->tau));
     }
 }
 
