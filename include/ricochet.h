@@ -248,7 +248,7 @@ typedef struct {
                        * for n != 2 */
     double rotation;  /* gamma in [0, 1), multipliers exp(+-2 pi i gamma); NaN off the unit circle or n != 2 */
     double reach;     /* largest gap over clearance in flight; NaN if no gap has an extremum in flight */
-    double approach;  /* smallest approach speed of the impacts, scaled; NaN without impacts */
+    double approach;  /* smallest speed at which a face is met or a spring left, scaled; NaN without impacts */
     float residual;   /* relative residual of the orbit problem */
     int32_t stable;   /* ric_stability */
 } ric_point;

@@ -207,7 +207,7 @@ static const cli_item items[] = {
     {.name = "rotation", .text = "gamma in [0, 1): the multipliers are exp(+-2 pi i gamma)"},
     {.name = "stable", .text = "yes, no or undecided"},
     {.name = "reach", .text = "largest gap over clearance in flight: below 1 between touches"},
-    {.name = "approach", .text = "smallest speed of approach of the impacts"},
+    {.name = "approach", .text = "smallest speed at which a face is met or a spring left"},
     {.name = "residual", .text = "relative residual of the orbit problem"},
     {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
     {.name = "--ghost",

@@ -166,7 +166,7 @@ class Branch:
     log_trace = property(lambda self: self._column("log_trace"), doc="[n_point] log |trace|, without overflow")
     rotation = property(lambda self: self._column("rotation"), doc="[n_point] gamma in [0, 1); NaN off the unit circle")
     reach = property(lambda self: self._column("reach"), doc="[n_point] largest gap over clearance in flight")
-    approach = property(lambda self: self._column("approach"), doc="[n_point] smallest speed of approach, scaled, 1/s")
+    approach = property(lambda self: self._column("approach"), doc="[n_point] smallest speed at which a face is met or a spring left, scaled, 1/s")
     residual = property(lambda self: self._column("residual"), doc="[n_point] relative")
     state = property(lambda self: self._column("state"), doc="[n_point, 2 n_dof] x, then v (1/s), scaled")
     flights = property(lambda self: self._column("flights"), doc="[n_point, max(letters, 1)], s")

@@ -298,15 +298,17 @@ static void say(ric_claims *out, const char *name, double stored, double found)
         snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
 }
 
-/* Smallest speed into a face, and what the digits leave of it: [0] at least, [1] at most. */
+/* Smallest speed into a face, or out of a spring, so that the motion backwards has the same; and what the digits leave
+ * of it: [0] at least, [1] at most. */
 static void smallest_approach(const replay *r, const ric_digits *d, double approach[2])
 {
     approach[0] = approach[1] = HUGE_VAL;
     for (int k = 0; k < r->n_flight; k++) {
         const face_t *face = ric_replay_end_face(r, k);
         const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
-        if (!face || (face->spring > 0 && ric_replay_opens(r, k))) continue;
-        real speed = face->spring > 0 ? face->side * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
+        if (!face) continue;
+        int way = face->spring > 0 && ric_replay_opens(r, k) ? -face->side : face->side;
+        real speed = face->spring > 0 ? way * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
         approach[0] = fmin(approach[0], (double)(speed - d->speed[k]));
         approach[1] = fmin(approach[1], (double)(speed + d->speed[k]));
     }
