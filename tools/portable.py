@@ -13,7 +13,7 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # POSIX 2008, C11 or macOS 10.13; names as in C.
 THERE = set("""
-access acos acosh alarm asin asinh atan atan2 atanh bind cabs calloc cbrt ceil clock_gettime close cos cosh csqrt cpow cexp clog creal cimag
+access acos acosh alarm asin asinh atan atan2 atanh bind cabs calloc cbrt ceil clock_gettime close cos cosh csqrt csqrtl cpow cexp clog creal cimag
 abort atexit connect dprintf dup dup2 execlp execv execvp exit _exit exp exp2 expm1 fabs fchmod fclose fcntl fdopen feof ferror fflush fgetc
 fgets fileno flock floor fma fmax fmemopen fmin fmod fopen fork fprintf fputc fputs fread free freeaddrinfo freelocale frexp fscanf fseek
 fseeko fstat fsync ftell ftello ftruncate fwrite getaddrinfo getc getenv geteuid gethostname getline getpid getsockname hypot inet_ntop

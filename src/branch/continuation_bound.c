@@ -58,13 +58,16 @@ static double off_pair(int count, const double *rho, const double *one)
 }
 
 /* How far inside the stable region all rho of the map in use are, or, negative, how far outside the farthest is, x, as
- * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. */
-static double stable_margin(const ric_floquet *f)
+ * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. *pair, unless NULL:
+ * the one that is nearest to the border, or farthest beyond it. */
+static double stable_margin(const ric_floquet *f, int *pair)
 {
     double least = HUGE_VAL;
     for (int i = 0; i < f->n_pair; i++) {
         double inside = 2 - fabs(f->own[2 * i]), aside = -fabs(f->own[2 * i + 1]);
-        least = fmin(least, aside < 0 ? fmin(inside, aside) : inside);
+        double margin = aside < 0 ? fmin(inside, aside) : inside;
+        if (pair && margin < least) *pair = i;
+        least = fmin(least, margin);
     }
     return least < 0 ? (isinf(least) ? -2 : 2 * least / (2 - least)) : least;
 }
@@ -81,7 +84,10 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
 {
     enum { WAYS = RIC_TRACE_WAYS };
     int k = f->n_pair, size = c->n_unknown;
-    double at[2 * k], moved[WAYS * size], margin = stable_margin(f), off = 0, error = f->error * steepness(margin);
+    int worst = 0;
+    double at[2 * k], moved[WAYS * size], margin = stable_margin(f, &worst), off = 0;
+    /* one pair outside is enough: the others may be known less */
+    double error = (margin < 0 ? f->each[worst] : f->error) * steepness(margin);
     ric_status status = RIC_OK;
     ric_stability stable = f->stable;
     bool known = true;
@@ -91,7 +97,7 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     for (int way = 0; way < WAYS && known && !status; way++) {
         ric_shooting_fly(c, moved + way * size);
         if ((status = ric_floquet_compute(c, f))) break;
-        off = fmax(off, RIC_MEASURED * fabs(stable_margin(f) - margin));
+        off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
         for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
     }
     ric_shooting_fly(c, u);
@@ -106,7 +112,7 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
  * closed. What is so near to the border that this may count is measured. */
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
 {
-    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f),
+    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f, NULL),
            seen[f->n_pair + 1], blur = 1 + (1 + 1 / approach) * c->scale / c->smallest;
     bool far = !closes_springs(c->model) && !(fabs(margin) <= NEAR_BORDER * f->rough * steepness(margin) * blur);
     return f->n_pair < 1 || f->stable == RIC_STABLE_UNDECIDED || far ? RIC_OK : measure(c, u, f, seen);

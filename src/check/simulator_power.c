@@ -15,7 +15,6 @@
 #include <tgmath.h>
 
 #include "simulator_power.h"
-#include "base/halt.h"
 #include "base/room.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };

@@ -25,7 +25,6 @@
 #include <string.h>
 #include <tgmath.h>
 
-#include "base/halt.h"
 #include "base/room.h"
 #include "verify_parts.h"
 #include "verify_smooth.h"
@@ -477,7 +476,7 @@ static ric_status check_flights(replay *r)
 {
     ric_status status = RIC_OK;
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
-        if (ric_halt(1e4 * r->n * r->n)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+        if (ric_halt(RIC_VERIFY_WORK * r->n * r->n)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
         if (gathered(r, k)) {
             r->corner = true;
             continue;

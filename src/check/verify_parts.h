@@ -6,6 +6,7 @@
 #include "simulator.h"
 
 /* Approach speeds over sqrt(2 E c.c), the largest speed that the energy allows: */
+#define RIC_VERIFY_WORK 1e4         /* multiplications of a flight that is replayed, over the square of the modes */
 #define RIC_VERIFY_ORTHOGONAL 1e-12 /* cosine between two normals below which their impacts commute */
 #define SLOW 1e-3                   /* below, the time of the impact is weighed */
 #define BLUNT 1e-9                  /* no impact amplifies more than one of this speed */

@@ -122,6 +122,40 @@ static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
     }
 }
 
+/* The flag of an orbit as its multipliers tell that are computed from where it starts, over the period or half of it.
+ */
+static ric_status flag_of(const ric_model *m, const ric_periodic *cycle, int32_t *stable)
+{
+    ric_floquet floquet = {0};
+    ric_shooting *c = NULL;
+    double *u = NULL;
+    ric_status status = ric_periodic_to_chain(m, cycle, &c, &u);
+    if (!status && !(status = ric_floquet_create(c->n, &floquet))) {
+        ric_shooting_evaluate(c, u);
+        status = ric_floquet_compute(c, &floquet);
+        if (!status) status = ric_continuation_bound(c, u, &floquet);
+        if (!status) *stable = (int32_t)floquet.stable;
+    }
+    ric_floquet_release(&floquet);
+    ric_shooting_free(c);
+    free(u);
+    return status;
+}
+
+/* What was left undecided, once more as the stored orbit is read: a map that begins at a slow impact may have lost what
+ * another one knows. It stays undecided where that one knows no more. */
+static ric_status decide(const ric_model *m, ric_shooting *traced, const double *u, const ric_turn *t, int32_t *stable)
+{
+    ric_periodic *cycle = ric_turn_cycle(m, traced, u, t);
+    ric_status status = cycle ? flag_of(m, cycle, stable) : ric_no_rows();
+    if (!status && *stable == RIC_STABLE_UNDECIDED && cycle->half) {
+        cycle->half = false;
+        status = flag_of(m, cycle, stable);
+    }
+    ric_periodic_free(cycle);
+    return status;
+}
+
 static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t, ric_branch_record *r)
 {
     const ric_continuation *tr = e->trace;
@@ -130,8 +164,12 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
         const double *in = tr->points + (size_t)i * tr->stride;
         double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double),
                *v = x + m->n_dof;
+        const double *u = in + sizeof(ric_point) / sizeof(double);
+        ric_point *point = (ric_point *)out;
         memcpy(out, in, sizeof(ric_point));
-        status = ric_turn_write(m, tr->chain, in + sizeof(ric_point) / sizeof(double), t, x, v, v + m->n_dof);
+        status = ric_turn_write(m, tr->chain, u, t, x, v, v + m->n_dof);
+        if (!status && point->stable == RIC_STABLE_UNDECIDED && tr->chain->start == RIC_MIRROR_NONE)
+            status = decide(m, tr->chain, u, t, &point->stable);
     }
     return status;
 }

@@ -55,15 +55,19 @@ double ric_flight_pace(const ric_model *m, const double *w);
 static inline __attribute__((always_inline)) void ric_flight_carry(int n, const double *restrict matrix, int columns,
                                                                    int ld, double *restrict V)
 {
+    enum { BLOCK = 8 }; /* columns at a time: the products of all would be the square of a large structure */
     int size = 2 * n;
-    double sum[size * ld];
-    for (int i = 0; i < size; i++) {
-        double *restrict row = sum + i * ld;
-        for (int j = 0; j < columns; j++) row[j] = 0;
-        for (int k = 0; k < size; k++)
-            for (int j = 0; j < columns; j++) row[j] += matrix[i * size + k] * V[k * ld + j];
+    double sum[size * BLOCK];
+    for (int first = 0; first < columns; first += BLOCK) {
+        int count = columns - first < BLOCK ? columns - first : BLOCK;
+        for (int i = 0; i < size; i++) {
+            double *restrict row = sum + i * BLOCK;
+            for (int j = 0; j < count; j++) row[j] = 0;
+            for (int k = 0; k < size; k++)
+                for (int j = 0; j < count; j++) row[j] += matrix[i * size + k] * V[k * ld + first + j];
+        }
+        for (int i = 0; i < size; i++) memcpy(V + i * ld + first, sum + i * BLOCK, (size_t)count * sizeof *V);
     }
-    for (int i = 0; i < size; i++) memcpy(V + i * ld, sum + i * ld, (size_t)columns * sizeof *V);
 }
 
 /* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its

@@ -218,7 +218,7 @@ static void lift_all(ric_border *q)
 bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
 {
     int m = 2 * q->n;
-    double super[m], copy[m * m];
+    double super[m];
     take_flights(q, rounding, bits);
     memset(q->X, 0, (size_t)m * (size_t)m * sizeof *q->X);
     for (int i = 0; i < m; i++) q->X[i * m + i] = 1;
@@ -230,11 +230,11 @@ bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
     }
     lift_all(q);
     for (int i = 0; i < m * m; i++) {
-        q->S[i] = copy[i] = q->X[i] - q->K[i]; /* the first rows of K are those of w_0 */
-        if (!isfinite(copy[i])) return false;
+        q->S[i] = q->X[i] -= q->K[i]; /* the first rows of K are those of w_0 */
+        if (!isfinite(q->S[i])) return false;
     }
     return !ric_lapack(
-        LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, copy, m, q->sigma, q->left, m, q->right, m, super));
+        LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, q->X, m, q->sigma, q->left, m, q->right, m, super));
 }
 
 void ric_border_kernel(const ric_border *q, int i, double *du)

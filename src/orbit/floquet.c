@@ -296,6 +296,14 @@ static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, doub
     }
 }
 
+/* How many rho lie within a distance of one of them. */
+static int together(const ric_floquet *f, const double *r, double distance)
+{
+    int count = 0;
+    for (int j = 0; j < f->n_pair; j++) count += hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]) <= distance;
+    return count;
+}
+
 /* How far rho i may be off: m of them that may be one are moved by the m-th root of the error, relative to their size
  * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie m. `least`: how
  * many are together at least. */
@@ -303,11 +311,10 @@ static double radius_of(const ric_floquet *f, int i, int least, double error)
 {
     const double *r = f->rho + 2 * i;
     double size = 1 + fabs(r[0]) + fabs(r[1]), radius = least == 1 ? error : sqrt(error / size) * size;
-    for (int m = 2; m <= f->n_pair; m++) {
-        int count = 0;
+    int most = together(f, r, pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) * size); /* within the widest */
+    for (int m = 2; m <= most; m++) {
         double wide = pow(error / size, 1.0 / m) * size;
-        for (int j = 0; j < f->n_pair; j++) count += hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]) <= wide;
-        if (count >= m) radius = fmax(radius, wide);
+        if (together(f, r, wide) >= m) radius = fmax(radius, wide);
     }
     return radius;
 }

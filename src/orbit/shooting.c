@@ -476,20 +476,21 @@ void ric_shooting_step(const ric_shooting *c, bool newton, double alpha, double 
 bool ric_shooting_plane(const ric_shooting *c, double *kernel, double *second)
 {
     int rows = c->n_end, columns = rows + 1;
-    double L[rows * columns], V[columns * columns], values[rows], super[rows + 1];
-    for (int r = 0; r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
-    if (ric_lapack(
-            LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1, V, columns, super)))
-        return false;
-    *second = values[rows - 1];
-    for (int i = 0; i < 2; i++) {
+    double *L = ric_malloc((size_t)(rows + columns) * (size_t)columns * sizeof *L), *V = L + rows * columns;
+    double values[rows], super[rows + 1];
+    for (int r = 0; L && r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
+    bool found = L && !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1,
+                                                 V, columns, super));
+    *second = found ? values[rows - 1] : 0;
+    for (int i = 0; found && i < 2; i++) {
         /* row r pinned column n_end - r */
         const double *y = V + (rows - 1 + i) * columns;
         double end[rows];
         for (int r = 0; r < rows; r++) end[r] = y[rows - r];
         unwind(c, false, y[0], end, kernel + (size_t)i * (size_t)c->n_unknown);
     }
-    return true;
+    free(L);
+    return found;
 }
 
 /* ----------------------------------------------------------------- scalars */
