@@ -19,6 +19,15 @@ mixed 1 17 30
 power 1 11 10
 power 34 4 10
 END
+# Seed, points: orbits that repeat themselves but for a difference that some of their events do not have; clusters of near
+# frequencies, of which all multipliers want many digits.
+while read -r seed points; do
+    ok "all of structure $seed is confirmed" \
+        tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --points "$points" --unconfirmed 0
+done <<'END'
+90022 400
+90629 40
+END
 # The error of multipliers is within what the library states of it; a sanitizer's library is not for Python to load.
 library=$(dirname "$ricochet")/src/libricochet.so
 if [ -f "$library" ] && python3 -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then

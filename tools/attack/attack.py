@@ -119,6 +119,8 @@ def parse():
     p.add_argument("--limit", type=int, default=60, help="seconds after which a run is asked to stop; what is there is judged")
     p.add_argument("--points", type=int, default=400, help="points per structure that are judged besides the ends of branches")
     p.add_argument("--least", type=int, default=0, help="structures of each kind that have to be judged, neither refused nor skipped")
+    p.add_argument("--unconfirmed", type=float, metavar="SHARE",
+                   help="how many flags or multipliers of a kind in 1,000 may be left not confirmed")
     p.add_argument("--small", action="store_true", help="smaller budgets")
     p.add_argument("--verify", action="store_true", help="`ricochet verify` has to pass, too")
     p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")
@@ -171,6 +173,16 @@ def tally(results):
     return {kind: row["judged"] for kind, row in kinds.items()}
 
 
+def unconfirmed(results, most):
+    """Kinds of structures of which more flags, or more multipliers, than so many in 1,000 are neither confirmed nor false."""
+    rows, out = dict(table.rows_of(results)), []
+    for what in ("flags", "multipliers"):
+        for kind, open_ in rows[f"{what} not confirmed"].items():
+            if 1000 * open_ > most * rows[what][kind]:
+                out.append(f"{open_} of {rows[what][kind]} {what}, {kind}")
+    return out
+
+
 def main():
     options = vars(parse())
     if options["table"]:
@@ -198,7 +210,10 @@ def main():
         print(f"fewer than {options['least']} structures judged of a kind: {', '.join(few)}")
     found = sum(len(r["findings"]) for r in results)
     print(f"{found} findings in {sum(bool(r['findings']) for r in results)} of {count} structures")
-    return 1 if found or few else 0
+    open_ = unconfirmed(results, options["unconfirmed"]) if options["unconfirmed"] is not None else []
+    if open_:
+        print(f"more than {options['unconfirmed']:g} in 1,000 are not confirmed: {'; '.join(open_)}")
+    return 1 if found or few or open_ else 0
 
 
 if __name__ == "__main__":

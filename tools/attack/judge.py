@@ -30,9 +30,13 @@ SYMMETRIC = 1e-11  # the same, to take multipliers from half of it
 FACTOR = 200.0  # rounding of the program over what one rounding of the stored numbers does to a multiplier
 BORDER = 1e-14  # of |rho| from 2: rounding of the stored doubles moves the orbit along its branch across it
 FINELY_REAL = 1e-14  # of rho in many digits, of orbits 1e-30 away, whose double roots are off by the square root
-HOPELESS = 1e-3  # a multiplier less certain than this, relative, is not compared
-MP_POINTS = 25  # per structure that are worth 50 digits
+PROMISED = 1e-3  # relative: the digits that a multiplier has to have to be given
+REPEATED = 1e-10  # relative: an orbit as near as this to a shorter one gone through again is looked at in many digits
+CONVERGED = 1e-35  # relative residual in many digits
+MP_POINTS = 200  # per structure that are worth 50 digits: half a second each with five modes
 TOO_MANY = f"more than {MP_POINTS} points ask for many digits"
+NO_DIGITS = "many digits do not converge"
+NOT_HELD = "the stored numbers hold less than is promised"
 YES, NO, UNDECIDED = 1, 0, 2
 
 
@@ -81,6 +85,7 @@ class Judge:
         self.verdict, self.rng = Verdict(), rng or np.random.default_rng(1)
         self.chosen, self._reach_of = self._choose(budget), (None, None)
         self.calls, self.fine_left = multiplier_calls, MP_POINTS
+        self._digits, self._fine_rho = {}, {}  # by branch and point, so that each is asked for once
 
     def exact(self):
         if self._exact is None:
@@ -256,21 +261,36 @@ class Judge:
         """The chain, or, where its digits do not hold the orbits to their ends, the same orbits with more states."""
         return orbits.Apart.of(chain, growth >= 0) if growth.max() > AMPLIFIES else chain
 
+    @staticmethod
+    def _again(chain, part):
+        """[P] how far orbits are from themselves `part` events later. Beside a doubling all of the difference may be at some events
+        only, or in the times between."""
+        su, sv = chain.size()
+        period = ar.double(chain.tau).sum(axis=1)
+        off = np.zeros(len(su))
+        for k in range(chain.N):
+            (u, v), (a, b) = chain.after[k], chain.after[(k + part) % chain.N]
+            late = np.abs(ar.double(chain.tau[:, k] - chain.tau[:, (k + part) % chain.N])) / period
+            off = np.max([off, np.abs(ar.double(u - a)).max(axis=1) / su, np.abs(ar.double(v - b)).max(axis=1) / sv, late], axis=0)
+        return off
+
     def _repeats(self, branch, chain, rows):
         """An orbit that is a shorter one gone through several times has no branch of its own."""
-        N = chain.N
-        u0, v0 = chain.after[0]
-        su, sv = chain.size()
+        N, v = chain.N, self.verdict
         for part in range(1, N):
             if N % part or chain.events[part:] + chain.events[:part] != chain.events:
                 continue
-            u, v = chain.after[part]
-            off = np.maximum(np.abs(ar.double(u - u0)).max(axis=1) / su, np.abs(ar.double(v - v0)).max(axis=1) / sv)
-            for i in np.nonzero(off < 1e-10)[0]:
-                if rows[i]["point"] not in (0, branch["points"] - 1):
-                    self.verdict.find("repeats", f"branch {branch['id']} {branch['label']} point {rows[i]['point']}",
-                                      f"repeats itself after {part} of {N} events")
-            return
+            for i in np.nonzero(self._again(chain, part) < REPEATED)[0]:
+                if rows[i]["point"] in (0, branch["points"] - 1):
+                    continue
+                where, text = f"branch {branch['id']} {branch['label']} point {rows[i]['point']}", f"after {part} of {N} events"
+                exact = self._finely(branch, rows[i])
+                if exact is None:
+                    v.leave("repeats", where, text, self._why_not())
+                elif self._again(exact, part)[0] < math.sqrt(CONVERGED):
+                    v.find("repeats", where, f"repeats itself {text}")
+                else:
+                    v.counts["nearly repeated"] += 1
 
     def _symmetries(self, branch, chain, rows, slow):
         s, v = self.s, self.verdict
@@ -297,6 +317,29 @@ class Judge:
             if not said and len(middle) > 3 and max(found[i] for i in middle) < 1e-10:
                 v.find(what, f"branch {branch['id']} {branch['label']}", f"all {len(middle)} inner orbits are {what}, not said")
 
+    # ---- many digits
+
+    def _once(self, branch, row, digits):
+        """What many digits say of a point; None where they do not converge or too many points have asked for them."""
+        key = branch["id"], row["point"]
+        if key not in self._digits:
+            self.fine_left -= 1
+            self._digits[key] = digits() if self.fine_left >= 0 else None
+        return self._digits[key]
+
+    def _why_not(self):
+        return NO_DIGITS if self.fine_left >= 0 else TOO_MANY
+
+    def _finely(self, branch, row):
+        """The orbit in 50 digits, None where they are not to be had."""
+        def converged():
+            chain, _, _ = self.chain_of(branch["word"], [row], self.exact())
+            polished, moved = orbits.polish_finely(chain)
+            if polished.relative_residual()[0] > CONVERGED or moved > 1e-6:
+                polished, _ = orbits.polish(self._held(chain, chain.growth()), rounds=4)
+            return polished if polished.relative_residual()[0] < CONVERGED else None
+        return self._once(branch, row, converged)
+
     # ---- multipliers
 
     def _shaken(self, chain, size):
@@ -314,14 +357,14 @@ class Judge:
         said = self._said(branch, rows)
 
         def redo(i):
-            chain, _, _ = self.chain_of(branch["word"], [rows[i]], self.exact())
-            polished, moved = orbits.polish_finely(chain)
-            if polished.relative_residual()[0] > 1e-35 or moved > 1e-6:
-                polished, _ = orbits.polish(self._held(chain, chain.growth()), rounds=4)
-            if polished.relative_residual()[0] > 1e-35:
+            chain = self._finely(branch, rows[i])
+            if chain is None:
                 return None
-            chain = polished
             return [self._rho(chain)[0]] + [self._rho(self._shaken(chain, 1e-40))[0] for _ in range(2)]
+
+        def as_stored(i):
+            chain, _, _ = self.chain_of(branch["word"], [rows[i]], self.exact())
+            return [self._rho(chain)[0]] + [self._rho(self._shaken(chain, 2e-16))[0] for _ in range(2)]
 
         again = []
 
@@ -330,65 +373,82 @@ class Judge:
                 again.extend(self._rho(self._shaken(fine, 3e-19)) for _ in range(2))
             return [a[i] for a in again]
 
-        self._compare(branch, rows, rho, coarse, finer, said, redo)
+        self._compare(branch, rows, (rho, coarse, finer), said, (redo, as_stored))
 
-    def _compare(self, branch, rows, rho, coarse, finer, said, redo):
-        v, n = self.verdict, self.s.n
+    def _compare(self, branch, rows, found, said, digits):
+        """`found`: pairs of all orbits, of orbits moved by a rounding, of one orbit by less; `digits`: of one in many digits, and as
+        it is stored."""
+        v, n, (rho, coarse, finer) = self.verdict, self.s.n, found
         for i, row in enumerate(rows):
             where = f"branch {branch['id']} {branch['label']} point {row['point']}"
-            blur = [np.abs(c[i] - rho[i]) for c in coarse]
-            spread = np.max(blur, axis=0) if n > 1 else np.zeros(0)
-            self._flag(row, where, rho[i], [c[i] for c in coarse], lambda i=i: finer(i), lambda i=i: redo(i))
-            if n == 2:
-                if row["trace_asinh"] is None or row["trace"] is None:
-                    continue
+            spread = np.max([np.abs(c[i] - rho[i]) for c in coarse], axis=0)
+            exact = [self._rho_once(branch, row, k, lambda i=i, k=k: digits[k](i)) for k in range(2)]
+            self._flag(row, where, rho[i], [c[i] for c in coarse], lambda i=i: finer(i), exact[0])
+            if n == 2 and row["trace_asinh"] is not None and row["trace"] is not None:
                 v.counts["multipliers"] += 1
-                allowed = 1e-9 * (1 + abs(rho[i][0])) + FACTOR * spread[0]
-                if not allowed < HOPELESS * (1 + abs(rho[i][0])):
-                    v.counts["multipliers lost"] += 1
-                elif abs(row["trace"] - rho[i][0]) > allowed and self._still(row["trace"], allowed, lambda i=i: redo(i), where):
-                    v.find("multiplier", where, f"trace {row['trace']!r} said, {float(rho[i][0])!r} found, allowed {allowed:.1e}")
-            elif said is not None and row["point"] in said:
-                self._compare_pairs(said[row["point"]], rho[i], spread, where, lambda i=i: redo(i))
+                self._pair(row["trace"], rho[i], spread, 1e-9, exact, where)
+            elif n > 2 and said is not None and row["point"] in said:
+                self._pairs(said[row["point"]], rho[i], spread, exact, where)
 
-    def _compare_pairs(self, said, rho, spread, where, redo):
+    def _rho_once(self, branch, row, which, digits):
+        """Pairs that are computed where they are asked for, and once."""
+        key = branch["id"], row["point"], which
+
+        def ask():
+            if key not in self._fine_rho:
+                self._fine_rho[key] = digits()
+            return self._fine_rho[key]
+        return ask
+
+    def _pairs(self, said, rho, spread, exact, where):
+        """Those of more than two modes, of which each is told with its inverse."""
         v = self.verdict
-        lost = any(x is None or x[0] is None for x in said)
         told = [complex(x[0], x[1]) for x in said if x is not None and x[0] is not None]
-        told = [x + 1 / x for x in told if x != 0]
         v.counts["multipliers"] += 1
-        if lost:
-            v.counts["multipliers not given"] += 1
+        v.counts["multipliers not given"] += len(told) < len(said)
         for x in told:
-            j = int(np.argmin(np.abs(rho - x)))
-            gap = np.sort(np.abs(rho - rho[j]))
-            near = gap[1] if len(gap) > 1 else np.inf
-            # Two pairs that all but meet move like the root of what moves their sum.
-            # A small one beside a large one is known to the rounding of the large one.
-            allowed = 1e-8 * (1 + abs(rho[j])) + FACTOR * spread[j] + 4e-15 * np.abs(rho).max()
-            if near < 1e-2 * (1 + abs(rho[j])):
-                allowed = max(allowed, 1e-6 * (1 + abs(rho[j])))
-            if not allowed < HOPELESS * (1 + abs(rho[j])):
-                v.counts["multipliers lost"] += 1
-            elif abs(x - rho[j]) > allowed and self._still(x, allowed, redo, where, near < 1e-2 * (1 + abs(rho[j]))):
-                v.find("multiplier", where, f"pair {x!r} said, nearest {rho[j]!r}, allowed {allowed:.1e}")
+            if x != 0:
+                self._pair(x + 1 / x, rho, spread, 1e-8, exact, where)
 
-    def _still(self, said, allowed, redo, where, crowded=False):
-        """Whether many digits find no such pair either, or are not to be had. A cluster of pairs moves like a root of its rounding."""
-        self.fine_left -= 1
-        text = f"{said!r} said, allowed {allowed:.1e}"
-        if self.fine_left < 0 and self.s.n > 2:
-            self.verdict.leave("multipliers", where, text, TOO_MANY)
-            return False
-        better = redo() if self.fine_left >= 0 else None
-        if better is None and crowded:
-            self.verdict.leave("multipliers", where, text, "many digits do not converge")
-            return False
-        if better is None:
-            return True
-        scatter = max(np.abs(b - better[0]).max() for b in better[1:])
-        self.verdict.counts["multipliers in 50 digits"] += 1
-        return np.abs(np.asarray(better[0]) - said).min() > allowed + scatter
+    def _pair(self, said, rho, spread, number, exact, where):
+        """One rho as it is told beside those that were found."""
+        j = int(np.argmin(np.abs(rho - said)))
+        size = 1 + abs(rho[j])
+        near = np.sort(np.abs(rho - rho[j]))[1] if len(rho) > 1 else np.inf
+        crowded = near < 1e-2 * size
+        # A small one beside a large one is known to the rounding of the large one.
+        allowed = number * size + FACTOR * spread[j] + (4e-15 * np.abs(rho).max() if len(rho) > 1 else 0)
+        if crowded:  # two pairs that all but meet move like the root of what moves their sum
+            allowed = max(allowed, 1e-6 * size)
+        if not spread[j] < PROMISED * size and not crowded:  # at a grazing multipliers are infinite
+            self.verdict.counts["multipliers beyond the stored digits"] += 1
+        elif not (abs(said - rho[j]) <= allowed < PROMISED * size):
+            self._settle(said, allowed, exact, where, f"{rho[j]!r} found", crowded)
+
+    def _settle(self, said, allowed, exact, where, found, crowded):
+        """By many digits; where these do not converge by the orbit as it is stored, moved by its rounding. What is allowed may be more
+        than is promised: between the two nothing is said."""
+        v = self.verdict
+        for ask in exact:
+            better = ask()
+            if better is None:
+                continue
+            j = int(np.argmin(np.abs(better[0] - said)))
+            promised = PROMISED * (1 + abs(better[0][j]))
+            scatter, off = max(np.abs(b - better[0]).max() for b in better[1:]), abs(better[0][j] - said)
+            if not scatter <= promised:
+                continue
+            if off <= min(allowed, promised) + scatter:
+                v.counts["multipliers confirmed finely"] += 1
+                return
+            if off > allowed + scatter and ask is exact[0]:
+                v.find("multiplier", where, f"{said!r} said, {found}, {better[0][j]!r} in many digits, allowed {allowed + scatter:.1e}")
+                return
+        none, text = exact[0]() is None, f"{said!r} said, {found}"
+        if none and allowed < PROMISED * (1 + abs(said)) and not crowded:
+            v.find("multiplier", where, f"{text}, allowed {allowed:.1e}")
+        else:
+            v.leave("multipliers", where, text, self._why_not() if none else NOT_HELD)
 
     def _said(self, branch, rows):
         """Multipliers as the program lists them, for more than two modes."""
@@ -426,15 +486,14 @@ class Judge:
         if fine == {said}:
             v.counts["flags confirmed finely"] += 1
             return
-        self.fine_left -= 1
-        better = redo() if self.fine_left >= 0 else None
+        better = redo()
         digits = better is not None
         distances = np.abs(np.subtract.outer(np.asarray(rho), np.asarray(rho))) + 9 * np.eye(len(rho))
         crowded = distances.min() < 1e-2  # moves like a root of its rounding
         if better is None and len(mine) == 1 and None not in mine and not crowded:
             better = [rho] + coarse
         if better is None:
-            v.leave("flags", where, text, "many digits do not converge" if self.fine_left >= 0 else TOO_MANY)
+            v.leave("flags", where, text, self._why_not())
             return
         finest = {self.stable(r, FINELY_REAL if digits else 1e-12) for r in better}
         if finest == {said}:
@@ -503,8 +562,11 @@ class Judge:
                 again.append(self._power_shaken(u, w, T, 3e-19, half))
             return [again[0][i]]
 
-        self._compare(branch, rows, self._power_rho(u, w, X, half), [self._power_shaken(u, w, T, 2e-16, half)], finer,
-                      self._said(branch, rows), lambda i: self._power_finely(rows[i], half))
+        def redo(i):
+            return self._once(branch, rows[i], lambda: self._power_finely(rows[i], half))
+
+        self._compare(branch, rows, (self._power_rho(u, w, X, half), [self._power_shaken(u, w, T, 2e-16, half)], finer),
+                      self._said(branch, rows), (redo, lambda i: None))
 
     def _power_finely(self, row, half):
         """Pairs in 46 digits, of the orbit and of one that is 1e-30 away; None where they are not to be had."""

@@ -90,6 +90,22 @@ def _swap(atlas, kind, rng):
     return (id_, id_) if rows else None
 
 
+def _twice(atlas, rng):
+    """A branch of orbits that are gone through twice: the branch, or None."""
+    db = sqlite3.connect(atlas)
+    rows = db.execute("SELECT id FROM branch WHERE word <> '' AND points > 2 AND impacts < 4").fetchall()
+    if rows:
+        (id_,) = rows[int(rng.integers(len(rows)))]
+        word = db.execute("SELECT word FROM branch WHERE id = ?", (id_,)).fetchone()[0]
+        db.execute("UPDATE branch SET word = ?, impacts = 2 * impacts WHERE id = ?", (word + ("." if "." in word else "") + word, id_))
+        for point, flights in db.execute("SELECT point, flights FROM point WHERE branch = ?", (id_,)).fetchall():
+            db.execute("UPDATE point SET flights = ?, period = 2 * period, frequency = frequency / 2 WHERE branch = ? AND point = ?",
+                       (flights + flights, id_, point))
+        db.commit()
+    db.close()
+    return (id_, id_) if rows else None
+
+
 def _findings(study, path, table, row):
     """Of that branch, point or junction alone."""
     atlas = Atlas(path)
@@ -124,6 +140,15 @@ def main():
                 done += 1
                 missed += not seen
                 print(f"{'ok' if seen else 'not ok'} {done} - another orbit as {kind} of seed {seed} ({text})", flush=True)
+            copy = os.path.join(folder, "copy.ricochet")
+            with open(copy, "wb") as file:
+                file.write(original)
+            row = _twice(copy, rng)
+            if row is not None:
+                seen = any(kind == "repeats" for kind, _ in _findings(study, copy, "branch", row))
+                done += 1
+                missed += not seen
+                print(f"{'ok' if seen else 'not ok'} {done} - orbits gone through twice of seed {seed} ({text})", flush=True)
             for table, faults in (("point", FAULTS), ("branch", BRANCH_FAULTS), ("junction", JUNCTION_FAULTS)):
                 if study["model"]["contacts"][0]["law"] == "power" and table != "point":
                     continue

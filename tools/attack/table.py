@@ -13,6 +13,7 @@ GROUPS = {
     "atlases": ("other atlas", "other atlas, step", "other atlas, order", "other atlas, workers", "verify"),
 }
 SLOW = 60.0  # s of processor time of the program from which a run is named
+BEYOND = "multipliers beyond the stored digits"  # nothing can be said of them
 MOST = 12  # lines of one list
 
 
@@ -57,7 +58,7 @@ def rows_of(results):
         rows[name] = collections.Counter()
     for group in (*GROUPS, "other"):
         rows[f"findings: {group}"] = collections.Counter()
-    for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", "orbits not replayed",
+    for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", BEYOND, "orbits not replayed",
                  "differences that are named", "slow runs", "s of the program", "s of the judge"):
         rows[name] = collections.Counter()
     for r in results:
@@ -74,7 +75,7 @@ def rows_of(results):
         add("flags", kind, sum(counts.get(f"flags {x}", 0) for x in ("confirmed", "confirmed finely", "not confirmed")))
         for f in r["findings"]:
             add(f"findings: {group_of(f)}", kind)
-        for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed"):
+        for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", BEYOND):
             add(name, kind, counts.get(name, 0))
         add("orbits not replayed", kind, counts.get("not replayed", 0))
         add("differences that are named", kind, len(r["named"]))
@@ -96,14 +97,18 @@ def _list(title, lines):
 def show(paths):
     """Prints the table and the lists; the number of findings."""
     results = read(paths)
-    print(f"{'':28}" + "".join(f"{kind:>12}" for kind in KINDS) + f"{'all':>12}")
+    print(f"{'':40}" + "".join(f"{kind:>12}" for kind in KINDS) + f"{'all':>12}")
     rows = dict(rows_of(results))
     for name, row in rows.items():
-        print(f"{name:28}" + "".join(f"{row[kind]:12}" for kind in KINDS) + f"{sum(row.values()):12}")
-    open_, flags = sum(rows["flags not confirmed"].values()), max(1, sum(rows["flags"].values()))
-    print(f"flags that are not confirmed: {open_} of {flags}, {1000 * open_ / flags:.2f} in 1,000")
-    reasons = collections.Counter(o["why"] for r in results for o in r.get("open", []) if o["kind"] == "flags")
-    _list("Flags not confirmed, by reason:", [f"{count} x {why}" for why, count in reasons.most_common()])
+        print(f"{name:40}" + "".join(f"{row[kind]:12}" for kind in KINDS) + f"{sum(row.values()):12}")
+    for what in ("flags", "multipliers"):
+        shares = [f"{kind} {open_} of {all_}" for kind, open_, all_ in
+                  ((kind, rows[f"{what} not confirmed"][kind], rows[what][kind]) for kind in KINDS) if open_]
+        open_, all_ = (sum(rows[name].values()) for name in (f"{what} not confirmed", what))
+        print(f"{what} that are not confirmed: {open_} of {all_}, {1000 * open_ / max(1, all_):.2f} in 1,000"
+              + (f" ({', '.join(shares)})" if shares else ""))
+    reasons = collections.Counter((o["kind"], o["why"]) for r in results for o in r.get("open", []))
+    _list("Not confirmed, by reason:", [f"{count} x {what}: {why}" for (what, why), count in reasons.most_common()])
     _list("Findings:", [f"seed {r['seed']} {r['kind']}: {f['kind']}: {f['where']}: {f['text'].strip().splitlines()[-1][:160]}"
                         for r in results for f in r["findings"]])
     _list("Runs over their limit, stopped, or slow:",
