@@ -229,7 +229,7 @@ static int loose_face(const ric_model *m)
 
 ric_status ric_graph_check_start(const ric_model *m)
 {
-    if (ric_flight_law_of(m)->turns || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
+    if (!ric_flight_law_of(m)->closes || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
     return ric_fail(RIC_E_INPUT,
                     "the structure can move as a rigid body against a contact of law bilinear: such families have no "
                     "closed form to start from in this version; hold the structure by a soft spring, or make the "

@@ -78,7 +78,8 @@ static void secant(const ric_model *m, uint64_t closed, const double *w0, const 
     }
 }
 
-const ric_flight_law ric_flight_bilinear = {.go = go, .map = map, .push = push, .store = store, .secant = secant};
+const ric_flight_law ric_flight_bilinear =
+    {.closes = true, .go = go, .map = map, .push = push, .store = store, .secant = secant};
 
 /* --------------------------------------------------- flights between events */
 

@@ -10,6 +10,7 @@
 
 typedef struct ric_flight_law {
     bool turns;      /* every flight turns each mode in its plane */
+    bool closes;     /* contacts may stay closed for a while, and open again */
     bool integrated; /* flights are integrated step by step; their rounding adds up that of the steps */
     /* As ric_flight_go and ric_flight_map (flight.h). */
     void (*go)(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after);

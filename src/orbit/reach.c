@@ -332,7 +332,7 @@ static void search_all(search *q, const double *u)
 {
     const ric_shooting *c = q->chain;
     const ric_model *m = c->model;
-    const bool springs = !ric_flight_law_of(m)->turns;
+    const bool springs = ric_flight_law_of(m)->closes;
     double ends[4 * q->n];
     q->start = ends;
     q->end = ends + 2 * q->n;
