@@ -258,13 +258,15 @@ static ric_status add_numbering(export_table *table, const ric_atlas *atlas)
 
 static ric_status make_points(export_table *table, const ric_atlas *atlas)
 {
-    static const char *const names[] = {"arclength", "energy", "frequency", "period",   "trace",    "log_trace",
-                                        "rotation",  "stable", "reach",     "approach", "residual", "state"};
+    const ric_table *all = &ric_table_point;
     table->rows = count_points(atlas);
     ric_status status = add_numbering(table, atlas);
-    for (size_t i = 0; !status && i < sizeof names / sizeof *names; i++)
-        status = add_quantity(table, atlas, names[i], false);
-    return status ? status : add_quantity(table, atlas, "flights", true);
+    for (const ric_column *c = all->column; !status && c < all->column + all->n; c++) {
+        const bool vector = c->type == RIC_COLUMN_STATE || c->type == RIC_COLUMN_FLIGHTS;
+        if (c->type == RIC_COLUMN_PLACE || !(vector || c->flags & RIC_LISTED)) continue;
+        status = add_quantity(table, atlas, c->name, c->type == RIC_COLUMN_FLIGHTS);
+    }
+    return status;
 }
 
 ric_status export_tables_make(const ric_atlas *atlas, export_table tables[EXPORT_N_TABLE])
