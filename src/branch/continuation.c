@@ -239,40 +239,46 @@ static ric_status keep_definite(ric_continuation *tr, ric_station *p, double app
     return RIC_OK;
 }
 
-typedef struct {
-    double reach, approach, closing, time, energy;
-} margin;
+ric_margins ric_continuation_margins(const ric_shooting *c, const double *u)
+{
+    return (ric_margins){.reach = ric_reach(c, u, NULL),
+                         .approach = ric_continuation_approach(c, false),
+                         .closing = ric_continuation_approach(c, true),
+                         .time = ric_shooting_time(c, u),
+                         .energy = ric_shooting_energy(c)};
+}
+
+ric_point ric_continuation_point(const ric_shooting *c, const ric_floquet *f, const ric_margins *of, double arclength)
+{
+    const ric_model *m = c->model;
+    return (ric_point){.arclength = arclength,
+                       .energy = of->energy * m->energy_unit,
+                       .frequency = RIC_TWO_PI / of->time * m->omega_ref,
+                       .trace = f->trace_asinh,
+                       .rotation = f->rotation,
+                       .reach = of->reach > 0 ? of->reach : NAN,
+                       .approach = of->closing < HUGE_VAL ? of->closing * m->length * m->omega_ref : NAN,
+                       .residual = (float)c->residual,
+                       .stable = (int32_t)f->stable};
+}
 
 /* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
-static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p, margin *out)
+static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p, ric_margins *out)
 {
     ric_shooting *c = tr->chain;
-    const ric_model *m = c->model;
     ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
     if (!status) status = ric_floquet_compute(c, &tr->floquet);
     if (!status) status = ric_continuation_judge(c, u, &tr->floquet);
     if (status) return status;
-    *out = (margin){.reach = ric_reach(c, u, NULL),
-                    .approach = ric_continuation_approach(c, false),
-                    .closing = ric_continuation_approach(c, true),
-                    .time = ric_shooting_time(c, u),
-                    .energy = ric_shooting_energy(c)};
+    *out = ric_continuation_margins(c, u);
     p->solved = ric_continuation_solved(c);
-    p->row = (ric_point){.arclength = s,
-                         .energy = out->energy * m->energy_unit,
-                         .frequency = RIC_TWO_PI / out->time * m->omega_ref,
-                         .trace = tr->floquet.trace_asinh,
-                         .rotation = tr->floquet.rotation,
-                         .reach = out->reach > 0 ? out->reach : NAN,
-                         .approach = out->closing < HUGE_VAL ? out->closing * m->length * m->omega_ref : NAN,
-                         .residual = (float)c->residual,
-                         .stable = (int32_t)tr->floquet.stable};
+    p->row = ric_continuation_point(c, &tr->floquet, out, s);
     return RIC_OK;
 }
 
 ric_status ric_continuation_fill(ric_continuation *tr, double s, ric_station *p)
 {
-    margin unused;
+    ric_margins unused;
     p->s = s;
     ric_shooting_evaluate(tr->chain, p->u);
     return measure(tr, s, p->u, p, &unused);
@@ -282,7 +288,7 @@ ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double
 {
     ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
-    margin now;
+    ric_margins now;
     tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
     ric_status status = measure(tr, p->s, p->u, p, &now);
     if (status) return status;

@@ -204,8 +204,18 @@ ric_status ric_continuation_end_at(ric_continuation *trace, const double *u);
  * when converged. */
 bool ric_continuation_correct(ric_shooting *chain, double *u, const double *origin, const double *normal, double target,
                               double *du, int *iterations);
-/* Least speed of approach of the impacts; `springs`: of the closings too. */
+/* Least speed of approach of the impacts; `springs`: of the closings and openings too. */
 double ric_continuation_approach(const ric_shooting *chain, bool springs);
+/* What an orbit has to spare, scaled: the largest gap in flight over the clearance (reach.h), the least speed of its
+ * impacts, and of springs too; its period and its energy. */
+typedef struct {
+    double reach, approach, closing, time, energy;
+} ric_margins;
+/* At u, where the chain has been flown. */
+ric_margins ric_continuation_margins(const ric_shooting *chain, const double *u);
+/* The orbit of the last flight as it is stored and shown. */
+ric_point ric_continuation_point(const ric_shooting *chain, const ric_floquet *floquet, const ric_margins *margins,
+                                 double arclength);
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);
@@ -214,10 +224,10 @@ ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floq
  * orbits. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
 enum { RIC_TRACE_WAYS = 4 };
 bool ric_continuation_move(const ric_shooting *chain, const double *u, int way, double *out);
-/* The error of multipliers just computed at u, where the chain has been evaluated, from then on with that of the orbit:
- * unknowns within their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of
- * which less than three digits are left are lost. */
-ric_status ric_continuation_bound(ric_shooting *chain, const double *u, ric_floquet *floquet);
+/* The multipliers of the orbit at u with the flag and the error of each, that of the orbit counted: unknowns within
+ * their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of which less than
+ * three digits are left are lost. */
+ric_status ric_continuation_multipliers(ric_shooting *chain, const double *u, ric_floquet *floquet);
 /* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
 bool ric_continuation_solved(const ric_shooting *chain);
 /* Residual that counts as rounding for a chain. */

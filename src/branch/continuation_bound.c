@@ -24,17 +24,12 @@ double ric_continuation_approach(const ric_shooting *c, bool springs)
     return least;
 }
 
-static bool closes_springs(const ric_model *m)
-{
-    return m->n_face > 0 && !ric_flight_law_of(m)->turns;
-}
-
 /* Of the size: error of each unknown. Where springs close, velocities are as wrong as the displacement at which they
  * did makes them, and touches that are short pass all stabilities within that. A part of the tolerance, whose own
  * safety RIC_MEASURED gives back. */
 static double of_unknown(const ric_shooting *c)
 {
-    return closes_springs(c->model) ? fmax(UNKNOWN, ric_continuation_tolerance(c) / RIC_MEASURED) : UNKNOWN;
+    return ric_flight_law_of(c->model)->closes ? fmax(UNKNOWN, ric_continuation_tolerance(c) / RIC_MEASURED) : UNKNOWN;
 }
 
 bool ric_continuation_move(const ric_shooting *c, const double *u, int way, double *out)
@@ -114,15 +109,18 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
 {
     double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f, NULL),
            seen[f->n_pair + 1], blur = 1 + (1 + 1 / approach) * c->scale / c->smallest;
-    bool far = !closes_springs(c->model) && !(fabs(margin) <= NEAR_BORDER * f->rough * steepness(margin) * blur);
+    bool far = !ric_flight_law_of(c->model)->closes &&
+               !(fabs(margin) <= NEAR_BORDER * f->rough * steepness(margin) * blur);
     return f->n_pair < 1 || f->stable == RIC_STABLE_UNDECIDED || far ? RIC_OK : measure(c, u, f, seen);
 }
 
-ric_status ric_continuation_bound(ric_shooting *c, const double *u, ric_floquet *f)
+ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)
 {
     double seen[f->n_pair + 1];
-    if (f->n_pair < 1) return RIC_OK;
-    ric_status status = measure(c, u, f, seen);
+    ric_shooting_evaluate(c, u);
+    ric_status status = ric_floquet_compute(c, f);
+    if (status || f->n_pair < 1) return status;
+    status = measure(c, u, f, seen);
     ric_floquet_widen(f, seen);
     return status;
 }

@@ -130,12 +130,9 @@ static ric_status flag_of(const ric_model *m, const ric_periodic *cycle, int32_t
     ric_shooting *c = NULL;
     double *u = NULL;
     ric_status status = ric_periodic_to_chain(m, cycle, &c, &u);
-    if (!status && !(status = ric_floquet_create(c->n, &floquet))) {
-        ric_shooting_evaluate(c, u);
-        status = ric_floquet_compute(c, &floquet);
-        if (!status) status = ric_continuation_bound(c, u, &floquet);
-        if (!status) *stable = (int32_t)floquet.stable;
-    }
+    if (!status) status = ric_floquet_create(c->n, &floquet);
+    if (!status) status = ric_continuation_multipliers(c, u, &floquet);
+    if (!status) *stable = (int32_t)floquet.stable;
     ric_floquet_release(&floquet);
     ric_shooting_free(c);
     free(u);

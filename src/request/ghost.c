@@ -267,15 +267,13 @@ ric_status ric_ghost_multiplication_at(const ric_ghost *g, int i, ric_ghost_mult
         return ric_fail(RIC_E_RANGE, "no multiplication %d on the ghost: there are %d", i,
                         ric_ghost_n_multiplication(g));
     const ric_resonance *resonance = ric_continuation_resonance(g->trace, event->test);
-    double least = HUGE_VAL;
     ric_shooting_fly(c, event->u);
-    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0) least = fmin(least, c->approach[k]);
-    ric_point p = {.reach = ric_reach(c, event->u, NULL), .approach = least};
+    const ric_margins margins = ric_continuation_margins(c, event->u);
+    const ric_point p = {.reach = margins.reach, .approach = margins.approach};
     *out = (ric_ghost_multiplication){.rotation = {resonance->p, resonance->q},
                                       .arclength = g->origin + (g->data.end == RIC_END_FROM ? -1 : 1) * event->s,
-                                      .energy = ric_shooting_energy(c) * g->model->energy_unit,
-                                      .frequency = RIC_TWO_PI / ric_shooting_time(c, event->u) * g->model->omega_ref,
+                                      .energy = margins.energy * g->model->energy_unit,
+                                      .frequency = RIC_TWO_PI / margins.time * g->model->omega_ref,
                                       .admissible = ric_point_admissible(&p)};
     return RIC_OK;
 }

@@ -52,8 +52,7 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
     *out = NULL;
     if (!o) return ric_no_memory("an orbit");
     if ((status = ric_floquet_create(n, &floquet))) goto out;
-    ric_shooting_evaluate(c, u);
-    if ((status = ric_floquet_compute(c, &floquet)) || (status = ric_continuation_bound(c, u, &floquet))) goto out;
+    if ((status = ric_continuation_multipliers(c, u, &floquet))) goto out;
     o->cycle = ric_turn_cycle(m, c, u, t);
     int N = o->cycle ? o->cycle->N : 0;
     o->state = ric_calloc(2 * (size_t)m->n_dof, sizeof *o->state);
@@ -69,19 +68,8 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
     ric_floquet_multipliers(&floquet, o->multipliers);
     o->error = floquet.error;
     o->stable = floquet.stable;
-    double reach = ric_reach(c, u, NULL), approach = HUGE_VAL;
-    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0)
-            approach = fmin(approach, m->face[c->face[k]].spring > 0 ? fabs(c->approach[k]) : c->approach[k]);
-    o->point = (ric_point){.arclength = stored->arclength,
-                           .energy = ric_shooting_energy(c) * m->energy_unit,
-                           .frequency = RIC_TWO_PI / ric_shooting_time(c, u) * m->omega_ref,
-                           .trace = floquet.trace_asinh,
-                           .rotation = floquet.rotation,
-                           .reach = reach > 0 ? reach : NAN,
-                           .approach = approach < HUGE_VAL ? approach * m->length * m->omega_ref : NAN,
-                           .residual = (float)c->residual,
-                           .stable = (int32_t)floquet.stable};
+    const ric_margins margins = ric_continuation_margins(c, u);
+    o->point = ric_continuation_point(c, &floquet, &margins, stored->arclength);
     /* what memory was missing for looks undecided or lost, not missing */
     if ((status = ric_trust(RIC_OK))) goto out;
     *out = o;

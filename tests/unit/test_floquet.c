@@ -542,7 +542,7 @@ static void flags_keep_to_the_bound(void **state)
                 ric_shooting_evaluate(trace->chain, (const double *)(p + 1));
                 ric_floquet f = multipliers(trace->chain, (const double *)(p + 1));
                 double off = from_border(&f);
-                ric_status status = ric_continuation_bound(trace->chain, (const double *)(p + 1), &f);
+                ric_status status = ric_continuation_multipliers(trace->chain, (const double *)(p + 1), &f);
                 assert_int_equal(status, RIC_OK);
                 if (f.stable == RIC_STABLE_UNDECIDED || (s == 0 && off < 1e-9))
                     fail_msg("study %zu, branch %d, point %d: stable %d, rho %.3g from the border within %.3g", s, e, i,
