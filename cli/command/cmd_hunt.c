@@ -29,12 +29,10 @@ typedef struct {
 static bool show_progress(const char *what, double part, int found, void *user)
 {
     display *d = user;
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    if (d->terminal && (double)(now.tv_sec - d->shown.tv_sec) + 1e-9 * (double)(now.tv_nsec - d->shown.tv_nsec) > 0.1) {
+    if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
         fprintf(stderr, "\r\033[K%s: %.0f %%, %d orbits", what, 100 * part, found);
         fflush(stderr);
-        d->shown = now;
+        clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
     return cli_stopped();
 }

@@ -34,19 +34,12 @@ typedef struct {
     bool same, kept;         /* it is of the same study; its tables were left as they are */
 } display;
 
-static double seconds_since(const struct timespec *then)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
-}
-
 static bool show_progress(const ric_progress *now, void *user)
 {
     display *d = user;
-    const double passed = seconds_since(&d->start);
+    const double passed = cli_seconds_since(&d->start);
     d->last = *now;
-    if (d->terminal && seconds_since(&d->shown) > 0.1) {
+    if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
         fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
         if (now->labels) cli_say("%d labels left, %.0f s", now->labels, now->seconds);
         else cli_say("%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
@@ -122,7 +115,7 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
     ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
     if (!status) {
         cli_say("%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
-                seconds_since(&d->start));
+                cli_seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory()) status = RIC_E_NOMEM;
         if (!status) print_report(rows);
         if (!status) status = cli_windows_tell(atlas);

@@ -89,13 +89,6 @@ static ric_status add_branch(audit *a, int id, long point)
 
 /* ------------------------------------------------------------------ working */
 
-static double seconds_since(const struct timespec *then)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
-}
-
 static void fail(audit *a, ric_status status)
 {
     pthread_mutex_lock(&a->mutex);
@@ -111,7 +104,7 @@ static void fail(audit *a, ric_status status)
 static bool is_over(void *user)
 {
     const audit *a = user;
-    return a->stop || cli_stopped() || seconds_since(&a->start) > a->seconds;
+    return a->stop || cli_stopped() || cli_seconds_since(&a->start) > a->seconds;
 }
 
 static void *work(void *user)
@@ -148,9 +141,9 @@ static void wait_for_end(audit *a, int workers, pthread_t *threads)
     int naps = 0;
     while (!a->stop && a->finished < a->n && a->next < a->n + workers) {
         nanosleep(&nap, NULL);
-        if (cli_stopped() || seconds_since(&a->start) > a->seconds) a->stop = true;
+        if (cli_stopped() || cli_seconds_since(&a->start) > a->seconds) a->stop = true;
         if (terminal && ++naps % 20 == 0)
-            fprintf(stderr, "\r\033[K%d of %d points, %.0f s", (int)a->finished, a->n, seconds_since(&a->start));
+            fprintf(stderr, "\r\033[K%d of %d points, %.0f s", (int)a->finished, a->n, cli_seconds_since(&a->start));
     }
     for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
     if (terminal) fputs("\r\033[K", stderr);

@@ -4,6 +4,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <time.h>
 
 #include "atlas/columns.h"
 #include "ricochet.h"
@@ -174,6 +175,8 @@ bool cli_parse_integer(const char *text, const char *what, long min, long max, l
 /* Ctrl-C and termination ask to stop instead of killing; whether that has happened. */
 void cli_catch_signals(void);
 bool cli_stopped(void);
+/* Since a reading of CLOCK_MONOTONIC. */
+double cli_seconds_since(const struct timespec *then);
 
 /* A cascade that a command is asked to follow: --branch ID with --multiply LIST or --doublings N. */
 enum { CLI_MAX_CASCADE = 24 };

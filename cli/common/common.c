@@ -40,6 +40,13 @@ bool cli_stopped(void)
     return stop_asked != 0;
 }
 
+double cli_seconds_since(const struct timespec *then)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
+}
+
 /* ---------------------------------------------------------------- messages */
 
 /* Bytes of a character that steers: a control of ASCII, one of Latin-1 (U+0080 to U+009F), or one that turns the

@@ -40,13 +40,6 @@ void view_lines_free(view_lines *lines)
     free(lines);
 }
 
-static double waited(const view_line *line)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - line->since.tv_sec) + 1e-9 * (double)(now.tv_nsec - line->since.tv_nsec);
-}
-
 /* The functions below are called with the lock held. */
 
 static void take_out(view_lines *lines, view_line *line)
@@ -118,7 +111,8 @@ void view_line_waits(view_lines *lines, view_line *line, bool waits)
 void view_lines_tidy(view_lines *lines)
 {
     pthread_mutex_lock(&lines->lock);
-    for (view_line *line = lines->oldest; line && waited(line) > VIEW_LINE_SECONDS; line = line->last)
+    for (view_line *line = lines->oldest; line && cli_seconds_since(&line->since) > VIEW_LINE_SECONDS;
+         line = line->last)
         if (!line->answering) hang_up(line);
     pthread_mutex_unlock(&lines->lock);
 }
