@@ -1,6 +1,5 @@
 #include "floquet.h"
 
-#include <complex.h>
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +8,7 @@
 
 #include "base/room.h"
 #include "floquet_fine.h"
+#include "floquet_judge.h"
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
@@ -16,12 +16,10 @@
 #define SMOOTH_STEPS 12
 #define NO_SPEED 1e-60
 #define ACCURATE 1e-6    /* error of rho from which on the factors of the map are not multiplied */
-#define LOST 1e-3        /* error of rho, over 1 + |rho|, from which on it is not given */
 #define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
 /* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32 k^2 numbers */
 #define MOST_PAIRS 64
 #define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
-#define LOG_2 0.693147180559945309
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
 {
@@ -232,14 +230,6 @@ static double determinant(int k, int ld, const double *A, double *work, double r
 
 /* ------------------------------------------------------------ reversible */
 
-/* rho of the square of a map whose rho is r: r^2 - 2, complex. */
-static void square(double *r)
-{
-    double re = r[0] * r[0] - r[1] * r[1] - 2, im = 2 * r[0] * r[1];
-    r[0] = re;
-    r[1] = im;
-}
-
 /* Blocks from P; a centre exchanges the roles of q and p, (Q, P) = (dp, -dq), so that P stays symplectic. */
 static void blocks(const ric_shooting *c, const double *P, double *a, double *b, double *cc, double *d)
 {
@@ -270,92 +260,10 @@ static double bound(int k, const double *left, const double *right)
     return product;
 }
 
-/* n = 2: everything from the products b c and a d (scaled by 2^(-2 exponent), `error` likewise), without cancellation
- * near rho = +-2. */
-static void judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent, double error)
-{
-    /* rho - 2, rho + 2 of the chain's map */
-    double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent);
-    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
-    double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
-    f->error = ldexp(error, 2 * exponent);
-    f->each[0] = quarter ? f->error * (2 * fabs(rho) + f->error) : f->error;
-    f->own[0] = rho;
-    f->rho[0] = full;
-    f->own[1] = f->rho[1] = 0;
-    if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
-    else f->trace_asinh = asinh(full / 2);
-    bool inside = 4 * bc < -error && 4 * ad > error, outside = 4 * bc > error || 4 * ad < -error;
-    f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
-    f->rotation = NAN;
-    if (minus <= 0 && plus >= 0) {
-        double angle = atan2(sqrt(fabs(minus * plus)), rho) /
-                       RIC_TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
-        if (twist > 0) angle = 1 - angle;
-        f->rotation = fmod(quarter ? 2 * angle : angle, 1);
-    }
-}
-
-/* How many rho lie within a distance of one of them. */
-static int together(const ric_floquet *f, const double *r, double distance)
-{
-    int count = 0;
-    for (int j = 0; j < f->n_pair; j++) count += hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]) <= distance;
-    return count;
-}
-
-/* How far rho i may be off: m of them that may be one are moved by the m-th root of the error, relative to their size
- * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie m. `least`: how
- * many are together at least. */
-static double radius_of(const ric_floquet *f, int i, int least, double error)
-{
-    const double *r = f->rho + 2 * i;
-    double size = 1 + fabs(r[0]) + fabs(r[1]), radius = least == 1 ? error : sqrt(error / size) * size;
-    int most = together(f, r, pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) * size); /* within the widest */
-    for (int m = 2; m <= most; m++) {
-        double wide = pow(error / size, 1.0 / m) * size;
-        if (together(f, r, wide) >= m) radius = fmax(radius, wide);
-    }
-    return radius;
-}
-
-/* error [n_pair]: of each rho of the chain's map. What is lost in it is NaN; the map's own rho only if it may be on the
- * unit circle. */
-static void judge_pairs(ric_floquet *f, bool quarter, const double *error)
-{
-    bool undecided = false, unstable = false;
-    f->error = 0;
-    for (int i = 0; i < f->n_pair; i++) {
-        double alone = radius_of(f, i, 1, error[i]), pair = radius_of(f, i, 2, error[i]);
-        bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
-        if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;
-        else if (complex_pair || fabs(f->rho[2 * i]) > 2 - alone) undecided = true;
-    }
-    for (int i = 0; i < f->n_pair; i++) {
-        double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
-        bool lost = !(error[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - error[i] > 2;
-        memcpy(f->own + 2 * i, r, 2 * sizeof *r);
-        if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
-        if (quarter) square(r);
-        f->each[i] = quarter ? 2 * size * error[i] : error[i];
-        if (lost) r[0] = r[1] = NAN;
-        else f->error = fmax(f->error, f->each[i]);
-    }
-    f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
-}
-
 /* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
 static double roundings(const ric_shooting *c)
 {
     return ric_flight_law_of(c->model)->integrated ? SMOOTH_STEPS : c->n_flight + 2;
-}
-
-/* Beyond the range of a double: some multiplier is astronomically large. */
-static void all_lost(ric_floquet *f)
-{
-    f->stable = RIC_STABLE_NO;
-    f->error = f->rough = 0;
-    for (int i = 0; i < 2 * f->n_pair; i++) f->rho[i] = f->own[i] = NAN;
 }
 
 /* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
@@ -428,7 +336,7 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
         for (int i = 0; i < 4; i++) part[i] = (ric_fine_real)x[i] + y[i];
         double bc = (double)(part[1] * part[2]), ad = (double)(part[0] * part[3]);
         error += 8 * DBL_EPSILON * fmin(1 + fabs(bc), 1 + fabs(ad));
-        judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
+        ric_floquet_judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
         return;
     }
     for (int i = 0; i < k; i++)
@@ -446,7 +354,7 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
     else
         found = rho_of_blocks(k, x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size, high, low,
                               f->rho, errors);
-    if (found) judge_pairs(f, quarter, errors);
+    if (found) ric_floquet_judge_pairs(f, quarter, errors);
 }
 
 static ric_status reversible(const ric_shooting *c, ric_floquet *f)
@@ -473,7 +381,7 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     f->size_d = bound(k, cc, d);
     double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
-        judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
+        ric_floquet_judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
         reversible_fine(c, f, E0, E1, A);
         return RIC_OK;
     }
@@ -484,37 +392,13 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     bool found = exponent < 500;
     if (found && error <= ACCURATE) found = rho_of_product(k, b, cc, exponent, A, f->rho);
     else if (found) found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
-    if (found) judge_pairs(f, quarter, errors);
-    else all_lost(f);
+    if (found) ric_floquet_judge_pairs(f, quarter, errors);
+    else ric_floquet_judge_lost(f);
     if (found) reversible_fine(c, f, E0, E1, A);
     return RIC_OK;
 }
 
 /* --------------------------------------------------------------- general */
-
-/* n = 2 from the trace of the map over a period, or over half of one joined with x -> -x; trace and error scaled by
- * 2^(-exponent). */
-static void judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent, double error)
-{
-    double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
-    error += ldexp(8 * DBL_EPSILON, -exponent);
-    f->error = ldexp(error, exponent);
-    f->each[0] = half ? f->error * (2 * fabs(rho) + f->error) : f->error;
-    f->own[0] = rho;
-    f->rho[0] = full;
-    f->own[1] = f->rho[1] = 0;
-    if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
-    else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
-    f->stable = fabs(trace) < two - error   ? RIC_STABLE_YES
-                : fabs(trace) > two + error ? RIC_STABLE_NO
-                                            : RIC_STABLE_UNDECIDED;
-    f->rotation = NAN;
-    if (fabs(rho) <= 2) {
-        double angle = acos(rho / 2) / RIC_TWO_PI;
-        if (twist > 0) angle = 1 - angle;
-        f->rotation = fmod(half ? 2 * angle : angle, 1);
-    }
-}
 
 /* Without an event to cut at (law power): q + i p has a complex structure that turns the gradient of the energy into
  * the flow; a unitary basis of the complement of the gradient is a symplectic basis of what is perpendicular to both,
@@ -687,7 +571,7 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     double error = fine_rounding(c, size);
     if (k == 1) {
         error += 4 * DBL_EPSILON * fabs((double)trace);
-        judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
+        ric_floquet_judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
         return;
     }
     split(count, f->fine, high, low);
@@ -704,7 +588,7 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     if (!ric_eigen(ld, A, all)) return;
     double apart[k];
     pair_up(k, all, f->rho, apart);
-    judge_pairs(f, c->sigma < 0, errors);
+    ric_floquet_judge_pairs(f, c->sigma < 0, errors);
 }
 
 static ric_status whole(const ric_shooting *c, ric_floquet *f)
@@ -742,13 +626,13 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
             f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
             f->size_a = ldexp(2, -exponent) + size;
         }
-        judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
+        ric_floquet_judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
         whole_fine(c, f);
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
     if (!isfinite(error) || exponent) {
-        all_lost(f);
+        ric_floquet_judge_lost(f);
         return RIC_OK;
     }
     double errors[k];
@@ -757,8 +641,8 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
         found = rho_of_period(k, P, A, f->rho);
         for (int i = 0; i < k; i++) errors[i] = error;
     }
-    if (found) judge_pairs(f, c->sigma < 0, errors);
-    else all_lost(f);
+    if (found) ric_floquet_judge_pairs(f, c->sigma < 0, errors);
+    else ric_floquet_judge_lost(f);
     if (found) whole_fine(c, f);
     return RIC_OK;
 }
@@ -774,50 +658,4 @@ ric_status ric_floquet_compute(const ric_shooting *c, ric_floquet *f)
         return RIC_OK;
     }
     return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
-}
-
-void ric_floquet_widen(ric_floquet *f, const double *more)
-{
-    double worst = 0;
-    for (int i = 0; i < f->n_pair; i++) {
-        double *r = f->rho + 2 * i;
-        f->each[i] += more[i];
-        if (f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
-            worst = fmax(worst, f->each[i]);
-            continue;
-        }
-        r[0] = r[1] = NAN;
-    }
-    f->error = worst;
-}
-
-/* The large one first: the other is its inverse, without cancellation. */
-static void pair_from_rho(const double *rho, double *out)
-{
-    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
-    if (cabs(lambda) < 1) lambda = (r - root) / 2;
-    double complex inverse = 1 / lambda;
-    out[0] = creal(lambda);
-    out[1] = cimag(lambda);
-    out[2] = creal(inverse);
-    out[3] = cimag(inverse);
-}
-
-/* Relative error of lambda where rho has the error e: d lambda / lambda = d rho / (lambda - 1 / lambda), and where the
- * two meet, at +-1, the root of e. */
-static double error_of_multiplier(const double *rho, double e)
-{
-    double complex r = rho[0] + I * rho[1];
-    return e / fmax(cabs(csqrt(r * r - 4)), sqrt(e));
-}
-
-void ric_floquet_multipliers(const ric_floquet *f, double *out)
-{
-    for (int i = 0; i < f->n_pair; i++) {
-        const double *rho = f->rho + 2 * i;
-        bool known = f->each[i] == 0 || error_of_multiplier(rho, f->each[i]) <= LOST;
-        if (known) pair_from_rho(rho, out + 4 * i);
-        else
-            for (int k = 0; k < 4; k++) out[4 * i + k] = NAN;
-    }
 }

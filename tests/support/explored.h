@@ -20,6 +20,15 @@ static inline ric_atlas *explore_text_with(const char *text, ric_store *store, d
     return atlas;
 }
 
+/* The branches and junctions of a study as they are at work. */
+static inline ric_graph *explored_graph(ric_study *study)
+{
+    ric_graph *graph = NULL;
+    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
+    if (ric_graph_explore(graph, NULL)) fail_msg("%s", ric_detail());
+    return graph;
+}
+
 static inline ric_atlas *explore_text(const char *text)
 {
     return explore_text_with(text, NULL, 0);

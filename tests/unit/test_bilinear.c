@@ -491,7 +491,6 @@ static void doubling_of_a_touch(void **state)
 {
     (void)state;
     ric_study *study = NULL;
-    ric_graph *graph = NULL;
     int count = 0;
     assert_int_equal(
         ric_study_parse("model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 3]]\n  contacts:\n"
@@ -500,8 +499,7 @@ static void doubling_of_a_touch(void **state)
                         "\n",
                         "test", ".", &study),
         RIC_OK);
-    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
-    assert_int_equal(ric_graph_explore(graph, NULL), RIC_OK);
+    ric_graph *graph = explored_graph(study);
     for (int i = 0; i < graph->n_node; i++)
         if (graph->nodes[i]->kind == RIC_KIND_MULTIPLICATION && graph->nodes[i]->multiple == 2) {
             assert_true(off_root(graph->model, graph->nodes[i]) < 1e-6);

@@ -327,10 +327,8 @@ static void check_text(const char *model, const char *options)
 static void check_classes_of(const char *text)
 {
     ric_study *study = NULL;
-    ric_graph *g = NULL;
     if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s", ric_detail());
-    assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
-    if (ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    ric_graph *g = explored_graph(study);
     for (int i = 0; i < g->n_node; i++) check_classes(g, i, "classes");
     ric_graph_free(g);
     ric_study_free(study);

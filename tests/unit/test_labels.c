@@ -151,10 +151,8 @@ typedef struct {
 static void measure_all(const char *text, tally *t)
 {
     ric_study *study = NULL;
-    ric_graph *graph = NULL;
     if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
-    assert_int_equal(ric_graph_create(study, NULL, &graph), RIC_OK);
-    if (ric_graph_explore(graph, NULL)) fail_msg("%s", ric_detail());
+    ric_graph *graph = explored_graph(study);
     for (int i = 0; i < graph->n_node; i++) {
         const ric_node *node = graph->nodes[i];
         int a, b;

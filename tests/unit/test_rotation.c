@@ -7,9 +7,7 @@
 
 #include <cmocka.h>
 
-#include "base/memory.h" /* as every file of the library has it */
-
-#include "orbit/floquet.c"
+#include "orbit/floquet_judge.h"
 
 static const double ZERO[] = {0.0, -0.0}, TWIST[] = {-1, -0.0, 0.0, 1};
 
@@ -27,15 +25,15 @@ static void of_reversible_chains(void **state)
     ric_floquet f = {.n_pair = 1, .rho = rho, .own = own, .each = each};
     for (int z = 0; z < 2; z++)
         for (int t = 0; t < 4; t++) {
-            judge_plane(&f, false, -1, ZERO[z], TWIST[t], 0, 0);
+            ric_floquet_judge_plane(&f, false, -1, ZERO[z], TWIST[t], 0, 0);
             check(f.rotation, 0.5);
-            judge_plane(&f, true, -1, ZERO[z], TWIST[t], 0, 0);
+            ric_floquet_judge_plane(&f, true, -1, ZERO[z], TWIST[t], 0, 0);
             check(f.rotation, 0);
-            judge_plane(&f, false, ZERO[z], 1, TWIST[t], 0, 0);
+            ric_floquet_judge_plane(&f, false, ZERO[z], 1, TWIST[t], 0, 0);
             check(f.rotation, 0);
-            judge_plane(&f, true, ZERO[z], 1, TWIST[t], 0, 0);
+            ric_floquet_judge_plane(&f, true, ZERO[z], 1, TWIST[t], 0, 0);
             check(f.rotation, 0);
-            judge_plane(&f, true, -0.5, 0.5 + ZERO[z], TWIST[t], 0, 0);
+            ric_floquet_judge_plane(&f, true, -0.5, 0.5 + ZERO[z], TWIST[t], 0, 0);
             check(f.rotation, 0.5);
         }
 }
@@ -48,15 +46,15 @@ static void of_general_chains(void **state)
     ric_floquet f = {.n_pair = 1, .rho = rho, .own = own, .each = each};
     for (int t = 0; t < 4; t++) {
         for (int half = 0; half < 2; half++) {
-            judge_trace(&f, half, -2, TWIST[t], 0, 0);
+            ric_floquet_judge_trace(&f, half, -2, TWIST[t], 0, 0);
             check(f.rotation, half ? 0 : 0.5);
-            judge_trace(&f, half, 2, TWIST[t], 0, 0);
+            ric_floquet_judge_trace(&f, half, 2, TWIST[t], 0, 0);
             check(f.rotation, 0);
         }
         for (int z = 0; z < 2; z++) {
-            judge_trace(&f, false, ZERO[z], TWIST[t], 0, 0);
+            ric_floquet_judge_trace(&f, false, ZERO[z], TWIST[t], 0, 0);
             check(f.rotation, TWIST[t] > 0 ? 0.75 : 0.25);
-            judge_trace(&f, true, ZERO[z], TWIST[t], 0, 0);
+            ric_floquet_judge_trace(&f, true, ZERO[z], TWIST[t], 0, 0);
             check(f.rotation, 0.5);
         }
     }

@@ -121,12 +121,11 @@ static void after_the_first_points(void **state)
     (void)state;
     ric_study *study = study_of(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
                                      "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, depth: 0}\n");
-    ric_graph *g = NULL;
+    ric_graph *g = explored_graph(study);
     ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
     ric_continuation *whole = NULL, *piece = NULL;
-    if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
     const ric_node *node = NULL;
     unsigned choice = 0;
     for (int i = 0; i < g->n_node && !node; i++)

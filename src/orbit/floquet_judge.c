@@ -1,0 +1,171 @@
+#include "floquet_judge.h"
+
+#include <complex.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/room.h"
+
+#define LOST 1e-3 /* error of rho, over 1 + |rho|, from which on it is not given */
+#define LOG_2 0.693147180559945309
+
+/* ---------------------------------------------------------------- two modes */
+
+void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent,
+                             double error)
+{
+    /* rho - 2, rho + 2 of the chain's map */
+    double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent);
+    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
+    double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
+    f->error = ldexp(error, 2 * exponent);
+    f->each[0] = quarter ? f->error * (2 * fabs(rho) + f->error) : f->error;
+    f->own[0] = rho;
+    f->rho[0] = full;
+    f->own[1] = f->rho[1] = 0;
+    if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
+    else f->trace_asinh = asinh(full / 2);
+    bool inside = 4 * bc < -error && 4 * ad > error, outside = 4 * bc > error || 4 * ad < -error;
+    f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+    f->rotation = NAN;
+    if (minus <= 0 && plus >= 0) {
+        double angle = atan2(sqrt(fabs(minus * plus)), rho) /
+                       RIC_TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
+        if (twist > 0) angle = 1 - angle;
+        f->rotation = fmod(quarter ? 2 * angle : angle, 1);
+    }
+}
+
+void ric_floquet_judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent, double error)
+{
+    double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
+    error += ldexp(8 * DBL_EPSILON, -exponent);
+    f->error = ldexp(error, exponent);
+    f->each[0] = half ? f->error * (2 * fabs(rho) + f->error) : f->error;
+    f->own[0] = rho;
+    f->rho[0] = full;
+    f->own[1] = f->rho[1] = 0;
+    if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
+    else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
+    f->stable = fabs(trace) < two - error   ? RIC_STABLE_YES
+                : fabs(trace) > two + error ? RIC_STABLE_NO
+                                            : RIC_STABLE_UNDECIDED;
+    f->rotation = NAN;
+    if (fabs(rho) <= 2) {
+        double angle = acos(rho / 2) / RIC_TWO_PI;
+        if (twist > 0) angle = 1 - angle;
+        f->rotation = fmod(half ? 2 * angle : angle, 1);
+    }
+}
+
+/* --------------------------------------------------------------- more modes */
+
+/* rho of the square of a map whose rho is r: r^2 - 2, complex. */
+static void square(double *r)
+{
+    double re = r[0] * r[0] - r[1] * r[1] - 2, im = 2 * r[0] * r[1];
+    r[0] = re;
+    r[1] = im;
+}
+
+/* How many rho lie within a distance of one of them. */
+static int together(const ric_floquet *f, const double *r, double distance)
+{
+    int count = 0;
+    for (int j = 0; j < f->n_pair; j++) count += hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]) <= distance;
+    return count;
+}
+
+/* How far rho i may be off: m of them that may be one are moved by the m-th root of the error, relative to their size
+ * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie m. `least`: how
+ * many are together at least. */
+static double radius_of(const ric_floquet *f, int i, int least, double error)
+{
+    const double *r = f->rho + 2 * i;
+    double size = 1 + fabs(r[0]) + fabs(r[1]), radius = least == 1 ? error : sqrt(error / size) * size;
+    int most = together(f, r, pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) * size); /* within the widest */
+    for (int m = 2; m <= most; m++) {
+        double wide = pow(error / size, 1.0 / m) * size;
+        if (together(f, r, wide) >= m) radius = fmax(radius, wide);
+    }
+    return radius;
+}
+
+void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const double *error)
+{
+    bool undecided = false, unstable = false;
+    f->error = 0;
+    for (int i = 0; i < f->n_pair; i++) {
+        double alone = radius_of(f, i, 1, error[i]), pair = radius_of(f, i, 2, error[i]);
+        bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
+        if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;
+        else if (complex_pair || fabs(f->rho[2 * i]) > 2 - alone) undecided = true;
+    }
+    for (int i = 0; i < f->n_pair; i++) {
+        double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
+        bool lost = !(error[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - error[i] > 2;
+        memcpy(f->own + 2 * i, r, 2 * sizeof *r);
+        if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
+        if (quarter) square(r);
+        f->each[i] = quarter ? 2 * size * error[i] : error[i];
+        if (lost) r[0] = r[1] = NAN;
+        else f->error = fmax(f->error, f->each[i]);
+    }
+    f->stable = unstable ? RIC_STABLE_NO : undecided ? RIC_STABLE_UNDECIDED : RIC_STABLE_YES;
+}
+
+void ric_floquet_judge_lost(ric_floquet *f)
+{
+    f->stable = RIC_STABLE_NO;
+    f->error = f->rough = 0;
+    for (int i = 0; i < 2 * f->n_pair; i++) f->rho[i] = f->own[i] = NAN;
+}
+
+/* -------------------------------------------------------------- multipliers */
+
+void ric_floquet_widen(ric_floquet *f, const double *more)
+{
+    double worst = 0;
+    for (int i = 0; i < f->n_pair; i++) {
+        double *r = f->rho + 2 * i;
+        f->each[i] += more[i];
+        if (f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
+            worst = fmax(worst, f->each[i]);
+            continue;
+        }
+        r[0] = r[1] = NAN;
+    }
+    f->error = worst;
+}
+
+/* The large one first: the other is its inverse, without cancellation. */
+static void pair_from_rho(const double *rho, double *out)
+{
+    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
+    if (cabs(lambda) < 1) lambda = (r - root) / 2;
+    double complex inverse = 1 / lambda;
+    out[0] = creal(lambda);
+    out[1] = cimag(lambda);
+    out[2] = creal(inverse);
+    out[3] = cimag(inverse);
+}
+
+/* Relative error of lambda where rho has the error e: d lambda / lambda = d rho / (lambda - 1 / lambda), and where the
+ * two meet, at +-1, the root of e. */
+static double error_of_multiplier(const double *rho, double e)
+{
+    double complex r = rho[0] + I * rho[1];
+    return e / fmax(cabs(csqrt(r * r - 4)), sqrt(e));
+}
+
+void ric_floquet_multipliers(const ric_floquet *f, double *out)
+{
+    for (int i = 0; i < f->n_pair; i++) {
+        const double *rho = f->rho + 2 * i;
+        bool known = f->each[i] == 0 || error_of_multiplier(rho, f->each[i]) <= LOST;
+        if (known) pair_from_rho(rho, out + 4 * i);
+        else
+            for (int k = 0; k < 4; k++) out[4 * i + k] = NAN;
+    }
+}
