@@ -8,6 +8,9 @@
  * allow. */
 typedef long double ric_real;
 
+/* A [n * n] = L L' in place; false if A is not positive definite. */
+bool ric_simulator_cholesky(int n, ric_real *A);
+
 /* Borrowed: omega [n_dof] rad/s, 0 for a free mode; modal normals c [n_contact * n_dof]. */
 void ric_simulator_frame(const ric_simulator *sim, const ric_real **omega, const ric_real **c);
 /* w [2 n_dof] = q, p of a scaled state x, v. */

@@ -11,8 +11,7 @@
 /* A mode whose displacement at a spring is less than this part of its terms is not held by it. */
 #define EXTENDED (64 * LDBL_EPSILON)
 
-/* A = L L' in place; false if A is not positive definite. */
-static bool cholesky(int n, real *A)
+bool ric_simulator_cholesky(int n, real *A)
 {
     for (int j = 0; j < n; j++) {
         for (int i = j; i < n; i++) {
@@ -170,7 +169,7 @@ static ric_status make_modes(ric_simulator *sim, frame *out)
     for (size_t i = 0; i < nn; i++) L[i] = sim->M[i];
     assemble(sim, out->closed, A);
     for (int i = 0; i < n; i++) V[i * n + i] = 1;
-    if (!cholesky(n, L)) {
+    if (!ric_simulator_cholesky(n, L)) {
         status = ric_fail(RIC_E_INPUT, "mass matrix is not positive definite");
         goto out;
     }

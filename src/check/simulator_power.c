@@ -56,18 +56,6 @@ static real epsilon(void)
     return e;
 }
 
-static bool cholesky(int n, real *A)
-{
-    for (int j = 0; j < n; j++)
-        for (int i = j; i < n; i++) {
-            real sum = A[i * n + j];
-            for (int k = 0; k < j; k++) sum -= A[i * n + k] * A[j * n + k];
-            if (i == j && !(sum > 0)) return false;
-            A[i * n + j] = i == j ? sqrt(sum) : sum / A[j * n + j];
-        }
-    return true;
-}
-
 static real power(real s, int exponent)
 {
     real result = 1;
@@ -140,7 +128,7 @@ ric_status ric_simulator_power_create(const ric_model *model, ric_simulator_powe
         s->L[i] = ric_model_mass(model)[i];
         s->K[i] = ric_model_stiffness(model)[i];
     }
-    if (!cholesky(n, s->L)) {
+    if (!ric_simulator_cholesky(n, s->L)) {
         status = ric_fail(RIC_E_NUMERIC, "the mass matrix is not positive definite");
         goto out;
     }
