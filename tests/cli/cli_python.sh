@@ -2,16 +2,7 @@
 # The Python package: explorations, reduction, pictures, its documentation, and pip without a network.
 set -u
 . tests/support/tap.sh
-
-# An instrumented library cannot be loaded by a program that is not.
-if sanitized; then
-    echo '1..0 # SKIP the library is instrumented, and Python is not'
-    exit 77
-fi
-if ! tools/python -c '' 2>"$folder/missing"; then
-    echo "1..0 # SKIP $(cat "$folder/missing")"
-    exit 77
-fi
+needs_python
 export MPLBACKEND=Agg MPLCONFIGDIR=$folder/matplotlib RICOCHET_LIBRARY=$(dirname "$ricochet")/src/libricochet.so
 
 # part MODULE NAME: a file of tests in Python, with what it prints

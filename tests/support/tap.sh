@@ -8,6 +8,17 @@ number=0 failed=0
 # Whether the program was built with sanitizers: it is some times slower then, reserves terabytes of addresses and brings its own allocator.
 sanitized() { grep -q '__[at]san_init' "$ricochet"; }
 
+# Skips a test of the Python package where it cannot run: an instrumented library cannot be loaded by a program that is not.
+needs_python()
+{
+    local why
+    if sanitized; then why='the library is instrumented, and Python is not'
+    else why=$(tools/python -c '' 2>&1) && return
+    fi
+    echo "1..0 # SKIP $why"
+    exit 77
+}
+
 # Whether everything is to be tried that the suite takes a sample of (`make long`, CONTRIBUTING.md).
 long_form() { [ "${RICOCHET_TEST_LONG:-0}" != 0 ]; }
 every_of() { if long_form; then echo 1; else echo "$1"; fi; } # FEW: every how many cases one is taken
