@@ -64,12 +64,12 @@ tables "$atlas" >"$folder/again.txt"
 ok "changes nothing" same "$folder/whole.txt" "$folder/again.txt"
 
 whole=$(bytes "$atlas") begun=$(bytes "$folder/killed.ricochet") kills=0
-for attempt in 1 2 3; do
+for attempt in 0 1 2 3; do
     "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet" 2>/dev/null &
     break_off KILL $! "$folder/killed.ricochet" $((begun + 1 + attempt * (whole - begun) / 5)) && kills=$((kills + 1))
 done
 ok "it is killed in the midst of what it adds" test $kills -ge 1
-ok "killed three times the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet"
+ok "killed four times the run ends" "$ricochet" run "$folder/study.yaml" -o "$folder/killed.ricochet"
 tables "$folder/killed.ricochet" >"$folder/killed.txt"
 ok "with the same atlas" same "$folder/whole.txt" "$folder/killed.txt"
 ok "two workers" "$ricochet" run "$folder/study.yaml" -o "$folder/workers.ricochet" -j 2
