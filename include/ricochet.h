@@ -255,6 +255,7 @@ typedef struct {
 
 typedef struct {
     int id;            /* from 1 */
+    const char *key;   /* a short text that stays the same whatever the budgets: docs/atlas-format.md */
     const char *label; /* S2-[01], A5[00101], S0+ */
     int impacts;
     int letters;     /* of the word: impacts, and the openings of springs */
@@ -310,7 +311,8 @@ typedef struct {
 } ric_departures;
 
 typedef struct {
-    int id; /* from 1 */
+    int id;          /* from 1 */
+    const char *key; /* as that of a branch */
     ric_kind kind;
     const char *label; /* G2,4 or C32 with a number: G1_2,4 C1_32 */
     const char *name;  /* from the study's list, or "" */

@@ -112,6 +112,7 @@ static const cli_item items[] = {
     {.text = "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word) "
              "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a "
              "line; --csv and --json show everything."},
+    {.name = "key", .text = "stays the same whatever the budgets, unlike id and label"},
     {.name = "from, to", .text = "junctions at the ends, by id"},
     {.name = "stop, why",
      .text = "why the far end is where it is: junction, corner, window, budget, closed or failed, and a sentence "

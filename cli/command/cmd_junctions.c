@@ -203,6 +203,7 @@ static int run(int argc, char **argv)
 static const cli_item items[] = {
     {.text = "One row per junction: where branches begin, end, meet or turn. The table leaves out what does not "
              "fit on a line; --csv and --json show everything."},
+    {.name = "key", .text = "stays the same whatever the budgets, unlike id and label"},
     {.name = "kind", .text = "start, grazing, corner, extremum, branch-point, multiplication, period-extremum or user"},
     {.name = "word",
      .text = "of the original orbit, touches left out; impacts is its length, grazings the number of touches"},

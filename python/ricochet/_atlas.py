@@ -40,6 +40,7 @@ class Junction:
     ----------
     id : int, from 1
     kind : start, grazing, corner, extremum, branch-point, multiplication, period-extremum or user
+    key : str, stays the same whatever the budgets
     label : str, such as G1_2,4 or C1_32; name : str, from the study
     energy : float, scaled; frequency : float, rad/s, where it is drawn (omega / q of a q-tupling)
     impacts, letters, grazings : int
@@ -115,6 +116,7 @@ class Branch:
     Attributes
     ----------
     id : int, from 1
+    key : str, stays the same whatever the budgets
     label : str, such as S2-[01]
     impacts, letters : int, of one period
     symmetric, reversible : bool

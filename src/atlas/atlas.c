@@ -17,6 +17,7 @@ static_assert(sizeof(ric_point) % sizeof(double) == 0, "points lie one after the
 void ric_atlas_branch_record_free(ric_branch_record *branch)
 {
     if (!branch) return;
+    free(branch->key);
     free(branch->label);
     free(branch->mirror);
     free(branch->why);
@@ -30,6 +31,7 @@ void ric_atlas_branch_record_free(ric_branch_record *branch)
 void ric_atlas_junction_record_free(ric_junction_record *junction)
 {
     if (!junction) return;
+    free(junction->key);
     free(junction->label);
     free(junction->name);
     free(junction->refusal);

@@ -7,7 +7,7 @@
 /* A branch that owns its arrays. `row` is what the public interface hands out; its pointers lead into this struct. */
 typedef struct {
     ric_branch row;
-    char *label, *mirror, *why;
+    char *key, *label, *mirror, *why;
     int *word, *junctions;
     double *junction_at;
     size_t stride;  /* doubles per point: sizeof(ric_point) / 8 + 2 n_dof + max(impacts, 1) */
@@ -16,7 +16,7 @@ typedef struct {
 
 typedef struct {
     ric_junction row;
-    char *label, *name, *refusal;
+    char *key, *label, *name, *refusal;
     int *word, *branches;
     double *state, *flights;
 } ric_junction_record;

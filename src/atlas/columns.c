@@ -27,6 +27,7 @@ enum {
 #define ROW ric_branch
 static const ric_column branch[] = {
     {COLUMN("id", ID, id, NONE, RIC_IN_TABLE, "from 1")},
+    {COLUMN("key", TEXT, key, NONE, RIC_IN_TABLE | RIC_NOT_STORED, NULL)},
     {COLUMN("label", TEXT, label, NONE, RIC_IN_TABLE, "for example `S2-[01]`")},
     {COLUMN("impacts", INTEGER, impacts, NONE, RIC_IN_TABLE, "N, impacts per period"), BELOW(IMPACTS)},
     {COLUMN("word", WORD, word, NONE, RIC_LISTED, "the faces hit in one period"), MANY(letters)},
@@ -113,6 +114,7 @@ static const ric_column point[] = {
 #define ROW ric_junction
 static const ric_column junction[] = {
     {COLUMN("id", ID, id, NONE, RIC_IN_TABLE, "from 1")},
+    {COLUMN("key", TEXT, key, NONE, RIC_IN_TABLE | RIC_NOT_STORED, NULL)},
     {COLUMN("kind", KIND, kind, NONE, RIC_IN_TABLE,
             "`start`, `grazing`, `corner`, `extremum`, `branch-point`, `multiplication`, `period-extremum`, `user`")},
     {COLUMN("label", TEXT, label, NONE, RIC_IN_TABLE,

@@ -3,6 +3,7 @@
 #define RIC_ATLAS_ROOM_H
 
 #include "atlas.h"
+#include "keys.h"
 #include "store.h"
 
 #endif

@@ -1,4 +1,5 @@
 /* The rows of branches, points and junctions, in: a file that may come from anyone to an atlas. */
+#include "keys.h"
 #include "store_parts.h"
 
 #include <errno.h>
@@ -458,6 +459,7 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
     atlas = ric_calloc(1, sizeof *atlas);
     status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
     if (!status) status = ric_store_check_numbers(path, atlas);
+    if (!status) status = ric_keys_make(atlas);
 out:
     sqlite3_close(file.db);
     if (status) ric_atlas_free(atlas);

@@ -191,11 +191,12 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     if (status) goto out;
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
     atlas->n_junction = n_mark;
+    n_sheet = n_mark = 0;
+    if ((status = ric_keys_make(atlas))) goto out;
     *out = atlas;
     atlas = NULL;
-    n_sheet = n_mark = 0;
 out:
-    if (atlas) atlas->n_branch = 0; /* they belong to the sheets */
+    if (atlas && n_sheet) atlas->n_branch = 0; /* they belong to the sheets */
     for (int i = 0; sheets && i < n_sheet; i++) ric_atlas_branch_record_free(&sheets[i].record);
     for (int i = 0; marks && i < n_mark; i++) ric_atlas_junction_record_free(&marks[i].record);
     free(sheets);

@@ -1,0 +1,65 @@
+#!/bin/bash
+# Keys of branches and junctions: those of the two masses for good, and that no budget changes one.
+set -u
+. tests/support/tap.sh
+
+atlas=$folder/elementary.ricochet
+"$ricochet" run examples/elementary/study.yaml -o "$atlas" >/dev/null 2>&1
+
+# What stands here stands in scripts and manuscripts of others: it may only grow.
+cat >"$folder/branches" <<END
+bve87hv9j,S0+
+bbkpqtg8r,S0-
+bcbhr3dzr,S2+[01]
+b0v4r1tbq,S2-[01]
+b20jw7j33,A2[01]
+bw6jxbtm6,A3[001]
+bfx7bkkfv,A4[0001]
+bsp2nd6z0,S4[0011]
+bvew82t3n,A4[0101]
+bmvq302nf,A5[00101]
+b6rnyv3mn,S6[010101]
+bant6jann,S4[0011]
+bqkpj4fr1,A6[010101]
+b6cdxcp6k,A4[0011]
+END
+cat >"$folder/junctions" <<END
+jvaq563rv,G1_0,2
+j3nb897ff,G2_0,2
+jpr864d85,C1_31
+je61ja3wc,C2_31
+jna6p8eac,C1_32
+jw5sw45ps,G1_2,2
+jqzfc0k01,G1_2,4
+jtmg496qv,C3_31
+jttxz1wx6,P1
+jeatjephq,C4_32
+jsmr38zey,C2_32
+j7nxvx6ap,G1_4,2
+j7jxyvtfk,G2_4,2
+jhcssf5xt,G3_4,2
+jp4qw52zj,A5 C21
+jgraym3ye,S6 minimum
+j9mf41qkm,C1_33
+j4gwrncn0,C3_32
+END
+
+listed() { # COMMAND COLUMN...: these columns of all rows, from JSON
+    "$ricochet" "$1" "$atlas" --json | python3 -c '
+import json, sys
+for row in json.load(sys.stdin):
+    print(row["key"], next(row[name] for name in sys.argv[1:] if row[name]), sep=",")' "${@:2}"
+}
+for what in branches junctions; do
+    if [ $what = branches ]; then listed branches label >"$folder/found"; else listed junctions name label >"$folder/found"; fi
+    ok "keys of the two masses: $what" diff "$folder/$what" "$folder/found"
+    ok "$what: the keys in the table, in CSV and in JSON are the same" diff <("$ricochet" $what "$atlas" | awk 'NR > 1 { print $2 }') \
+        <(cut -d, -f1 "$folder/found")
+    ok "$what: CSV has them as well" diff <("$ricochet" $what "$atlas" --csv | cut -d, -f2 | tail -n +2 | tr -d '\r') <(cut -d, -f1 "$folder/found")
+done
+
+studies=(examples/elementary/study.yaml)
+long_form && studies=(examples/*/study.yaml)
+ok 'keys stay with other budgets, steps and workers' tools/keys --program "$ricochet" "${studies[@]}"
+
+finish
