@@ -4,6 +4,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <time.h>
 
 #include "atlas/columns.h"
@@ -48,16 +49,33 @@ typedef struct {
 
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
-    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt, cli_view, cli_export;
+    cli_verify, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt, cli_view, cli_export,
+    cli_help;
 
 /* All commands, up to NULL, and the options of the program itself (main.c). */
 extern const cli_command *const cli_commands[];
 extern const cli_item cli_program_items[];
 
+/* Exit codes with their meaning, up to one without: of --help and the manual pages. */
+typedef struct {
+    int code;
+    const char *meaning;
+} cli_exit_code;
+extern const cli_exit_code cli_exit_codes[];
+
+/* ----- likeness.c: what was meant by a word; `known` is the nearest of those that were shown to cli_nearest(), NULL if
+ * all are far. */
+typedef struct {
+    const char *word, *known;
+    int distance;
+} cli_guess;
+void cli_nearest(cli_guess *guess, const char *known);
+
 /* ----- help.c, manual.c and completion.c: what is made from the tables, to standard output */
 
 enum { CLI_USAGE_INDENT = 7 }; /* of "usage: " */
 void cli_print_help(const cli_command *command);
+void cli_print_program_help(FILE *out);
 /* The usage to stderr, after a message. */
 void cli_say_usage(const cli_command *command);
 /* A text in lines of at most `width` columns, those after the first after `indent` blanks; `column`: where it begins.

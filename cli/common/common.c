@@ -214,6 +214,20 @@ static const char *find_picture(const cli_command *command, int argc, char **arg
     return NULL;
 }
 
+static void say_unknown(const cli_command *command, const char *picture, const char *word)
+{
+    char typed[40];
+    snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
+    cli_guess guess = {.word = typed};
+    for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
+        cli_nearest(&guess, item->name);
+    if (guess.known && strlen(guess.known) > 2)
+        cli_wrong("%s: option '%s' is unknown; did you mean '%s'?", command->name, word, guess.known);
+    else if (picture)
+        cli_wrong("%s: option '%s' is unknown to plot %s; see ricochet plot --help", command->name, word, picture);
+    else cli_wrong("%s: option '%s' is unknown; see ricochet %s --help", command->name, word, command->name);
+}
+
 bool cli_know_options(const cli_command *command, int argc, char **argv)
 {
     const char *picture = find_picture(command, argc, argv);
@@ -221,14 +235,8 @@ bool cli_know_options(const cli_command *command, int argc, char **argv)
         if (!is_option(argv[i])) continue;
         const cli_item *item = find_option(command, picture, argv[i]);
         if (!item || (!item->value && strchr(argv[i], '='))) {
-            cli_wrong(item      ? "%s: option '%s' takes no value%s%s"
-                      : picture ? "%s: option '%s' is unknown to plot %s; see ricochet %s --help"
-                                : "%s: option '%s' is unknown; see ricochet %s%s --help",
-                      command->name, argv[i],
-                      item      ? ""
-                      : picture ? picture
-                                : "",
-                      item ? "" : command->name);
+            if (item) cli_wrong("%s: option '%s' takes no value", command->name, argv[i]);
+            else say_unknown(command, picture, argv[i]);
             cli_say_usage(command);
             return false;
         }

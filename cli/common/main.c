@@ -11,9 +11,9 @@
 #include "cli.h"
 
 const cli_command *const cli_commands[] = {
-    &cli_new,    &cli_check,        &cli_run,      &cli_branches, &cli_junctions, &cli_bases,
-    &cli_points, &cli_report_atlas, &cli_orbit,    &cli_cascade,  &cli_plot,      &cli_view,
-    &cli_verify, &cli_hunt,         &cli_simulate, &cli_words,    &cli_export,    NULL,
+    &cli_new,          &cli_check, &cli_run,     &cli_branches, &cli_junctions, &cli_bases,  &cli_points,
+    &cli_report_atlas, &cli_orbit, &cli_cascade, &cli_plot,     &cli_view,      &cli_verify, &cli_hunt,
+    &cli_simulate,     &cli_words, &cli_export,  &cli_help,     NULL,
 };
 
 const cli_item cli_program_items[] = {
@@ -27,7 +27,16 @@ const cli_item cli_program_items[] = {
     {0},
 };
 
-static void print_help(FILE *out)
+const cli_exit_code cli_exit_codes[] = {
+    {CLI_DONE, "done"},
+    {CLI_FAILED, "could not be done, or what was checked does not agree"},
+    {CLI_WRONG, "the call or the study is wrong, or a file that was named is missing"},
+    {CLI_LIMIT, "stopped by a limit that was asked for: there is more to do"},
+    {CLI_INTERRUPTED, "interrupted, by Ctrl-C or a signal to end"},
+    {0, NULL},
+};
+
+void cli_print_program_help(FILE *out)
 {
     fputs("usage: ricochet COMMAND ...\n\n"
           "Periodic orbits of linear structures with stops, gaps and springs: from a study to an atlas.\n\n",
@@ -41,33 +50,17 @@ static void print_help(FILE *out)
           "  ricochet new demo\n"
           "  ricochet run demo/study.yaml\n"
           "  ricochet branches demo/study.ricochet\n\n"
-          "Exit codes: 0 done, 1 could not be done, 2 the call or the study is wrong.\n",
+          "Exit codes:\n",
           out);
-}
-
-/* Letters that two words share at the front, less what differs in length: enough for a slip of the finger. */
-static int likeness(const char *a, const char *b)
-{
-    int common = 0, swapped = 0;
-    while (a[common] && a[common] == b[common]) common++;
-    for (const char *c = a; *c; c++) swapped += strchr(b, *c) != NULL;
-    int longer = (int)strlen(a) - (int)strlen(b);
-    return 2 * common + swapped - (longer < 0 ? -longer : longer);
+    for (const cli_exit_code *e = cli_exit_codes; e->meaning; e++) fprintf(out, "  %3d   %s\n", e->code, e->meaning);
 }
 
 static int unknown_command(const char *name)
 {
-    const char *closest = NULL;
-    int best = 3;
-    for (const cli_command *const *c = cli_commands; *c; c++) {
-        int like = likeness(name, (*c)->name);
-        if (like > best) {
-            best = like;
-            closest = (*c)->name;
-        }
-    }
-    if (closest)
-        return cli_wrong("unknown command '%s'; did you mean '%s'? `ricochet --help` lists all", name, closest);
+    cli_guess guess = {.word = name};
+    for (const cli_command *const *c = cli_commands; *c; c++) cli_nearest(&guess, (*c)->name);
+    if (guess.known)
+        return cli_wrong("unknown command '%s'; did you mean '%s'? `ricochet --help` lists all", name, guess.known);
     return cli_wrong("unknown command '%s'; `ricochet --help` lists the commands", name);
 }
 
@@ -116,14 +109,14 @@ static int run_command(const cli_command *command, int argc, char **argv)
 static int dispatch(int argc, char **argv)
 {
     if (argc < 2) {
-        print_help(stderr);
+        cli_print_program_help(stderr);
         return CLI_WRONG;
     }
-    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || (!strcmp(argv[1], "help") && argc == 2)) {
-        print_help(stdout);
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
+        cli_print_program_help(stdout);
         return CLI_DONE;
     }
-    if (!strcmp(argv[1], "--version")) {
+    if (!strcmp(argv[1], "--version") || !strcmp(argv[1], "-V")) {
         printf("ricochet %s\n", ric_version());
         return CLI_DONE;
     }

@@ -103,9 +103,7 @@ static void examples(const char *example)
 static void exit_status(void)
 {
     section("EXIT STATUS");
-    fputs(".TP\n0\ndone\n.TP\n1\ncould not be done\n.TP\n2\nthe call or the study is wrong\n.TP\n3\n"
-          "stopped by a limit that was asked for: there is more to do\n.TP\n130\ninterrupted\n",
-          stdout);
+    for (const cli_exit_code *e = cli_exit_codes; e->meaning; e++) printf(".TP\n%d\n%s\n", e->code, e->meaning);
 }
 
 static void see_also(const cli_command *self)

@@ -30,7 +30,7 @@ ok "a negative energy" refused 2 "not positive" "$folder/study.yaml" --energy -1
 ok "no impacts" refused 2 "whole number" "$folder/study.yaml" --energy 1 --impacts 0
 ok "--add without an atlas" refused 2 "needs --atlas" "$folder/study.yaml" --energy 1 --add
 ok "three modes" refused 2 "see 3 modes" examples/three-masses/study.yaml --energy 1
-ok "no such atlas" refused 1 "no such file" "$folder/study.yaml" --energy 1 --atlas "$folder/none.ricochet"
+ok "no such atlas" refused 2 "no such file" "$folder/study.yaml" --energy 1 --atlas "$folder/none.ricochet"
 
 ok "an atlas" "$ricochet" run "$folder/study.yaml" -o "$atlas"
 ok "of another model" refused 1 "another model" "$folder/other.yaml" --energy 1 --atlas "$atlas"
