@@ -118,6 +118,7 @@ static const cli_item items[] = {
     {.name = "duplicates", .text = "the k-duplicates in it, k > 1 (--json and --csv)"},
     {.name = "energy, frequency", .text = "ranges of the original branches"},
     {.name = "--branch", .value = "ID", .text = "the bases of one branch"},
+    CLI_ITEM_AT,
     {.name = "--duplicates",
      .value = "K",
      .text = "follow duplicates up to K, at most 64; otherwise up to the least number that gives every branch a "
@@ -131,7 +132,8 @@ static const cli_item items[] = {
 const cli_command cli_bases = {
     .name = "bases",
     .summary = "list the fractal bases of an atlas and the branches in them",
-    .usage = "ricochet bases ATLAS [--duplicates K] [--branch ID] [--physical] [--json | --csv]\n",
+    .usage = "ricochet bases ATLAS [--duplicates K] [--branch ID | --at E,OMEGA] [--physical]\n"
+             "           [--json | --csv]\n",
     .items = items,
     .example = "ricochet bases study.ricochet\n",
     .run = run,

@@ -334,6 +334,7 @@ static const cli_item items[] = {
      .text = "multiplicities q, or p/q for one rotation number only; the last family is followed to its end"},
     {.name = "--doublings", .value = "N", .text = "N doublings"},
     {.name = "--branch", .value = "ID", .text = "the branch with the first multiplication"},
+    CLI_ITEM_AT,
     {.name = "--physical", .text = "energies in the units of the study"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
@@ -343,9 +344,10 @@ static const cli_item items[] = {
 const cli_command cli_cascade = {
     .name = "cascade",
     .summary = "paths of successive period multiplications",
-    .usage = "ricochet cascade ATLAS [--multiply LIST] [--branch ID] [--physical] [--json | --csv]\n"
-             "ricochet cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--physical]\n"
-             "           [--json | --csv]\n",
+    .usage = "ricochet cascade ATLAS [--multiply LIST] [--branch ID | --at E,OMEGA] [--physical]\n"
+             "           [--json | --csv]\n"
+             "ricochet cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
+             "           [--physical] [--json | --csv]\n",
     .items = items,
     .example = "ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
     .run = run,

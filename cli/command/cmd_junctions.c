@@ -226,6 +226,7 @@ static const cli_item items[] = {
      .text = "instead, the junctions on the k-duplicates of the branches, k = 1..K: the same motions at frequency "
              "/ k"},
     {.name = "--branch", .value = "ID", .text = "with it: of this branch only"},
+    CLI_ITEM_AT,
     {.name = "--ghost",
      .text = "with it: instead, the multiplications on the ghosts of the duplicates, where the equations hold "
              "beyond a grazing and the orbits are no motions"},
@@ -246,8 +247,8 @@ static const cli_item items[] = {
 const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
-    .usage = "ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID]] [--physical]\n"
-             "           [--json | --csv]\n",
+    .usage = "ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID | --at E,OMEGA]]\n"
+             "           [--physical] [--json | --csv]\n",
     .items = items,
     .example = "ricochet junctions study.ricochet\n"
                "ricochet junctions study.ricochet --duplicates 4 --branch 3\n"

@@ -291,6 +291,7 @@ static const cli_item items[] = {
     {.text = "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line "
              "per quantity otherwise."},
     {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
+    CLI_ITEM_AT,
     {.name = "--point", .value = "I", .text = "stored point I, from 0, as `ricochet points` lists them"},
     {.name = "--energy", .value = "E", .text = "all orbits of energy E"},
     {.name = "--frequency", .value = "F", .text = "all orbits of frequency F, rad/s"},
@@ -314,8 +315,8 @@ static const cli_item items[] = {
 const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
-    .usage = "ricochet orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--history DT]\n"
-             "           [--physical] [--json | --csv]\n",
+    .usage = "ricochet orbit ATLAS (--branch ID | --at E,OMEGA) (--point I | --energy E | --frequency F)\n"
+             "           [--history DT] [--physical] [--json | --csv]\n",
     .items = items,
     .example = "ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
     .run = run,

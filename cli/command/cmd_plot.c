@@ -104,46 +104,9 @@ static const struct {
     {"sheet", plot_sheet, false},  {"strobe", plot_strobe, false},
 };
 
-/* The first word that is neither an option nor the value of one. */
-static const char *operand(int argc, char **argv)
-{
-    for (int i = 2; i < argc; i++) {
-        if (argv[i][0] != '-') return argv[i];
-        if (strcmp(argv[i], "--circle") && strcmp(argv[i], "--shapes") && !strchr(argv[i], '=')) i++;
-    }
-    return NULL;
-}
-
-/* Pictures of one atlas take branches and junctions by id; here names become ids. */
-enum { MAX_NAMED = 64 };
-static int resolve_names(int argc, char **argv, char ids[MAX_NAMED][16])
-{
-    ric_atlas *atlas = NULL;
-    int n = 0, code = CLI_DONE;
-    for (int i = 2; i + 1 < argc && n < MAX_NAMED && code == CLI_DONE; i++) {
-        const bool branch = !strcmp(argv[i], "--branch");
-        char *name = argv[i + 1];
-        plot_segment segment;
-        if ((!branch && strcmp(argv[i], "--junction")) || strspn(name, "0123456789+-") > 0 || !operand(argc, argv))
-            continue;
-        if (!atlas && ric_atlas_read(operand(argc, argv), &atlas) != RIC_OK)
-            return CLI_DONE; /* the picture itself will say what is wrong with it */
-        if (branch ? plot_find_segment(atlas, name, "--branch", &segment)
-                   : plot_find_junction(atlas, name, "--junction", &segment.branch)) {
-            snprintf(ids[n], sizeof ids[n], "%d", segment.branch);
-            argv[i + 1] = ids[n++];
-        } else {
-            code = CLI_WRONG;
-        }
-    }
-    ric_atlas_free(atlas);
-    return code;
-}
-
 static int run(int argc, char **argv)
 {
     plot_options options = {0};
-    char ids[MAX_NAMED][16];
     const char *size = NULL;
     if (argc < 2)
         return cli_wrong("plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet or strobe; see "
@@ -156,8 +119,11 @@ static int run(int argc, char **argv)
         if (argc > 1 && !strcmp(argv[1], kinds[i].name)) {
             if (!options.out) return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
             int code = plot_check_target(options.out);
-            if (code == CLI_DONE && kinds[i].by_id) code = resolve_names(argc, argv, ids);
-            return code == CLI_DONE ? kinds[i].run(argc - 1, argv + 1, &options) : code;
+            cli_handles handles = {.argc = argc - 1, .argv = argv + 1};
+            if (code == CLI_DONE && kinds[i].by_id) code = cli_resolve_handles(&cli_plot, &handles);
+            if (code == CLI_DONE) code = kinds[i].run(handles.argc, handles.argv, &options);
+            cli_handles_release(&handles);
+            return code;
         }
     return cli_wrong(
         "plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet and strobe",
@@ -205,6 +171,7 @@ static const cli_item items[] = {
      .picture = true,
      .text = "displacements and gaps over one period with impacts and touches, and phase portraits"},
     {.name = "--branch", .value = "ID", .text = "the branch of the orbit"},
+    CLI_ITEM_AT,
     {.name = "--point", .value = "I", .text = "its stored point I, from 0"},
     {.name = "--energy", .value = "E", .text = "the orbit of this energy"},
     {.name = "--frequency", .value = "F", .text = "the orbit of this frequency, rad/s"},
@@ -226,6 +193,7 @@ static const cli_item items[] = {
     {.name = "--x", .value = "NAME", .words = QUANTITIES, .text = "what goes to the right"},
     {.name = "--y", .value = "NAME", .words = QUANTITIES, .text = "what goes upwards"},
     {.name = "--branch", .value = "ID", .text = "only this branch; may be repeated"},
+    CLI_ITEM_AT,
     {.name = "--log", .value = "AXES", .words = "x y xy", .text = "logarithmic axes: x, y or xy"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "floquet",
@@ -233,6 +201,7 @@ static const cli_item items[] = {
      .text = "multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses, moduli "
              "and angles of more"},
     {.name = "--branch", .value = "ID", .text = "the branch"},
+    CLI_ITEM_AT,
     {.name = "--x",
      .value = "NAME",
      .words = "arclength energy frequency",
@@ -242,6 +211,7 @@ static const cli_item items[] = {
      .text = "a cascade as `ricochet cascade` follows it: a displacement at all impacts against the frequency "
              "passed on the way, times q"},
     {.name = "--branch", .value = "ID", .text = "the branch with the first multiplication"},
+    CLI_ITEM_AT,
     {.name = "--multiply", .value = "LIST", .text = "which cascade: multiplicities q, or p/q"},
     {.name = "--doublings", .value = "N", .text = "which cascade: N doublings"},
     {.name = "--dof", .value = "I", .text = "the displacement; the last one unless given"},
@@ -285,17 +255,17 @@ const cli_command cli_plot = {
              "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--label NAME]...\n"
              "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
              "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
-             "ricochet plot orbit ATLAS --branch ID (--point I | --energy E | --frequency F) [--which K]\n"
-             "           [--coordinates LIST] -o FILE\n"
+             "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"
+             "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST] -o FILE\n"
              "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"
              "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
              "           [--columns N] [--same-axes] [--coordinates LIST] -o FILE\n"
-             "ricochet plot curves ATLAS --x NAME --y NAME [--branch ID]... [--log AXES]\n"
-             "           [--window A:B,C:D] -o FILE\n"
-             "ricochet plot floquet ATLAS --branch ID [--x NAME] -o FILE\n"
-             "ricochet plot cascade ATLAS --branch ID (--multiply LIST | --doublings N) [--dof I]\n"
-             "           [--shapes] -o FILE\n"
-             "ricochet plot cascade ATLAS --branch ID --circle [--duplicate K] -o FILE\n"
+             "ricochet plot curves ATLAS --x NAME --y NAME [--branch ID | --at E,OMEGA]...\n"
+             "           [--log AXES] [--window A:B,C:D] -o FILE\n"
+             "ricochet plot floquet ATLAS (--branch ID | --at E,OMEGA) [--x NAME] -o FILE\n"
+             "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
+             "           [--dof I] [--shapes] -o FILE\n"
+             "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) --circle [--duplicate K] -o FILE\n"
              "ricochet plot sheet ATLAS --segment SEGMENT... [ATLAS --segment SEGMENT...]... [--orbits N]\n"
              "           [--contact I] -o FILE\n"
              "ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"

@@ -210,6 +210,7 @@ static const cli_item items[] = {
     {.name = "approach", .text = "smallest speed at which a face is met or a spring left"},
     {.name = "residual", .text = "relative residual of the orbit problem"},
     {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
+    CLI_ITEM_AT,
     {.name = "--ghost",
      .text = "the ghosts of the branch instead: what its equations have beyond each end at a grazing or a corner, "
              "to the border of the study's windows. They are no motions: a gap is penetrated (reach above 1), or "
@@ -227,7 +228,8 @@ static const cli_item items[] = {
 const cli_command cli_points = {
     .name = "points",
     .summary = "list the stored points of a branch, or its ghosts",
-    .usage = "ricochet points ATLAS --branch ID [--ghost] [--physical] [--json | --csv]\n",
+    .usage = "ricochet points ATLAS (--branch ID | --at E,OMEGA) [--ghost] [--physical]\n"
+             "           [--json | --csv]\n",
     .items = items,
     .example = "ricochet points study.ricochet --branch 3 --csv\n"
                "ricochet points study.ricochet --branch 3 --ghost\n",

@@ -334,6 +334,7 @@ static const cli_item items[] = {
      .text = "numbers that could be off by a part in a million, of the largest of their kind, without being found: "
              "x1, v2, reach, approach"},
     {.name = "--branch", .value = "ID", .text = "only this branch"},
+    CLI_ITEM_AT,
     {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
     {.name = "--all", .text = "every stored point"},
     {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given"},
@@ -347,8 +348,8 @@ static const cli_item items[] = {
 const cli_command cli_verify = {
     .name = "verify",
     .summary = "replay the orbits of an atlas with an independent simulator",
-    .usage = "ricochet verify ATLAS [--branch ID [--point I]] [--all] [-j WORKERS] [--seconds S]\n"
-             "                       [--json | --csv]\n",
+    .usage = "ricochet verify ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [--all]\n"
+             "                       [-j WORKERS] [--seconds S] [--json | --csv]\n",
     .items = items,
     .example = "ricochet verify study.ricochet --branch 3 --all\n",
     .run = run,

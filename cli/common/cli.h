@@ -196,6 +196,31 @@ bool cli_stopped(void);
 /* Since a reading of CLOCK_MONOTONIC. */
 double cli_seconds_since(const struct timespec *then);
 
+/* ----- handles.c: branches and junctions by key, name, label or place */
+
+/* The arguments of a command with ids in place of handles. */
+typedef struct {
+    int argc;
+    char **argv;
+    char **owned; /* argv and its new texts, NULL: there are none */
+    char (*texts)[16];
+} cli_handles;
+
+/* Puts ids for what --branch and --junction name, and for --at E,OMEGA a --branch, with the --point there where the
+ * command wants one orbit and none is chosen. Returns an exit code. */
+int cli_resolve_handles(const cli_command *command, cli_handles *handles);
+void cli_handles_release(cli_handles *handles);
+/* A branch or a junction by its key, or an unambiguous beginning of it, or by a place E,OMEGA: 1 found, 0 the text is
+ * none of these, -1 with a message. `point` (may be NULL): the stored one of a branch next to the place. */
+int cli_find_handle(const ric_atlas *atlas, bool branch, const char *text, const char *what, int *id, int *point);
+
+/* The option beside --branch. */
+#define CLI_ITEM_AT                                                                                                    \
+    {                                                                                                                  \
+        .name = "--at", .value = "E,OMEGA",                                                                            \
+        .text = "instead of --branch: the branch that comes nearest to this scaled energy and frequency, rad/s"        \
+    }
+
 /* A cascade that a command is asked to follow: --branch ID with --multiply LIST or --doublings N. */
 enum { CLI_MAX_CASCADE = 24 };
 typedef struct {

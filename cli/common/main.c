@@ -103,7 +103,12 @@ static int run_command(const cli_command *command, int argc, char **argv)
         cli_print_help(command);
         return CLI_DONE;
     }
-    return cli_know_options(command, argc, argv) ? command->run(argc, argv) : CLI_WRONG;
+    if (!cli_know_options(command, argc, argv)) return CLI_WRONG;
+    cli_handles handles = {.argc = argc, .argv = argv};
+    int code = cli_has_pictures(command) ? CLI_DONE : cli_resolve_handles(command, &handles);
+    if (code == CLI_DONE) code = command->run(handles.argc, handles.argv);
+    cli_handles_release(&handles);
+    return code;
 }
 
 static int dispatch(int argc, char **argv)

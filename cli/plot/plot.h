@@ -272,7 +272,8 @@ void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stro
 
 /* ---------------------------------------------- what is named (plot_select.c) */
 
-/* A junction by its id, by its name in the study or by its label. False with a message that starts with `what`. */
+/* A junction by its id, by its name in the study, by its label, key or place. False with a message that starts with
+ * `what`. */
 bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *what, int *id);
 
 /* Arclength of a junction on a branch, NaN if it is not on it. */
@@ -285,8 +286,8 @@ typedef struct {
 
 /* Whether some branch, or a duplicate of one, has this label. */
 bool plot_is_branch(const ric_atlas *atlas, const char *label);
-/* A branch by its id or label, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2; #N behind it
- * takes the Nth of several that fit. */
+/* A branch by its id, label, key or place, LABEL|P1 if it meets P1, LABEL|P1 P2 for the part of it from P1 to P2; #N
+ * behind it takes the Nth of several that fit. */
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out);
 
 typedef struct {

@@ -53,8 +53,10 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
                 return true;
             }
         }
-    cli_wrong("%s %s: no junction has this name or label; `ricochet junctions` lists them", what, text);
-    return false;
+    const int handle = cli_find_handle(atlas, false, text, what, id, NULL);
+    if (!handle)
+        cli_wrong("%s %s: no junction has this name, label or key; `ricochet junctions` lists them", what, text);
+    return handle > 0;
 }
 
 /* ----------------------------------------------------------------- branches */
@@ -120,7 +122,7 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
 {
     const char *bar;
     char label[NAME];
-    int n_end = 0, junctions[2], found = 0, total = ric_atlas_n_branch(atlas);
+    int n_end = 0, junctions[2], found = 0, by_handle = 0, total = ric_atlas_n_branch(atlas);
     char body[2 * NAME];
     const char *number = strrchr(text, '#');
     long which = 0;
@@ -129,11 +131,13 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     bar = strchr(body, '|');
     trim(body, bar ? (size_t)(bar - body) : strlen(body), label);
     if (bar && !take_ends(atlas, bar + 1, what, &n_end, junctions)) return false;
+    int handle = plot_is_branch(atlas, label) ? 0 : cli_find_handle(atlas, true, label, what, &by_handle, NULL);
+    if (handle < 0) return false;
     for (int id = 1; id <= total; id++) {
         ric_branch b;
         double s[2], at[2];
         if (ric_atlas_branch(atlas, id, &b) != RIC_OK || !ends(atlas, &b, s)) continue;
-        if (is_number(label) ? atoi(label) != id : strcmp(label, b.label) != 0) continue;
+        if (handle ? by_handle != id : is_number(label) ? atoi(label) != id : strcmp(label, b.label) != 0) continue;
         for (int i = 0; i < n_end; i++) at[i] = plot_junction_at(atlas, &b, junctions[i]);
         if ((n_end > 0 && isnan(at[0])) || (n_end > 1 && isnan(at[1]))) continue;
         if (which && ++found != which) continue;
@@ -144,7 +148,7 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     if (which && found > 0)
         cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es", found == 1 ? "s" : "");
     else if (found == 0)
-        cli_wrong("%s %s: no branch has this label%s; `ricochet branches` lists them", what, text,
+        cli_wrong("%s %s: no branch has this label or key%s; `ricochet branches` lists them", what, text,
                   n_end ? " and meets these junctions" : "");
     else
         cli_wrong("%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth", what, text,

@@ -58,6 +58,37 @@ for what in branches junctions; do
     ok "$what: CSV has them as well" diff <("$ricochet" $what "$atlas" --csv | cut -d, -f2 | tail -n +2 | tr -d '\r') <(cut -d, -f1 "$folder/found")
 done
 
+# what S6[010101] and its C1_33 go by, all in one command
+points() { "$ricochet" points "$atlas" "$@" --csv; }
+points --branch 11 >"$folder/points"
+s6=$(awk -F, '/^b.*,S6\[/ { print $1 }' "$folder/branches")
+for handle in "$s6" "${s6:0:5}" 'S6[010101]' 'S6[010101]|C1_33' "$(awk -F, 'NR == 20 { print $3 "," $4 }' "$folder/points")"; do
+    ok "--branch $handle" diff "$folder/points" <(points --branch "$handle")
+    ok "--branch=$handle" diff "$folder/points" <(points "--branch=$handle")
+done
+ok '--at' diff "$folder/points" <(points --at "$(awk -F, 'NR == 20 { print $3 "," $4 }' "$folder/points")")
+c33=$(awk -F, '/C1_33/ { print $1 }' "$folder/junctions")
+"$ricochet" plot orbit "$atlas" --junction 17 -o "$folder/id.svg"
+for handle in "$c33" "${c33:0:5}" C1_33 3.8487371,1.6862381; do
+    ok "--junction $handle" "$ricochet" plot orbit "$atlas" --junction "$handle" -o "$folder/$number.svg"
+    ok "--junction $handle: the same picture" cmp "$folder/id.svg" "$folder/$((number - 1)).svg"
+done
+ok 'a key is a segment of a picture' "$ricochet" plot fep "$atlas" --branch "${s6:0:5}" --label "$c33" -o "$folder/fep.svg"
+refused() { # WORDS ARGUMENT...: exit code 2 with these words
+    "$ricochet" "${@:2}" 2>"$folder/said" >&2
+    [ $? = 2 ] && grep -q -- "$1" "$folder/said" || { cat "$folder/said"; return 1; }
+}
+one=$(cut -c 1-2 "$folder/branches" | sort | uniq -d | head -n 1)
+ok 'an ambiguous beginning lists what fits' refused "keys begin like this: $one" points "$atlas" --branch "$one"
+ok 'a key that is none' refused 'no branch has this label or key' points "$atlas" --branch bzzzzzzzz
+ok 'branches that meet at a junction are equally near' refused 'equally near' points "$atlas" --at 0.601588369489,0.928731065046
+ok 'a place is two numbers' refused 'write a scaled energy and a frequency' points "$atlas" --at 5
+ok 'a place is above 0' refused 'above 0' points "$atlas" --branch 5,-1
+ok 'not both' refused 'both given' points "$atlas" --at 5,1 --branch 3
+ok 'an atlas is needed' refused 'argument is missing' points --at 5,1
+far() { "$ricochet" points "$atlas" --at 4000,1 2>&1 >/dev/null | grep -q 'nothing is there; the nearest branch'; }
+ok 'what is far is said' far
+
 studies=(examples/elementary/study.yaml)
 long_form && studies=(examples/*/study.yaml)
 ok 'keys stay with other budgets, steps and workers' tools/keys --program "$ricochet" "${studies[@]}"
