@@ -133,6 +133,9 @@ static const cli_item items[] = {
      .text = "one row per segment A_N[R]|P1 P2 instead, the part of a branch between consecutive junctions P1 and "
              "P2; `stable` says yes, no, undecided or partly of the stored points in between, nothing if there are "
              "none"},
+    CLI_ITEMS_WORD,
+    CLI_ITEM_STABLE,
+    CLI_ITEMS_PLACE,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -141,7 +144,8 @@ static const cli_item items[] = {
 const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
-    .usage = "ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n",
+    .usage = "ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n"
+             "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B] [--limit N]\n",
     .items = items,
     .example = "ricochet branches study.ricochet\n"
                "ricochet branches study.ricochet --elementary --segments\n",

@@ -239,6 +239,12 @@ static const cli_item items[] = {
     {.name = "frequency", .text = "of the duplicate"},
     {.name = "end",
      .text = "of ghosts: the end of the branch that it extends; admissible: yes where the orbit is a motion again"},
+    {.name = "--kind",
+     .value = "KIND",
+     .words = "start grazing corner extremum branch-point multiplication period-extremum user",
+     .text = "only rows of this kind"},
+    CLI_ITEMS_WORD,
+    CLI_ITEMS_PLACE,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -248,7 +254,8 @@ const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
     .usage = "ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID | --at E,OMEGA]]\n"
-             "           [--physical] [--json | --csv]\n",
+             "           [--physical] [--json | --csv]\n"
+             "           [--kind KIND] [--word WORD] [--impacts N] [--energy A,B] [--frequency A,B] [--limit N]\n",
     .items = items,
     .example = "ricochet junctions study.ricochet\n"
                "ricochet junctions study.ricochet --duplicates 4 --branch 3\n"

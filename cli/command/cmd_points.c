@@ -161,7 +161,7 @@ static int print(const listing *l, bool ghost, bool multipliers_too, cli_format 
     return code;
 }
 
-static int list(const char *path, int id, bool physical, bool ghost, cli_format format)
+static int list(const char *path, int id, bool physical, bool ghost, cli_format format, const cli_choice *choice)
 {
     ric_atlas *atlas = NULL;
     listing l = {.rows = json_array()};
@@ -175,6 +175,7 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     l.n_multiplier = format != CLI_TEXT && n_mode > 2 ? 2 * (n_mode - 1) : 0;
     l.multipliers = calloc(2 * (size_t)l.n_multiplier + 1, sizeof *l.multipliers);
     code = !l.multipliers ? cli_report(RIC_E_NOMEM) : ghost ? add_ghosts(&l, path) : cli_report(add_points(&l));
+    if (code == CLI_DONE && !cli_choose(l.rows, choice)) code = CLI_WRONG;
     if (code == CLI_DONE) code = print(&l, ghost, n_mode > 2, format);
 out:
     free(l.multipliers);
@@ -187,14 +188,15 @@ static int run(int argc, char **argv)
 {
     cli_format format;
     const char *id_text;
+    cli_choice choice;
     long id = 0;
     bool physical = cli_take_flag(&argc, argv, "--physical"), ghost = cli_take_flag(&argc, argv, "--ghost");
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &id_text) ||
-        !cli_operands(&cli_points, argc, argv, 1))
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_choice(&argc, argv, &choice) ||
+        !cli_take_value(&argc, argv, "--branch", &id_text) || !cli_operands(&cli_points, argc, argv, 1))
         return CLI_WRONG;
     if (!id_text) return cli_wrong("points: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
     if (!cli_parse_integer(id_text, "--branch", 1, INT_MAX, &id)) return CLI_WRONG;
-    return list(argv[1], (int)id, physical, ghost, format);
+    return list(argv[1], (int)id, physical, ghost, format, &choice);
 }
 
 static const cli_item items[] = {
@@ -220,6 +222,8 @@ static const cli_item items[] = {
      .text = "of ghosts: from or to, the end of the branch that is extended, outwards; point 0 is the end itself"},
     {.name = "admissible", .text = "of ghosts: whether all margins are positive again"},
     {.name = "--physical", .text = "speeds and energies in the units of the study, not scaled by the clearance"},
+    CLI_ITEM_STABLE,
+    CLI_ITEMS_PLACE,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -229,7 +233,7 @@ const cli_command cli_points = {
     .name = "points",
     .summary = "list the stored points of a branch, or its ghosts",
     .usage = "ricochet points ATLAS (--branch ID | --at E,OMEGA) [--ghost] [--physical]\n"
-             "           [--json | --csv]\n",
+             "           [--stable S] [--energy A,B] [--frequency A,B] [--limit N] [--json | --csv]\n",
     .items = items,
     .example = "ricochet points study.ricochet --branch 3 --csv\n"
                "ricochet points study.ricochet --branch 3 --ghost\n",

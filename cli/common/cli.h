@@ -102,7 +102,39 @@ int cli_main(int argc, char **argv);
 struct ric_remote;
 extern const struct ric_remote *cli_run_remote;
 
-typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV } cli_format;
+/* CLI_SHORT: as CLI_TEXT, with numbers of seven digits, where a terminal has no room for more */
+typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV, CLI_SHORT } cli_format;
+
+/* choose.c: which rows of a list are asked for. */
+typedef struct {
+    const char *kind, *word, *stable; /* NULL: any */
+    long impacts, limit;              /* negative: any, all */
+    bool by_energy, by_frequency;
+    double energy[2], frequency[2]; /* in the units of the list */
+} cli_choice;
+/* Takes the options out of argv; false with a message where they are wrong. */
+bool cli_take_choice(int *argc, char **argv, cli_choice *out);
+/* Leaves those rows; false with a message where the list lacks a column that is asked for. */
+bool cli_choose(json_t *rows, const cli_choice *choice);
+
+/* The options of it; a list has those whose columns it has. */
+#define CLI_ITEMS_PLACE                                                                                                \
+    {.name = "--energy",                                                                                               \
+     .value = "A,B",                                                                                                   \
+     .text = "only rows that reach into these energies, in the units of the list"},                                    \
+        {.name = "--frequency", .value = "A,B", .text = "only rows that reach into these frequencies"},                \
+    {                                                                                                                  \
+        .name = "--limit", .value = "N", .text = "only the first N rows"                                               \
+    }
+#define CLI_ITEMS_WORD                                                                                                 \
+    {.name = "--word", .value = "WORD", .text = "only rows of this word, as the list writes it"},                      \
+    {                                                                                                                  \
+        .name = "--impacts", .value = "N", .text = "only rows of N impacts"                                            \
+    }
+#define CLI_ITEM_STABLE                                                                                                \
+    {                                                                                                                  \
+        .name = "--stable", .value = "S", .words = "yes no partly undecided", .text = "only rows of this stability"    \
+    }
 
 /* Prints an array of flat objects: JSON array, CSV with a header, or an aligned table. `columns`, names with blanks
  * between, orders and selects those of CSV and text, NULL: what the first row has; JSON shows everything. Numbers read

@@ -1,9 +1,11 @@
 /* Rows on standard output: JSON for programs, CSV for tables, aligned text for people. */
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "cli.h"
@@ -119,8 +121,12 @@ static void add_value(buffer *b, const json_t *value, cli_format format)
         snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
         add_text(b, number);
         break;
-    case JSON_REAL: /* 17 digits name every double, 12 can be read */
-        snprintf(number, sizeof number, format == CLI_CSV ? "%.17g" : "%.12g", json_real_value(value));
+    case JSON_REAL: /* 17 digits name every double, 12 can be read, 7 have room */
+        snprintf(number, sizeof number,
+                 format == CLI_CSV     ? "%.17g"
+                 : format == CLI_SHORT ? "%.7g"
+                                       : "%.12g",
+                 json_real_value(value));
         add_text(b, number);
         break;
     case JSON_TRUE: add_text(b, format == CLI_CSV ? "true" : "yes"); break;
@@ -242,38 +248,128 @@ static const char *shown(const char *text)
     return *text ? text : "-";
 }
 
-static bool print_table(const json_t *rows, const char *const *columns)
+/* A table of text: cells row by row, and what each column takes. */
+typedef struct {
+    size_t n_row, n_column;
+    const char *const *columns;
+    char **cells;
+    int *width;
+    bool *numeric, *hidden; /* hidden: there is no room for the column */
+} grid;
+
+static void free_grid(grid *t)
 {
-    size_t n_column = 0, n_row = json_array_size(rows);
-    char **cells = NULL;
-    int *width = NULL;
-    bool *numeric = NULL, done = false;
-    while (columns[n_column]) n_column++;
-    cells = calloc(n_row * n_column + 1, sizeof *cells);
-    width = calloc(n_column + 1, sizeof *width);
-    numeric = calloc(n_column + 1, sizeof *numeric);
-    if (!cells || !width || !numeric) goto out;
-    for (size_t k = 0; k < n_column; k++) {
-        width[k] = width_of(columns[k]);
-        numeric[k] = is_numeric(rows, columns[k]);
-        for (size_t i = 0; i < n_row; i++) {
-            char *cell = cell_text(json_array_get(rows, i), columns[k], CLI_TEXT),
-                 *text = cells[i * n_column + k] = cell ? cli_visible(cell, false) : NULL;
+    for (size_t i = 0; t->cells && i < t->n_row * t->n_column; i++) free(t->cells[i]);
+    free(t->cells);
+    free(t->width);
+    free(t->numeric);
+    free(t->hidden);
+}
+
+/* What does not fit into `most` columns ends in three dots. */
+static void shorten(char *text, int most)
+{
+    if (width_of(text) <= most) return;
+    char *end = text;
+    for (int n = 0; *end && (n < most - 3 || ((unsigned char)*end & 0xc0) == 0x80); end++)
+        n += (((unsigned char)end[1] & 0xc0) != 0x80);
+    memcpy(end, "...", 4);
+}
+
+/* Sets all cells, texts of at most `most` columns; false without memory. */
+static bool fill_grid(grid *t, const json_t *rows, cli_format format, int most)
+{
+    for (size_t k = 0; k < t->n_column; k++) {
+        t->width[k] = width_of(t->columns[k]);
+        t->numeric[k] = is_numeric(rows, t->columns[k]);
+        for (size_t i = 0; i < t->n_row; i++) {
+            char *cell = cell_text(json_array_get(rows, i), t->columns[k], format),
+                 **at = &t->cells[i * t->n_column + k];
+            free(*at);
+            *at = cell ? cli_visible(cell, false) : NULL;
             free(cell);
-            if (!text) goto out;
-            width[k] = width_of(shown(text)) > width[k] ? width_of(shown(text)) : width[k];
+            if (!*at) return false;
+            if (!t->numeric[k]) shorten(*at, most);
+            t->width[k] = width_of(shown(*at)) > t->width[k] ? width_of(shown(*at)) : t->width[k];
         }
     }
-    for (size_t k = 0; k < n_column; k++) print_padded(columns[k], width[k], numeric[k], k + 1 == n_column);
-    for (size_t i = 0; i < n_row; i++)
-        for (size_t k = 0; k < n_column; k++)
-            print_padded(shown(cells[i * n_column + k]), width[k], numeric[k], k + 1 == n_column);
-    done = true;
-out:
-    for (size_t i = 0; cells && i < n_row * n_column; i++) free(cells[i]);
-    free(cells);
-    free(width);
-    free(numeric);
+    return true;
+}
+
+static bool fits(const grid *t, int room)
+{
+    int used = -2;
+    for (size_t k = 0; k < t->n_column; k++)
+        if (!t->hidden[k]) used += t->width[k] + 2;
+    return used <= room;
+}
+
+static bool hide(grid *t, const char *name)
+{
+    for (size_t k = 0; k < t->n_column; k++)
+        if (!t->hidden[k] && !strcmp(t->columns[k], name)) return t->hidden[k] = true;
+    return false;
+}
+
+/* Leaves out columns until a line fits: first those that are missed least, then from the end. */
+static void hide_columns(grid *t, int room)
+{
+    static const char *const spare[] = {"symmetric", "reversible",      "junctions", "depth",  "name",      "grazings",
+                                        "multiple",  "branches",        "rotation",  "points", "arclength", "residual",
+                                        "approach",  "period",          "reach",     "stop",   "to",        "from",
+                                        "impacts",   "stable_fraction", "key"};
+    for (size_t i = 0; i < sizeof spare / sizeof *spare && !fits(t, room); i++) hide(t, spare[i]);
+    for (size_t k = t->n_column; k-- > 1 && !fits(t, room);) t->hidden[k] = true;
+}
+
+/* The columns of the terminal; INT_MAX where there is none, or none that says so. */
+static int room_of_terminal(void)
+{
+    struct winsize size;
+    return isatty(STDOUT_FILENO) && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col ? size.ws_col : INT_MAX;
+}
+
+static void say_hidden(const grid *t)
+{
+    int n = 0;
+    for (size_t k = 0; k < t->n_column; k++)
+        if (t->hidden[k]) fprintf(stderr, "%s %s", n++ ? "," : "ricochet: no room for", t->columns[k]);
+    if (n) fputs("; a wider terminal, --csv or --json shows them\n", stderr);
+}
+
+/* The cells of row i; the names of the columns where i is n_row. */
+static void print_line(const grid *t, size_t i)
+{
+    size_t last = t->n_column;
+    while (last > 0 && t->hidden[last - 1]) last--;
+    for (size_t k = 0; k < last; k++)
+        if (!t->hidden[k])
+            print_padded(i < t->n_row ? shown(t->cells[i * t->n_column + k]) : t->columns[k], t->width[k],
+                         t->numeric[k], k + 1 == last);
+}
+
+/* A line that is broken by the terminal cannot be read: there, numbers are shortened first, then texts, and what still
+ * has no room is named. */
+static bool print_table(const json_t *rows, const char *const *columns)
+{
+    enum { LONGEST = 20 }; /* columns of a text where room is short */
+    const int room = room_of_terminal();
+    grid t = {.n_row = json_array_size(rows), .columns = columns};
+    while (columns[t.n_column]) t.n_column++;
+    t.cells = calloc(t.n_row * t.n_column + 1, sizeof *t.cells);
+    t.width = calloc(t.n_column + 1, sizeof *t.width);
+    t.numeric = calloc(t.n_column + 1, sizeof *t.numeric);
+    t.hidden = calloc(t.n_column + 1, sizeof *t.hidden);
+    bool done = t.cells && t.width && t.numeric && t.hidden && fill_grid(&t, rows, CLI_TEXT, INT_MAX);
+    if (done && !fits(&t, room)) done = fill_grid(&t, rows, CLI_SHORT, INT_MAX);
+    if (done && !fits(&t, room)) done = fill_grid(&t, rows, CLI_SHORT, LONGEST);
+    if (done) {
+        hide_columns(&t, room);
+        print_line(&t, t.n_row);
+        for (size_t i = 0; i < t.n_row; i++) print_line(&t, i);
+        say_hidden(&t);
+    }
+    free_grid(&t);
     return done;
 }
 
@@ -421,10 +517,14 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     ric_atlas *atlas = NULL;
     json_t *rows = json_array();
     int code = CLI_WRONG;
+    cli_choice choice;
     bool physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_format(&argc, argv, &format) || !cli_operands(listing->command, argc, argv, 1)) goto out;
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_choice(&argc, argv, &choice) ||
+        !cli_operands(listing->command, argc, argv, 1))
+        goto out;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     if (!status) status = add_rows(rows, listing, atlas, physical);
+    if (!status && !cli_choose(rows, &choice)) goto out;
     char *names = listing->table ? cli_table_names(listing->table, format) : NULL;
     const char *columns = names ? names : format == CLI_TEXT ? listing->few : listing->all;
     code = status ? cli_report(status) : columns ? cli_print_rows(rows, columns, format) : cli_report(RIC_E_NOMEM);

@@ -1,0 +1,110 @@
+/* Of the rows of a list those that are asked for: by kind, word, impacts, stability, energy and frequency. */
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cli.h"
+
+/* "A,B" in order. */
+static bool parse_range(const char *text, const char *what, double *out)
+{
+    char first[64];
+    const size_t n = strcspn(text, ",");
+    if (text[n] != ',' || n >= sizeof first) {
+        cli_wrong("%s '%s' is no range; give two numbers with a comma between, for example 0.5,2", what, text);
+        return false;
+    }
+    snprintf(first, sizeof first, "%.*s", (int)n, text);
+    if (!cli_parse_number(first, what, &out[0]) || !cli_parse_number(text + n + 1, what, &out[1])) return false;
+    if (out[0] <= out[1]) return true;
+    cli_wrong("%s '%s' is empty: the first number is the lower end", what, text);
+    return false;
+}
+
+bool cli_take_choice(int *argc, char **argv, cli_choice *out)
+{
+    const char *impacts, *energy, *frequency, *limit;
+    *out = (cli_choice){.impacts = -1, .limit = -1};
+    if (!cli_take_value(argc, argv, "--kind", &out->kind) || !cli_take_value(argc, argv, "--word", &out->word) ||
+        !cli_take_value(argc, argv, "--stable", &out->stable) || !cli_take_value(argc, argv, "--impacts", &impacts) ||
+        !cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
+        !cli_take_value(argc, argv, "--limit", &limit))
+        return false;
+    if (out->stable && strcmp(out->stable, "yes") != 0 && strcmp(out->stable, "no") != 0 &&
+        strcmp(out->stable, "partly") != 0 && strcmp(out->stable, "undecided") != 0) {
+        cli_wrong("--stable %s: there are yes, no, partly and undecided", out->stable);
+        return false;
+    }
+    out->by_energy = energy;
+    out->by_frequency = frequency;
+    return (!impacts || cli_parse_integer(impacts, "--impacts", 0, INT_MAX, &out->impacts)) &&
+           (!limit || cli_parse_integer(limit, "--limit", 0, INT_MAX, &out->limit)) &&
+           (!energy || parse_range(energy, "--energy", out->energy)) &&
+           (!frequency || parse_range(frequency, "--frequency", out->frequency));
+}
+
+/* ------------------------------------------------------------------ one row */
+
+/* What a list says of stability: of a point or a segment in a word, of a branch as a share. */
+static const char *stability(const json_t *row)
+{
+    const json_t *share = json_object_get(row, "stable_fraction"), *word = json_object_get(row, "stable");
+    if (json_is_string(word)) return json_string_value(word);
+    if (!json_is_number(share)) return "undecided";
+    return json_number_value(share) == 1 ? "yes" : json_number_value(share) == 0 ? "no" : "partly";
+}
+
+/* Whether a row lies in a range, or reaches into it. */
+static bool within(const json_t *row, const char *name, const double *range)
+{
+    char lower[32], upper[32];
+    snprintf(lower, sizeof lower, "%s_min", name);
+    snprintf(upper, sizeof upper, "%s_max", name);
+    const json_t *at = json_object_get(row, name), *min = at ? at : json_object_get(row, lower),
+                 *max = at ? at : json_object_get(row, upper);
+    return json_is_number(min) && json_is_number(max) && json_number_value(max) >= range[0] &&
+           json_number_value(min) <= range[1];
+}
+
+static bool says(const json_t *row, const char *name, const char *wanted)
+{
+    const char *text = json_string_value(json_object_get(row, name));
+    return text && !strcmp(text, wanted);
+}
+
+static bool chosen(const json_t *row, const cli_choice *c)
+{
+    return (!c->kind || says(row, "kind", c->kind)) && (!c->word || says(row, "word", c->word)) &&
+           (!c->stable || !strcmp(stability(row), c->stable)) &&
+           (c->impacts < 0 || json_integer_value(json_object_get(row, "impacts")) == c->impacts) &&
+           (!c->by_energy || within(row, "energy", c->energy)) &&
+           (!c->by_frequency || within(row, "frequency", c->frequency));
+}
+
+/* A list without the column would look as if there were nothing of the kind. */
+static bool lacks(const json_t *row, const char *column, bool asked)
+{
+    if (!row || !asked || json_object_get(row, column)) return false;
+    cli_wrong("--%s: the rows of this list have no column '%s'", column, column);
+    return true;
+}
+
+bool cli_choose(json_t *rows, const cli_choice *c)
+{
+    const json_t *first = json_array_get(rows, 0);
+    if (lacks(first, "kind", c->kind) || lacks(first, "word", c->word) || lacks(first, "impacts", c->impacts >= 0))
+        return false;
+    json_t *kept = json_array();
+    const size_t all = json_array_size(rows);
+    for (size_t i = 0; i < all; i++)
+        if (chosen(json_array_get(rows, i), c)) json_array_append(kept, json_array_get(rows, i));
+    const size_t found = json_array_size(kept);
+    if (c->limit >= 0 && found > (size_t)c->limit) {
+        cli_say("ricochet: %ld of %zu rows are shown\n", c->limit, found);
+        for (size_t i = found; i > (size_t)c->limit; i--) json_array_remove(kept, i - 1);
+    } else if (!found && all) cli_say("ricochet: none of %zu rows is of this kind\n", all);
+    json_array_clear(rows);
+    json_array_extend(rows, kept);
+    json_decref(kept);
+    return true;
+}
