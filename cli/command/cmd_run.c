@@ -31,7 +31,9 @@ typedef struct {
     struct timespec start, shown;
     ric_progress last;
     const ric_atlas *before; /* what was in the file; NULL: nothing */
-    bool same, kept;         /* it is of the same study; its tables were left as they are */
+    bool quiet, json;        /* nothing in words; the report in JSON */
+    long workers;
+    bool same, kept; /* it is of the same study; its tables were left as they are */
 } display;
 
 static bool show_progress(const ric_progress *now, void *user)
@@ -42,7 +44,9 @@ static bool show_progress(const ric_progress *now, void *user)
     if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
         fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
         if (now->labels) cli_say("%d labels left, %.0f s", now->labels, now->seconds);
-        else cli_say("%d open departures, depth %d, %.0f s", now->open, now->depth, now->seconds);
+        else
+            cli_say("%d open departures, depth %d, %.0f s, %.0f steps/s, %ld at a time", now->open, now->depth,
+                    now->seconds, passed > 0 ? now->fresh / passed : 0, d->workers);
         fflush(stderr);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
     }
@@ -95,27 +99,34 @@ static void print_report(const json_t *rows)
         const json_t *value = json_object_get(row, "value");
         if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
-        cli_say(strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
+        cli_tell(stdout, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
         last = item;
-        if (json_is_string(value)) cli_say("%s", json_string_value(value));
-        else if (json_is_integer(value)) cli_say("%lld", (long long)json_integer_value(value));
-        else cli_say("%.1e", json_real_value(value));
-        if (*detail) cli_say(" (%s)", detail);
+        if (json_is_string(value)) cli_tell(stdout, "%s", json_string_value(value));
+        else if (json_is_integer(value)) cli_tell(stdout, "%lld", (long long)json_integer_value(value));
+        else cli_tell(stdout, "%.1e", json_real_value(value));
+        if (*detail) cli_tell(stdout, " (%s)", detail);
     }
-    fputc('\n', stderr);
+    putchar('\n');
     if (incomplete)
-        cli_say("something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
-                incomplete);
+        cli_tell(stdout, "something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
+                 incomplete);
 }
 
 /* What `ricochet report` says of the file, from what was written there. */
 static int print_summary(const char *path, const ric_atlas *atlas, const display *d)
 {
+    if (d->quiet && !d->json) return CLI_DONE;
     json_t *rows = json_array();
     ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
-    if (!status) {
-        cli_say("%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas),
-                cli_seconds_since(&d->start));
+    if (!status && d->json) {
+        status = cli_report_rows(atlas, rows);
+        if (!status && cli_print_rows(rows, NULL, CLI_JSON)) {
+            json_decref(rows);
+            return CLI_FAILED;
+        }
+    } else if (!status) {
+        cli_tell(stdout, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
+                 ric_atlas_n_junction(atlas), cli_seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory()) status = RIC_E_NOMEM;
         if (!status) print_report(rows);
         if (!status) status = cli_windows_tell(atlas);
@@ -215,11 +226,11 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
 
-static int explore(const ric_study *study, const char *name, const char *path, long workers, double seconds)
+static int explore(const ric_study *study, const char *name, const char *path, display d)
 {
-    display d = {.terminal = isatty(STDERR_FILENO), .seconds = seconds};
+    d.terminal = isatty(STDERR_FILENO) && !d.quiet;
     clock_gettime(CLOCK_MONOTONIC, &d.start);
-    const ric_run_options options = {.workers = (int)workers, .progress = show_progress, .user = &d};
+    const ric_run_options options = {.workers = (int)d.workers, .progress = show_progress, .user = &d};
     const ric_explore_more more = {.crew = cli_run_remote, .worth = worth, .user = &d};
     ric_atlas *before = NULL, *atlas = NULL;
     if (!access(path, F_OK) && ric_atlas_read(path, &before))
@@ -250,19 +261,20 @@ static bool too_large(const ric_study *study, double seconds)
 
 static int run(int argc, char **argv)
 {
-    const char *given, *workers_text, *step, *seconds_text;
+    const char *given, *step, *seconds_text;
     char *path = NULL;
-    long workers = 1;
-    double seconds = HUGE_VAL;
+    display d = {.workers = 1,
+                 .seconds = HUGE_VAL,
+                 .quiet = cli_take_flag(&argc, argv, "--quiet"),
+                 .json = cli_take_flag(&argc, argv, "--json")};
     ric_study *study = NULL;
     int code;
-    if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_value(&argc, argv, "-j", &workers_text) ||
+    if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_workers(&argc, argv, 1024, &d.workers) ||
         !cli_take_value(&argc, argv, "--max-step", &step) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
         !cli_operands(&cli_run, argc, argv, 1) ||
-        (workers_text && !cli_parse_integer(workers_text, "-j", 1, 1024, &workers)) ||
-        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &seconds)))
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &d.seconds)))
         return CLI_WRONG;
-    if (!(seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (!(d.seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
     ric_status status = ric_study_read(argv[1], &study);
     if (!status && step) status = ric_study_override(study, "explore", "step", step, "--max-step");
     if (!status && !(path = given ? strdup(given) : default_path(argv[1]))) status = RIC_E_NOMEM;
@@ -273,11 +285,11 @@ static int run(int argc, char **argv)
         code = cli_wrong("%s:%zu: model.restitution: %g loses energy, so that there are no families of periodic "
                          "orbits; an atlas needs 1, `ricochet simulate` takes [0, 1]",
                          argv[1], ric_study_restitution_line(study), ric_model_restitution(ric_study_model(study)));
-    else if (too_large(study, seconds))
+    else if (too_large(study, d.seconds))
         code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
                          "give --seconds S to try for so long, or reduce the structure to the modes that matter",
                          argv[1], ric_model_n_mode(ric_study_model(study)));
-    else code = explore(study, argv[1], path, workers, seconds);
+    else code = explore(study, argv[1], path, d);
     free(path);
     ric_study_free(study);
     return code;
@@ -288,19 +300,23 @@ static const cli_item items[] = {
              "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it "
              "extends the atlas. The result does not depend on WORKERS."},
     {.name = "-o", .value = "ATLAS", .text = "the file to write; study.ricochet for study.yaml unless given"},
-    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given"},
+    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
+    {.name = "--jobs", .value = "WORKERS", .text = "the same"},
     {.name = "--max-step", .value = "H", .text = "largest arclength step, instead of the study's explore.step"},
     {.name = "--seconds",
      .value = "S",
      .text = "stop after that time, with exit code 3 if there is more to do; the same command goes on from there. "
              "Needed where more than 200 modes take part"},
+    {.name = "--quiet", .text = "no report and no progress; warnings and what stops it are said"},
+    {.name = "--json", .text = "the report as `ricochet report --json` gives it"},
     {0},
 };
 
 const cli_command cli_run = {
     .name = "run",
     .summary = "explore a study into an atlas",
-    .usage = "ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n",
+    .usage = "ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
+             "             [--quiet] [--json]\n",
     .items = items,
     .example = "ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",
     .run = run,

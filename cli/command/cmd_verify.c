@@ -218,7 +218,7 @@ static void tell_failure(const audit *a, const result *r)
             !r->check.passed ? "the motion is not what the simulator makes of it" : r->claims.finding);
 }
 
-static int tell_all(const audit *a)
+static int tell_all(const audit *a, FILE *out)
 {
     enum { TOLD = 10 };
     int points = 0, done = 0, failed = 0, open = 0, flags = 0, margins = 0, rows[3] = {0}, wrong[3] = {0};
@@ -234,24 +234,29 @@ static int tell_all(const audit *a)
         open += r->claims.multipliers == RIC_AGREES_UNCHECKED && !isnan(r->claims.multiplier_bound);
         flags += r->claims.stable == RIC_AGREES_UNCHECKED;
         if (*r->claims.unchecked && margins++ < TOLD)
-            cli_say("branch %d, point %d: not checked: %s\n", r->check.branch, r->check.point, r->claims.unchecked);
+            cli_tell(out, "branch %d, point %d: not checked: %s\n", r->check.branch, r->check.point,
+                     r->claims.unchecked);
     }
     if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
-    cli_say("%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done, a->branches,
-            a->branches == 1 ? "" : "es");
+    cli_tell(out, "%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
+             a->branches, a->branches == 1 ? "" : "es");
     for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
         if (wrong[of])
-            cli_say("%d of %d rows of %s do not\n", wrong[of], rows[of], of == OF_BRANCH ? "branches" : "junctions");
+            cli_tell(out, "%d of %d rows of %s do not\n", wrong[of], rows[of],
+                     of == OF_BRANCH ? "branches" : "junctions");
     if (open)
-        cli_say("multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
-                "of theirs\n",
-                open, open == 1 ? "" : "s");
+        cli_tell(out,
+                 "multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
+                 "of theirs\n",
+                 open, open == 1 ? "" : "s");
     if (flags)
-        cli_say("stability not checked at %d point%s: on the border within rounding\n", flags, flags == 1 ? "" : "s");
+        cli_tell(out, "stability not checked at %d point%s: on the border within rounding\n", flags,
+                 flags == 1 ? "" : "s");
     if (margins)
-        cli_say("%d point%s of which some numbers could not be checked to a part in a million: rounding of the stored "
-                "digits is multiplied beyond it\n",
-                margins, margins == 1 ? "" : "s");
+        cli_tell(out,
+                 "%d point%s of which some numbers could not be checked to a part in a million: rounding of the stored "
+                 "digits is multiplied beyond it\n",
+                 margins, margins == 1 ? "" : "s");
     bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
     if (!whole)
         cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
@@ -259,7 +264,8 @@ static int tell_all(const audit *a)
     return failed ? CLI_FAILED : whole ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
 }
 
-static int print_audit(const audit *a, cli_format format)
+/* In words the verdict is the answer; rows, where they are asked for, are, and the verdict is a remark on them. */
+static int print_audit(const audit *a, cli_format format, bool verbose, bool quiet)
 {
     static const char columns[] =
         "kind branch point junction flight_error return_error condition energy_error faces_agree "
@@ -268,26 +274,30 @@ static int print_audit(const audit *a, cli_format format)
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < a->n; i++)
         if (a->results[i].done) add_row(rows, &a->results[i]);
-    int code = cli_print_rows(rows, columns, format), verdict = code ? code : tell_all(a);
+    const bool listed = format != CLI_TEXT || verbose;
+    const int code = listed ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
+    FILE *none = quiet ? fopen("/dev/null", "w") : NULL;
+    const int verdict = code ? code : tell_all(a, none ? none : format == CLI_TEXT ? stdout : stderr);
+    if (none) fclose(none);
     return verdict;
 }
 
 static int run(int argc, char **argv)
 {
     cli_format format;
-    const char *text, *point_text, *seconds_text, *workers_text;
+    const char *text, *point_text, *seconds_text;
     long branch = 0, point = -1, workers = 1;
     ric_atlas *atlas = NULL;
     audit a = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
     a.all = cli_take_flag(&argc, argv, "--all");
+    const bool verbose = cli_take_flag(&argc, argv, "--verbose"), quiet = cli_take_flag(&argc, argv, "--quiet");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
         !cli_take_value(&argc, argv, "--point", &point_text) ||
-        !cli_take_value(&argc, argv, "--seconds", &seconds_text) || !cli_take_value(&argc, argv, "-j", &workers_text) ||
-        !cli_operands(&cli_verify, argc, argv, 1) ||
+        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_take_workers(&argc, argv, MOST_WORKERS, &workers) || !cli_operands(&cli_verify, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
-        (workers_text && !cli_parse_integer(workers_text, "-j", 1, MOST_WORKERS, &workers)) ||
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &a.seconds)))
         return CLI_WRONG;
     if (!(a.seconds > 0)) return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
@@ -304,7 +314,7 @@ static int run(int argc, char **argv)
         ric_atlas_free(atlas);
         return CLI_FAILED;
     }
-    int code = status ? cli_report(status) : print_audit(&a, format);
+    int code = status ? cli_report(status) : print_audit(&a, format, verbose, quiet);
     free(a.results);
     ric_atlas_free(atlas);
     return code;
@@ -337,8 +347,11 @@ static const cli_item items[] = {
     CLI_ITEM_AT,
     {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
     {.name = "--all", .text = "every stored point"},
-    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given"},
+    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
+    {.name = "--jobs", .value = "WORKERS", .text = "the same"},
     {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
+    {.name = "--verbose", .text = "a row for every point as well; without it the verdict, and what does not pass"},
+    {.name = "--quiet", .text = "only what does not pass, and the exit code"},
     {.text = "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C."},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
@@ -349,7 +362,8 @@ const cli_command cli_verify = {
     .name = "verify",
     .summary = "replay the orbits of an atlas with an independent simulator",
     .usage = "ricochet verify ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [--all]\n"
-             "                       [-j WORKERS] [--seconds S] [--json | --csv]\n",
+             "                       [-j WORKERS] [--seconds S] [--verbose | --quiet]\n"
+             "                       [--json | --csv]\n",
     .items = items,
     .example = "ricochet verify study.ricochet --branch 3 --all\n",
     .run = run,

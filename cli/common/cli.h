@@ -205,6 +205,8 @@ char *cli_visible(const char *text, bool lines);
 void cli_print_visible(const char *text, bool lines);
 /* To standard error, as cli_visible() shows it: whatever holds a name or a text is said by this. */
 void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* The same to standard output where that is `out`: a verdict in words is an answer, beside rows it is a remark. */
+void cli_tell(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Takes --json or --csv out of argv; false (with a message) when both are given. */
 bool cli_take_format(int *argc, char **argv, cli_format *format);
@@ -221,6 +223,8 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n);
 /* Whole-string number, with a message naming `what` otherwise. */
 bool cli_parse_number(const char *text, const char *what, double *out);
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out);
+/* Takes -j or --jobs out of argv, at most `most`; 0 means all cores. *workers stays where neither is given. */
+bool cli_take_workers(int *argc, char **argv, long most, long *workers);
 
 /* Ctrl-C and termination ask to stop instead of killing; whether that has happened. */
 void cli_catch_signals(void);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli.h"
 
@@ -80,10 +81,10 @@ void cli_print_visible(const char *text, bool lines)
     }
 }
 
-static void put_visible(const char *text)
+static void put_visible(FILE *out, const char *text)
 {
     char *visible = cli_visible(text, true);
-    fputs(visible ? visible : "out of memory", stderr);
+    fputs(visible ? visible : "out of memory", out);
     free(visible);
 }
 
@@ -95,12 +96,12 @@ int cli_report(ric_status status)
                                                              * something before */
         detail = "";
     fputs("ricochet: ", stderr);
-    put_visible(detail[0] ? detail : ric_status_text(status));
+    put_visible(stderr, detail[0] ? detail : ric_status_text(status));
     fputc('\n', stderr);
     return status == RIC_E_INPUT ? CLI_WRONG : status == RIC_E_INTERRUPTED ? CLI_INTERRUPTED : CLI_FAILED;
 }
 
-static void put_formatted(const char *format, va_list arguments)
+static void put_formatted(FILE *out, const char *format, va_list arguments)
 {
     va_list again;
     va_copy(again, arguments);
@@ -108,7 +109,7 @@ static void put_formatted(const char *format, va_list arguments)
     va_end(again);
     char *text = size < 0 ? NULL : malloc((size_t)size + 1);
     if (text) vsnprintf(text, (size_t)size + 1, format, arguments);
-    put_visible(text ? text : "out of memory");
+    put_visible(out, text ? text : "out of memory");
     free(text);
 }
 
@@ -116,7 +117,15 @@ void cli_say(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    put_formatted(format, arguments);
+    put_formatted(stderr, format, arguments);
+    va_end(arguments);
+}
+
+void cli_tell(FILE *out, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    put_formatted(out, format, arguments);
     va_end(arguments);
 }
 
@@ -125,7 +134,7 @@ int cli_wrong(const char *format, ...)
     va_list arguments;
     fputs("ricochet: ", stderr);
     va_start(arguments, format);
-    put_formatted(format, arguments);
+    put_formatted(stderr, format, arguments);
     va_end(arguments);
     fputc('\n', stderr);
     return CLI_WRONG;
@@ -292,5 +301,20 @@ bool cli_parse_integer(const char *text, const char *what, long min, long max, l
         return false;
     }
     *out = value;
+    return true;
+}
+
+bool cli_take_workers(int *argc, char **argv, long most, long *workers)
+{
+    const char *text, *alias;
+    if (!cli_take_value(argc, argv, "-j", &text) || !cli_take_value(argc, argv, "--jobs", &alias)) return false;
+    if (text && alias) {
+        cli_wrong("-j and --jobs are both given; they mean the same");
+        return false;
+    }
+    if (!text && !alias) return true;
+    if (!cli_parse_integer(text ? text : alias, text ? "-j" : "--jobs", 0, most, workers)) return false;
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    if (*workers == 0) *workers = cores < 1 ? 1 : cores > most ? most : cores;
     return true;
 }

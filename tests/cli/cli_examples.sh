@@ -87,7 +87,7 @@ ok 'elementary: branches' branches elementary 14
 complete() { # up to high energies and many impacts nothing is refused or lost
     sed 's/^  energy:.*/  energy: [0, 1000]/; s/^  impacts:.*/  impacts: 24/; s/^  multiply:.*/  multiply: 1/; s/^  depth:.*/  depth: 0/' \
         examples/elementary/study.yaml >"$folder/complete.yaml"
-    "$ricochet" run "$folder/complete.yaml" -o "$folder/complete.ricochet" 2>"$folder/said" || return 1
+    "$ricochet" run "$folder/complete.yaml" -o "$folder/complete.ricochet" >"$folder/said" 2>&1 || return 1
     cat "$folder/said"
     grep -q '^departures taken: ' "$folder/said" && ! grep -q 'refused\|failed\|no junctions' "$folder/said"
 }

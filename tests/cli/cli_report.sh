@@ -4,7 +4,7 @@ set -u
 . tests/support/tap.sh
 
 sed 's/depth: .*/depth: 1/' examples/elementary/study.yaml >"$folder/study.yaml"
-"$ricochet" run "$folder/study.yaml" -o "$folder/a.ricochet" 2>"$folder/err" || cat "$folder/err"
+"$ricochet" run "$folder/study.yaml" -o "$folder/a.ricochet" >"$folder/err" 2>&1 || cat "$folder/err"
 
 # alter SQL: on a copy, whose digest is made anew
 alter() {

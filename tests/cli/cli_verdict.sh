@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# What run and verify answer stands on standard output, what they remark on standard error.
+set -u
+. tests/support/tap.sh
+
+study=examples/elementary/study.yaml atlas="$folder/e.ricochet"
+# answers PATTERN ARGUMENT...: on standard output alone
+answers() {
+    local pattern=$1
+    shift
+    "$ricochet" "$@" >"$folder/out" 2>"$folder/said" || { cat "$folder/said"; return 1; }
+    cat "$folder/out"
+    grep -q -e "$pattern" "$folder/out" && ! grep -q -e "$pattern" "$folder/said"
+}
+silent() { "$ricochet" "$@" >"$folder/out" 2>&1 && [ ! -s "$folder/out" ]; }
+refused() { "$ricochet" "$@" >"$folder/out" 2>&1; [ $? = 2 ]; }
+
+ok 'run: the report' answers '^departures taken: ' run "$study" -o "$atlas"
+ok 'run --quiet' silent run "$study" -o "$atlas" --quiet
+as_report() { "$ricochet" run "$study" -o "$atlas" --json >"$folder/json" && diff "$folder/json" <("$ricochet" report "$atlas" --json); }
+ok 'run --json' as_report
+ok 'run on all cores' answers '14 branches' run "$study" -o "$folder/all.ricochet" -j 0
+ok 'run: --jobs and -j' refused run "$study" -o "$atlas" -j 1 --jobs 1
+ok 'verify: the verdict' answers 'points on 14 branches agree' verify "$atlas" --jobs 0
+few() { ! grep -q "flight_error\|^point " "$folder/out" && [ "$(wc -l <"$folder/out")" -le 20 ]; }
+"$ricochet" verify "$atlas" >"$folder/out" 2>/dev/null
+ok 'verify: the verdict alone' few
+ok 'verify --quiet' silent verify "$atlas" --quiet
+rows() { "$ricochet" verify "$atlas" --verbose 2>&1 | grep -c '^point '; }
+ok 'verify --verbose: a row for each' test "$(rows)" -gt 50
+beside() { "$ricochet" verify "$atlas" --json 2>"$folder/said" | python3 -c 'import json, sys; assert len(json.load(sys.stdin)) > 50' && grep -q 'agree with' "$folder/said"; }
+ok 'verify --json: rows, and the verdict beside them' beside
+planted() {
+    cp "$atlas" "$folder/b.ricochet"
+    python3 -c 'import sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+db.execute("UPDATE branch SET energy_max = energy_max * 2 WHERE id = 3")
+db.commit()' "$folder/b.ricochet" && tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null
+    "$ricochet" verify "$folder/b.ricochet" --quiet >"$folder/out" 2>"$folder/said"
+    [ $? = 1 ] && [ ! -s "$folder/out" ] && grep -q 'branch 3 ' "$folder/said"
+}
+ok 'verify --quiet: what does not pass is named' planted
+finish
