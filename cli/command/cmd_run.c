@@ -315,7 +315,8 @@ static const cli_item items[] = {
 const cli_command cli_run = {
     .name = "run",
     .summary = "explore a study into an atlas",
-    .usage = "ricochet run STUDY [-o ATLAS] [-j WORKERS] [--max-step H] [--seconds S]\n"
+    .usage = "ricochet run STUDY [-o ATLAS] [-j WORKERS | --jobs WORKERS]\n"
+             "             [--max-step H] [--seconds S]\n"
              "             [--quiet] [--json]\n",
     .items = items,
     .example = "ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",

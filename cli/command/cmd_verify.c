@@ -362,7 +362,7 @@ const cli_command cli_verify = {
     .name = "verify",
     .summary = "replay the orbits of an atlas with an independent simulator",
     .usage = "ricochet verify ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [--all]\n"
-             "                       [-j WORKERS] [--seconds S] [--verbose | --quiet]\n"
+             "                       [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose | --quiet]\n"
              "                       [--json | --csv]\n",
     .items = items,
     .example = "ricochet verify study.ricochet --branch 3 --all\n",

@@ -103,7 +103,7 @@ expect 2 "'0,0,0,1' after --state is not a number" simulate --time 1 --state 0,0
 expect 2 'after a blank' simulate s.yaml --state=0 0 0 1 --time 1
 expect 2 'this is a folder' run .
 expect 2 '-o needs a value' run s.yaml -o
-expect 2 "-j '0' is not a whole number from 1" run s.yaml -j 0
+expect 2 "-j '-1' is not a whole number from 0" run s.yaml -j -1
 expect 2 '--max-step: 0 is out of range' run s.yaml --max-step 0
 expect 2 '--max-step: .x. is not a number' run s.yaml --max-step x
 expect 2 'would overwrite the study' run s.yaml -o s.yaml

@@ -262,7 +262,7 @@ for command in branches junctions bases; do
     expect 2 "$command without an atlas" "$program" $command
     expect 2 "$command with both formats" "$program" $command "$atlas" --json --csv
     expect 2 "$command with an unknown option" "$program" $command "$atlas" --colour
-    expect 1 "$command of a file that is not there" "$program" $command "$folder/none"
+    expect 2 "$command of a file that is not there" "$program" $command "$folder/none"
     expect 1 "$command of a foreign file" "$program" $command "$folder/foreign"
     expect 1 "$command of a folder" "$program" $command "$folder"
     [ -s "$folder/out" ] && report 1 "$command keeps standard output clean"
