@@ -21,15 +21,12 @@ struct ric_store {
     char *path, *lock_path;
     int lock; /* descriptor that holds the lock, -1 = none */
     sqlite3_stmt *get, *put, *drop;
+    bool sound;        /* nothing has been found that is damaged */
+    bool writes;       /* the file has been set up for it */
     bool tables_begun; /* the tables are being replaced */
 };
 
 /* ------------------------------------------------------------------- store */
-
-static ric_status begin(ric_database file)
-{
-    return sqlite3_get_autocommit(file.db) ? ric_store_sqlite_run(file, "BEGIN IMMEDIATE") : RIC_OK;
-}
 
 static void roll_back(ric_database file)
 {
@@ -42,6 +39,15 @@ static ric_status set_up_writer(ric_database file)
 {
     return ric_store_sqlite_run(file, "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
                                       "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
+}
+
+/* Until something is to be written the file is only read: the mode of its journal is part of it. */
+static ric_status begin(ric_store *store)
+{
+    ric_status status = store->writes ? RIC_OK : set_up_writer(store->file);
+    if (status) return status;
+    store->writes = true;
+    return sqlite3_get_autocommit(store->file.db) ? ric_store_sqlite_run(store->file, "BEGIN IMMEDIATE") : RIC_OK;
 }
 
 /* An empty file of ours, which SQLite then fills: what another has just laid there is neither filled nor removed. */
@@ -75,8 +81,7 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     ric_status status = exists ? RIC_OK : lay_file(store->path);
     if (status) return status;
     status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
-    if (!status) status = set_up_writer(store->file);
-    if (!status) status = begin(store->file);
+    if (!status) status = begin(store);
     if (!status) status = create_tables(store->file);
     snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
              RIC_FORMAT_VERSION);
@@ -92,15 +97,25 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     return status;
 }
 
+/* All that the file holds, before anything is written to it: what a run finds out later it finds out in between. */
+static ric_status check_whole(ric_database file, const ric_study *study)
+{
+    ric_atlas *before = NULL;
+    ric_status status = ric_store_check_contents(file);
+    if (!status) status = ric_store_check_model(file, study);
+    if (!status) status = ric_store_read_tables(file, &before);
+    if (!status) status = ric_store_check_work(file);
+    ric_atlas_free(before);
+    return status;
+}
+
 static ric_status open_file(ric_store *store, const ric_study *study)
 {
     ric_status status = ric_store_check_identity(store->path);
     if (!status) status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
-    if (!status) status = ric_store_check_contents(store->file);
-    if (!status) status = ric_store_check_model(store->file, study);
+    if (!status) status = check_whole(store->file, study);
     if (!status && sqlite3_db_readonly(store->file.db, "main"))
         status = ric_store_sqlite_fail(store->file, SQLITE_READONLY);
-    if (!status) status = set_up_writer(store->file);
     return status;
 }
 
@@ -148,6 +163,7 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
                                           &store->put);
     if (!status) status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
 out:
+    store->sound = !status;
     if (status) ric_store_close(store);
     else *out = store;
     return status;
@@ -159,6 +175,7 @@ void ric_store_close(ric_store *store)
     sqlite3_finalize(store->get);
     sqlite3_finalize(store->put);
     sqlite3_finalize(store->drop);
+    if (store->sound && !store->writes) set_up_writer(store->file); /* no journal without effect stays behind */
     /* What was put is worth keeping; if the disk refuses, the last commit still stands. */
     if (store->file.db && !sqlite3_get_autocommit(store->file.db) &&
         sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
@@ -181,7 +198,7 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
         size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
         const void *bytes = sqlite3_column_blob(store->get, 0);
         if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
-            status = ric_store_fail_damaged(store->path, "finished work does not match its digest");
+            status = ric_store_fail_work(store->path, key, "the bytes do not match their digest");
         else if (!(*blob = ric_malloc(n + 1))) status = ric_store_fail_memory();
         else if (n) memcpy(*blob, bytes, n);
         *size = status ? 0 : n;
@@ -194,7 +211,7 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
 ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size)
 {
     bool row;
-    ric_status status = begin(store->file);
+    ric_status status = begin(store);
     if (status) return status;
     sqlite3_bind_text(store->put, 1, key, -1, SQLITE_STATIC);
     int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
@@ -222,7 +239,7 @@ ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status
 ric_status ric_store_trace_drop(ric_store *store, const char *key)
 {
     bool row;
-    ric_status status = begin(store->file);
+    ric_status status = begin(store);
     if (status) return status;
     sqlite3_bind_text(store->drop, 1, key, -1, SQLITE_STATIC);
     status = ric_store_sqlite_step(store->file, store->drop, &row);
@@ -249,14 +266,27 @@ static ric_status conclude(ric_database file, ric_status status)
     return status;
 }
 
-ric_status ric_store_set_solver(ric_store *store, const char *version)
+ric_status ric_store_refuse(ric_store *store, const char *key, const char *what)
+{
+    store->sound = false;
+    return ric_store_fail_work(store->path, key, what);
+}
+
+ric_status ric_store_is_solver(ric_store *store, const char *version, bool *same)
 {
     char *kept = NULL;
     ric_status status = ric_store_get_meta(store->file, "solver", &kept);
-    bool same = kept && !strcmp(kept, version);
+    *same = kept && !strcmp(kept, version);
     free(kept);
+    return status;
+}
+
+ric_status ric_store_set_solver(ric_store *store, const char *version)
+{
+    bool same;
+    ric_status status = ric_store_is_solver(store, version, &same);
     if (status || same) return status;
-    status = begin(store->file);
+    status = begin(store);
     if (!status) status = ric_store_sqlite_run(store->file, "DELETE FROM trace");
     if (!status) status = ric_store_put_meta(store->file, "solver", version);
     if (!status) status = ric_store_put_meta(store->file, "finished", "0");
@@ -271,7 +301,7 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     if (!status && !(all = ric_malloc((old ? strlen(old) : 0) + strlen(lines) + 1))) status = ric_store_fail_memory();
     if (!status) {
         sprintf(all, "%s%s", old ? old : "", lines);
-        status = begin(file);
+        status = begin(store);
     }
     if (!status) status = ric_store_put_meta(file, "starts", all);
     if (!status) status = ric_store_put_meta(file, "finished", "0");
@@ -285,7 +315,7 @@ ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
 {
     ric_database file = store->file;
     ric_status status = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
-    if (!status) status = begin(file);
+    if (!status) status = begin(store);
     store->tables_begun = !status;
     if (!status)
         status = ric_store_sqlite_run(file,

@@ -7,11 +7,16 @@
 typedef struct ric_store ric_store;
 
 /* Creates or opens `path` for a run of `study` and takes the lock. Refuses a foreign, damaged, newer or busy file, and
- * one of another model (model = the text of `study` from its `model:` section, compared by the exact numbers). Nothing
- * is changed on refusal. */
+ * one of another model (model = the text of `study` from its `model:` section, compared by the exact numbers), and one
+ * with a row that no run can have written, in the tables or in the work that is kept. Nothing is changed on refusal,
+ * nor before something is put, added or written. */
 ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out);
 void ric_store_close(ric_store *store);
 
+/* Whether the work that is kept is that of this version of the solver. */
+ric_status ric_store_is_solver(ric_store *store, const char *version, bool *same);
+/* Refuses the file for the work that is kept under `key`: closing it leaves it as it is. */
+ric_status ric_store_refuse(ric_store *store, const char *key, const char *what);
 /* What another version of the solver has done so far is dropped, and the atlas is unfinished then: it never mixes
  * two. */
 ric_status ric_store_set_solver(ric_store *store, const char *version);

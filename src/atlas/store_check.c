@@ -218,6 +218,44 @@ ric_status ric_store_check_contents(ric_database file)
     return tables == 7 ? check_digest(file) : ric_store_fail_damaged(file.path, "a table is missing");
 }
 
+/* ------------------------------------------------------------- stored work */
+
+/* What is wrong with a row of the table `trace`, NULL: nothing. `last`: the key before it. */
+static const char *wrong_work(sqlite3_stmt *row, const char *last)
+{
+    if (sqlite3_column_type(row, 0) != SQLITE_TEXT) return "its key is not a text";
+    const char *key = (const char *)sqlite3_column_text(row, 0);
+    if (!key || strlen(key) != (size_t)sqlite3_column_bytes(row, 0)) return "its key is not a text";
+    if (last && !strcmp(last, key)) return "its key is there twice";
+    if (sqlite3_column_type(row, 1) != SQLITE_BLOB) return "blob: not a row of bytes";
+    if (sqlite3_column_type(row, 2) != SQLITE_INTEGER) return "digest: not a whole number";
+    const void *bytes = sqlite3_column_blob(row, 1);
+    const size_t n = (size_t)sqlite3_column_bytes(row, 1);
+    return sqlite3_column_int64(row, 2) == (sqlite3_int64)ric_store_digest(bytes, n)
+               ? NULL
+               : "the bytes do not match their digest";
+}
+
+/* Rows without a type of their own are compared in the order of their keys, so that a key that comes twice shows. */
+ric_status ric_store_check_work(ric_database file)
+{
+    sqlite3_stmt *query = NULL;
+    char *last = NULL;
+    bool row = false;
+    ric_status status = ric_store_sqlite_prepare(file, "SELECT key, blob, digest FROM trace ORDER BY key", &query);
+    while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) {
+        const char *wrong = wrong_work(query, last), *key = (const char *)sqlite3_column_text(query, 0);
+        if (sqlite3_errcode(file.db) == SQLITE_NOMEM) status = ric_store_fail_memory();
+        else if (wrong) status = ric_store_fail_work(file.path, key, wrong);
+        free(last);
+        last = key ? ric_strdup(key) : NULL;
+        if (!status && key && !last) status = ric_store_fail_memory();
+    }
+    free(last);
+    sqlite3_finalize(query);
+    return status;
+}
+
 /* ---------------------------------------------------------- model identity */
 
 char *ric_store_model_text(const char *study)

@@ -23,6 +23,8 @@ typedef struct {
 
 ric_status ric_store_fail_memory(void);
 ric_status ric_store_fail_damaged(const char *path, const char *what);
+/* The row of the table `trace` with this key. */
+ric_status ric_store_fail_work(const char *path, const char *key, const char *what);
 ric_status ric_store_fail_foreign(const char *path);
 
 /* A result code of SQLite as one of our kinds. */
@@ -71,6 +73,8 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty);
 ric_status ric_store_check_identity(const char *path);
 /* Structure, tables and contents, inside the reader's transaction. */
 ric_status ric_store_check_contents(ric_database file);
+/* The rows of the table `trace`: their types, that no key comes twice, and the digest of each. */
+ric_status ric_store_check_work(ric_database file);
 /* That the file is of the model of `study`. */
 ric_status ric_store_check_model(ric_database file, const ric_study *study);
 
@@ -88,6 +92,11 @@ ric_status ric_store_put_digest(ric_database file);
 /* *value = NULL when there is no such key; to be freed. */
 ric_status ric_store_get_meta(ric_database file, const char *key, char **value);
 ric_status ric_store_put_meta(ric_database file, const char *key, const char *value);
+
+/* -------------------------------------------------------------- store_read.c */
+
+/* The tables as an atlas whose numbers may be those of one. The contents have been checked. */
+ric_status ric_store_read_tables(ric_database file, ric_atlas **out);
 
 /* ------------------------------------------------------------- store_valid.c */
 

@@ -440,10 +440,20 @@ static ric_status open_reader(const char *path, ric_database *file)
     return code ? ric_store_sqlite_fail(*file, code) : RIC_OK;
 }
 
+ric_status ric_store_read_tables(ric_database file, ric_atlas **out)
+{
+    ric_atlas *atlas = ric_calloc(1, sizeof *atlas);
+    ric_status status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
+    if (!status) status = ric_store_check_numbers(file.path, atlas);
+    if (!status) status = ric_keys_make(atlas);
+    if (status) ric_atlas_free(atlas);
+    *out = status ? NULL : atlas;
+    return status;
+}
+
 ric_status ric_store_read(const char *path, ric_atlas **out)
 {
     ric_database file = {NULL, path};
-    ric_atlas *atlas = NULL;
     bool exists, empty;
     ric_status status;
     *out = NULL;
@@ -455,14 +465,7 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
     if (!status) status = ric_store_check_beside(path);
     if (!status) status = open_reader(path, &file);
     if (!status) status = ric_store_check_contents(file);
-    if (status) goto out;
-    atlas = ric_calloc(1, sizeof *atlas);
-    status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
-    if (!status) status = ric_store_check_numbers(path, atlas);
-    if (!status) status = ric_keys_make(atlas);
-out:
+    if (!status) status = ric_store_read_tables(file, out);
     sqlite3_close(file.db);
-    if (status) ric_atlas_free(atlas);
-    else *out = atlas;
     return status;
 }

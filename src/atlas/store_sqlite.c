@@ -20,6 +20,13 @@ ric_status ric_store_fail_damaged(const char *path, const char *what)
                     "%s: damaged atlas (%s); restore it from a copy, or remove it and run the study again", path, what);
 }
 
+ric_status ric_store_fail_work(const char *path, const char *key, const char *what)
+{
+    char all[240];
+    snprintf(all, sizeof all, "table trace, row %.100s: %s", key ? key : "without a key", what);
+    return ric_store_fail_damaged(path, all);
+}
+
 ric_status ric_store_fail_foreign(const char *path)
 {
     return ric_fail(RIC_E_FORMAT,

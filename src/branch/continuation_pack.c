@@ -1,5 +1,6 @@
 #include "continuation_pack.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,10 +83,41 @@ ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t
 static bool sane(const header *h, const ric_model *m)
 {
     return h->format == PACK_FORMAT && h->n_flight >= 1 && h->n_flight <= SANE && h->parts >= 1 &&
-           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 0 &&
+           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 1 &&
            h->n_point <= SANE && h->n_event >= 0 && h->n_event <= SANE && h->start >= 0 &&
            h->start <= RIC_MIRROR_CENTRE && h->end >= 0 && h->end <= RIC_MIRROR_CENTRE && h->stop >= 0 &&
            h->stop <= RIC_STOP_FAILED && h->why >= 0 && h->why < RIC_N_WHY;
+}
+
+static bool is_finite(int n, const double *values)
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(values[i])) return false;
+    return true;
+}
+
+static bool sane_event(const ric_event *e, int size)
+{
+    return e->test < 0 || (isfinite(e->s) && is_finite(size, e->u) && is_finite(size, e->t));
+}
+
+/* Whether what was found is made of numbers: rows are made of it, and an atlas with others is refused. */
+static bool sane_found(const ric_continuation *tr)
+{
+    const int size = tr->chain->n_unknown;
+    double last = 0;
+    for (int i = 0; i < tr->n_point; i++) {
+        const double *at = tr->points + (size_t)i * tr->stride;
+        const ric_point *p = (const ric_point *)at;
+        if (!(p->arclength >= last && isfinite(p->arclength) && isfinite(p->energy) && p->frequency > 0 &&
+              isfinite(p->frequency) && p->stable >= RIC_STABLE_NO && p->stable <= RIC_STABLE_UNDECIDED &&
+              is_finite(size, at + sizeof(ric_point) / sizeof(double))))
+            return false;
+        last = p->arclength;
+    }
+    for (int i = 0; i < tr->n_event; i++)
+        if (!sane_event(&tr->events[i], size)) return false;
+    return sane_event(&tr->end, size);
 }
 
 /* The form of the orbits; RIC_E_FORMAT where it can be none. */
@@ -138,7 +170,7 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     status = RIC_E_FORMAT;
     if (b.lost || !ric_continuation_resonances(tr) || !make_room(&b, &h, tr)) goto out;
     pass_found(&b, tr);
-    if (b.lost) goto out;
+    if (b.lost || !sane_found(tr)) goto out;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;
     tr->why = (ric_why)h.why;

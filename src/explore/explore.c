@@ -4,6 +4,7 @@
 
 #include "rows.h"
 #include "graph.h"
+#include "stored_work.h"
 #include "branch/room.h"
 #include "base/room.h"
 #include "atlas/room.h"
@@ -103,11 +104,13 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if (out) *out = NULL;
     if ((status = ric_explore_check(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
-    if ((status = ric_store_set_solver(store, ric_continuation_version()))) goto out;
+    if ((status = ric_stored_work_check(store, study))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = more->crew;
     if ((status = ric_store_starts_get(store, &starts))) goto out;
     if ((status = ric_starts_parse(ric_study_model(study), starts, &graph->starts))) goto out;
+    /* the first that writes: all that the file holds has been read by now */
+    if ((status = ric_store_set_solver(store, ric_continuation_version()))) goto out;
     status = ric_graph_explore(graph, run);
     if (status && status != RIC_E_INTERRUPTED) goto out;
     written = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */

@@ -191,26 +191,23 @@ static ric_status trace_in_parts(const ric_model *m, const course *way, int *par
     }
 }
 
-/* A trace that is kept: as nothing where nothing departs, as the reason where it could not be traced. */
-static const char refused[] = "refused: ";
-
 static ric_status pack_outcome(ric_status status, const ric_continuation *tr, void **blob, size_t *size)
 {
     *size = 0;
     if (!status) return tr ? ric_continuation_pack(tr, blob, size) : RIC_OK;
     const char *why = ric_detail();
-    *size = sizeof refused + strlen(why);
+    *size = sizeof RIC_REFUSED + strlen(why);
     if (!(*blob = ric_malloc(*size))) return ric_fail(RIC_E_NOMEM, "no memory to keep a branch");
-    snprintf(*blob, *size, "%s%s", refused, why);
+    snprintf(*blob, *size, "%s%s", RIC_REFUSED, why);
     return RIC_OK;
 }
 
 static ric_status unpack_outcome(const ric_model *m, const ric_limits *limits, const char *blob, size_t size,
                                  ric_continuation **out)
 {
-    size_t head = sizeof refused - 1;
+    size_t head = sizeof RIC_REFUSED - 1;
     if (size == 0) return RIC_OK;
-    if (size > head && !memcmp(blob, refused, head) && !blob[size - 1])
+    if (size > head && !memcmp(blob, RIC_REFUSED, head) && !blob[size - 1])
         return ric_fail(RIC_E_NUMERIC, "%s", blob + head);
     return ric_continuation_unpack(m, limits, blob, size, out);
 }
@@ -242,7 +239,7 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_continuation
         ric_status kept = pack_outcome(status, *out, &blob, &size);
         if (!kept) kept = keep_trace(g, key, blob, size);
         if (kept) status = kept;
-        else if (status) status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof refused - 1);
+        else if (status) status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof RIC_REFUSED - 1);
     }
     if (status) {
         ric_continuation_free(*out);

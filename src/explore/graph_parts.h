@@ -4,10 +4,9 @@
 #define RIC_EXPLORE_GRAPH_PARTS_H
 
 #include "graph.h"
+#include "stored_work.h"
 
-/* Keys of traces that were broken off: that of the trace with this ending; in the memo, where workers find what the
- * store has of them, behind this beginning. */
-#define RIC_PAUSED " paused"
+/* In the memo, where workers find what the store has of traces that were broken off: before their keys. */
 #define RIC_LENT "lent "
 
 /* Takes over `node`: the known one that it equals, or a new one. -1: no memory. */

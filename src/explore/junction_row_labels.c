@@ -8,6 +8,7 @@
 
 #include "base/room.h"
 #include "rows_parts.h"
+#include "stored_work.h"
 #include "junction/room.h"
 #include "workers.h"
 
@@ -46,8 +47,8 @@ static void label_key(const ric_node *node, char *key, size_t size)
     hash = mixed(hash, (size_t)c->N * sizeof *c->tau, c->tau);
     hash = mixed(hash, 2 * (size_t)c->n * sizeof *c->w, c->w);
     locale_t before = ric_c_locale_enter();
-    snprintf(key, size, "label %d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half, c->pure,
-             node->multiple, node->energy, node->period, hash);
+    snprintf(key, size, RIC_LABEL "%d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half,
+             c->pure, node->multiple, node->energy, node->period, hash);
     ric_c_locale_leave(before);
 }
 

@@ -6,5 +6,6 @@
 #include "remote.h"
 #include "rows.h"
 #include "start.h"
+#include "stored_work.h"
 
 #endif

@@ -419,6 +419,7 @@ ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_at
     if (*n) {
         if (!(lines = start_lines(h, wanted))) status = ric_no_memory("the comparison with an atlas");
         if (!status) status = ric_store_open(path, ric_atlas_study(a), &store);
+        if (!status) status = ric_stored_work_check(store, ric_atlas_study(a));
         if (!status) status = ric_store_starts_add(store, lines);
         ric_store_close(store);
     }

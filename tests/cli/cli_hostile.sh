@@ -257,6 +257,66 @@ ok 'a rotation of -1/2 is read' half -0.5 0
 ok 'a rotation of -0.4 is refused' half -0.4 1
 rm -f "$folder"/s.* "$folder"/r.*
 
+# A run reads all that a file holds before it writes the first byte: one that comes upon damage on its way has by then
+# stored what it has traced.
+bend() { # WHAT: a row of the file is changed, and the digests are made anew
+    cp "$atlas" "$folder/w.ricochet"
+    PYTHONPATH=tools/attack python3 - "$1" "$folder/w.ricochet" <<'EOF'
+import sqlite3, struct, sys
+import atlas_digest
+what, path = sys.argv[1:]
+db = sqlite3.connect(path)
+traces = [row for row in db.execute("SELECT key, blob FROM trace ORDER BY rowid DESC") if row[1] and row[0][0].isdigit()]
+key, blob = traces[0]
+label = db.execute("SELECT key FROM trace WHERE key LIKE 'label %' ORDER BY rowid DESC").fetchone()[0]
+def put(key, blob, fit=True):
+    digest = atlas_digest.over_bytes(atlas_digest.START, blob) if fit else 7
+    db.execute("INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)", [key, blob, digest - (1 << 64) if digest >> 63 else digest])
+if what == "bytes": put(key, blob[:-9] + b"\1" + blob[-8:], False)
+elif what == "cut": put(key, blob[:-8])
+elif what == "infinite": # the last number of ordinary size, which belongs to the event at the end
+    places = [i for i in range(0, len(blob) - 7, 4) if 1e-3 < abs(struct.unpack_from("<d", blob, i)[0]) < 1e3]
+    put(key, blob[:places[-1]] + struct.pack("<d", float("inf")) + blob[places[-1] + 8:])
+elif what == "paused": put(key + " paused", b"half done")
+elif what == "label": put(label, b"\xff" * 12)
+elif what == "key": put("0 of nothing", blob)
+elif what == "factor": put(" ".join("2147483647" if i == 12 else word for i, word in enumerate(key.split(" "))), blob)
+elif what == "text": db.execute("UPDATE trace SET blob = 'a text' WHERE key = ?", [key])
+elif what == "twice":
+    db.execute("CREATE TABLE loose AS SELECT * FROM trace")
+    db.execute("INSERT INTO loose SELECT * FROM trace LIMIT 1")
+    db.execute("DROP TABLE trace")
+    db.execute("ALTER TABLE loose RENAME TO trace")
+elif what == "point": db.execute("UPDATE point SET energy = 9e9 WHERE branch = 3 AND point = 2")
+elif what == "ahead":
+    put(key, blob[:-8])
+    db.commit()
+    db.execute("PRAGMA journal_mode = WAL")
+db.commit()
+db.close()
+atlas_digest.update(path)
+EOF
+}
+kept_whole() { # WHAT PATTERN: a run that would extend the atlas is refused, and neither file nor folder is changed
+    bend "$1" || return 1
+    rm -f "$folder/w.ricochet-"*
+    state >"$folder-before"
+    md5sum <"$folder/w.ricochet" >"$folder-bytes"
+    timeout 300 "$ricochet" run "$folder/more.yaml" -o "$folder/w.ricochet" >"$folder-out" 2>&1
+    local code=$?
+    cat "$folder-out"
+    state | diff "$folder-before" - && md5sum <"$folder/w.ricochet" | cmp - "$folder-bytes" && [ $code = 1 ] &&
+        grep -q "w.ricochet: damaged atlas ($2.*); restore it from a copy, or remove it and run the study again" "$folder-out"
+}
+damages='bytes:the_bytes_do_not_match_their_digest cut:no_run_can_have_kept infinite:no_run_can_have_kept paused:no_run_can_have_kept
+    label:no_run_can_have_kept key:no_run_can_have_kept factor:no_run_can_have_kept ahead:no_run_can_have_kept text:not_a_row_of_bytes twice:twice'
+for kind in $damages; do
+    what=${kind#*:}
+    ok "stored work that is damaged is refused before anything is written: ${kind%%:*}" kept_whole "${kind%%:*}" "table trace, row [0-9l].*: .*${what//_/ }"
+done
+ok 'a damaged point is refused by a run before anything is written' kept_whole point 'table point, row 3, 2, state: '
+rm -f "$folder"/w.*
+
 # The short form of tools/attack/craft.py: fields of every table replaced by hostile values. 10,000 under the sanitizers take half an hour.
 ok 'a hundred atlases with hostile values end in answers or messages' tools/attack/craft.py --program "$ricochet" --count 100 --seed 7 --short
 

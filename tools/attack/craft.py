@@ -284,7 +284,7 @@ class Attack:
         if code and not said.strip():
             return f"exit status {code} without a message"
         made = {name for name in set(before) | set(after) if before.get(name) != after.get(name)}
-        allowed = {path} if words[0] == "run" and code in (0, 1, 3) and "damaged" not in said else set()
+        allowed = {path} if words[0] == "run" and code in (0, 3) else set()  # what refuses a file leaves it as it is
         if words[0] == "plot" and code == 0:
             allowed = {os.path.join(self.empty, words[-1])}
         return f"writes {sorted(made - allowed)}" if made - allowed else None
