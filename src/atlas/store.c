@@ -198,7 +198,7 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
         size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
         const void *bytes = sqlite3_column_blob(store->get, 0);
         if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
-            status = ric_store_fail_work(store->path, key, "the bytes do not match their digest");
+            status = ric_store_fail_row(store->path, "trace", key, "the bytes do not match their digest");
         else if (!(*blob = ric_malloc(n + 1))) status = ric_store_fail_memory();
         else if (n) memcpy(*blob, bytes, n);
         *size = status ? 0 : n;
@@ -266,10 +266,10 @@ static ric_status conclude(ric_database file, ric_status status)
     return status;
 }
 
-ric_status ric_store_refuse(ric_store *store, const char *key, const char *what)
+ric_status ric_store_refuse(ric_store *store, const char *table, const char *key, const char *what)
 {
     store->sound = false;
-    return ric_store_fail_work(store->path, key, what);
+    return ric_store_fail_row(store->path, table, key, what);
 }
 
 ric_status ric_store_is_solver(ric_store *store, const char *version, bool *same)

@@ -15,8 +15,8 @@ void ric_store_close(ric_store *store);
 
 /* Whether the work that is kept is that of this version of the solver. */
 ric_status ric_store_is_solver(ric_store *store, const char *version, bool *same);
-/* Refuses the file for the work that is kept under `key`: closing it leaves it as it is. */
-ric_status ric_store_refuse(ric_store *store, const char *key, const char *what);
+/* Refuses the file for a row that it keeps: closing it leaves it as it is. */
+ric_status ric_store_refuse(ric_store *store, const char *table, const char *key, const char *what);
 /* What another version of the solver has done so far is dropped, and the atlas is unfinished then: it never mixes
  * two. */
 ric_status ric_store_set_solver(ric_store *store, const char *version);

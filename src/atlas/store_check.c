@@ -246,7 +246,7 @@ ric_status ric_store_check_work(ric_database file)
     while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) {
         const char *wrong = wrong_work(query, last), *key = (const char *)sqlite3_column_text(query, 0);
         if (sqlite3_errcode(file.db) == SQLITE_NOMEM) status = ric_store_fail_memory();
-        else if (wrong) status = ric_store_fail_work(file.path, key, wrong);
+        else if (wrong) status = ric_store_fail_row(file.path, "trace", key, wrong);
         free(last);
         last = key ? ric_strdup(key) : NULL;
         if (!status && key && !last) status = ric_store_fail_memory();

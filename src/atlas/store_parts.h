@@ -23,8 +23,8 @@ typedef struct {
 
 ric_status ric_store_fail_memory(void);
 ric_status ric_store_fail_damaged(const char *path, const char *what);
-/* The row of the table `trace` with this key. */
-ric_status ric_store_fail_work(const char *path, const char *key, const char *what);
+/* The row of a table with this key. */
+ric_status ric_store_fail_row(const char *path, const char *table, const char *key, const char *what);
 ric_status ric_store_fail_foreign(const char *path);
 
 /* A result code of SQLite as one of our kinds. */

@@ -20,10 +20,10 @@ ric_status ric_store_fail_damaged(const char *path, const char *what)
                     "%s: damaged atlas (%s); restore it from a copy, or remove it and run the study again", path, what);
 }
 
-ric_status ric_store_fail_work(const char *path, const char *key, const char *what)
+ric_status ric_store_fail_row(const char *path, const char *table, const char *key, const char *what)
 {
     char all[240];
-    snprintf(all, sizeof all, "table trace, row %.100s: %s", key ? key : "without a key", what);
+    snprintf(all, sizeof all, "table %s, row %.100s: %s", table, key ? key : "without a key", what);
     return ric_store_fail_damaged(path, all);
 }
 

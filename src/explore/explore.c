@@ -108,7 +108,9 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = more->crew;
     if ((status = ric_store_starts_get(store, &starts))) goto out;
-    if ((status = ric_starts_parse(ric_study_model(study), starts, &graph->starts))) goto out;
+    status = ric_starts_parse(ric_study_model(study), starts, &graph->starts);
+    if (status == RIC_E_FORMAT) status = ric_store_refuse(store, "meta", "starts", ric_detail());
+    if (status) goto out;
     /* the first that writes: all that the file holds has been read by now */
     if ((status = ric_store_set_solver(store, ric_continuation_version()))) goto out;
     status = ric_graph_explore(graph, run);

@@ -90,8 +90,9 @@ static ric_status check_one(void *user, const char *key)
         status = strncmp(key, RIC_LABEL, sizeof RIC_LABEL - 1) ? check_trace(j, key, blob, size)
                                                                : check_label(blob, size);
     free(blob);
-    return status && status != RIC_E_NOMEM ? ric_store_refuse(j->store, key, "stored work that no run can have kept")
-                                           : status;
+    return status && status != RIC_E_NOMEM
+               ? ric_store_refuse(j->store, "trace", key, "stored work that no run can have kept")
+               : status;
 }
 
 ric_status ric_stored_work_check(ric_store *store, const ric_study *study)

@@ -287,6 +287,7 @@ elif what == "twice":
     db.execute("INSERT INTO loose SELECT * FROM trace LIMIT 1")
     db.execute("DROP TABLE trace")
     db.execute("ALTER TABLE loose RENAME TO trace")
+elif what == "starts": db.execute("INSERT INTO meta (key, value) VALUES ('starts', '2 0 x')")
 elif what == "point": db.execute("UPDATE point SET energy = 9e9 WHERE branch = 3 AND point = 2")
 elif what == "ahead":
     put(key, blob[:-8])
@@ -315,6 +316,7 @@ for kind in $damages; do
     ok "stored work that is damaged is refused before anything is written: ${kind%%:*}" kept_whole "${kind%%:*}" "table trace, row [0-9l].*: .*${what//_/ }"
 done
 ok 'a damaged point is refused by a run before anything is written' kept_whole point 'table point, row 3, 2, state: '
+ok 'damaged starts are refused by a run before anything is written' kept_whole starts 'table meta, row starts: '
 rm -f "$folder"/w.*
 
 # The short form of tools/attack/craft.py: fields of every table replaced by hostile values. 10,000 under the sanitizers take half an hour.
