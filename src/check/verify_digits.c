@@ -30,6 +30,11 @@ static real size_of(int n, const real *x)
     return sqrt(ric_replay_dot(n, x, x));
 }
 
+real ric_verify_digits_closing(const replay *r, const ric_digits *digits)
+{
+    return size_of(2 * r->n, digits->close);
+}
+
 /* What number j moves, j < 2n of the state, otherwise a time: a column behind flight `from` - 1. */
 static void start_column(const replay *r, int j, real *column)
 {
@@ -138,9 +143,14 @@ ric_status ric_verify_digits_open(const replay *r, ric_digits *d)
         start_column(r, j, column);
         carry_digit(r, d, j, digit * (j < n ? d->unit[0] : r->norm / size_of(2 * n, column)), sizes);
     }
-    for (int k = 0; k < N && r->n_event; k++) carry_digit(r, d, 2 * n + k, digit * r->tau[k], sizes);
-    for (int i = 0; i < n && r->n_event; i++)
+    for (int k = 0; k < N && r->n_event; k++) {
+        if (ric_halt(RIC_VERIFY_WORK * n * N)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+        carry_digit(r, d, 2 * n + k, digit * r->tau[k], sizes);
+    }
+    for (int i = 0; i < n && r->n_event; i++) {
+        if (ric_halt(RIC_VERIFY_WORK * n * N)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
         if (r->omega[i] > 0) carry_frequency(r, d, i, DIGIT * N, sizes);
+    }
     for (int k = 0; k <= N; k++) d->state = fmax(d->state, sizes[k]);
     return RIC_OK;
 }

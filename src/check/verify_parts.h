@@ -1,5 +1,5 @@
 /* What the files of the replay share: verify.c (flights, return, verdict), replay_motion.c (the expected chain),
- * replay_polish.c (multipliers, and the orbit solved to the last digit). No other file needs it. */
+ * replay_growth.c (multipliers, and what rounding on the way grows to). No other file needs it. */
 #ifndef RIC_CHECK_VERIFY_PARTS_H
 #define RIC_CHECK_VERIFY_PARTS_H
 
@@ -22,9 +22,19 @@ typedef struct {
     const real *c;
 } face_t;
 
+/* What the rounding of the stored digits leaves open, first order, times fixed as they are stored. */
+typedef struct {
+    real *gap, *speed; /* [n_flight] at the end of each flight, of the gap and of the speed into its face */
+    real *close;       /* [2n] of w_N - w_0, (kappa q, p) */
+    real state;        /* of any state of the chain, in the energy norm */
+    double *moves;     /* [2n * (n_flight + 2n)] what a unit of each stored number moves: gaps, then w_N - w_0 */
+    double unit[2];    /* largest displacement and velocity */
+} ric_digits;
+
 typedef struct {
     const ric_model *model;
     ric_simulator *sim;
+    const ric_digits *digits; /* NULL: not asked for */
     ric_branch branch;
     ric_point point;
     int n, n_flight, n_face; /* n_flight: letters, or 1 */
@@ -35,7 +45,7 @@ typedef struct {
     double *state, *flights;      /* [2n] x, v and [n_flight] as stored */
     const real *omega;            /* [n] the simulator's */
     real *kappa;                  /* [n] omega, or 2 pi / period for a free mode */
-    real *tau;                    /* [n_flight] flight times, polished if need be */
+    real *tau;                    /* [n_flight] flight times */
     real *chain;                  /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */
     real *speed;                  /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
     real *trig;                   /* [n_flight * 2n] cos and sin of omega tau */
@@ -93,15 +103,8 @@ real ric_replay_fly_column(const replay *r, int k, bool stretch, real *column);
  * column [2n] behind the event. */
 void ric_replay_delay_column(const replay *r, int k, const real *w, real *column);
 
-/* What the rounding of the stored digits leaves open, first order, times fixed as they are stored. */
-typedef struct {
-    real *gap, *speed; /* [n_flight] at the end of each flight, of the gap and of the speed into its face */
-    real *close;       /* [2n] of w_N - w_0, (kappa q, p) */
-    real state;        /* of any state of the chain, in the energy norm */
-    double *moves;     /* [2n * (n_flight + 2n)] what a unit of each stored number moves: gaps, then w_N - w_0 */
-    double unit[2];    /* largest displacement and velocity */
-} ric_digits;
-
+/* Of w_N - w_0, in the energy norm. */
+real ric_verify_digits_closing(const replay *r, const ric_digits *digits);
 /* To be closed in any case. */
 ric_status ric_verify_digits_open(const replay *r, ric_digits *out);
 void ric_verify_digits_close(ric_digits *digits);
@@ -120,8 +123,5 @@ void ric_replay_fold(replay *r);
 /* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy, which has the same
  * eigenvalues. */
 ric_status ric_replay_condition(replay *r);
-/* Newton's method with the shortest correction; the chain ends up polished, or as it was if that would be another
- * orbit, or not to `keep`: then what was open in it is measured, no more. */
-ric_status ric_replay_polish(replay *r, bool keep);
 
 #endif

@@ -53,5 +53,16 @@ ok 'rows of junctions' kinds junction
 ok 'a point alone' ends 0 "$ricochet" verify "$folder/mixed.ricochet" --branch 1 --point 2
 ok 'no such point' ends 1 "$ricochet" verify "$folder/mixed.ricochet" --branch 1 --point 100000
 ok 'a point of no branch' ends 2 "$ricochet" verify "$folder/mixed.ricochet" --point 2
+cat >"$folder/stiff.yaml" <<'END'
+model:
+  mass: [[1.25, 0, 0, 0], [0, 0.75, 0, 0], [0, 0, 0.75, 0], [0, 0, 0, 1.5]]
+  stiffness: [[1562500, -1562500, 0, 0], [-1562500, 2000000, -437500, 0], [0, -437500, 2062500, -1625000], [0, 0, -1625000, 1625000]]
+  contacts:
+    - {normal: [1, 0, -1, -1], law: bilinear, clearance: 1.8, sides: both, stiffness: 7511000}
+    - {normal: [1, 0, 0, -1], law: bilinear, clearance: 1.8, sides: both, stiffness: 129400000000}
+explore: {energy: [0, 16230000], frequency: [114.8, 6096], impacts: 5, multiply: 2, depth: 1}
+END
+"$ricochet" run "$folder/stiff.yaml" -o "$folder/stiff.ricochet" >/dev/null 2>&1
+ok 'what stiff springs make of the stored digits is no fault' ends 0 "$ricochet" verify "$folder/stiff.ricochet" --all
 ok 'no time at all' ends 2 "$ricochet" verify "$folder/mixed.ricochet" --seconds 0
 finish
