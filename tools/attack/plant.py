@@ -147,6 +147,7 @@ def judge(program, original, copy, fault, count):
         count["found"] += 1
     elif code == 0 and (not known or (kind == "flag" and rows[0]["stable_agrees"] == "unchecked")):
         count["unchecked"] += 1
+        print(f"{original}: branch {at[0]}, point {at[1]}: cannot tell: {kind}: {what}")
     else:
         count["missed"] += 1
         print(f"{original}: branch {at[0]}, point {at[1]}: not found: {kind}: {what} (exit code {code})")
