@@ -164,7 +164,7 @@ rm -f "$folder"/t.* "$folder"/*2J*
 # Standard streams that fail or are closed.
 if [ -c /dev/full ]; then
     unheard() { # the summary of a run is lost, not the atlas
-        "$ricochet" run examples/elementary/study.yaml -o "$folder/u.ricochet" 2>/dev/full
+        "$ricochet" run examples/elementary/study.yaml -o "$folder/u.ricochet" >/dev/full
         [ $? = 1 ] && "$ricochet" branches "$folder/u.ricochet" >/dev/null
     }
     ok 'a report that cannot be written is a failure' unheard
