@@ -133,7 +133,7 @@ memcheck: setup-tests build
 faults: setup-tests build
 	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_faults.sh
 
-ATTACK ?= -n 2000 --least 300 --unconfirmed 1 --points 40 --seed 1 -j 2 --quiet --compare step,order,workers --folder $(BUILD)/attack --log $(BUILD)/attack.json
+ATTACK ?= -n 2000 --least 300 --unconfirmed 1 --points 40 --seed 1 -j 2 --quiet --brute --compare step,order,workers --folder $(BUILD)/attack --log $(BUILD)/attack.json
 attack: setup-tests build
 	@tools/attack/attack --program $(BUILD)/ricochet $(ATTACK)
 

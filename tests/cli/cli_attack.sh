@@ -28,6 +28,11 @@ done <<'END'
 90022 400
 90629 40
 END
+# Orbits of two energies that are on no branch, by brute force: rigid, mixed, bilinear with two modes, rigid with three.
+for seed in 130004 130022 130017 130012; do
+    ok "no orbit of structure $seed is lost" \
+        tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --small --points 1 --brute
+done
 # The error of multipliers is within what the library states of it; a sanitizer's library is not for Python to load.
 library=$(dirname "$ricochet")/src/libricochet.so
 if [ -f "$library" ] && python3 -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then

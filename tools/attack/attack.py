@@ -18,6 +18,7 @@ import traceback
 
 import numpy as np
 
+import brute
 import compare
 import structures
 import table
@@ -97,6 +98,10 @@ def _run(out, o, study, path, atlas, folder):
     verdict = judge(study, atlas, o["program"], o["points"], out["seed"])
     out["findings"] += verdict.findings
     out["counts"], out["open"] = dict(verdict.counts), verdict.open
+    if o["brute"] and brute.suits(study["model"]) is not None:
+        result = brute.Exclusion(o["program"], study, path, atlas, out["seed"]).run()
+        out["findings"] += result.findings
+        out["counts"].update(result.counts)
     if o["verify"]:
         code, errors = call([o["program"], "verify", atlas], o["limit"] * 2)
         if code is None:
@@ -122,6 +127,7 @@ def parse():
     p.add_argument("--unconfirmed", type=float, metavar="SHARE",
                    help="how many flags or multipliers of a kind in 1,000 may be left not confirmed")
     p.add_argument("--small", action="store_true", help="smaller budgets")
+    p.add_argument("--brute", action="store_true", help="orbits of two energies that the atlas lacks, by brute force")
     p.add_argument("--verify", action="store_true", help="`ricochet verify` has to pass, too")
     p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")
     p.add_argument("--folder", help="keeps the studies of findings")

@@ -383,7 +383,7 @@ class Judge:
             where = f"branch {branch['id']} {branch['label']} point {row['point']}"
             spread = np.max([np.abs(c[i] - rho[i]) for c in coarse], axis=0)
             exact = [self._rho_once(branch, row, k, lambda i=i, k=k: digits[k](i)) for k in range(2)]
-            self._flag(row, where, rho[i], [c[i] for c in coarse], lambda i=i: finer(i), exact[0])
+            self._flag(row, where, rho[i], [c[i] for c in coarse], lambda i=i: finer(i), exact)
             if n == 2 and row["trace_asinh"] is not None and row["trace"] is not None:
                 v.counts["multipliers"] += 1
                 self._pair(row["trace"], rho[i], spread, 1e-9, exact, where)
@@ -471,7 +471,7 @@ class Judge:
         on_axis = np.abs(rho.imag) <= real * (1 + np.abs(rho))
         return YES if on_axis.all() and (np.abs(rho.real) < 2).all() else NO
 
-    def _flag(self, row, where, rho, coarse, finer, redo):
+    def _flag(self, row, where, rho, coarse, finer, exact):
         v = self.verdict
         said = row["stable"]
         if said == UNDECIDED:
@@ -486,7 +486,7 @@ class Judge:
         if fine == {said}:
             v.counts["flags confirmed finely"] += 1
             return
-        better = redo()
+        better = exact[0]()
         digits = better is not None
         distances = np.abs(np.subtract.outer(np.asarray(rho), np.asarray(rho))) + 9 * np.eye(len(rho))
         crowded = distances.min() < 1e-2  # moves like a root of its rounding
@@ -503,10 +503,19 @@ class Judge:
         text = f"stable {('no', 'yes')[said]} said, rho {[str(complex(x)) for x in better[0]]}, {margin:.1e} from 2"
         if len(finest) > 1 or None in finest:
             v.leave("flags", where, text, "many digits find both")
+        elif self._clustered(better[0], exact[1]()):
+            v.leave("flags", where, text, "pairs that meet within the rounding of the stored numbers")
         elif margin < BORDER:
             v.leave("flags", where, text, "nearer to the border than the stored numbers are to the orbit")
         else:
             v.find("flag", where, text)
+
+    @staticmethod
+    def _clustered(rho, stored):
+        """Whether complex pairs are no farther from the real axis than the rounding of the stored numbers scatters them."""
+        rho = np.asarray(rho, dtype=complex)
+        off = np.abs(rho.imag)[np.abs(rho.imag) > FINELY_REAL * (1 + np.abs(rho))]
+        return bool(stored) and off.size > 0 and off.max() <= max(np.abs(b - rho).max() for b in stored)
 
     # ---- power laws
 

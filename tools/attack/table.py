@@ -10,7 +10,7 @@ GROUPS = {
     "multipliers": ("multiplier", "trace", "rotation"),
     "flags": ("flag", "symmetric", "reversible"),
     "junctions": ("grazing", "extremum", "period-extremum", "branch-point"),
-    "atlases": ("other atlas", "other atlas, step", "other atlas, order", "other atlas, workers", "verify"),
+    "atlases": ("other atlas", "other atlas, step", "other atlas, order", "other atlas, workers", "verify", "lost orbit", "hunt"),
 }
 SLOW = 60.0  # s of processor time of the program from which a run is named
 BEYOND = "multipliers beyond the stored digits"  # nothing can be said of them
@@ -58,7 +58,8 @@ def rows_of(results):
         rows[name] = collections.Counter()
     for group in (*GROUPS, "other"):
         rows[f"findings: {group}"] = collections.Counter()
-    for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", BEYOND, "orbits not replayed",
+    for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", BEYOND, "brute orbits", "brute in the atlas",
+                 "brute isolated", "brute not followed", "orbits not replayed",
                  "differences that are named", "slow runs", "s of the program", "s of the judge"):
         rows[name] = collections.Counter()
     for r in results:
@@ -75,7 +76,8 @@ def rows_of(results):
         add("flags", kind, sum(counts.get(f"flags {x}", 0) for x in ("confirmed", "confirmed finely", "not confirmed")))
         for f in r["findings"]:
             add(f"findings: {group_of(f)}", kind)
-        for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", BEYOND):
+        for name in ("flags undecided", "flags not confirmed", "multipliers not confirmed", BEYOND, "brute orbits",
+                     "brute in the atlas", "brute isolated", "brute not followed"):
             add(name, kind, counts.get(name, 0))
         add("orbits not replayed", kind, counts.get("not replayed", 0))
         add("differences that are named", kind, len(r["named"]))
