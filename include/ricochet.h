@@ -32,6 +32,7 @@ typedef enum {
     RIC_E_CONFLICT = -7,    /* the atlas belongs to another model */
     RIC_E_RANGE = -8,       /* no such branch, point, junction or quantity */
     RIC_E_INTERRUPTED = -9, /* stopped on request; what was done is kept */
+    RIC_E_MISSING = -10,    /* a file that was named is not there */
 } ric_status;
 
 /* One line for a status code, never NULL. */

@@ -266,6 +266,7 @@ static unsigned http_status(ric_status status)
     switch (status) {
     case RIC_OK: return MHD_HTTP_OK;
     case RIC_E_INPUT: return MHD_HTTP_BAD_REQUEST;
+    case RIC_E_MISSING:
     case RIC_E_RANGE: return MHD_HTTP_NOT_FOUND;
     case RIC_E_NUMERIC: return MHD_HTTP_UNPROCESSABLE_CONTENT;
     case RIC_E_BUSY: return MHD_HTTP_CONFLICT;

@@ -8,8 +8,8 @@ Lengths are scaled by d, the clearance or length of the first contact (`model.le
 frequencies in rad/s. Matrices, and everything that describes a structure, are in physical units. `ricochet.plot` draws on
 axes of matplotlib, `ricochet.reduce` makes a small model of a finite-element one.
 """
-from ._library import (BusyError, ConflictError, Error, FileError, FormatError, InputError, Interrupted, NumericError,
-                       RangeError, ffi as _ffi, lib as _lib)
+from ._library import (BusyError, ConflictError, Error, FileError, FormatError, InputError, Interrupted, MissingError,
+                       NumericError, RangeError, ffi as _ffi, lib as _lib)
 from ._atlas import Atlas, Branch, Junction, Listing
 from ._hunt import Found, Hunt
 from ._model import Contact, Model
@@ -21,8 +21,8 @@ from ._verify import Check, Verification
 __version__ = _ffi.string(_lib.ric_version()).decode()
 
 __all__ = ["Atlas", "Branch", "BusyError", "Check", "ConflictError", "Contact", "Error", "FileError", "FormatError",
-           "Found", "History", "Hunt", "InputError", "Interrupted", "Junction", "Listing", "Model", "NumericError", "Orbit",
-           "Progress", "RangeError", "Reduction", "Simulation", "Study", "Verification", "explore", "plot", "reduce"]
+           "Found", "History", "Hunt", "InputError", "Interrupted", "Junction", "Listing", "MissingError", "Model", "NumericError",
+           "Orbit", "Progress", "RangeError", "Reduction", "Simulation", "Study", "Verification", "explore", "plot", "reduce"]
 
 
 def __getattr__(name: str):

@@ -145,6 +145,10 @@ class FileError(Error, OSError):
     """A file cannot be read or written."""
 
 
+class MissingError(FileError, FileNotFoundError):
+    """A file that was named is not there."""
+
+
 class FormatError(FileError):
     """A file is not an atlas, is damaged, or is newer than this library."""
 
@@ -174,6 +178,7 @@ _ERRORS = {
     lib.RIC_E_CONFLICT: ConflictError,
     lib.RIC_E_RANGE: RangeError,
     lib.RIC_E_INTERRUPTED: Interrupted,
+    lib.RIC_E_MISSING: MissingError,
 }
 
 

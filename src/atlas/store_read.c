@@ -458,7 +458,8 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
     ric_status status;
     *out = NULL;
     status = ric_store_look(path, &exists, &empty);
-    if (!status && !exists) status = ric_fail(RIC_E_INPUT, "%s: no such file; make an atlas with `ricochet run`", path);
+    if (!status && !exists)
+        status = ric_fail(RIC_E_MISSING, "%s: no such file; make an atlas with `ricochet run`", path);
     else if (!status && empty)
         status = ric_fail(RIC_E_FORMAT, "%s: the file is empty; make an atlas with `ricochet run`", path);
     if (!status) status = ric_store_check_identity(path);

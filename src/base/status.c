@@ -50,6 +50,7 @@ const char *ric_status_text(ric_status status)
     case RIC_E_CONFLICT: return "atlas of another model";
     case RIC_E_RANGE: return "out of range";
     case RIC_E_INTERRUPTED: return "interrupted";
+    case RIC_E_MISSING: return "no such file";
     }
     return "unknown status";
 }

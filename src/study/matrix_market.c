@@ -58,7 +58,7 @@ ric_status ric_file_read(const char *path, size_t limit, bool regular, char **te
     ric_status status = RIC_OK;
     /* O_NONBLOCK: opening a pipe that nobody writes to must not hang where only plain files will do. */
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | (regular ? O_NONBLOCK : 0));
-    if (file < 0) return ric_fail(RIC_E_INPUT, "%s: %s", path, strerror(errno));
+    if (file < 0) return ric_fail(errno == ENOENT ? RIC_E_MISSING : RIC_E_INPUT, "%s: %s", path, strerror(errno));
     if (fstat(file, &about)) status = ric_fail(RIC_E_IO, "%s: %s", path, strerror(errno));
     else if (S_ISDIR(about.st_mode)) status = ric_fail(RIC_E_INPUT, "%s: this is a folder; name a file in it", path);
     else if (regular && !S_ISREG(about.st_mode)) status = ric_fail(RIC_E_INPUT, "%s: not a plain file", path);

@@ -484,9 +484,9 @@ ric_status ric_study_read(const char *path, ric_study **out)
     size_t size = 0;
     *out = NULL;
     ric_status status = ric_file_read(path, FILE_MAX, false, &text, &size);
-    if (status == RIC_E_INPUT && access(path, F_OK))
-        status = ric_fail(RIC_E_INPUT, "%.200s: %s; `ricochet new NAME` writes a study to start from", path,
-                          strerror(errno));
+    if (status == RIC_E_MISSING)
+        status = ric_fail(RIC_E_MISSING, "%.200s: %s; `ricochet new NAME` writes a study to start from", path,
+                          strerror(ENOENT));
     if (!status && size >= strlen(sqlite) && !memcmp(text, sqlite, strlen(sqlite)))
         status = ric_fail(RIC_E_INPUT, "%.200s: this is an atlas; name the study that it was made from", path);
     if (status) goto out;

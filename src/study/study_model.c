@@ -88,7 +88,7 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
     status = ric_matrix_market_read(path, n, out, &repeated);
     if (!status && repeated)
         add_remark(raw, "%s: %ld entries of its file stand there before, and are added to them", key, repeated);
-    if (status == RIC_E_INPUT) {
+    if (status == RIC_E_INPUT || status == RIC_E_MISSING) {
         snprintf(why, sizeof why, "%s", ric_detail());
         status = ric_yaml_wrong(r, file.value, key, "%s", why);
     }

@@ -174,10 +174,10 @@ note "stability changes at the junction itself, with nothing undecided around it
 "$RICOCHET" plot orbits "$ATLAS" --orbit 'S2+[01]@E=4' -o small.svg
 note "no axis has a single number" "$([ "$(grep -c '>−1</tspan>' small.svg)" = 4 ]; echo $?)"
 
-# What could not be done: 1.
+# What could not be done: 1; what is missing: 2.
 echo "this is no atlas" >foreign
-leaves_nothing 1 plot fep missing.ricochet -o empty/a.svg
-leaves_nothing 1 plot fep "$ATLAS" missing.ricochet -o empty/a.svg
+leaves_nothing 2 plot fep missing.ricochet -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" missing.ricochet -o empty/a.svg
 leaves_nothing 1 plot fep foreign -o empty/a.svg
 leaves_nothing 1 plot fep "$ATLAS" --energy 1e300:1e301 -o empty/a.svg
 leaves_nothing 1 plot fep "$ATLAS" -o empty/no-such-folder/a.svg

@@ -48,7 +48,7 @@ refuses() { # CODE WORD COMMAND...
     cat "$folder/out"
     [ "$got" = "$wanted" ] && grep -q -e "$word" "$folder/out"
 }
-ok 'no such atlas' refuses 1 'no such file' "$ricochet" view "$folder/none.ricochet" --no-browser
+ok 'no such atlas' refuses 2 'no such file' "$ricochet" view "$folder/none.ricochet" --no-browser
 ok 'no atlas' refuses 1 'not' "$ricochet" view README.md --no-browser
 ok 'a port that is none' refuses 2 'whole number' "$ricochet" view "$atlas" --port 99999
 ok 'an address that is none' refuses 2 'not an address' "$ricochet" view "$atlas" --no-browser --listen example.org

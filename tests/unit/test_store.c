@@ -280,7 +280,7 @@ static void foreign_files_are_refused(void **state)
         assert_unreadable(in_folder(names[i]), RIC_E_FORMAT, "not an atlas");
     }
     assert_unreadable(in_folder("empty"), RIC_E_FORMAT, "empty");
-    assert_unreadable(in_folder("none"), RIC_E_INPUT, "no such file");
+    assert_unreadable(in_folder("none"), RIC_E_MISSING, "no such file");
     assert_unreadable(folder, RIC_E_IO, "folder");
     assert_refused(in_folder("none/a"), pair_text, RIC_E_IO, "No such file");
 }

@@ -187,7 +187,7 @@ static void study_paths_that_are_no_files(void **state)
     (void)state;
     assert_int_equal(ric_study_read("/tmp", &study), RIC_E_INPUT);
     assert_non_null(strstr(ric_detail(), "/tmp: this is a folder"));
-    assert_int_equal(ric_study_read("/nowhere/s.yaml", &study), RIC_E_INPUT);
+    assert_int_equal(ric_study_read("/nowhere/s.yaml", &study), RIC_E_MISSING);
     assert_non_null(strstr(ric_detail(), "/nowhere/s.yaml: No such file"));
     assert_int_equal(ric_study_read("/dev/null", &study), RIC_E_INPUT);
     assert_non_null(strstr(ric_detail(), "/dev/null:1: model: the study is empty"));
