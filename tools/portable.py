@@ -36,6 +36,7 @@ asinhl atan2l cabsl cosl expl fabsl fmaxl fminl fmal frexpl hypotl ldexpl log1pl
 KNOWN = {
     "fopencookie": "a stream that grows in memory and can fail (base/buffer.c); elsewhere funopen",
     "getrandom": "the token of `ricochet view` (cli/view); elsewhere arc4random_buf",
+    "ioctl": "TIOCGWINSZ, the width of a terminal (cli/common/output.c), which every Unix has; elsewhere as if there were none",
     "sincos": "also made by the compiler out of sin and cos; elsewhere __sincos, or the two of them",
     "sincosl": "made by the compiler out of sinl and cosl",
 }

@@ -27,7 +27,7 @@ backbone() { "$folder/atlas" "$folder/two-masses.ricochet" | grep -q 'S2-\[01\]'
 ok "it has the branch that leaves the second mode" backbone
 same_atlas()
 {
-    "$ricochet" branches "$folder/two-masses.ricochet" --csv | cut -d, -f2 >"$folder/program"
+    "$ricochet" branches "$folder/two-masses.ricochet" --csv | cut -d, -f3 >"$folder/program"
     { echo label && "$folder/atlas" "$folder/two-masses.ricochet" | awk '{ print $2 }'; } >"$folder/library"
     diff "$folder/program" "$folder/library"
 }

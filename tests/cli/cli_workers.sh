@@ -50,5 +50,5 @@ ok "traces nothing again" diff -q "$folder/stored" "$folder/stored-again"
 rows "$folder/twice.ricochet" >"$folder/twice.txt"
 ok "the same rows" same "$folder/whole.txt" "$folder/twice.txt"
 
-ok "no workers are refused" sh -c "'$ricochet' run '$folder/two.yaml' -j 0 2>&1 | grep -q -- '-j'"
+ok "a number of workers below none is refused" sh -c "'$ricochet' run '$folder/two.yaml' -j -1 2>&1 | grep -q -- '-j'"
 finish
