@@ -203,6 +203,8 @@ ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double 
 char *cli_visible(const char *text, bool lines);
 /* The same to standard output, which takes no memory: half way through a page nothing can be said any more. */
 void cli_print_visible(const char *text, bool lines);
+/* Whether one of the next three had no memory for its text: the command has then not done what it says. */
+bool cli_left_unsaid(void);
 /* To standard error, as cli_visible() shows it: whatever holds a name or a text is said by this. */
 void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* The same to standard output where that is `out`: a verdict in words is an answer, beside rows it is a remark. */
@@ -275,7 +277,7 @@ int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *reques
 /* Appends the steps of the paths that the atlas holds; returns how many paths. */
 int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request, double d, json_t *rows);
 
-/* Prints "ricochet: <detail>" on stderr and returns the exit code for a status: 0, 2 for RIC_E_INPUT, else 1. */
+/* Prints "ricochet: <detail>" on stderr and returns the exit code for a status: that of the table. */
 int cli_report(ric_status status);
 /* Prints a message for a wrong call, in the same form, and returns CLI_WRONG. */
 int cli_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -72,20 +72,18 @@ char *cli_visible(const char *text, bool lines)
     return all;
 }
 
-void cli_print_visible(const char *text, bool lines)
+static void put_visible(FILE *out, const char *text, bool lines)
 {
     for (const unsigned char *c = (const unsigned char *)text; *c;) {
         int n = *c == '\n' && lines ? 0 : steering(c);
-        if (!n) putchar(*c++);
-        for (; n > 0; n--) printf("\\x%02x", *c++);
+        if (!n) putc(*c++, out);
+        for (; n > 0; n--) fprintf(out, "\\x%02x", *c++);
     }
 }
 
-static void put_visible(FILE *out, const char *text)
+void cli_print_visible(const char *text, bool lines)
 {
-    char *visible = cli_visible(text, true);
-    fputs(visible ? visible : "out of memory", out);
-    free(visible);
+    put_visible(stdout, text, lines);
 }
 
 int cli_report(ric_status status)
@@ -96,9 +94,21 @@ int cli_report(ric_status status)
                                                              * something before */
         detail = "";
     fputs("ricochet: ", stderr);
-    put_visible(stderr, detail[0] ? detail : ric_status_text(status));
+    put_visible(stderr, detail[0] ? detail : ric_status_text(status), true);
     fputc('\n', stderr);
-    return status == RIC_E_INPUT ? CLI_WRONG : status == RIC_E_INTERRUPTED ? CLI_INTERRUPTED : CLI_FAILED;
+    switch (status) {
+    case RIC_E_INPUT:
+    case RIC_E_MISSING: return CLI_WRONG;
+    case RIC_E_INTERRUPTED: return CLI_INTERRUPTED;
+    default: return CLI_FAILED;
+    }
+}
+
+static bool unsaid; /* something that was to be told had no memory */
+
+bool cli_left_unsaid(void)
+{
+    return unsaid;
 }
 
 static void put_formatted(FILE *out, const char *format, va_list arguments)
@@ -109,7 +119,8 @@ static void put_formatted(FILE *out, const char *format, va_list arguments)
     va_end(again);
     char *text = size < 0 ? NULL : malloc((size_t)size + 1);
     if (text) vsnprintf(text, (size_t)size + 1, format, arguments);
-    put_visible(out, text ? text : "out of memory");
+    unsaid = unsaid || !text;
+    if (text) put_visible(out, text, true);
     free(text);
 }
 

@@ -157,5 +157,9 @@ int cli_main(int argc, char **argv)
         fprintf(stderr, "ricochet: the output cannot be written: %s\n", errno ? strerror(errno) : "write error");
         code = CLI_FAILED;
     }
+    if (cli_left_unsaid() && code == CLI_DONE) {
+        fputs("ricochet: out of memory: not all was told\n", stderr);
+        code = CLI_FAILED;
+    }
     return ferror(stderr) && code == CLI_DONE ? CLI_FAILED : code; /* a report or a warning has not arrived */
 }

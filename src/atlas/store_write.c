@@ -143,9 +143,7 @@ ric_status ric_store_put_study(ric_database file, const ric_study *study, bool f
     ric_status status = model ? ric_store_put_meta(file, "study", ric_study_text(study)) : ric_store_fail_memory();
     if (!status) status = ric_store_put_meta(file, "model", model);
     if (!status) status = ric_store_put_meta(file, "program", "ricochet " RIC_VERSION);
-    locale_t before = ric_c_locale_enter();
-    snprintf(text, sizeof text, "%.17g", ric_study_options(study)->tolerance);
-    ric_c_locale_leave(before);
+    ric_c_print(text, sizeof text, "%.17g", ric_study_options(study)->tolerance);
     if (!status) status = ric_store_put_meta(file, "tolerance", text);
     snprintf(text, sizeof text, "%d", ric_model_n_dof(ric_study_model(study)));
     if (!status) status = ric_store_put_meta(file, "n_dof", text);

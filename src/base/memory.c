@@ -41,6 +41,11 @@ bool ric_memory_failed(void)
     return starved;
 }
 
+void ric_memory_lose(void)
+{
+    starved = true;
+}
+
 void ric_memory_clear(void)
 {
     starved = false;

@@ -23,6 +23,8 @@ int ric_lapack(int info);
 
 /* Whether this thread has run out of memory since it was last asked to forget. */
 bool ric_memory_failed(void);
+/* Says so of memory that a library wanted in vain. */
+void ric_memory_lose(void);
 void ric_memory_clear(void);
 
 #endif

@@ -33,22 +33,21 @@ typedef struct {
 } course;
 
 /* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
-static void trace_key(const course *way, char *key, size_t size)
+static ric_status trace_key(const course *way, char *key, size_t size)
 {
     const ric_limits *l = way->limits;
     const ric_node *node = way->node;
     uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
     hash ^= node->cycle->closed;
     for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
-    locale_t before = ric_c_locale_enter();
-    int used = snprintf(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
-                        node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period, way->choice,
-                        way->side, l->energy[0], l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply,
-                        hash);
-    ric_c_locale_leave(before);
+    size_t used = ric_c_print(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
+                              node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period,
+                              way->choice, way->side, l->energy[0], l->energy[1], l->period[0], l->period[1],
+                              l->max_step, l->multiply, hash);
     if (l->n_asked)
-        used += snprintf(key + used, size - (size_t)used, " %016" PRIx64, ric_user_point_key(l->n_asked, l->asked));
-    if (way->along) snprintf(key + used, size - (size_t)used, " back");
+        used += ric_c_print(key + used, size - used, " %016" PRIx64, ric_user_point_key(l->n_asked, l->asked));
+    if (way->along) ric_c_print(key + used, size - used, " back");
+    return ric_memory_failed() ? ric_no_memory("the name of a branch") : RIC_OK;
 }
 
 /* A trace that was broken off is kept beside those that are finished, with the attempt that it belongs to. */
@@ -220,7 +219,7 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_continuation
     int parts;
     ric_status status = RIC_OK;
     *out = NULL;
-    trace_key(way, key, sizeof key);
+    if ((status = trace_key(way, key, sizeof key))) return status;
     if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
     bool stored = blob != NULL;
     if (!blob && g->recall.memo && !g->recall.worker) blob = ric_cache_take(g->recall.memo, key, strlen(key), &size);
@@ -273,8 +272,8 @@ bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choi
     void *blob = NULL;
     size_t size;
     if (!g->store) return false;
-    trace_key(&(course){&g->limits, node, choice, 1, NULL}, key, sizeof key);
-    bool found = !ric_store_trace_get(g->store, key, &blob, &size) && blob;
+    bool found = !trace_key(&(course){&g->limits, node, choice, 1, NULL}, key, sizeof key) &&
+                 !ric_store_trace_get(g->store, key, &blob, &size) && blob;
     free(blob);
     return found;
 }

@@ -38,7 +38,7 @@ static uint64_t mixed(uint64_t hash, size_t size, const void *bytes)
 }
 
 /* All that a label depends on, as the key of a trace is all that shapes a trace (graph_follow.c). */
-static void label_key(const ric_node *node, char *key, size_t size)
+static ric_status label_key(const ric_node *node, char *key, size_t size)
 {
     const ric_periodic *c = node->cycle;
     uint64_t hash = 14695981039346656037u;
@@ -46,10 +46,9 @@ static void label_key(const ric_node *node, char *key, size_t size)
     hash = mixed(hash, (size_t)c->N * sizeof *c->face, c->face);
     hash = mixed(hash, (size_t)c->N * sizeof *c->tau, c->tau);
     hash = mixed(hash, 2 * (size_t)c->n * sizeof *c->w, c->w);
-    locale_t before = ric_c_locale_enter();
-    snprintf(key, size, RIC_LABEL "%d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half,
-             c->pure, node->multiple, node->energy, node->period, hash);
-    ric_c_locale_leave(before);
+    ric_c_print(key, size, RIC_LABEL "%d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half,
+                c->pure, node->multiple, node->energy, node->period, hash);
+    return ric_memory_failed() ? ric_no_memory("the name of a label") : RIC_OK;
 }
 
 /* Whether the label has been measured before. */
@@ -120,7 +119,10 @@ static ric_status measure_in_shop(void *user, int i)
     char key[300];
     ric_status status = RIC_OK;
     if (!has_label(&s->marks[i])) return RIC_OK;
-    label_key(node, key, sizeof key);
+    if ((status = label_key(node, key, sizeof key))) {
+        count(s, false);
+        return status;
+    }
     bool measured = recall(s, key, row);
     if (!measured && !stopped(s)) {
         ric_halt_ask(stopped, s);

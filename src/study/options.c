@@ -267,12 +267,10 @@ bool ric_option_text_integer(const char *text, long *out)
 void ric_option_text_write(double value, FILE *out)
 {
     char text[40];
-    locale_t before = ric_c_locale_enter();
     for (int precision = 15; precision <= 17; precision++) {
-        snprintf(text, sizeof text, "%.*g", precision, value);
-        if (strtod(text, NULL) == value) break;
+        ric_c_print(text, sizeof text, "%.*g", precision, value);
+        if (ric_c_strtod(text, NULL) == value) break;
     }
-    ric_c_locale_leave(before);
     fputs(text, out);
 }
 
