@@ -248,6 +248,14 @@ typedef struct {
     int touches;
 } event;
 
+/* Whether the motion goes beyond the face by no more than the stored digits leave its gap open in flight k, or than a
+ * touch does: it may then be met or not. */
+static bool is_shallow(const replay *r, int k, const face_t *face, real speed)
+{
+    if (ric_replay_touches(r, k, face, r->w, speed)) return true;
+    return r->digits && r->n_event && speed * speed <= 2 * fabs(ric_replay_pull(r, k, face, r->w)) * r->digits->gap[k];
+}
+
 /* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that
  * the simulator can tell them apart. */
 static bool only_touched(const replay *r, int k, bool far, real *wait)
@@ -257,7 +265,7 @@ static bool only_touched(const replay *r, int k, bool far, real *wait)
         const face_t *face = &r->face[f];
         real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n);
         if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit) continue;
-        bool slow = ric_replay_touches(r, k, face, r->w, speed);
+        bool slow = is_shallow(r, k, face, speed);
         if (speed < 0 && !slow) continue;
         real fall = ric_replay_pull(r, k, face, r->w);
         if (!slow || fall <= 0) return false;
@@ -285,14 +293,14 @@ static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, e
     return e->time < end ? start_at(r, k, r->w, e->time) : RIC_OK;
 }
 
-/* Whether a hit at r->w is an impact of the orbit: it has speed, or the word has one of that speed at the end of flight
- * k, due at time `due`. */
+/* Whether a hit at r->w is an impact of the orbit: the word has one of that speed at the end of flight k, due at time
+ * `due`, or it goes deeper than a touch. */
 static bool is_impact(const replay *r, const ric_impact *impact, real time, int k, real due)
 {
     const face_t *face = &r->face[impact->face];
-    if (!ric_replay_touches(r, k, face, r->w, impact->approach)) return true;
-    return face == ric_replay_end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
-           fabs(fabs(impact->approach) - r->speed[k + 1]) <= r->speed[k + 1] / 2;
+    return !is_shallow(r, k, face, impact->approach) ||
+           (face == ric_replay_end_face(r, k) && fabs(time - due) <= LATE * r->period / r->n_flight &&
+            fabs(fabs(impact->approach) - r->speed[k + 1]) <= r->speed[k + 1] / 2);
 }
 
 /* Runs to the next impact, at most to time `end`, and passes touches; flight k ends at time `due`. r->w is the state
@@ -333,9 +341,19 @@ static double simulated_energy(replay *r)
     return ric_model_energy(r->model, r->x, r->x + r->n);
 }
 
-static void check_energy(replay *r)
+/* `left` may have been gained or lost. */
+static void check_energy(replay *r, real left)
 {
-    ric_replay_worsen(&r->check->energy_error, ric_replay_part(fabs(simulated_energy(r) - r->energy), r->energy));
+    const real error = fmax(0, fabs(simulated_energy(r) - r->energy) - left);
+    ric_replay_worsen(&r->check->energy_error, ric_replay_part(error, r->energy));
+}
+
+/* Energy that the chain may gain or lose at the end of flight k by the stored digits: a spring that is met off its face
+ * by a gap has the energy of that gap at once. */
+static real energy_by_digits(const replay *r, int k)
+{
+    const face_t *face = ric_replay_end_face(r, k);
+    return face && r->digits ? face->spring * r->digits->gap[k] * r->digits->gap[k] / 2 : 0;
 }
 
 /* ------------------------------------------------------------------ flights */
@@ -383,10 +401,12 @@ static void accept_order(const replay *r, int k, event *e)
     e->face = (int)(expected - r->face);
 }
 
-/* How much later flight k may meet its face, at that speed, by the stored digits alone. */
+/* How much later flight k may meet its face, at that speed, by the stored digits alone. A spring opens where the
+ * simulator saw it close, which the chain may be off by as well. */
 static real late_by_digits(const replay *r, int k, real speed)
 {
-    return r->digits && r->n_event && speed > 0 ? r->digits->gap[k] / speed : 0;
+    if (!r->digits || !r->n_event || !(speed > 0)) return 0;
+    return (r->digits->gap[k] + (ric_replay_opens(r, k) && k > 0 ? r->digits->gap[k - 1] : 0)) / speed;
 }
 
 /* What the state behind flight k changes by for every unit of time that its event comes later. */
@@ -493,9 +513,11 @@ static bool gathered(const replay *r, int k)
 static ric_status check_flights(replay *r)
 {
     ric_status status = RIC_OK;
+    real left = 0;
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
+        left += energy_by_digits(r, k);
         if (ric_halt(RIC_VERIFY_WORK * r->n * r->n)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
-        if (gathered(r, k)) {
+        if (gathered(r, k) || (r->digits && ric_verify_digits_hide(r, r->digits, k))) {
             r->corner = true;
             continue;
         }
@@ -506,7 +528,7 @@ static ric_status check_flights(replay *r)
                  : ric_replay_is_touch(r, k) ? check_touch(r, k)
                                              : check_impact(r, k);
         r->grazes |= r->touched || r->reach > 1 - REACH;
-        check_energy(r);
+        check_energy(r, left);
     }
     return status;
 }
@@ -611,7 +633,7 @@ static ric_status check_return(replay *r)
                                                     : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);
     if (r->check->return_error > allowed(r->check) && meets_corner(r)) r->check->return_error = NAN;
     allow_rounding(r);
-    check_energy(r);
+    check_energy(r, 0);
     return RIC_OK;
 }
 

@@ -199,6 +199,14 @@ void ric_verify_digits_doubt(ric_claims *out, const char *name)
     else if (!strstr(out->unchecked, "...")) snprintf(out->unchecked + used, left, ", ...");
 }
 
+bool ric_verify_digits_hide(const replay *r, const ric_digits *d, int k)
+{
+    if (!r->n_event) return false;
+    for (int i = k > 0 ? k - 1 : 0; i <= k; i++)
+        if (!ric_replay_is_touch(r, i) && fabs(r->speed[i + 1]) < 2 * d->speed[i]) return true;
+    return false;
+}
+
 void ric_verify_digits_judge(const replay *r, const ric_digits *d, ric_claims *out)
 {
     if (!r->n_event) return;
@@ -214,5 +222,10 @@ void ric_verify_digits_judge(const replay *r, const ric_digits *d, ric_claims *o
         char name[32];
         snprintf(name, sizeof name, "%c%d", j < n ? 'x' : 'v', j % n + 1);
         if (!is_seen(r, d, j, FAULT * d->unit[j >= n])) ric_verify_digits_doubt(out, name);
+    }
+    for (int k = 0; k < r->n_flight; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "flight %d", k + 1);
+        if (ric_verify_digits_hide(r, d, k)) ric_verify_digits_doubt(out, name);
     }
 }
