@@ -32,14 +32,33 @@ typedef struct {
     const ric_continuation *along;
 } course;
 
+static uint64_t mixed(uint64_t hash, const void *from, size_t size)
+{
+    const unsigned char *bytes = from;
+    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 1099511628211u; /* FNV-1a */
+    return hash;
+}
+
+/* The orbit of a junction, and what of it is left open there. Mirror images in a structure that is none have energy,
+ * period and word in common, and so do orbits of several kernels: the state tells them from each other. */
+static uint64_t node_hash(const ric_node *node)
+{
+    const ric_periodic *c = node->cycle;
+    const int form[] = {c->half, c->pure, c->flip, c->parts, node->test, node->n_touch};
+    uint64_t hash = mixed(14695981039346656037u, form, sizeof form);
+    hash = mixed(hash, &c->closed, sizeof c->closed);
+    hash = mixed(hash, node->touch, (size_t)node->n_touch * sizeof *node->touch);
+    hash = mixed(hash, c->face, (size_t)c->N * sizeof *c->face);
+    hash = mixed(hash, c->tau, (size_t)c->N * sizeof *c->tau);
+    return mixed(hash, c->w, 2 * (size_t)c->n * sizeof *c->w);
+}
+
 /* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
 static ric_status trace_key(const course *way, char *key, size_t size)
 {
     const ric_limits *l = way->limits;
     const ric_node *node = way->node;
-    uint64_t hash = 14695981039346656037u; /* FNV-1a of the word: it may be long */
-    hash ^= node->cycle->closed;
-    for (int i = 0; i < node->cycle->N; i++) hash = (hash ^ (uint64_t)node->cycle->face[i]) * 1099511628211u;
+    uint64_t hash = node_hash(node);
     size_t used = ric_c_print(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
                               node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period,
                               way->choice, way->side, l->energy[0], l->energy[1], l->period[0], l->period[1],

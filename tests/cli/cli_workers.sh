@@ -26,6 +26,24 @@ for case in "$folder/two.yaml" examples/three-masses/study.yaml examples/two-wal
     ok "there are rows" test "$(grep -c '"word"' "$folder/1.txt")" -gt 5
 done
 
+# A stop with two sides and a spring with one: the grazings of both sides have energy, period and letters in common, and
+# are no images of each other in the structure.
+cat >"$folder/sides.yaml" <<'END'
+model:
+  mass: [[1.5, 0], [0, 2.0625]]
+  stiffness: [[1250000, 937500], [937500, 953125]]
+  contacts:
+    - {normal: [1, 2], law: bilinear, clearance: 1.22, sides: upper, stiffness: 146500}
+    - {normal: [-1, 1], law: rigid, clearance: 1.45, sides: both}
+explore: {start: modes, energy: [0, 60000], frequency: [57.74, 3303], impacts: 2, multiply: 2, depth: 2}
+END
+for workers in 1 2; do
+    ok "grazings of two sides with $workers" "$ricochet" run "$folder/sides.yaml" -j $workers -o "$folder/sides$workers.ricochet"
+    rows "$folder/sides$workers.ricochet" >"$folder/sides$workers.txt"
+done
+ok "no trace is taken for that of the other side" same "$folder/sides1.txt" "$folder/sides2.txt"
+ok "no branch is lost between them" sh -c "! grep -q failed '$folder/sides1.txt'"
+
 study 10 4 4 >"$folder/long.yaml"
 ok "an undisturbed run" "$ricochet" run "$folder/long.yaml" -j 3 -o "$folder/whole.ricochet"
 rows "$folder/whole.ricochet" >"$folder/whole.txt"
