@@ -164,12 +164,68 @@ static void test_impacts_exchange_the_momentum(void **unused)
     ric_atlas_free(atlas);
 }
 
+/* Over the contact behind letter k, by Simpson's rule: what the second mass gains, and what the structure's own springs
+ * took from it. */
+static double gained_by_second(const ric_orbit *orbit, double begin, double contact)
+{
+    enum { PARTS = 400 };
+    double sum = 0, x[2], first[2], last[2];
+    for (int i = 0; i <= PARTS; i++) {
+        ric_orbit_at_time(orbit, begin + contact * i / PARTS, x, i ? last : first);
+        const double weight = i == 0 || i == PARTS ? 1 : i % 2 ? 4 : 2;
+        sum += weight * contact / (3.0 * PARTS) * (x[1] - x[0]);
+    }
+    return last[1] - first[1] + sum;
+}
+
+static int check_springs(const ric_orbit *orbit)
+{
+    double speeds[12], impulses[12], flights[24], t = 0;
+    int n = 0, word[24], N = ric_orbit_letters(orbit), empty = 0;
+    ric_point point;
+    ric_orbit_data(orbit, &point, NULL, flights, word);
+    assert_int_equal(ric_orbit_exchanges(orbit, &n, speeds, impulses), RIC_OK);
+    assert_int_equal(2 * n, N);
+    for (int k = 0, i = 0; k < N; t += flights[k++]) {
+        if (word[k] >= 2) continue;
+        assert_int_equal(word[(k + 1) % N], word[k] + 2);
+        const double gained = gained_by_second(orbit, t, flights[k]), impulse = impulses[i++];
+        assert_true(fabs(fabs(gained) - impulse) < 1e-9 * (1 + impulse));
+        if (flights[k] == 0) empty += impulse == 0;
+    }
+    return empty;
+}
+
+/* What a spring exchanges is the integral of its force, at every contact: of the last two, of no length, too. */
+static void test_springs_exchange_the_integral_of_their_force(void **unused)
+{
+    (void)unused;
+    int empty = 0;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 1e4}\n"
+        "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 3, depth: 3}");
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch branch = branch_of(atlas, id);
+        for (int i = 0; branch.impacts > 0 && i<branch.n_point; i += branch.n_point> 1 ? branch.n_point - 1 : 1) {
+            ric_orbit **orbits = NULL;
+            int n = 0;
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, i, &n, &orbits), RIC_OK);
+            empty += check_springs(orbits[0]);
+            ric_orbits_free(n, orbits);
+        }
+    }
+    assert_true(empty > 10);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_columns_are_the_points),
         cmocka_unit_test(test_a_sample_has_the_ends_and_the_middle),
         cmocka_unit_test(test_impacts_exchange_the_momentum),
+        cmocka_unit_test(test_springs_exchange_the_integral_of_their_force),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
