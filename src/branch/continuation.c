@@ -6,23 +6,18 @@
 
 #include "symmetric_end.h"
 #include "base/room.h"
+#include "continuation_step.h"
 #include "event.h"
 #include "event_parts.h"
 #include "model/room.h"
 #include "multiple_cover.h"
 
 #define STEP_ANGLE 0.08     /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
-#define STEP_ANGLE_MAX 0.35 /* a step that turns more is refused: it may have changed branch */
-/* GIVEN: drift of a step that ends at a solved point: the first one from a singular start may, and is no guess */
-#define GIVEN 1e-6
-#define STEP_DRIFT 0.25     /* so is one whose corrector moved more than this part of the step */
 #define SOFT_STEP 0.1       /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 3e-5     /* of the size of the unknowns */
 #define SMALLEST_STEP 1e-11 /* of the size of the unknowns: below it the branch counts as failed */
 #define NEWTON_STEPS 8
-#define HOPELESS 1e3 /* residual, of the size, from which no Newton step leads back */
-/* NEGATIVE: scaled time: events whose flight is shorter than minus this do not come in that order */
-#define NEGATIVE 1e-3
+#define HOPELESS 1e3   /* residual, of the size, from which no Newton step leads back */
 #define STRAIGHT 1e-12 /* angle of a step, rad, that is rounding */
 #define FLOOR 0.03     /* of the tolerance: where another Newton step changes nothing */
 #define ACCEPTED 4     /* tolerances: the largest residual of an orbit that is stored */
@@ -148,13 +143,6 @@ static double smallest_flight(const ric_shooting *c, const double *u, bool ghost
         if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
     }
     return least;
-}
-
-static bool positive_flights(const ric_shooting *c, const double *u)
-{
-    for (int k = 0; k < c->n_flight; k++)
-        if (!(u[c->n_start + k] > -NEGATIVE)) return false;
-    return true;
 }
 
 /* Pairs in ascending order, so that each is continuous as long as they do not meet; what is lost comes last. */
@@ -504,62 +492,6 @@ void ric_continuation_free(ric_continuation *tr)
 
 /* --------------------------------------------------------------------- step */
 
-/* Without an event to start from the phase of an orbit is free, and the corrector leaves it as it is. Whatever a chord
- * had along the flow the cubic below would multiply by five at every step, until no step is short enough: a prediction
- * goes across the flow. */
-static void across_flow(const ric_continuation *tr, double *u)
-{
-    const ric_shooting *c = tr->chain;
-    int size = 2 * c->n;
-    if (c->start != RIC_MIRROR_NONE || c->face[0] >= 0) return;
-    double rate[size], along = 0;
-    ric_flight_rate(c->model, c->closed[0], tr->now.u, rate);
-    for (int i = 0; i < size; i++) along += rate[i] * (u[i] - tr->now.u[i]);
-    along /= ric_dot(size, rate, rate);
-    for (int i = 0; i < size; i++) u[i] -= along * rate[i];
-}
-
-/* Cubic through the last two points and tangents, read off at distance h beyond; a straight line at the start. */
-static void predict(const ric_continuation *tr, double h, double *u)
-{
-    int size = tr->chain->n_unknown;
-    const double *u0 = tr->now.u, *t0 = tr->now.t, *u1 = tr->past.u, *t1 = tr->past.t;
-    double H = tr->now.s - tr->past.s, x = 1 + h / H;
-    if (!tr->has_past || h > 2.5 * H) {
-        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
-        return;
-    }
-    double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a,
-           d = (x * x * x - x * x) * H;
-    for (int i = 0; i < size; i++) u[i] = a * u1[i] + b * t1[i] + c * u0[i] + d * t0[i];
-    across_flow(tr, u);
-}
-
-/* Solves for `next` at distance h; *angle between the tangents, *drift of the corrector relative to h. False: no
- * convergence. */
-static bool solve_next(ric_continuation *tr, double h, double *angle, double *drift, int *iterations,
-                       double *orientation)
-{
-    ric_shooting *c = tr->chain;
-    int size = c->n_unknown;
-    predict(tr, h, tr->next.u);
-    memcpy(tr->guess, tr->next.u, (size_t)size * sizeof *tr->guess);
-    if (!ric_continuation_correct(c, tr->next.u, tr->now.u, tr->now.t, h, tr->du, iterations)) return false;
-    if (!positive_flights(c, tr->next.u)) return false;
-    double moved = 0, chord = 0;
-    for (int i = 0; i < size; i++) {
-        double d = tr->next.u[i] - tr->guess[i], e = tr->next.u[i] - tr->now.u[i];
-        moved += d * d;
-        chord += e * e;
-    }
-    *orientation = ric_continuation_tangent(c, tr->now.t, tr->next.t);
-    *angle = acos(fmin(1, ric_dot(size, tr->next.t, tr->now.t)));
-    *drift = sqrt(moved) / h;
-    /* arc over chord of a circle through both points */
-    tr->next.s = tr->now.s + sqrt(chord) * (1 + *angle * *angle / 24);
-    return true;
-}
-
 /* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their
  * sign twice do not show it. The period between the two points is that of the cubic through both. */
 static bool crowded(const ric_continuation *tr, double h)
@@ -582,10 +514,10 @@ static bool crowded(const ric_continuation *tr, double h)
     return ric_resonance_faint(c->model, tr->limits->multiply, low, high) > 1;
 }
 
-static void adapt(ric_continuation *tr, double h, double angle, int iterations)
+static void adapt(ric_continuation *tr, double h, const ric_course *way)
 {
-    double factor = angle > STRAIGHT ? STEP_ANGLE / angle : 2;
-    if (iterations > 3) factor = fmin(factor, 0.7);
+    double factor = way->angle > STRAIGHT ? STEP_ANGLE / way->angle : 2;
+    if (way->iterations > 3) factor = fmin(factor, 0.7);
     factor = fmax(0.3, fmin(2, factor));
     tr->step_max = tr->limits->max_step * tr->chain->scale;
     tr->step = fmin(h * factor, tr->step_max);
@@ -679,21 +611,19 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
         tr->ignore |= 1u << RIC_TEST_DET;
     }
     for (;;) {
-        double angle = 0, drift = 0, orientation;
-        int iterations = 0;
-        bool good = solve_next(tr, h, &angle, &drift, &iterations, &orientation);
-        tr->evaluations += iterations + 1;
-        bool given = tr->ignore & RIC_SINGULAR_START && drift < GIVEN;
+        ric_course way = {0};
+        bool good = ric_continuation_reach(tr, h, &way);
+        tr->evaluations += way.iterations + 1;
         good = good && !symmetric_after_all(tr->chain) &&
                !(tr->may_gain && ric_symmetric_end_gains(tr->chain, tr->next.u));
-        if (good && (angle < STEP_ANGLE_MAX || given) && drift < STEP_DRIFT && !crowded(tr, h)) {
-            if ((status = ric_continuation_examine(tr, &tr->next, orientation))) return status;
+        if (good && ric_continuation_stays(tr, &way) && !crowded(tr, h)) {
+            if ((status = ric_continuation_examine(tr, &tr->next, way.orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;
                 if ((status = ric_event_find(tr, h, done, &retry))) return status;
                 if (*done) return RIC_OK;
                 if (!retry) {
-                    adapt(tr, h, angle, iterations);
+                    adapt(tr, h, &way);
                     break;
                 }
                 if (tr->wanted > 0) {

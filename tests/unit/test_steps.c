@@ -86,6 +86,59 @@ static void beside_the_start(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Two modes of one frequency to 1e-9: S(1) turns by more than 60 degrees and back within 3e-3 of its length, and passes
+ * six branch points there. */
+static void to_and_fro_beside_a_mode(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n"
+        "  mass: [[1.71875, -0.171875, -0.125, 0.21875, 0.3125], [-0.171875, 2.34375, -0.078125, -0.046875, "
+        "0.015625], [-0.125, -0.078125, 2.71875, 0.03125, -0.25], [0.21875, -0.046875, 0.03125, 1.296875, "
+        "0.015625], [0.3125, 0.015625, -0.25, 0.015625, 0.984375]]\n"
+        "  stiffness: [[14.05308465519496, 3.3384480026960532, -6.730257641062289, -6.105492200657303, "
+        "7.4015541809350704], [3.3384480026960532, 14.88863621548416, 4.484589506372499, 0.962620779174959, "
+        "-1.5700461102919152], [-6.730257641062289, 4.484589506372499, 19.560160364002048, "
+        "4.454241274906022, -5.949967775518008], [-6.105492200657303, 0.962620779174959, 4.454241274906022, "
+        "5.252200589709632, -4.501772589249693], [7.4015541809350704, -1.5700461102919152, "
+        "-5.949967775518008, -4.501772589249693, 6.184405216345264]]\n"
+        "  contacts:\n"
+        "    - {normal: [0.0, 0.0, 0.0, 0.0, 1.0], law: power, exponent: 7, length: 1.7, reference: 80.18}\n"
+        "    - {normal: [0.0, 0.0, -1.0, 1.0, 0.0], law: power, exponent: 3, stiffness: 5.257}\n"
+        "explore: {start: modes, energy: [0, 1.356], frequency: [0.2, 12.0], impacts: 4, multiply: 1, depth: "
+        "1}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
+        found += junction_of(atlas, id).kind == RIC_KIND_BRANCH_POINT;
+    assert_int_equal(found, 6);
+    ric_atlas_free(atlas);
+}
+
+/* The same between two families of which one hands the step on to the other: S(2) went on as S(1). */
+static void bend_that_hands_over(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n"
+        "  mass: [[2.03125, -0.0625, 0.046875, 0.03125], [-0.0625, 1.8125, 0.1875, -0.5625], [0.046875, "
+        "0.1875, 1.90625, -0.140625], [0.03125, -0.5625, -0.140625, 1.078125]]\n"
+        "  stiffness: [[3.3400176183698065, -3.5258058323813124, -1.0041786164779394, 0.22802628657916615], "
+        "[-3.5258058323813124, 12.922300156579583, 6.256962443117191, -3.016364720943082], "
+        "[-1.0041786164779394, 6.256962443117191, 8.308864162480802, -3.5666094749530606], "
+        "[0.22802628657916615, -3.016364720943082, -3.5666094749530606, 3.0289997540492566]]\n"
+        "  contacts:\n"
+        "    - {normal: [0.0, -1.0, 1.0, 0.0], law: power, exponent: 5, stiffness: 1310000000000.0}\n"
+        "explore: {start: modes, energy: [0, 9.429e-06], frequency: [0.2, 9.0], impacts: 5, multiply: 1, "
+        "depth: 1}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        found += j.kind == RIC_KIND_MULTIPLICATION && near(j.energy, 2.67298567986e-9, 1e-9);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 /* Left and right half are alike but for 1e-7, and the stop between their ends all but feels one half of the modes:
  * A4[0101] at constant frequency consists of orbits of a family with two parameters, nearly, and the determinants that
  * tell where a symmetry breaks are rounding all along. Their signs are no branch points. */
@@ -180,8 +233,12 @@ static void doublings_are_sharp(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro), cmocka_unit_test(beside_the_start),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
+                                       cmocka_unit_test(beside_the_start),
+                                       cmocka_unit_test(to_and_fro_beside_a_mode),
+                                       cmocka_unit_test(bend_that_hands_over),
                                        cmocka_unit_test(determinants_of_rounding),
-                                       cmocka_unit_test(lost_pairs_are_said), cmocka_unit_test(doublings_are_sharp)};
+                                       cmocka_unit_test(lost_pairs_are_said),
+                                       cmocka_unit_test(doublings_are_sharp)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }
