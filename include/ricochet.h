@@ -407,6 +407,23 @@ typedef struct {
 /* Segments of a branch in order; *n of them in out [n_junction + 1]. */
 ric_status ric_branch_segments(const ric_atlas *atlas, int branch, int *n, ric_segment *out);
 
+/* An internal resonance along a branch: its orbits follow a linear mode that turns `turns` times while the motion goes
+ * round `per` times, at a frequency that all but stays, from point `first` to point `last` (docs/theory.md
+ * section 12). */
+typedef struct {
+    int mode; /* from 1 */
+    int turns, per;
+    int first, last;                /* points of the branch */
+    double energy[2], frequency[2]; /* there */
+} ric_tongue;
+
+/* The resonances of a branch in order; *n of them in *out, which ric_tongues_free releases. */
+ric_status ric_branch_tongues(const ric_atlas *atlas, int branch, int *n, ric_tongue **out);
+void ric_tongues_free(ric_tongue *tongues);
+/* In words, "follows 129 : 1 with mode 4 from E 9062.7 to E 78873"; `unit` multiplies energies, 1 for scaled ones.
+ * out [100] is enough. */
+ric_status ric_tongue_text(const ric_tongue *tongue, double unit, size_t size, char *out);
+
 /* The fractal bases F_i^j of an atlas (docs/theory.md section 9): the j-duplicate of the backbone of mode i and all
  * that joins it, on any duplicate, without passing another backbone. */
 typedef struct ric_bases ric_bases;

@@ -12,11 +12,72 @@ bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *poi
     return false;
 }
 
+/* ----------------------------------------------------------------- tongues */
+
+/* Its place in the row; what stands there needs the atlas. */
+static json_t *no_tongues(const ric_column *column, const void *row)
+{
+    (void)column;
+    (void)row;
+    return json_string("");
+}
+
+ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **out)
+{
+    int n = 0;
+    ric_tongue *tongues = NULL;
+    *out = NULL;
+    const ric_status status = ric_branch_tongues(atlas, id, &n, &tongues);
+    for (int i = 0; !status && i < n; i++) {
+        char one[CLI_TONGUE];
+        json_t *before = *out;
+        ric_tongue_text(&tongues[i], d * d, sizeof one, one);
+        *out = before ? json_sprintf("%s; %s", json_string_value(before), one) : json_string(one);
+        json_decref(before);
+    }
+    if (!status && !*out) *out = json_string("");
+    ric_tongues_free(tongues);
+    return status;
+}
+
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
     ric_branch branch;
-    const ric_status status = ric_atlas_branch(atlas, id, &branch);
-    if (!status) cli_table_row(&ric_table_branch, &branch, ric_atlas_model(atlas), d, NULL, row);
+    json_t *tongues;
+    ric_status status = ric_atlas_branch(atlas, id, &branch);
+    if (status) return status;
+    cli_table_row(&ric_table_branch, &branch, ric_atlas_model(atlas), d, no_tongues, row);
+    status = cli_tongues_text(atlas, id, d, &tongues);
+    if (!status) json_object_set_new(row, "tongues", tongues);
+    return status;
+}
+
+static json_t *tongue_row(const ric_branch *branch, const ric_tongue *t, double d)
+{
+    json_t *row = json_object();
+    json_object_set_new(row, "branch", json_integer(branch->id));
+    json_object_set_new(row, "label", json_string(branch->label));
+    json_object_set_new(row, "turns", json_integer(t->turns));
+    json_object_set_new(row, "per", json_integer(t->per));
+    json_object_set_new(row, "of_mode", json_integer(t->mode));
+    json_object_set_new(row, "energy_from", cli_number(d * d * t->energy[0]));
+    json_object_set_new(row, "energy_to", cli_number(d * d * t->energy[1]));
+    json_object_set_new(row, "frequency_from", cli_number(t->frequency[0]));
+    json_object_set_new(row, "frequency_to", cli_number(t->frequency[1]));
+    json_object_set_new(row, "first_point", json_integer(t->first));
+    json_object_set_new(row, "last_point", json_integer(t->last));
+    return row;
+}
+
+static ric_status tongue_rows(const ric_atlas *atlas, int id, double d, json_t *rows)
+{
+    int n = 0;
+    ric_branch branch;
+    ric_tongue *tongues = NULL;
+    ric_status status = ric_atlas_branch(atlas, id, &branch);
+    if (!status) status = ric_branch_tongues(atlas, id, &n, &tongues);
+    for (int i = 0; !status && i < n; i++) json_array_append_new(rows, tongue_row(&branch, &tongues[i], d));
+    ric_tongues_free(tongues);
     return status;
 }
 
@@ -70,7 +131,7 @@ static ric_status segment_rows(const ric_atlas *atlas, int id, double d, json_t 
 /* --------------------------------------------------------------- selection */
 
 typedef struct {
-    bool segments, elementary;
+    bool segments, tongues, elementary;
 } choice;
 
 static ric_status branch_row(const ric_atlas *atlas, int id, double d, json_t *rows)
@@ -88,7 +149,9 @@ static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user
     ric_status status = c->elementary ? ric_bases_find(atlas, 0, &bases) : RIC_OK;
     for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++)
         if (!bases || ric_bases_elementary(bases, id))
-            status = c->segments ? segment_rows(atlas, id, d, rows) : branch_row(atlas, id, d, rows);
+            status = c->segments  ? segment_rows(atlas, id, d, rows)
+                     : c->tongues ? tongue_rows(atlas, id, d, rows)
+                                  : branch_row(atlas, id, d, rows);
     ric_bases_free(bases);
     return status;
 }
@@ -97,14 +160,19 @@ static int run(int argc, char **argv)
 {
     static const char parts[] =
         "segment branch from to energy_min energy_max frequency_min frequency_max stable stable_fraction";
+    static const char places[] = "branch label turns per of_mode energy_from energy_to frequency_from frequency_to "
+                                 "first_point last_point";
     const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
+                      .tongues = cli_take_flag(&argc, argv, "--tongues"),
                       .elementary = cli_take_flag(&argc, argv, "--elementary")};
+    if (c.segments && c.tongues) return cli_wrong("--segments and --tongues are two lists; ask for one of them");
+    const char *columns = c.tongues ? places : parts;
     const cli_listing listing = {.command = &cli_branches,
                                  .rows = chosen_rows,
                                  .user = &c,
-                                 .table = c.segments ? NULL : &ric_table_branch,
-                                 .all = parts,
-                                 .few = parts};
+                                 .table = c.segments || c.tongues ? NULL : &ric_table_branch,
+                                 .all = columns,
+                                 .few = columns};
     return cli_list(&listing, argc, argv);
 }
 
@@ -119,6 +187,9 @@ static const cli_item items[] = {
              "on it, or on events that make no junction"},
     {.name = "junctions",
      .text = "ids of the junctions that the branch passes through, in order; junction_arclengths says where"},
+    {.name = "tongues",
+     .text = "internal resonances that the branch follows: \"follows 129 : 1 with mode 4 from E .. to E ..\" says that "
+             "between these energies the linear mode turns 129 times while the motion goes round once"},
     {.name = "depth", .text = "least number of departures from the start"},
     {.name = "relative_energy_",
      .text = "energies as multiples of the onset of the lowest mode, where contacts begin to matter to it; numbers "
@@ -133,6 +204,9 @@ static const cli_item items[] = {
      .text = "one row per segment A_N[R]|P1 P2 instead, the part of a branch between consecutive junctions P1 and "
              "P2; `stable` says yes, no, undecided or partly of the stored points in between, nothing if there are "
              "none"},
+    {.name = "--tongues",
+     .text = "one row per internal resonance that a branch follows instead: `turns` of the linear mode `of_mode` while "
+             "the motion goes round `per` times, with energies, frequencies and points where that begins and ends"},
     CLI_ITEMS_WORD,
     CLI_ITEM_STABLE,
     CLI_ITEMS_PLACE,
@@ -144,10 +218,11 @@ static const cli_item items[] = {
 const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
-    .usage = "ricochet branches ATLAS [--segments] [--elementary] [--physical] [--json | --csv]\n"
+    .usage = "ricochet branches ATLAS [--segments | --tongues] [--elementary] [--physical] [--json | --csv]\n"
              "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B] [--limit N]\n",
     .items = items,
     .example = "ricochet branches study.ricochet\n"
-               "ricochet branches study.ricochet --elementary --segments\n",
+               "ricochet branches study.ricochet --elementary --segments\n"
+               "ricochet branches study.ricochet --tongues\n",
     .run = run,
 };

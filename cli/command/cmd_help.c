@@ -42,6 +42,9 @@ static const entry glossary[] = {
      "with lengths divided by the clearance d of the first contact, energies by d squared; --physical undoes it"},
     {"segment", "the part of a branch between two junctions that follow each other"},
     {"state", "displacements, then velocities, right after the first impact of the word"},
+    {"tongue",
+     "an internal resonance: where a linear mode turns m times while the motion goes round n times, a branch climbs "
+     "along that mode, at a frequency that all but stays"},
     {"word", "the faces that an orbit meets in one period, in order, such as 01"},
 };
 

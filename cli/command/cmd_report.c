@@ -98,6 +98,28 @@ static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
     return RIC_OK;
 }
 
+/* ------------------------------------------------------------------- tongues */
+
+/* Where a branch is no longer what its name says: it climbs along a mode at an all but constant frequency. */
+static ric_status add_tongues(json_t *rows, const ric_atlas *atlas)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch branch;
+        json_t *text = NULL;
+        ric_status status = ric_atlas_branch(atlas, id, &branch);
+        if (!status) status = cli_tongues_text(atlas, id, 1, &text);
+        if (status) return status;
+        if (*json_string_value(text)) {
+            json_t *detail = json_sprintf("%s %s", branch.label, json_string_value(text));
+            add(rows, "internal resonance on branch", json_integer(id),
+                detail ? json_string_value(detail) : json_string_value(text));
+            json_decref(detail);
+        }
+        json_decref(text);
+    }
+    return RIC_OK;
+}
+
 /* Every junction with branches that leave it and could not be followed. */
 static ric_status add_refused(json_t *rows, const ric_atlas *atlas)
 {
@@ -255,6 +277,7 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
     ric_status status = add_branches(rows, atlas);
     add_onset(rows, atlas);
     if (!status) status = add_departures(rows, atlas);
+    if (!status) status = add_tongues(rows, atlas);
     if (!status) status = add_gaps(rows, atlas);
     if (!status) status = add_refused(rows, atlas);
     return status ? status : add_replay(rows, atlas);
@@ -276,7 +299,8 @@ static int run(int argc, char **argv)
 
 static const cli_item items[] = {
     {.text = "Counts the branches and how they end, and what became of the departures from every junction: taken, "
-             "known, inadmissible, refused and why, not tried and for which budget. Names every branch on which "
+             "known, inadmissible, refused and why, not tried and for which budget. Names every branch that follows an "
+             "internal resonance, with the mode and the energies between which it does so; every branch on which "
              "events may be missing, with what kind of event, where, and why; every branch that could not be "
              "followed, with both its ends; and every junction with departures that could not be followed, with its "
              "place and the reasons. The largest residual is that of all points; the errors of replay are those of the "

@@ -189,6 +189,9 @@ ric_status cli_windows_tell(const ric_atlas *atlas);
 int cli_unmeasured(const ric_atlas *atlas);
 /* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,
  * cmd_cascade.c and cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
+/* Its internal resonances in words, "" if it follows none; each of them fits CLI_TONGUE bytes. */
+enum { CLI_TONGUE = 200 };
+ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **out);
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row);
 ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row);
 /* Whether a point of a branch is its junction, an interior one or that at an end: an orbit on the border has no

@@ -8,6 +8,8 @@
 
 #include "plot_fep.h"
 
+static const double TONGUE_WEIGHT = 10; /* of the name of a resonance: below those of the branches near the start */
+
 /* -------------------------------------------------------------------- parts */
 
 static bool add_part(fep_source *s, fep_part part)
@@ -183,6 +185,30 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
     }
 }
 
+/* The internal resonances that a branch follows are named beside it. */
+static ric_status tag_tongues(fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part)
+{
+    int n = 0;
+    ric_tongue *tongues = NULL;
+    const fep_labels wanted = f->options->labels;
+    if (wanted == LABELS_NONE || wanted == LABELS_NAMED || wanted == LABELS_ASKED) return RIC_OK;
+    ric_status status = ric_branch_tongues(s->atlas, branch->id, &n, &tongues);
+    for (int i = 0; status == RIC_OK && i < n; i++) {
+        ric_point p;
+        const int middle = tongues[i].first + (tongues[i].last - tongues[i].first + 1) / 2;
+        if ((status = ric_atlas_point(s->atlas, branch->id, middle, &p, NULL, NULL)) != RIC_OK) break;
+        const plot_point at = {p.energy, p.frequency};
+        if (p.arclength < part->lo || p.arclength > part->hi || !plot_panel_inside(f->panel, at)) continue;
+        plot_tag *tag = fep_new_tag(f);
+        if (!tag) break;
+        *tag = (plot_tag){.at = plot_panel_at(f->panel, at), .clear = 3, .group = ++f->n_group, .colour = "#6a6a6a"};
+        tag->weight = TONGUE_WEIGHT - branch->depth;
+        snprintf(tag->text, sizeof tag->text, "%d : %d, mode %d", tongues[i].turns, tongues[i].per, tongues[i].mode);
+    }
+    ric_tongues_free(tongues);
+    return status;
+}
+
 /* Interior junctions, so that the curve passes through their marks. A q-tupling lies on its original branch at q times
  * where it is drawn. */
 static ric_status add_joints(const fep_source *s, const ric_branch *branch, const fep_part *part, plot_track *t)
@@ -218,7 +244,7 @@ static ric_status make_track(const fep_source *s, const ric_branch *branch, cons
 static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
 {
     plot_track t = {0};
-    const ric_status status = make_track(s, branch, part, &t);
+    ric_status status = make_track(s, branch, part, &t);
     if (status == RIC_OK) {
         const plot_stroke family = plot_branch_family(branch);
         const unsigned seen = plot_track_draw(f->page, f->panel,
@@ -227,6 +253,7 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
         s->stability |= seen;
         s->drawn |= seen != 0;
         tag_branch(f, s, branch, 1, &t);
+        status = tag_tongues(f, s, branch, part);
     }
     plot_track_free(&t);
     return status;

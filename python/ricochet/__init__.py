@@ -10,7 +10,7 @@ axes of matplotlib, `ricochet.reduce` makes a small model of a finite-element on
 """
 from ._library import (BusyError, ConflictError, Error, FileError, FormatError, InputError, Interrupted, MissingError,
                        NumericError, RangeError, ffi as _ffi, lib as _lib)
-from ._atlas import Atlas, Branch, Junction, Listing
+from ._atlas import Atlas, Branch, Junction, Listing, Tongue
 from ._hunt import Found, Hunt
 from ._model import Contact, Model
 from ._orbit import Orbit
@@ -22,7 +22,8 @@ __version__ = _ffi.string(_lib.ric_version()).decode()
 
 __all__ = ["Atlas", "Branch", "BusyError", "Check", "ConflictError", "Contact", "Error", "FileError", "FormatError",
            "Found", "History", "Hunt", "InputError", "Interrupted", "Junction", "Listing", "MissingError", "Model", "NumericError",
-           "Orbit", "Progress", "RangeError", "Reduction", "Simulation", "Study", "Verification", "explore", "plot", "reduce"]
+           "Orbit", "Progress", "RangeError", "Reduction", "Simulation", "Study", "Tongue", "Verification", "explore", "plot",
+           "reduce"]
 
 
 def __getattr__(name: str):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from typing import Iterator, List, Optional, Union
+from typing import Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from ._library import RangeError, check, copy_of, detail, ffi, fields_of, filled, lib, pointer, text_of, word_of
 import numpy as np
@@ -31,6 +31,23 @@ class Listing(tuple):
 
     def _repr_html_(self) -> str:
         return table(self[0]._HEADING + [""], self._rows(True)) if self else "none"
+
+
+class Tongue(NamedTuple):
+    """An internal resonance along a branch: a linear mode turns `turns` times while the motion goes round `per` times."""
+
+    mode: int
+    """from 1"""
+    turns: int
+    per: int
+    first: int
+    """the point of the branch at which it begins"""
+    last: int
+    """and ends"""
+    energy: Tuple[float, float]
+    """at both, scaled"""
+    frequency: Tuple[float, float]
+    """at both, rad/s"""
 
 
 class Junction:
@@ -217,6 +234,14 @@ class Branch:
     def junction_arclengths(self) -> np.ndarray:
         """[len(junctions)]"""
         return copy_of(self._raw.junction_at, self._raw.n_junction)
+
+    @property
+    def tongues(self) -> List["Tongue"]:
+        """The internal resonances that it follows, in their order."""
+        n, out = ffi.new("int *"), ffi.new("ric_tongue **")
+        check(lib.ric_branch_tongues(self.atlas._handle, self.id, n, out))
+        found = ffi.gc(out[0], lib.ric_tongues_free)
+        return [Tongue(t.mode, t.turns, t.per, t.first, t.last, tuple(t.energy), tuple(t.frequency)) for t in found[0 : n[0]]]
 
     def _find(self, at: int, value: float) -> List[Orbit]:
         n, out = ffi.new("int *"), ffi.new("ric_orbit ***")

@@ -54,6 +54,7 @@ static const ric_column branch[] = {
             "with the kind, energy and frequency of each, one if multipliers are lost in rounding on a part of it, so "
             "that multiplications were not looked for there, and one if events may lie closer together than can be "
             "told apart; the last two with the energies between which that is so")},
+    {COLUMN("tongues", TEXT, id, NONE, RIC_LISTED | RIC_MADE | RIC_NOT_STORED, NULL)},
     {COLUMN("junctions", INTEGERS, junctions, NONE, RIC_IN_TABLE | RIC_NOT_STORED, NULL), MANY(n_junction)},
     {COLUMN("junction_arclengths", NUMBERS, junction_at, NONE, RIC_LISTED | RIC_NOT_STORED, NULL), MANY(n_junction)},
     {COLUMN("depth", INTEGER, depth, NONE, RIC_IN_TABLE, "least number of departures from the start"), COUNT},

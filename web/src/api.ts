@@ -18,6 +18,7 @@ export interface BranchRow {
   to: number | null;
   stop: string;
   why: string;
+  tongues: string; // internal resonances that it follows, in words
   junctions: number[];
   junction_arclengths: number[];
   junction_levels: number[]; // on which duplicate each of these is drawn

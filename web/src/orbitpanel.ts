@@ -193,7 +193,7 @@ export class OrbitPanel {
     };
     this.head.replaceChildren(
       el("h2", {}, toHtml(branchRuns(b.label, b.word, s.k)), chip),
-      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop)));
+      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${b.tongues}` : ""));
   }
 
   private showFacts(): void {
