@@ -140,6 +140,8 @@ typedef struct {
     int depth;           /* departures from the start; 0 = unlimited */
     double tolerance;    /* relative accuracy asked for */
     double max_step;     /* largest arclength step, relative to 1 + |state| */
+    bool cross_tongues;  /* at internal resonances go on behind them, not along them (docs/theory.md section 12) */
+    double tongue_width; /* the widest gap that comes of it, relative to the frequency */
     bool symmetric_only; /* depart only to branches with z(t+T/2) = -z(t) */
     int n_start;         /* 0 = all seen modes */
     int start[64];       /* mode numbers from 1, ascending */
@@ -408,11 +410,13 @@ typedef struct {
 ric_status ric_branch_segments(const ric_atlas *atlas, int branch, int *n, ric_segment *out);
 
 /* An internal resonance along a branch: its orbits follow a linear mode that turns `turns` times while the motion goes
- * round `per` times, at a frequency that all but stays, from point `first` to point `last` (docs/theory.md
- * section 12). */
+ * round `per` times, at a frequency that all but stays, from point `first` to point `last`. Or the branch was continued
+ * behind it: then there is a gap between these two points, which follow each other (docs/theory.md section 12). */
 typedef struct {
     int mode; /* from 1 */
     int turns, per;
+    bool crossed;                   /* stepped over */
+    int others;                     /* with it, narrower ones */
     int first, last;                /* points of the branch */
     double energy[2], frequency[2]; /* there */
 } ric_tongue;
@@ -420,8 +424,10 @@ typedef struct {
 /* The resonances of a branch in order; *n of them in *out, which ric_tongues_free releases. */
 ric_status ric_branch_tongues(const ric_atlas *atlas, int branch, int *n, ric_tongue **out);
 void ric_tongues_free(ric_tongue *tongues);
-/* In words, "follows 129 : 1 with mode 4 from E 9062.7 to E 78873"; `unit` multiplies energies, 1 for scaled ones.
- * out [100] is enough. */
+/* Whether a branch was continued from a point over such a gap to the next one. */
+bool ric_branch_steps_over(const ric_atlas *atlas, int branch, int point);
+/* In words, "steps over 19 : 1 with mode 2 from E 14000 to E 14020, omega 463.1 to 463.4", or "follows 129 : 1 with
+ * mode 4 from E 9062.7 to E 78873"; `unit` multiplies energies, 1 for scaled ones. out [160] is enough. */
 ric_status ric_tongue_text(const ric_tongue *tongue, double unit, size_t size, char *out);
 
 /* The fractal bases F_i^j of an atlas (docs/theory.md section 9): the j-duplicate of the backbone of mode i and all

@@ -1,5 +1,6 @@
 /* ricochet branches ATLAS: one row per branch, or per segment; all or those of the elementary structure. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "common/cli.h"
@@ -22,6 +23,39 @@ static json_t *no_tongues(const ric_column *column, const void *row)
     return json_string("");
 }
 
+static void join(json_t **out, const char *more)
+{
+    json_t *before = *out;
+    *out = before ? json_sprintf("%s; %s", json_string_value(before), more) : json_string(more);
+    json_decref(before);
+}
+
+static double width(const ric_tongue *t)
+{
+    return fabs(log(t->frequency[1] / t->frequency[0]));
+}
+
+/* Tongues that are stepped over come by the hundred: of many the widest. */
+static void add_crossed(int n, const ric_tongue *tongues, double unit, json_t **out)
+{
+    enum { FEW = 3 };
+    int crossed = 0, widest = -1;
+    char one[CLI_TONGUE], all[CLI_TONGUE + 64];
+    for (int i = 0; i < n; i++) {
+        crossed += tongues[i].crossed;
+        if (tongues[i].crossed && (widest < 0 || width(&tongues[i]) > width(&tongues[widest]))) widest = i;
+    }
+    for (int i = 0; crossed <= FEW && i < n; i++) {
+        if (!tongues[i].crossed) continue;
+        ric_tongue_text(&tongues[i], unit, sizeof one, one);
+        join(out, one);
+    }
+    if (crossed <= FEW) return;
+    ric_tongue_text(&tongues[widest], unit, sizeof one, one);
+    snprintf(all, sizeof all, "steps over %d tongues, the widest: %s", crossed, one);
+    join(out, all);
+}
+
 ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **out)
 {
     int n = 0;
@@ -30,11 +64,11 @@ ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **o
     const ric_status status = ric_branch_tongues(atlas, id, &n, &tongues);
     for (int i = 0; !status && i < n; i++) {
         char one[CLI_TONGUE];
-        json_t *before = *out;
+        if (tongues[i].crossed) continue;
         ric_tongue_text(&tongues[i], d * d, sizeof one, one);
-        *out = before ? json_sprintf("%s; %s", json_string_value(before), one) : json_string(one);
-        json_decref(before);
+        join(out, one);
     }
+    if (!status) add_crossed(n, tongues, d * d, out);
     if (!status && !*out) *out = json_string("");
     ric_tongues_free(tongues);
     return status;
@@ -60,6 +94,8 @@ static json_t *tongue_row(const ric_branch *branch, const ric_tongue *t, double 
     json_object_set_new(row, "turns", json_integer(t->turns));
     json_object_set_new(row, "per", json_integer(t->per));
     json_object_set_new(row, "of_mode", json_integer(t->mode));
+    json_object_set_new(row, "crossed", json_boolean(t->crossed));
+    json_object_set_new(row, "others", json_integer(t->others));
     json_object_set_new(row, "energy_from", cli_number(d * d * t->energy[0]));
     json_object_set_new(row, "energy_to", cli_number(d * d * t->energy[1]));
     json_object_set_new(row, "frequency_from", cli_number(t->frequency[0]));
@@ -160,8 +196,9 @@ static int run(int argc, char **argv)
 {
     static const char parts[] =
         "segment branch from to energy_min energy_max frequency_min frequency_max stable stable_fraction";
-    static const char places[] = "branch label turns per of_mode energy_from energy_to frequency_from frequency_to "
-                                 "first_point last_point";
+    static const char places[] =
+        "branch label turns per of_mode crossed others energy_from energy_to frequency_from frequency_to "
+        "first_point last_point";
     const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
                       .tongues = cli_take_flag(&argc, argv, "--tongues"),
                       .elementary = cli_take_flag(&argc, argv, "--elementary")};
@@ -188,8 +225,9 @@ static const cli_item items[] = {
     {.name = "junctions",
      .text = "ids of the junctions that the branch passes through, in order; junction_arclengths says where"},
     {.name = "tongues",
-     .text = "internal resonances that the branch follows: \"follows 129 : 1 with mode 4 from E .. to E ..\" says that "
-             "between these energies the linear mode turns 129 times while the motion goes round once"},
+     .text =
+         "internal resonances that the branch follows or steps over: \"follows 129 : 1 with mode 4 from E .. to "
+         "E ..\" says that between these energies the linear mode turns 129 times while the motion goes round once"},
     {.name = "depth", .text = "least number of departures from the start"},
     {.name = "relative_energy_",
      .text = "energies as multiples of the onset of the lowest mode, where contacts begin to matter to it; numbers "
@@ -205,8 +243,9 @@ static const cli_item items[] = {
              "P2; `stable` says yes, no, undecided or partly of the stored points in between, nothing if there are "
              "none"},
     {.name = "--tongues",
-     .text = "one row per internal resonance that a branch follows instead: `turns` of the linear mode `of_mode` while "
-             "the motion goes round `per` times, with energies, frequencies and points where that begins and ends"},
+     .text = "one row per internal resonance that a branch follows, or has stepped over (`crossed`, with `others` that "
+             "are narrower), instead: `turns` of the linear mode `of_mode` while the motion goes round `per` times, "
+             "with energies, frequencies and points where that begins and ends"},
     CLI_ITEMS_WORD,
     CLI_ITEM_STABLE,
     CLI_ITEMS_PLACE,

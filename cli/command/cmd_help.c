@@ -44,7 +44,8 @@ static const entry glossary[] = {
     {"state", "displacements, then velocities, right after the first impact of the word"},
     {"tongue",
      "an internal resonance: where a linear mode turns m times while the motion goes round n times, a branch climbs "
-     "along that mode, at a frequency that all but stays"},
+     "along that mode, at a frequency that all but stays; behind a narrow one a branch may be continued "
+     "(`explore.tongues`)"},
     {"word", "the faces that an orbit meets in one period, in order, such as 01"},
 };
 

@@ -179,6 +179,24 @@ static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *at
     return status;
 }
 
+/* The tongue that was stepped over where the orbit would be, " (..)"; "" if it is another reason. */
+static void find_gap(const request *ask, const ric_atlas *atlas, double unit, size_t size, char *out)
+{
+    int n = 0;
+    char text[CLI_TONGUE];
+    ric_tongue *tongues = NULL;
+    *out = '\0';
+    if (ric_branch_tongues(atlas, ask->branch, &n, &tongues)) return;
+    for (int i = 0; i < n; i++) {
+        const double *ends = ask->at == RIC_AT_ENERGY ? tongues[i].energy : tongues[i].frequency,
+                     value = ask->value / unit;
+        if (!tongues[i].crossed || !((ends[0] - value) * (ends[1] - value) < 0)) continue;
+        ric_tongue_text(&tongues[i], ask->at == RIC_AT_ENERGY ? unit : 1, sizeof text, text);
+        snprintf(out, size, ", and %s", text);
+    }
+    ric_tongues_free(tongues);
+}
+
 static int report_none(const request *ask, const ric_atlas *atlas)
 {
     ric_branch branch;
@@ -186,9 +204,11 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     ric_status status = ric_atlas_branch(atlas, ask->branch, &branch);
     if (status) return cli_report(status);
     double d = ask->physical ? ric_model_length(ric_atlas_model(atlas)) : 1, unit = energy ? d * d : 1;
-    cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g\n", ask->branch,
+    char gap[CLI_TONGUE + 8];
+    find_gap(ask, atlas, unit, sizeof gap, gap);
+    cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g%s\n", ask->branch,
             energy ? "energy" : "frequency", ask->value, unit * (energy ? branch.energy_min : branch.frequency_min),
-            unit * (energy ? branch.energy_max : branch.frequency_max));
+            unit * (energy ? branch.energy_max : branch.frequency_max), gap);
     return CLI_FAILED;
 }
 

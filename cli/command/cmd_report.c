@@ -111,8 +111,7 @@ static ric_status add_tongues(json_t *rows, const ric_atlas *atlas)
         if (status) return status;
         if (*json_string_value(text)) {
             json_t *detail = json_sprintf("%s %s", branch.label, json_string_value(text));
-            add(rows, "internal resonance on branch", json_integer(id),
-                detail ? json_string_value(detail) : json_string_value(text));
+            add(rows, CLI_RESONANCE, json_integer(id), detail ? json_string_value(detail) : json_string_value(text));
             json_decref(detail);
         }
         json_decref(text);

@@ -81,12 +81,14 @@ static bool names_one(const char *item)
     return false;
 }
 
+enum { TONGUES = 5 }; /* branches whose internal resonances are told here */
+
 /* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none
  * of is left out, and rows of single branches and junctions are counted. */
 static void print_report(const json_t *rows)
 {
     const char *last = "";
-    size_t i, incomplete = 0;
+    size_t i, incomplete = 0, tongues = 0;
     json_t *row;
     json_array_foreach(rows, i, row)
     {
@@ -96,6 +98,7 @@ static void print_report(const json_t *rows)
             incomplete++;
             continue;
         }
+        if (item && !strcmp(item, CLI_RESONANCE) && ++tongues > TONGUES) continue;
         const json_t *value = json_object_get(row, "value");
         if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
@@ -107,6 +110,9 @@ static void print_report(const json_t *rows)
         if (*detail) cli_tell(stdout, " (%s)", detail);
     }
     putchar('\n');
+    if (tongues > TONGUES)
+        cli_tell(stdout, "internal resonances on %zu more branches (`ricochet branches --tongues` names them)\n",
+                 tongues - TONGUES);
     if (incomplete)
         cli_tell(stdout, "something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
                  incomplete);

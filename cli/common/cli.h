@@ -190,7 +190,8 @@ int cli_unmeasured(const ric_atlas *atlas);
 /* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,
  * cmd_cascade.c and cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
 /* Its internal resonances in words, "" if it follows none; each of them fits CLI_TONGUE bytes. */
-enum { CLI_TONGUE = 200 };
+enum { CLI_TONGUE = 240 };
+#define CLI_RESONANCE "internal resonance on branch" /* item of the report */
 ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **out);
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row);
 ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *row);

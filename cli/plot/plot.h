@@ -207,6 +207,7 @@ typedef struct {
     plot_point at;
     double arclength;
     int stable; /* ric_stability, or PLOT_JOINT: a junction, which leaves that to its neighbours */
+    bool gap;   /* nothing is drawn from here to the next one */
 } plot_knot;
 typedef struct {
     int n, room;
@@ -214,6 +215,8 @@ typedef struct {
 } plot_track;
 
 bool plot_track_add(plot_track *track, plot_point at, double arclength, int stable);
+/* The knot that was added last is the last one before a gap. */
+void plot_track_gap(plot_track *track);
 void plot_track_free(plot_track *track);
 /* Of a stored point: PLOT_JOINT where it is undecided because it is a junction. */
 int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);

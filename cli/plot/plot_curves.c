@@ -23,8 +23,13 @@ bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
         t->knots = knots;
         t->room = room;
     }
-    t->knots[t->n++] = (plot_knot){at, arclength, stable};
+    t->knots[t->n++] = (plot_knot){at, arclength, stable, false};
     return true;
+}
+
+void plot_track_gap(plot_track *t)
+{
+    if (t->n > 0) t->knots[t->n - 1].gap = true;
 }
 
 void plot_track_free(plot_track *t)
@@ -56,7 +61,7 @@ void plot_track_sort(plot_track *t)
 static int change_before(const plot_track *t, int i, plot_point *middle)
 {
     int first = i;
-    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT) first--;
+    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT && !t->knots[first - 1].gap) first--;
     if (first < i) {
         *middle = t->knots[first].at;
         return first + 1;
@@ -78,6 +83,7 @@ unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke f
         }
     for (; run && i < t->n; i++) {
         const plot_knot *knot = &t->knots[i];
+        if (n == 0 && knot->stable != PLOT_JOINT) present = knot->stable;
         if (knot->stable != PLOT_JOINT && knot->stable != present) {
             plot_point middle;
             const int start = change_before(t, i, &middle);
@@ -91,6 +97,9 @@ unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke f
         }
         run[n++] = knot->at;
         if (plot_panel_inside(panel, knot->at)) seen |= 1u << present;
+        if (!knot->gap) continue;
+        plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+        n = 0;
     }
     if (run && n > 0) plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
     free(run);
@@ -192,6 +201,7 @@ static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, c
         const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights),
                                read_quantity(y, branch, n_dof, &p, state, flights)};
         if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p))) status = RIC_E_NOMEM;
+        if (ric_branch_steps_over(atlas, branch->id, i)) plot_track_gap(t);
     }
     free(state);
     free(flights);

@@ -131,6 +131,7 @@ void fep_free_source(fep_source *s)
 static double visible_piece(const fep *f, const plot_track *t, int i, plot_point *a, plot_point *b)
 {
     const plot_box box = plot_panel_box(f->panel);
+    if (t->knots[i - 1].gap) return 0;
     *a = plot_panel_at(f->panel, t->knots[i - 1].at);
     *b = plot_panel_at(f->panel, t->knots[i].at);
     return isfinite(a->x + a->y + b->x + b->y) && plot_clip_segment(&box, a, b) ? hypot(b->x - a->x, b->y - a->y) : 0;
@@ -198,6 +199,7 @@ static ric_status tag_tongues(fep *f, const fep_source *s, const ric_branch *bra
         const int middle = tongues[i].first + (tongues[i].last - tongues[i].first + 1) / 2;
         if ((status = ric_atlas_point(s->atlas, branch->id, middle, &p, NULL, NULL)) != RIC_OK) break;
         const plot_point at = {p.energy, p.frequency};
+        if (tongues[i].crossed) continue;
         if (p.arclength < part->lo || p.arclength > part->hi || !plot_panel_inside(f->panel, at)) continue;
         plot_tag *tag = fep_new_tag(f);
         if (!tag) break;
@@ -237,6 +239,7 @@ static ric_status make_track(const fep_source *s, const ric_branch *branch, cons
         if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength,
                             plot_point_stability(branch, i, &p)))
             return RIC_E_NOMEM;
+        if (ric_branch_steps_over(s->atlas, branch->id, i)) plot_track_gap(t);
     }
     return add_joints(s, branch, part, t);
 }
@@ -295,10 +298,13 @@ static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch
     f->duplicate[family] |= inside;
     s->drawn |= inside;
     if (status == RIC_OK && curve) {
-        plot_panel_curve(f->page, f->panel,
-                         f->n_source > 1 ? PLOT_ATLAS_DUPLICATE + (plot_stroke)s->index
-                                         : PLOT_DUPLICATE + (plot_stroke)family,
-                         t.n, curve);
+        const plot_stroke stroke = f->n_source > 1 ? PLOT_ATLAS_DUPLICATE + (plot_stroke)s->index
+                                                   : PLOT_DUPLICATE + (plot_stroke)family;
+        for (int i = 0, from = 0; i < t.n; i++)
+            if (t.knots[i].gap || i + 1 == t.n) {
+                plot_panel_curve(f->page, f->panel, stroke, i + 1 - from, curve + from);
+                from = i + 1;
+            }
         tag_branch(f, s, branch, part->k, &t);
     }
     free(curve);

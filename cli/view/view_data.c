@@ -10,7 +10,9 @@
 
 #include "view.h"
 
-enum { JOINT = 3 }; /* the flag of a knot that is a junction, or a point on one; others have their ric_stability */
+/* JOINT: the flag of a knot that is a junction, or a point on one; others have their ric_stability. GAP is added to
+ * that of a point behind which a tongue was stepped over. */
+enum { JOINT = 3, GAP = 4 };
 enum { OUTLINE = 40000 }; /* knots of a first picture, about: a megabyte */
 
 struct view_shelf {
@@ -33,7 +35,7 @@ static int by_arclength(const void *a, const void *b)
 {
     const knot *s = a, *t = b;
     if (s->arclength != t->arclength) return s->arclength < t->arclength ? -1 : 1;
-    return (s->flag == JOINT) - (t->flag == JOINT);
+    return (s->flag % GAP == JOINT) - (t->flag % GAP == JOINT);
 }
 
 /* A q-tupling lies on its original branch at q times the frequency where it is drawn. */
@@ -58,9 +60,10 @@ static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, i
         ric_point p;
         if (!(status = ric_atlas_point(atlas, branch->id, i, &p, NULL, NULL)))
             knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency,
-                                   p.stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, &p)
-                                       ? JOINT
-                                       : (int)p.stable};
+                                   (p.stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, &p)
+                                        ? JOINT
+                                        : (int)p.stable) +
+                                       (ric_branch_steps_over(atlas, branch->id, i) ? GAP : 0)};
     }
     if (!status && branch->n_junction) {
         status = add_joints(atlas, branch, knots, n);
@@ -139,7 +142,7 @@ static ric_status pack(view_data *data)
 static bool outlined(const unsigned char *flags, size_t place, size_t n, size_t i, size_t stride)
 {
     const unsigned char *here = flags + place + i;
-    return i % stride == 0 || i + 1 == n || here[0] == JOINT || here[0] != here[-1] || here[0] != here[1];
+    return i % stride == 0 || i + 1 == n || here[0] % GAP == JOINT || here[0] != here[-1] || here[0] != here[1];
 }
 
 /* /api/outline: the layout of /api/points, and at its end the number of knots of each branch, 32 bits. All of it if

@@ -160,10 +160,11 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
     if (status) return status;
     *out = (place){.from = p.arclength, .to = q.arclength};
     const double part = q.arclength > p.arclength ? (s - p.arclength) / (q.arclength - p.arclength) : 0;
-    if (part <= 0 || part >= 1) {
+    /* where a tongue was stepped over there are no orbits in between */
+    if (part <= 0 || part >= 1 || ric_branch_steps_over(atlas, b->id, i)) {
         out->n = 1;
         out->at[0] = RIC_AT_POINT;
-        out->value[0] = part <= 0 ? i : j;
+        out->value[0] = part < 0.5 ? i : j;
         return RIC_OK;
     }
     const bool linear = ric_branch_linear(ric_atlas_model(atlas), b);

@@ -40,6 +40,10 @@ class Tongue(NamedTuple):
     """from 1"""
     turns: int
     per: int
+    crossed: bool
+    """stepped over: a gap between the points `first` and `last`"""
+    others: int
+    """narrower ones that were stepped over with it"""
     first: int
     """the point of the branch at which it begins"""
     last: int
@@ -237,11 +241,11 @@ class Branch:
 
     @property
     def tongues(self) -> List["Tongue"]:
-        """The internal resonances that it follows, in their order."""
+        """The internal resonances that it follows or steps over, in their order."""
         n, out = ffi.new("int *"), ffi.new("ric_tongue **")
         check(lib.ric_branch_tongues(self.atlas._handle, self.id, n, out))
         found = ffi.gc(out[0], lib.ric_tongues_free)
-        return [Tongue(t.mode, t.turns, t.per, t.first, t.last, tuple(t.energy), tuple(t.frequency)) for t in found[0 : n[0]]]
+        return [Tongue(t.mode, t.turns, t.per, bool(t.crossed), t.others, t.first, t.last, tuple(t.energy), tuple(t.frequency)) for t in found[0 : n[0]]]
 
     def _find(self, at: int, value: float) -> List[Orbit]:
         n, out = ffi.new("int *"), ffi.new("ric_orbit ***")

@@ -25,6 +25,7 @@ void ric_atlas_branch_record_free(ric_branch_record *branch)
     free(branch->junctions);
     free(branch->junction_at);
     free(branch->points);
+    free(branch->gaps);
     *branch = (ric_branch_record){0};
 }
 

@@ -4,14 +4,22 @@
 
 #include "columns.h"
 
+/* A tongue that a branch has stepped over, between a point and the next one: a mode, from 1, with its turns in a
+ * period, and how many other resonances lie in the gap. */
+typedef struct {
+    int point, mode, turns, others;
+} ric_atlas_gap;
+
 /* A branch that owns its arrays. `row` is what the public interface hands out; its pointers lead into this struct. */
 typedef struct {
     ric_branch row;
     char *key, *label, *mirror, *why;
     int *word, *junctions;
     double *junction_at;
-    size_t stride;  /* doubles per point: sizeof(ric_point) / 8 + 2 n_dof + max(impacts, 1) */
-    double *points; /* [n_point * stride]: ric_point, state (x, v), flights */
+    int n_gap;
+    ric_atlas_gap *gaps; /* in order */
+    size_t stride;       /* doubles per point: sizeof(ric_point) / 8 + 2 n_dof + max(impacts, 1) */
+    double *points;      /* [n_point * stride]: ric_point, state (x, v), flights */
 } ric_branch_record;
 
 typedef struct {

@@ -333,6 +333,7 @@ ric_status ric_store_write_junctions(ric_store *store, ric_status before, const 
     store->tables_begun = false;
     if (!status) status = ric_store_put_junctions(file, atlas);
     if (!status) status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
+    if (!status) status = ric_store_put_gaps(file, atlas);
     return conclude(file, status);
 }
 

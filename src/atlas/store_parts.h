@@ -109,4 +109,9 @@ ric_status ric_store_put_study(ric_database file, const ric_study *study, bool f
 ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas);
 ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
 
+/* -------------------------------------------------------------- store_gaps.c */
+
+ric_status ric_store_put_gaps(ric_database file, const ric_atlas *atlas);
+ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas);
+
 #endif

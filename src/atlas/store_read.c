@@ -417,6 +417,7 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
     atlas->n_junction = n_junction;
     status = read_branches(file, atlas, counts);
     if (!status) status = read_junctions(file, atlas, counts);
+    if (!status) status = ric_store_read_gaps(file, atlas);
 out:
     free(counts);
     return status;

@@ -198,6 +198,25 @@ static ric_status follow(const survey *s, int k, int *n, ric_tongue *out)
     return status;
 }
 
+static ric_status crossed(const survey *s, int *n, ric_tongue *out)
+{
+    const ric_branch_record *r = &s->atlas->branches[s->branch.id - 1];
+    ric_status status = RIC_OK;
+    for (int i = 0; i < r->n_gap && !status; i++) {
+        const ric_atlas_gap *gap = &r->gaps[i];
+        int mode = 0, per = 1;
+        while (mode + 1 < s->model->n && s->model->mode[mode] != gap->mode - 1) mode++;
+        status = motion(s, gap->point, mode, &per);
+        out[*n] = (ric_tongue){.mode = gap->mode,
+                               .turns = gap->turns,
+                               .per = per,
+                               .crossed = true,
+                               .others = gap->others};
+        set_place(s, gap->point, gap->point + 1, &out[(*n)++]);
+    }
+    return status;
+}
+
 static int by_place(const void *a, const void *b)
 {
     const ric_tongue *s = a, *t = b;
@@ -213,11 +232,12 @@ ric_status ric_branch_tongues(const ric_atlas *atlas, int id, int *n, ric_tongue
     ric_status status = ric_atlas_branch(atlas, id, &b);
     if (status || ric_branch_linear(ric_atlas_model(atlas), &b) || b.n_point == 0) return status;
     status = survey_make(atlas, &b, &s);
-    /* the runs of one mode hold a point each at least */
-    *out = status ? NULL : ric_calloc((size_t)b.n_point * (size_t)s.model->n + 1, sizeof **out);
+    /* where a mode rules it has half of the energy, which two modes can, and a gap lies behind a point */
+    *out = status ? NULL : ric_calloc(3 * (size_t)b.n_point + 1, sizeof **out);
     if (!status && !*out) status = ric_no_memory("resonances along a branch");
     for (int k = 0; k < ric_model_n_mode(ric_atlas_model(atlas)) && !status; k++)
         if (s.model->omega[k] > 0) status = follow(&s, k, n, *out);
+    if (!status) status = crossed(&s, n, *out);
     if (!status) qsort(*out, (size_t)*n, sizeof **out, by_place);
     survey_free(&s);
     if (status) {
@@ -228,6 +248,19 @@ ric_status ric_branch_tongues(const ric_atlas *atlas, int id, int *n, ric_tongue
     return status;
 }
 
+bool ric_branch_steps_over(const ric_atlas *atlas, int branch, int point)
+{
+    if (branch < 1 || branch > atlas->n_branch) return false;
+    const ric_branch_record *r = &atlas->branches[branch - 1];
+    int low = 0, high = r->n_gap; /* in order */
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (r->gaps[middle].point < point) low = middle + 1;
+        else high = middle;
+    }
+    return low < r->n_gap && r->gaps[low].point == point;
+}
+
 void ric_tongues_free(ric_tongue *tongues)
 {
     free(tongues);
@@ -235,8 +268,15 @@ void ric_tongues_free(ric_tongue *tongues)
 
 ric_status ric_tongue_text(const ric_tongue *t, double unit, size_t size, char *out)
 {
-    const int used = snprintf(out, size, "follows %d : %d with mode %d from E %.6g to E %.6g", t->turns, t->per,
-                              t->mode, unit * t->energy[0], unit * t->energy[1]);
+    const double from = unit * t->energy[0], to = unit * t->energy[1];
+    int used = snprintf(out, size, "%s %d : %d with mode %d", t->crossed ? "steps over" : "follows", t->turns, t->per,
+                        t->mode);
+    if (used >= 0 && (size_t)used < size && t->others)
+        used += snprintf(out + used, size - (size_t)used, " and %d more", t->others);
+    if (used >= 0 && (size_t)used < size)
+        used += snprintf(out + used, size - (size_t)used, " from E %.6g to E %.6g", from, to);
+    if (used >= 0 && (size_t)used < size && t->crossed)
+        used += snprintf(out + used, size - (size_t)used, ", omega %.8g to %.8g", t->frequency[0], t->frequency[1]);
     if (used < 0 || (size_t)used >= size)
         return ric_fail(RIC_E_RANGE, "a text of %d characters does not fit in %zu", used, size);
     return RIC_OK;

@@ -9,6 +9,7 @@
 #include "continuation_step.h"
 #include "event.h"
 #include "event_parts.h"
+#include "leap.h"
 #include "model/room.h"
 #include "multiple_cover.h"
 
@@ -478,6 +479,7 @@ void ric_continuation_free(ric_continuation *tr)
         free(tr->events[i].t);
     }
     free(tr->events);
+    free(tr->gaps);
     free(tr->resonances);
     free(tr->samples.values);
     free(tr->end.u);
@@ -582,6 +584,7 @@ const char *ric_continuation_why_text(ric_why why)
         [RIC_WHY_NO_STEP] = "no step, however small, stays on the branch",
         [RIC_WHY_NO_JUNCTION] = "the junction at the end does not converge",
         [RIC_WHY_NO_FIT] = "the branch does not fit the junction at its end",
+        [RIC_WHY_TONGUE] = "border of a tongue that is stepped over",
         [RIC_WHY_NO_WAY_BACK] = "the way back does not lead home",
     };
     return text[why];
@@ -599,6 +602,8 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
         return RIC_OK;
     }
     int order;
+    bool over;
+    if ((status = ric_leap_try(tr, &over)) || over) return status;
     tr->longest = HUGE_VAL;
     if ((status = ric_multiple_cover_ahead(tr, &h, &order, &tr->mid))) return status;
     h = before_crossing(tr, h);
@@ -616,7 +621,15 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
         tr->evaluations += way.iterations + 1;
         good = good && !symmetric_after_all(tr->chain) &&
                !(tr->may_gain && ric_symmetric_end_gains(tr->chain, tr->next.u));
-        if (good && ric_continuation_stays(tr, &way) && !crowded(tr, h)) {
+        const bool solved = good;
+        good = good && ric_continuation_stays(tr, &way);
+        double shorter;
+        if (good && ric_leap_ahead(tr, h, &shorter)) {
+            if (shorter > 0) h = shorter;
+            else if ((status = ric_leap_try(tr, &over)) || over) return status;
+            continue;
+        }
+        if (good && !crowded(tr, h)) {
             if ((status = ric_continuation_examine(tr, &tr->next, way.orientation))) return status;
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;
@@ -633,7 +646,7 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
                 }
             }
         }
-        h *= good ? 0.5 : 0.25;
+        h *= solved ? 0.5 : 0.25;
         if (h < SMALLEST_STEP * size) {
             tr->stop = RIC_STOP_FAILED;
             tr->why = RIC_WHY_NO_STEP;
@@ -648,6 +661,7 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
             RIC_E_NUMERIC,
             "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
             tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
+    if ((status = ric_leap_leave(tr, done)) || *done) return status;
     tr->ignore = 0;
     tr->approaches = 0;
     if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;

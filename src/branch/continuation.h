@@ -27,6 +27,7 @@ typedef enum {
     RIC_WHY_NO_JUNCTION,
     RIC_WHY_NO_FIT,
     RIC_WHY_NO_WAY_BACK,
+    RIC_WHY_TONGUE,
     RIC_N_WHY
 } ric_why;
 /* The reason as a sentence, "" for RIC_WHY_NONE. */
@@ -88,8 +89,9 @@ typedef struct {
     double period[2]; /* smallest and largest period, internal units */
     double max_step;  /* relative to the size of the unknowns */
     int max_points;
-    int multiply; /* largest q of a q-tupling that is looked for; below 2 none */
-    int n_asked;  /* energies and frequencies whose passages are events */
+    int multiply;        /* largest q of a q-tupling that is looked for; below 2 none */
+    double tongue_width; /* relative, in frequency: narrower tongues are stepped over (leap.h); 0: none is */
+    int n_asked;         /* energies and frequencies whose passages are events */
     ric_user_point asked[RIC_USER_POINTS_MAX];
     bool ghost;                  /* go on past inadmissible points, as long as no flight time is negative */
     void (*stepped)(void *user); /* NULL, or told of every step */
@@ -114,14 +116,24 @@ ric_limits ric_continuation_limits(const ric_model *model, const double energy[2
  *   avoided     another branch comes near ahead, and does not cross: the zero that the bordered determinant heads for
  *               is none
  *   steep       law power: somewhere more is lost in rounding than it ought to be
+ *   leap_at     period of the border of a tongue, from where the next step leaps; 0: none
+ *   refused     periods between which no leap is tried again
+ *   on_mode     the mode, from 1, along whose tongue the branch has climbed, with its turns in a period; 0: none
  *   ignore      tests that vanish at the very start, as bits; cleared after the first step */
 #define RIC_CARRIED                                                                                                    \
-    double definite[RIC_N_TEST], step, step_max, wanted, after, longest, lowest, blind, blind_at[2], crowded_at[2];    \
-    int32_t unresolved, approaches, avoided, steep, has_past;                                                          \
+    double definite[RIC_N_TEST], step, step_max, wanted, after, longest, lowest, blind, blind_at[2], crowded_at[2],    \
+        leap_at, refused[2];                                                                                           \
+    int32_t unresolved, approaches, avoided, steep, has_past, on_mode, on_turns;                                       \
     uint32_t ignore;
 typedef struct {
     RIC_CARRIED
 } ric_carried;
+
+/* A tongue that was stepped over, between a point and the next one, with the widest resonance in it and how many others
+ * there are. */
+typedef struct {
+    int32_t point, mode, turns, others; /* mode: of all, from 1 */
+} ric_leap;
 
 typedef struct {
     ric_shooting *chain; /* owned */
@@ -145,7 +157,9 @@ typedef struct {
     double *points;
     int n_event, event_capacity;
     ric_event *events; /* interior ones, in order */
-    ric_event end;     /* what stopped the branch (end.test = -1: no event) */
+    int n_gap;
+    ric_leap *gaps; /* in order */
+    ric_event end;  /* what stopped the branch (end.test = -1: no event) */
     ric_stop stop;
     bool arrival; /* the end is a point where the branch meets its own mirror image */
     ric_why why;
@@ -165,7 +179,7 @@ void ric_continuation_free(ric_continuation *trace);
 typedef struct {
     ric_carried carried;
     double scale;
-    int32_t n_point, n_event, n_past, none; /* `none` fills up: all its bytes are stored */
+    int32_t n_point, n_event, n_past, n_gap;
 } ric_continuation_place;
 
 ric_continuation_place ric_continuation_mark(const ric_continuation *trace);

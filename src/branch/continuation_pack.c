@@ -9,13 +9,13 @@
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
  * stored is dropped when a run begins (ric_continuation_version). */
-#define PACK_FORMAT 7
+#define PACK_FORMAT 8
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
 #define SANE 10000000
 
 typedef struct {
-    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, why, arrival, end_test;
+    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, why, arrival, end_test, n_gap;
 } header;
 
 const char *ric_continuation_version(void)
@@ -59,14 +59,15 @@ static void pass_found(ric_bytes *b, ric_continuation *tr)
     ric_bytes_pass(b, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
     for (int i = 0; i < tr->n_event && !b->lost; i++) pass_event(b, &tr->events[i], tr->chain->n_unknown, n_test);
     pass_event(b, &tr->end, tr->chain->n_unknown, n_test);
+    ric_bytes_pass(b, tr->gaps, (size_t)tr->n_gap * sizeof *tr->gaps);
 }
 
 static void pack(ric_bytes *b, void *user)
 {
     ric_continuation *tr = user;
     const ric_shooting *c = tr->chain;
-    header h = {PACK_FORMAT, (int32_t)c->start, (int32_t)c->end,   c->sigma,         c->n_flight, c->parts,
-                tr->n_point, tr->n_event,       (int32_t)tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test};
+    header h = {PACK_FORMAT, (int32_t)c->start, (int32_t)c->end,  c->sigma,    c->n_flight,  c->parts, tr->n_point,
+                tr->n_event, (int32_t)tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test, tr->n_gap};
     ric_bytes_pass(b, &h, sizeof h);
     ric_bytes_pass(b, c->face, ((size_t)c->n_flight + 1) * sizeof *c->face);
     pass_findings(b, tr, c->closed);
@@ -84,9 +85,9 @@ static bool sane(const header *h, const ric_model *m)
 {
     return h->format == PACK_FORMAT && h->n_flight >= 1 && h->n_flight <= SANE && h->parts >= 1 &&
            h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 1 &&
-           h->n_point <= SANE && h->n_event >= 0 && h->n_event <= SANE && h->start >= 0 &&
-           h->start <= RIC_MIRROR_CENTRE && h->end >= 0 && h->end <= RIC_MIRROR_CENTRE && h->stop >= 0 &&
-           h->stop <= RIC_STOP_FAILED && h->why >= 0 && h->why < RIC_N_WHY;
+           h->n_point <= SANE && h->n_event >= 0 && h->n_event <= SANE && h->n_gap >= 0 && h->n_gap <= h->n_point &&
+           h->start >= 0 && h->start <= RIC_MIRROR_CENTRE && h->end >= 0 && h->end <= RIC_MIRROR_CENTRE &&
+           h->stop >= 0 && h->stop <= RIC_STOP_FAILED && h->why >= 0 && h->why < RIC_N_WHY;
 }
 
 static bool is_finite(int n, const double *values)
@@ -143,7 +144,9 @@ static bool make_room(const ric_bytes *b, const header *h, ric_continuation *tr)
     if (!ric_bytes_have(b, bytes + (size_t)h->n_event)) return false;
     tr->points = ric_malloc(bytes ? bytes : 1);
     tr->events = ric_calloc((size_t)h->n_event + 1, sizeof *tr->events);
-    if (!tr->points || !tr->events) return false;
+    tr->gaps = ric_calloc((size_t)h->n_gap + 1, sizeof *tr->gaps);
+    if (!tr->points || !tr->events || !tr->gaps) return false;
+    tr->n_gap = h->n_gap;
     tr->n_point = tr->point_capacity = h->n_point;
     tr->n_event = h->n_event;
     tr->event_capacity = h->n_event + 1;
@@ -170,6 +173,9 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     status = RIC_E_FORMAT;
     if (b.lost || !ric_continuation_resonances(tr) || !make_room(&b, &h, tr)) goto out;
     pass_found(&b, tr);
+    for (int i = 0; i < tr->n_gap; i++)
+        b.lost |= tr->gaps[i].point < 0 || tr->gaps[i].point + 1 >= tr->n_point || tr->gaps[i].mode < 1 ||
+                  tr->gaps[i].mode > m->n_dof;
     if (b.lost || !sane_found(tr)) goto out;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;

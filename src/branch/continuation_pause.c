@@ -7,7 +7,7 @@
 #include "continuation_pack.h"
 #include "base/room.h"
 
-#define PAUSE_FORMAT 5 /* changes with the layout, which is private to one version on one type of machine */
+#define PAUSE_FORMAT 6 /* changes with the layout, which is private to one version on one type of machine */
 
 /* -------------------------------------------------------------------- bytes */
 

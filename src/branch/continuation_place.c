@@ -10,7 +10,8 @@ ric_continuation_place ric_continuation_mark(const ric_continuation *tr)
                                     .scale = tr->chain->scale,
                                     .n_point = tr->n_point,
                                     .n_event = tr->n_event,
-                                    .n_past = tr->samples.n_past};
+                                    .n_past = tr->samples.n_past,
+                                    .n_gap = tr->n_gap};
 }
 
 void ric_continuation_return(ric_continuation *tr, const ric_continuation_place *to)
@@ -29,6 +30,7 @@ void ric_continuation_return(ric_continuation *tr, const ric_continuation_place 
     tr->chain->scale = to->scale;
     tr->n_point = to->n_point;
     tr->samples.n_past = to->n_past;
+    tr->n_gap = to->n_gap;
 }
 
 void ric_continuation_widen(const ric_continuation *tr, bool first, double range[2])

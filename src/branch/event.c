@@ -126,6 +126,14 @@ ric_status ric_event_arrive(ric_continuation *tr, const ric_station *p)
     return status ? status : ric_continuation_keep(tr, p);
 }
 
+ric_status ric_event_border(ric_continuation *tr, const ric_station *p)
+{
+    ric_status status = fill_event(tr, RIC_TEST_F_MAX, p, &tr->end);
+    tr->stop = RIC_STOP_WINDOW;
+    tr->why = RIC_WHY_TONGUE;
+    return status ? status : ric_continuation_keep(tr, p);
+}
+
 /* ------------------------------------------------------------------- the step */
 
 static void end_by(ric_continuation *tr, int test)

@@ -12,6 +12,9 @@ bool ric_event_suspicious(const ric_continuation *trace, double h);
 ric_status ric_event_keep(ric_continuation *trace, int test, const ric_station *station);
 ric_status ric_event_arrive(ric_continuation *trace, const ric_station *station);
 
+/* Ends the branch at the border of a tongue that others step over. */
+ric_status ric_event_border(ric_continuation *trace, const ric_station *station);
+
 /* Finds every event between now and next. Interior ones are kept; one that ends the branch cuts the step there, stores
  * the last point and sets *done. *retry asks for a smaller step (a sign change without a zero: the step has left the
  * branch). */

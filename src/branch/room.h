@@ -5,6 +5,7 @@
 #include "continuation.h"
 #include "continuation_pack.h"
 #include "continuation_pause.h"
+#include "leap.h"
 #include "symmetry.h"
 #include "user_point.h"
 

@@ -183,6 +183,19 @@ static int backbone_mode(const ric_graph *g, const ric_edge *e)
     return 0;
 }
 
+static ric_status note_gaps(const ric_continuation *tr, ric_branch_record *r)
+{
+    r->gaps = ric_calloc((size_t)tr->n_gap + 1, sizeof *r->gaps);
+    if (!r->gaps) return ric_no_rows();
+    r->n_gap = tr->n_gap;
+    for (int i = 0; i < tr->n_gap; i++)
+        r->gaps[i] = (ric_atlas_gap){.point = tr->gaps[i].point,
+                                     .mode = tr->gaps[i].mode,
+                                     .turns = tr->gaps[i].turns,
+                                     .others = tr->gaps[i].others};
+    return RIC_OK;
+}
+
 ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch_row *out)
 {
     const ric_model *m = g->model;
@@ -228,6 +241,7 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     out->to = e->to;
     out->edge = e;
     ric_status status = fill_points(m, e, &t, r);
+    if (!status) status = note_gaps(tr, r);
     if (status) return status;
     summarise(r);
     extend_ranges(g, e, &r->row);

@@ -28,6 +28,7 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->largest = ric_region_largest(o);
     g->limits = ric_continuation_limits(m, energy, frequency, o->max_step, MAX_POINTS);
     g->limits.multiply = o->multiply;
+    g->limits.tongue_width = o->cross_tongues ? o->tongue_width : 0;
     g->limits.n_asked = ric_user_point_list(o, g->limits.asked);
     for (int i = 0; i < o->n_cascade; i++)
         g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;

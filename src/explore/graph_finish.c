@@ -36,7 +36,8 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
     for (int i = 0; i + 1 < tr->n_point && !found; i++) {
         const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
         const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
-        if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy) continue;
+        if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy || ric_leap_behind(tr, i))
+            continue;
         const double *ua = (const double *)(a + 1), *ub = (const double *)(b + 1);
         double x = (target - a->energy) / (b->energy - a->energy), step = 0;
         for (int j = 0; j < size; j++) {

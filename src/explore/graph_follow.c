@@ -65,6 +65,7 @@ static ric_status trace_key(const course *way, char *key, size_t size)
                               l->max_step, l->multiply, hash);
     if (l->n_asked)
         used += ric_c_print(key + used, size - used, " %016" PRIx64, ric_user_point_key(l->n_asked, l->asked));
+    if (l->tongue_width > 0) used += ric_c_print(key + used, size - used, " leap %a", l->tongue_width);
     if (way->along) ric_c_print(key + used, size - used, " back");
     return ric_memory_failed() ? ric_no_memory("the name of a branch") : RIC_OK;
 }

@@ -262,7 +262,8 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
             if ((status = ric_atlas_point(a, branch, i, &p, NULL, NULL))) break;
             double f = (at == RIC_AT_ENERGY ? p.energy : p.frequency) - value;
             if (f == 0) status = at_point(a, &b, i, &list[(*n)++]);
-            else if (i && last * f < 0) status = between_points(a, &b, i - 1, at, value, last, f, &list[(*n)++]);
+            else if (i && last * f < 0 && !ric_branch_steps_over(a, branch, i - 1))
+                status = between_points(a, &b, i - 1, at, value, last, f, &list[(*n)++]);
             last = f;
         }
     }

@@ -111,6 +111,27 @@ static const ric_option RIC_OPTIONS[] = {
      "relative to 1 + norm of the state",
      "largest arclength step"},
     {"explore",
+     "tongues",
+     RIC_OPTION_TONGUES,
+     FIELD(cross_tongues),
+     {0, 0},
+     0,
+     1,
+     false,
+     "",
+     "follow or cross: what a branch does at an internal resonance with a mode that it hardly excites, climb along it, "
+     "or go on behind it if it is narrower than tongue_width"},
+    {"explore",
+     "tongue_width",
+     RIC_OPTION_REAL,
+     FIELD(tongue_width),
+     {0.01, 0},
+     0,
+     0.5,
+     true,
+     "relative to the frequency",
+     "with tongues: cross, the widest gap that is stepped over"},
+    {"explore",
      "symmetric",
      RIC_OPTION_SWITCH,
      FIELD(symmetric_only),
@@ -187,6 +208,7 @@ static void store(const ric_option *option, const double value[2], ric_explore_o
     case RIC_OPTION_MODES: out->n_start = 0; break;
     case RIC_OPTION_NUMBERS: ((ric_numbers *)where)->n = 0; break;
     case RIC_OPTION_CASCADE: out->n_cascade = 0; break;
+    case RIC_OPTION_TONGUES: *(bool *)where = value[0] != 0; break;
     }
 }
 
@@ -401,7 +423,11 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
     if (option->type == RIC_OPTION_NUMBERS) return read_numbers(option, list, n, texts, field(option, out), item);
     if (option->type == RIC_OPTION_CASCADE)
         return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade, &out->n_cascade, item);
-    if (option->type == RIC_OPTION_WINDOW) status = read_window(option, list, n, texts, value, item);
+    if (option->type == RIC_OPTION_TONGUES && !list) {
+        value[0] = strcmp(texts[0], "cross") ? 0 : 1;
+        if (value[0] == 0 && strcmp(texts[0], "follow"))
+            return ric_fail(RIC_E_INPUT, "'%.40s' is neither follow nor cross; write one of them", texts[0]);
+    } else if (option->type == RIC_OPTION_WINDOW) status = read_window(option, list, n, texts, value, item);
     else if (list) return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
     else if (option->type == RIC_OPTION_SWITCH) {
         value[0] = strcmp(texts[0], "true") ? 0 : 1;
@@ -446,6 +472,7 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
         write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out);
         break;
     case RIC_OPTION_MODES: write_list("modes", options->n_start, options->start, out); break;
+    case RIC_OPTION_TONGUES: fputs(*(const bool *)where ? "cross" : "follow", out); break;
     case RIC_OPTION_CASCADE: write_list("all", options->n_cascade, options->cascade, out); break;
     }
 }
@@ -485,6 +512,7 @@ static const char *type_text(ric_option_type type)
     case RIC_OPTION_MODES: return "`modes` or a list";
     case RIC_OPTION_NUMBERS: return "list of up to " TEXT(RIC_NUMBERS_MAX) " numbers";
     case RIC_OPTION_CASCADE: return "`all` or a list";
+    case RIC_OPTION_TONGUES: return "`follow` or `cross`";
     }
     return "";
 }
@@ -500,9 +528,9 @@ void ric_options_document(FILE *out)
         const ric_option *option = &RIC_OPTIONS[i];
         write_default(option, sizeof value, value);
         describe_range(option, sizeof range, range);
+        const bool words = option->type == RIC_OPTION_SWITCH || option->type == RIC_OPTION_TONGUES;
         fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "",
-                option->key, type_text(option->type), value, option->type == RIC_OPTION_SWITCH ? "" : range,
-                option->unit, option->help);
+                option->key, type_text(option->type), value, words ? "" : range, option->unit, option->help);
     }
     fputs("\n## regions\n\n"
           "Larger budgets for a part of the plane, in a list at the top of a study;\n"

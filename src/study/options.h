@@ -14,7 +14,8 @@ typedef enum {
     RIC_OPTION_WINDOW,
     RIC_OPTION_MODES,
     RIC_OPTION_CASCADE,
-    RIC_OPTION_NUMBERS
+    RIC_OPTION_NUMBERS,
+    RIC_OPTION_TONGUES /* follow or cross */
 } ric_option_type;
 
 typedef struct {

@@ -176,6 +176,17 @@ static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int
     return RIC_OK;
 }
 
+/* A power law acts all the time and makes other modes of the linear ones: where their tongues are is not known. */
+static ric_status check_tongues(const ric_yaml *r, const ric_yaml_slot *explore, const ric_model *model,
+                                const ric_explore_options *options)
+{
+    ric_contact first;
+    if (!options->cross_tongues || ric_model_contact(model, 0, &first) || first.law != RIC_LAW_POWER) return RIC_OK;
+    return ric_yaml_wrong(r, explore->value, "explore.tongues",
+                          "cross is for contacts that open and close; under a power law the modes that a branch would "
+                          "step over are not the linear ones; write follow");
+}
+
 /* ------------------------------------------------------------------- names */
 
 static ric_status check_kind(const ric_yaml *r, const ric_yaml_node *value, const char *key)
@@ -434,6 +445,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
+        (status = check_tongues(r, &slots[S_EXPLORE], study->model, &study->options)) ||
         (status = settle_options(r, slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key, &relative,
                                  study)))
         return status;

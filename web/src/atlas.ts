@@ -3,6 +3,7 @@
 import type { BranchRow, Description, JunctionRow, Source } from "./api";
 
 export const JOINT = 3; // flag of a knot that is a junction; others carry 0 unstable, 1 stable, 2 undecided
+export const GAP = 4; // added to the flag of a point behind which a tongue was stepped over; the style of the piece that is not drawn
 const BLOCK = 8; // segments in a leaf
 const MIXED = 255;
 const NODE = 6; // numbers per node: box and the bounds of what a chord misses, in each direction
@@ -78,19 +79,21 @@ export class Atlas {
 
   // Stability changes at the first junction since the last point, as in the drawn pictures.
   private setStyles(b: Branch, flags: Uint8Array): void {
+    const of = (i: number) => flags[i] % GAP;
     let present = 2;
     for (let i = b.place; i < b.place + b.knots; i++)
-      if (flags[i] !== JOINT) {
-        present = flags[i];
+      if (of(i) !== JOINT) {
+        present = of(i);
         break;
       }
     for (let i = b.place; i < b.place + b.knots; i++) {
-      if (flags[i] !== JOINT) present = flags[i];
-      this.style[i] = present;
-      if (flags[i] !== JOINT) continue;
+      if (of(i) !== JOINT) present = of(i);
+      this.style[i] = flags[i] >= GAP ? GAP : present;
+      if (of(i) !== JOINT) continue;
       let next = i + 1;
-      while (next < b.place + b.knots && flags[next] === JOINT) next++;
-      if (next < b.place + b.knots) this.style[i] = present = flags[next];
+      while (next < b.place + b.knots && of(next) === JOINT) next++;
+      if (next < b.place + b.knots) present = of(next);
+      if (next < b.place + b.knots && flags[i] < GAP) this.style[i] = present;
     }
   }
 
@@ -113,13 +116,14 @@ export class Atlas {
       const from = b.place + k * BLOCK;
       const to = Math.min(last, from + BLOCK);
       const at = (b.root + k) * NODE;
-      let x0 = x[from], x1 = x0, y0 = y[from], y1 = y0, mx = 0, my = 0, same = style[from]; // plain: this is done for every knot
+      let x0 = x[from], x1 = x0, y0 = y[from], y1 = y0, mx = 0, my = 0, same = style[from] === GAP ? MIXED : style[from]; // plain: this is done for every knot
       for (let i = from + 1; i <= to; i++) {
         x0 = Math.min(x0, x[i]);
         x1 = Math.max(x1, x[i]);
         y0 = Math.min(y0, y[i]);
         y1 = Math.max(y1, y[i]);
         if (i < to && style[i] !== same) same = MIXED;
+        if (i < to && style[i] === GAP) same = MIXED;
         this.miss(from, to, i);
         mx = Math.max(mx, this.missX);
         my = Math.max(my, this.missY);
@@ -185,7 +189,7 @@ export class Atlas {
         piece(this.start(b, level, index), this.start(b, level, index + 1), same);
       } else if (level === 0) {
         const to = this.start(b, 0, index + 1);
-        for (let i = this.start(b, 0, index); i < to; i++) piece(i, i + 1, style[i]);
+        for (let i = this.start(b, 0, index); i < to; i++) if (style[i] !== GAP) piece(i, i + 1, style[i]);
       } else {
         const below = first - b.levels[level - 1];
         visit(level - 1, below, 2 * index);
