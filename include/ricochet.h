@@ -66,6 +66,9 @@ typedef struct ric_model ric_model;
 ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
                             const ric_contact *contacts, double restitution, ric_model **out);
 void ric_model_free(ric_model *model);
+/* The structure with its lowest n_mode modes only: normals are those parts of the contacts' that move these modes, and
+ * springs of law bilinear give way by the static compliance of the rest, too (docs/theory.md section 1). */
+ric_status ric_model_truncate(const ric_model *model, int n_mode, ric_model **out);
 
 int ric_model_n_dof(const ric_model *model);
 int ric_model_n_mode(const ric_model *model); /* modes that some contact sees */
@@ -178,6 +181,16 @@ const char *ric_study_title(const ric_study *study);
 const char *ric_study_text(const ric_study *study);
 const ric_model *ric_study_model(const ric_study *study);
 const ric_explore_options *ric_study_options(const ric_study *study);
+/* Where the structure is, for pictures: nodes, with the displacements, counted from 1, that move them along each
+ * direction (0: none does), and lines between two of them, counted from 0 as in these calls. */
+typedef struct {
+    double at[3];
+    int moves[3];
+} ric_drawing_node;
+int ric_study_n_node(const ric_study *study);
+ric_status ric_study_node(const ric_study *study, int i, ric_drawing_node *out);
+int ric_study_n_line(const ric_study *study);
+ric_status ric_study_line(const ric_study *study, int i, int ends[2]);
 int ric_study_n_name(const ric_study *study);
 ric_status ric_study_name(const ric_study *study, int i, ric_name *out);
 

@@ -5,6 +5,7 @@
 #include "modal.h"
 #include "model.h"
 #include "regime.h"
+#include "truncate.h"
 #include "word.h"
 
 #endif

@@ -27,8 +27,9 @@ struct ric_study {
     ric_model *model;
     size_t restitution_line;
     ric_explore_options options;
-    char remark[400]; /* "" from an atlas */
-    bool chosen[2];   /* the windows of energy and frequency, by the program */
+    char remark[1600]; /* "" from an atlas */
+    ric_drawing drawing;
+    bool chosen[2]; /* the windows of energy and frequency, by the program */
     int n_name;
     ric_name *names;
 };
@@ -391,6 +392,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
     ric_buffer_sync(&written);
     size_t end = written.size;
     if (raw) write_names(study, out);
+    if (raw) ric_study_drawing_write(&study->drawing, out);
     else fputs(study->text + study->explore_end, out);
     char *text = ric_buffer_take(&written);
     if (!text) return ric_no_memory("the text of the study");
@@ -403,8 +405,9 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 
 /* ------------------------------------------------------------------- study */
 
-enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_COUNT };
-static const char *const study_keys[S_COUNT] = {"title", "model", "explore", "regions", "names", "tolerance"};
+enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_DRAWING, S_COUNT };
+static const char *const study_keys[S_COUNT] = {"title", "model",     "explore", "regions",
+                                                "names", "tolerance", "drawing"};
 
 /* What the model has to say about the options. */
 static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place, const all_multiples *all,
@@ -442,6 +445,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
     if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model))) return status;
+    if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing))) return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
@@ -601,10 +605,37 @@ void ric_study_free(ric_study *study)
         free((void *)(uintptr_t)study->names[i].kind);
     }
     free(study->names);
+    ric_study_drawing_free(&study->drawing);
     ric_model_free(study->model);
     free(study->title);
     free(study->text);
     free(study);
+}
+
+int ric_study_n_node(const ric_study *study)
+{
+    return study->drawing.n_node;
+}
+
+ric_status ric_study_node(const ric_study *study, int i, ric_drawing_node *out)
+{
+    if (i < 0 || i >= study->drawing.n_node)
+        return ric_fail(RIC_E_RANGE, "no node %d; there are %d, from 0", i, study->drawing.n_node);
+    *out = study->drawing.nodes[i];
+    return RIC_OK;
+}
+
+int ric_study_n_line(const ric_study *study)
+{
+    return study->drawing.n_line;
+}
+
+ric_status ric_study_line(const ric_study *study, int i, int ends[2])
+{
+    if (i < 0 || i >= study->drawing.n_line)
+        return ric_fail(RIC_E_RANGE, "no line %d; there are %d, from 0", i, study->drawing.n_line);
+    for (int k = 0; k < 2; k++) ends[k] = study->drawing.lines[i].ends[k] - 1;
+    return RIC_OK;
 }
 
 size_t ric_study_restitution_line(const ric_study *study)

@@ -47,10 +47,7 @@ static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const 
     return RIC_OK;
 }
 
-static void add_remark(ric_raw_model *raw, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* One sentence after the other, as long as there is room. */
-static void add_remark(ric_raw_model *raw, const char *format, ...)
+void ric_study_remark_add(ric_raw_model *raw, const char *format, ...)
 {
     va_list arguments;
     const size_t used = strlen(raw->remark);
@@ -87,7 +84,8 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
     long repeated = 0;
     status = ric_matrix_market_read(path, n, out, &repeated);
     if (!status && repeated)
-        add_remark(raw, "%s: %ld entries of its file stand there before, and are added to them", key, repeated);
+        ric_study_remark_add(raw, "%s: %ld entries of its file stand there before, and are added to them", key,
+                             repeated);
     if (status == RIC_E_INPUT || status == RIC_E_MISSING) {
         snprintf(why, sizeof why, "%s", ric_detail());
         status = ric_yaml_wrong(r, file.value, key, "%s", why);
@@ -150,8 +148,9 @@ static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value,
             *low = *high = *low == *high ? *low : 0.5 * *low + 0.5 * *high;
         }
     if (worst > 0)
-        add_remark(raw, "%s is symmetric up to %.1e of its diagonal only, and the mean of both halves is taken", key,
-                   worst);
+        ric_study_remark_add(raw,
+                             "%s is symmetric up to %.1e of its diagonal only, and the mean of both halves is taken",
+                             key, worst);
     return RIC_OK;
 }
 
@@ -373,8 +372,8 @@ static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, con
 
 /* ------------------------------------------------------------------- model */
 
-enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_RESTITUTION, M_COUNT };
-static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution"};
+enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_RESTITUTION, M_MODES, M_COUNT };
+static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution", "modes"};
 
 void ric_study_model_free(ric_raw_model *raw)
 {
@@ -426,7 +425,8 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ri
     if (raw->restitution < 0 || raw->restitution > 1)
         return ric_yaml_wrong(r, restitution, "model.restitution",
                               "%.10g is out of range; give a number in [0, 1], 1 for an atlas", raw->restitution);
-    return create_model(r, from->key, slots, raw, out);
+    status = create_model(r, from->key, slots, raw, out);
+    return status ? status : ric_study_modes_read(r, &slots[M_MODES], raw, out);
 }
 
 /* ----------------------------------------------------------------- writing */
@@ -478,6 +478,7 @@ void ric_study_model_write(const ric_raw_model *raw, FILE *out)
     write_matrix("stiffness", raw->n, raw->stiffness, out);
     fputs("  restitution: ", out);
     ric_option_text_write(raw->restitution, out);
+    if (raw->n_mode) fprintf(out, "\n  modes: %d", raw->n_mode);
     fputs("\n  contacts:\n", out);
     for (int i = 0; i < raw->n_contact; i++) {
         const ric_contact *contact = &raw->contacts[i];

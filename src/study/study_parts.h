@@ -79,12 +79,35 @@ typedef struct {
     ric_contact *contacts; /* names and normals owned */
     double restitution;
     size_t restitution_line; /* 0 if not given */
-    char remark[400];        /* what was made of the matrices that the study does not say literally; "" */
+    int n_mode;              /* modes that are kept; 0: all */
+    char remark[1600];       /* what was made of the matrices that the study does not say literally; "" */
 } ric_raw_model;
 
 /* Fills `raw`, to be freed also on failure, and makes the model of it. */
 ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out);
 void ric_study_model_free(ric_raw_model *raw);
 void ric_study_model_write(const ric_raw_model *raw, FILE *out);
+/* One sentence after the other, as long as there is room. */
+void ric_study_remark_add(ric_raw_model *raw, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* ------------------------------------------------------------- study_modes.c */
+
+/* Puts a model with the modes that are to be kept in the place of *model. */
+ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **model);
+
+/* ----------------------------------------------------------- study_drawing.c */
+
+typedef struct {
+    int n_node, n_line;
+    ric_drawing_node *nodes; /* owned */
+    struct {
+        int ends[2]; /* from 1 */
+    } * lines;       /* owned */
+} ric_drawing;
+
+/* Fills `out`, to be freed also on failure. */
+ric_status ric_study_drawing_read(const ric_yaml *r, const ric_yaml_slot *from, int n_dof, ric_drawing *out);
+void ric_study_drawing_write(const ric_drawing *drawing, FILE *out);
+void ric_study_drawing_free(ric_drawing *drawing);
 
 #endif

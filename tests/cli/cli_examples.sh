@@ -157,6 +157,8 @@ sys.exit(not (len(found) == len(wanted) and touch[2] == "3" and touch[5] == "[1,
         "$(cut -d'|' -f5 "$folder/path")"
 }
 ok 'peeters: the tongue leads to the 3-duplicate of the other mode and back to the backbone' tongue
+arm() { rows arm branches label frequency_max tongues | awk -F'|' '$1 == "S2(1)[01]" && $2 > 638 && /steps over 6[0-9][0-9] tongues/ { found = 1 } END { exit !found }'; }
+ok 'arm: the backbone with all modes goes to 638 rad/s, over its tongues' arm
 ok 'beam-lumped: 50 branches' branches beam-lumped 50
 ok 'beam-lumped: ten of four or more impacts' with_impacts beam-lumped 4 10
 made() { # the matrices are those that the script makes

@@ -77,5 +77,90 @@ explore: {energy: [0, 5]}
 E2
 ok 'not under a power law' bash -c '! "$0" check "$1" 2>"$1.log" && grep -q "under a power law" "$1.log"' "$ricochet" "$folder/power.yaml"
 
+# The arm with some of its modes: the backbones are one, but for their tongues.
+arm() # MODES: the curve, "omega E gap" per point, in $folder/arm-MODES
+{
+    mkdir -p "$folder/arm"
+    cp examples/arm/*.mtx "$folder/arm"
+    sed "s/^model:/model:\n  modes: $1/" examples/arm/study.yaml >"$folder/arm/arm-$1.yaml"
+    "$ricochet" run "$folder/arm/arm-$1.yaml" -o "$folder/arm-$1.ricochet" >"$folder/arm-$1.log" 2>&1 || return 1
+    "$ricochet" verify "$folder/arm-$1.ricochet" >/dev/null || return 1
+    "$ricochet" points "$folder/arm-$1.ricochet" --branch 2 --json >"$folder/arm-$1.json"
+    "$ricochet" branches "$folder/arm-$1.ricochet" --tongues --json >"$folder/arm-$1.tongues"
+}
+agree()
+{
+    python3 - "$folder" "$@" <<'P'
+import json, sys
+folder, curves = sys.argv[1], {}
+for modes in sys.argv[2:]:
+    points = json.load(open(f"{folder}/arm-{modes}.json"))
+    gaps = {t["first_point"] for t in json.load(open(f"{folder}/arm-{modes}.tongues")) if t["crossed"]}
+    curves[modes] = [(p["frequency"], p["energy"], q["frequency"], q["energy"]) for i, (p, q) in enumerate(zip(points, points[1:])) if i not in gaps]
+    assert points[0]["frequency"] < 460.3 and points[-1]["frequency"] > 638, (modes, points[-1])
+    assert bool(gaps) == (modes != "1"), gaps
+def energy(modes, omega):
+    for a, e, b, f in curves[modes]:
+        if a <= omega < b:
+            return e + (omega - a) / (b - a) * (f - e)
+seen = 0
+for omega in [462 + 5.5 * k for k in range(32)]:
+    values = [v for v in (energy(modes, omega) for modes in sys.argv[2:]) if v]
+    seen += len(values) == len(sys.argv) - 2
+    assert max(values) < 1.01 * min(values), (omega, values)
+assert seen > 20, seen
+P
+}
+for modes in 1 2 4; do ok "the arm with $modes of its modes" arm $modes; done
+ok 'their backbones agree away from the tongues' agree 1 2 4
+said() { grep -q "$2" "$folder/arm-$1.log"; }
+ok 'what is left out is said' said 2 'arm-2.yaml: 2 of 10 modes are kept, up to 8796.4 rad/s; contact 1: c.c is 12.1749 of 12.4576'
+ok 'and what becomes of the spring' said 1 'its stiffness 20000 becomes 19998.2 with the static compliance of the rest'
+up_to()
+{
+    sed 's/^model:/model:\n  modes: {up_to: 9000}/' examples/arm/study.yaml >"$folder/arm/up.yaml"
+    diff <("$ricochet" check "$folder/arm/up.yaml" --json) <("$ricochet" check "$folder/arm/arm-2.yaml" --json)
+}
+ok 'as many modes as there are up to a frequency' up_to
+refuses() # VALUE TEXT
+{
+    sed "s/^model:/model:\n  modes: $1/" examples/arm/study.yaml >"$folder/arm/no.yaml"
+    "$ricochet" check "$folder/arm/no.yaml" 2>"$folder/said"
+    [ $? = 2 ] && grep -q "no.yaml:[0-9]*: model.modes.*$2" "$folder/said"
+}
+ok 'no modes' refuses 0 'the structure has modes 1 to 10'
+ok 'more than there are' refuses 11 'the structure has modes 1 to 10'
+ok 'half a mode' refuses 2.5 'the structure has modes 1 to 10'
+ok 'none up to there' refuses '{up_to: 100}' 'no mode has a frequency up to 100'
+ok 'a list' refuses '[1, 2]' 'expected a number, found a list'
+rigid()
+{
+    sed 's/law: bilinear/law: rigid/; /stiffness: 2.0/d; s/^model:/model:\n  modes: 3/' examples/arm/study.yaml >"$folder/arm/rigid.yaml"
+    "$ricochet" check "$folder/arm/rigid.yaml" | grep 'is left out: behind it a rigid stop would be a spring'
+}
+ok 'a rigid stop stays one, and that is said' rigid
+
+# Where the structure is.
+drawing() # TEXT REFUSAL
+{
+    printf 'model: {mass: [[1]], stiffness: [[1]], contacts: [{normal: [1], clearance: 1}]}\ndrawing: %s\n' "$1" >"$folder/drawing.yaml"
+    "$ricochet" check "$folder/drawing.yaml" >/dev/null 2>"$folder/said"
+    [ $? = "$([ -z "$2" ] && echo 0 || echo 2)" ] && grep -q "$2" "$folder/said" || [ -z "$2$(cat "$folder/said")" ]
+}
+ok 'a drawing' drawing '{nodes: [{at: [0, 0]}, {at: [1, 0.5], moves: [0, 1]}], lines: [[1, 2]]}' ''
+ok 'without a node' drawing '{lines: [[1, 2]]}' 'drawing.nodes: missing'
+ok 'a displacement that there is not' drawing '{nodes: [{at: [0], moves: [2]}]}' 'drawing.nodes\[1\].moves: 2 is no displacement'
+ok 'more directions than coordinates' drawing '{nodes: [{at: [0], moves: [1, 1]}]}' '2 directions, but the node lies in 1'
+ok 'a line to nowhere' drawing '{nodes: [{at: [0]}], lines: [[1, 2]]}' 'drawing.lines\[1\]: a line joins two nodes'
+kept()
+{
+    "$ricochet" run "$folder/arm/arm-1.yaml" -o "$folder/kept.ricochet" >/dev/null 2>&1
+    python3 -c 'import sqlite3, sys; print(sqlite3.connect(sys.argv[1]).execute("SELECT value FROM meta WHERE key = ?", ("study",)).fetchone()[0])' \
+        "$folder/kept.ricochet" >"$folder/arm/kept.yaml"
+    grep -q 'moves: \[0, 9, 0\]' "$folder/arm/kept.yaml" && grep -q '^    - \[5, 6\]' "$folder/arm/kept.yaml" && grep -q '^  modes: 1$' "$folder/arm/kept.yaml" || return 1
+    "$ricochet" run "$folder/arm/kept.yaml" -o "$folder/kept.ricochet"
+}
+ok 'the atlas has it, and the modes; its study is the same one' kept
+
 echo "1..$number"
 exit $((failed > 0))
