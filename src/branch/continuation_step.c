@@ -87,6 +87,8 @@ bool ric_continuation_reach(ric_continuation *tr, double h, ric_course *out)
 bool ric_continuation_stays(const ric_continuation *tr, const ric_course *way)
 {
     bool given = tr->ignore & RIC_SINGULAR_START && way->drift < GIVEN;
-    bool straight = way->hidden < STEP_HIDDEN || !tr->has_past;
+    /* close to a crossing the branch may bend towards the other one: whether it does is asked there (event.c) */
+    bool crosses = tr->now.test[RIC_TEST_DET] * way->orientation * tr->chain->end_det < 0;
+    bool straight = way->hidden < STEP_HIDDEN || !tr->has_past || crosses;
     return ((way->angle < STEP_ANGLE_MAX && straight) || given) && way->drift < STEP_DRIFT;
 }

@@ -15,19 +15,19 @@ static bool near(double a, double b, double tolerance)
     return fabs(a - b) <= tolerance * fabs(b);
 }
 
-static int count_alike(const ric_atlas *atlas, const ric_junction *like)
+static int count_alike(const ric_atlas *atlas, const ric_junction *like, double tolerance)
 {
     int count = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
         count += j.kind == like->kind && j.impacts == like->impacts && j.multiple == like->multiple &&
-                 near(j.energy, like->energy, 1e-9) && near(j.frequency, like->frequency, 1e-9);
+                 near(j.energy, like->energy, tolerance) && near(j.frequency, like->frequency, tolerance);
     }
     return count;
 }
 
 /* The same junctions with 0.3, 1 and 3 times the usual step. */
-static ric_atlas *same_for_all_steps(const char *text)
+static ric_atlas *same_for_all_steps_to(double tolerance, const char *text)
 {
     static const double steps[] = {0.009, 0.09};
     ric_atlas *usual = explore_text(text);
@@ -35,12 +35,18 @@ static ric_atlas *same_for_all_steps(const char *text)
         ric_atlas *other = explore_text_with(text, NULL, steps[i]);
         for (int id = 1; id <= ric_atlas_n_junction(usual); id++) {
             ric_junction j = junction_of(usual, id);
-            if (!count_alike(other, &j)) fail_msg("step %g has no %s at E %.13g", steps[i], j.label, j.energy);
+            if (!count_alike(other, &j, tolerance))
+                fail_msg("step %g has no %s at E %.13g", steps[i], j.label, j.energy);
         }
         assert_int_equal(ric_atlas_n_junction(usual), ric_atlas_n_junction(other));
         ric_atlas_free(other);
     }
     return usual;
+}
+
+static ric_atlas *same_for_all_steps(const char *text)
+{
+    return same_for_all_steps_to(1e-9, text);
 }
 
 /* A5[12122] has the traces 58, 8 and 77 at three points in a row, and in between goes down to -2, beyond, and back:
@@ -114,26 +120,27 @@ static void to_and_fro_beside_a_mode(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The same between two families of which one hands the step on to the other: S(2) went on as S(1). */
+/* The same between two families of which one hands the step on to the other: S(2) went on as S(1). What tells them
+ * apart is so little that the place of the multiplication is known to eight digits. */
 static void bend_that_hands_over(void **state)
 {
     (void)state;
-    ric_atlas *atlas = same_for_all_steps(
-        "model:\n"
-        "  mass: [[2.03125, -0.0625, 0.046875, 0.03125], [-0.0625, 1.8125, 0.1875, -0.5625], [0.046875, "
-        "0.1875, 1.90625, -0.140625], [0.03125, -0.5625, -0.140625, 1.078125]]\n"
-        "  stiffness: [[3.3400176183698065, -3.5258058323813124, -1.0041786164779394, 0.22802628657916615], "
-        "[-3.5258058323813124, 12.922300156579583, 6.256962443117191, -3.016364720943082], "
-        "[-1.0041786164779394, 6.256962443117191, 8.308864162480802, -3.5666094749530606], "
-        "[0.22802628657916615, -3.016364720943082, -3.5666094749530606, 3.0289997540492566]]\n"
-        "  contacts:\n"
-        "    - {normal: [0.0, -1.0, 1.0, 0.0], law: power, exponent: 5, stiffness: 1310000000000.0}\n"
-        "explore: {start: modes, energy: [0, 9.429e-06], frequency: [0.2, 9.0], impacts: 5, multiply: 1, "
-        "depth: 1}\n");
+    ric_atlas *atlas = same_for_all_steps_to(
+        1e-7, "model:\n"
+              "  mass: [[2.03125, -0.0625, 0.046875, 0.03125], [-0.0625, 1.8125, 0.1875, -0.5625], [0.046875, "
+              "0.1875, 1.90625, -0.140625], [0.03125, -0.5625, -0.140625, 1.078125]]\n"
+              "  stiffness: [[3.3400176183698065, -3.5258058323813124, -1.0041786164779394, 0.22802628657916615], "
+              "[-3.5258058323813124, 12.922300156579583, 6.256962443117191, -3.016364720943082], "
+              "[-1.0041786164779394, 6.256962443117191, 8.308864162480802, -3.5666094749530606], "
+              "[0.22802628657916615, -3.016364720943082, -3.5666094749530606, 3.0289997540492566]]\n"
+              "  contacts:\n"
+              "    - {normal: [0.0, -1.0, 1.0, 0.0], law: power, exponent: 5, stiffness: 1310000000000.0}\n"
+              "explore: {start: modes, energy: [0, 9.429e-06], frequency: [0.2, 9.0], impacts: 5, multiply: 1, "
+              "depth: 1}\n");
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        found += j.kind == RIC_KIND_MULTIPLICATION && near(j.energy, 2.67298567986e-9, 1e-9);
+        found += j.kind == RIC_KIND_MULTIPLICATION && near(j.energy, 2.67298567986e-9, 1e-7);
     }
     assert_int_equal(found, 1);
     ric_atlas_free(atlas);
