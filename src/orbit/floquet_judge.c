@@ -3,6 +3,7 @@
 #include <complex.h>
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/room.h"
@@ -69,25 +70,36 @@ static void square(double *r)
     r[1] = im;
 }
 
-/* How many rho lie within a distance of one of them. */
-static int together(const ric_floquet *f, const double *r, double distance)
+static int by_size(const void *a, const void *b)
 {
-    int count = 0;
-    for (int j = 0; j < f->n_pair; j++) count += hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]) <= distance;
-    return count;
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* How many of n distances in ascending order are not larger than one. */
+static int together(int n, const double *distances, double distance)
+{
+    int low = 0, high = n;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (distances[middle] <= distance) low = middle + 1;
+        else high = middle;
+    }
+    return low;
 }
 
 /* How far rho i may be off: m of them that may be one are moved by the m-th root of the error, relative to their size
  * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie m. `least`: how
- * many are together at least. */
-static double radius_of(const ric_floquet *f, int i, int least, double error)
+ * many are together at least; distances [n_pair] of all from this one, in ascending order. */
+static double radius_of(const ric_floquet *f, int i, int least, double error, const double *distances)
 {
     const double *r = f->rho + 2 * i;
     double size = 1 + fabs(r[0]) + fabs(r[1]), radius = least == 1 ? error : sqrt(error / size) * size;
-    int most = together(f, r, pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) * size); /* within the widest */
+    int most = together(f->n_pair, distances,
+                        pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) * size); /* within the widest */
     for (int m = 2; m <= most; m++) {
         double wide = pow(error / size, 1.0 / m) * size;
-        if (together(f, r, wide) >= m) radius = fmax(radius, wide);
+        if (together(f->n_pair, distances, wide) >= m) radius = fmax(radius, wide);
     }
     return radius;
 }
@@ -95,9 +107,15 @@ static double radius_of(const ric_floquet *f, int i, int least, double error)
 void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const double *error)
 {
     bool undecided = false, unstable = false;
+    double distances[f->n_pair + 1];
     f->error = 0;
     for (int i = 0; i < f->n_pair; i++) {
-        double alone = radius_of(f, i, 1, error[i]), pair = radius_of(f, i, 2, error[i]);
+        for (int j = 0; j < f->n_pair; j++) {
+            double distance = hypot(f->rho[2 * j] - f->rho[2 * i], f->rho[2 * j + 1] - f->rho[2 * i + 1]);
+            distances[j] = isnan(distance) ? HUGE_VAL : distance;
+        }
+        qsort(distances, (size_t)f->n_pair, sizeof *distances, by_size);
+        double alone = radius_of(f, i, 1, error[i], distances), pair = radius_of(f, i, 2, error[i], distances);
         bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
         if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;
         else if (complex_pair || fabs(f->rho[2 * i]) > 2 - alone) undecided = true;
