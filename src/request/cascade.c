@@ -336,7 +336,7 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
         ric_shooting *chain = NULL;
         ric_continuation *tr = NULL;
         double *u = NULL, *t = NULL;
-        status = ric_periodic_to_chain(c->model, cycle, &chain, &u);
+        status = ric_stored_chain(c->model, b, b->n_point / 2, cycle, &chain, &u);
         if (!status && !(t = ric_calloc((size_t)chain->n_unknown, sizeof *t))) status = ric_no_memory("a cascade");
         if (!status) {
             ric_shooting_evaluate(chain, u);

@@ -92,9 +92,9 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
     ric_periodic *tip = NULL, *near = NULL;
     ric_shooting *other = NULL;
     ric_point at, beside;
-    int neighbour;
+    int neighbour, last = end == RIC_END_FROM ? 0 : b->n_point - 1;
     ric_status status = find_neighbour(a, b, end, &neighbour);
-    if (!status) status = ric_stored_cycle(a, b, end == RIC_END_FROM ? 0 : b->n_point - 1, &at, &tip);
+    if (!status) status = ric_stored_cycle(a, b, last, &at, &tip);
     if (!status) status = ric_stored_cycle(a, b, neighbour, &beside, &near);
     if (status) goto out;
     /* looked for beside the end, where the orbit may have gained some */
@@ -102,7 +102,8 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
     tip->half = near->half;
     tip->pure = near->pure;
     tip->flip = near->flip;
-    if ((status = ric_periodic_to_chain(m, near, &other, t)) || (status = ric_periodic_to_chain(m, tip, chain, u)))
+    if ((status = ric_stored_chain(m, b, neighbour, near, &other, t)) ||
+        (status = ric_stored_chain(m, b, last, tip, chain, u)))
         goto out;
     if (!ric_turn_find(m, other, *t, near, &g->turn))
         status = ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);

@@ -96,7 +96,7 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
     ric_status status = ric_stored_cycle(a, b, i, &point, &cycle);
     if (!status) {
         ric_stored_symmetries(m, b, cycle);
-        status = ric_periodic_to_chain(m, cycle, &chain, &u);
+        status = ric_stored_chain(m, b, i, cycle, &chain, &u);
     }
     ric_turn t;
     if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
@@ -163,7 +163,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     to->half = from->half;
     to->pure = from->pure;
     to->flip = from->flip;
-    if ((status = ric_periodic_to_chain(m, from, &chain, &ua)) || (status = ric_periodic_to_chain(m, to, &other, &ub)))
+    if ((status = ric_stored_chain(m, b, i, from, &chain, &ua)) ||
+        (status = ric_stored_chain(m, b, i + 1, to, &other, &ub)))
         goto out;
     if (!(u = ric_calloc((size_t)chain->n_unknown, sizeof *u))) {
         status = ric_no_memory("an orbit");

@@ -5,6 +5,11 @@
 
 #include "base/room.h"
 
+/* NO_ORBIT: residual, relative to 1 + |state|, beyond which a stored point is no orbit. It is stored with 1e-11 at
+ * most, and springs multiply the rounding of its digits by less than a million, or no digit of a multiplier is known.
+ */
+#define NO_ORBIT 1e-5
+
 ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_point *point, ric_periodic **out)
 {
     const ric_model *m = ric_atlas_model(a);
@@ -26,4 +31,18 @@ void ric_stored_symmetries(const ric_model *m, const ric_branch *b, ric_periodic
     ric_periodic_claim claim = {b->symmetric, b->reversible, strstr(b->mirror, "centre"), strstr(b->mirror, "rest"),
                                 strstr(b->mirror, "impact")};
     ric_periodic_claimed(m, &claim, c);
+}
+
+ric_status ric_stored_chain(const ric_model *m, const ric_branch *b, int i, const ric_periodic *c, ric_shooting **chain,
+                            double **u)
+{
+    ric_status status = ric_periodic_to_chain(m, c, chain, u);
+    if (status) return status;
+    ric_shooting_fly(*chain, *u);
+    if ((*chain)->residual <= NO_ORBIT) return RIC_OK;
+    return ric_fail(
+        RIC_E_FORMAT,
+        "damaged atlas (table point, row %d, %d: what is stored is no orbit, it stays open by %.2g); restore "
+        "it from a copy, or remove it and run the study again",
+        b->id, i, (*chain)->residual);
 }

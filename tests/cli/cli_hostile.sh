@@ -319,6 +319,28 @@ ok 'a damaged point is refused by a run before anything is written' kept_whole p
 ok 'damaged starts are refused by a run before anything is written' kept_whole starts 'table meta, row starts: '
 rm -f "$folder"/w.*
 
+# Points that are no orbits: what is computed from them would belong to nothing, and take any time.
+no_orbits() { # COMMAND...
+    cp "$atlas" "$folder/n.ricochet"
+    python3 -c 'import array, sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+for branch, point, flights in db.execute("SELECT branch, point, flights FROM point").fetchall():
+    times = array.array("d", flights)
+    if len(times) > 1: # as long a period
+        times[0] += times[1] / 2
+        times[1] /= 2
+    db.execute("UPDATE point SET flights = ? WHERE branch = ? AND point = ?", [times.tobytes(), branch, point])
+db.commit()' "$folder/n.ricochet"
+    tools/attack/atlas_digest.py "$folder/n.ricochet" >/dev/null
+    timeout 20 "$ricochet" "$1" ${2:+"$2"} "$folder/n.ricochet" "${@:3}" >"$folder-out" 2>&1
+    local code=$?
+    cat "$folder-out"
+    [ $code = 1 ] && grep -q 'damaged atlas (table point, row .*: what is stored is no orbit' "$folder-out"
+}
+ok 'an orbit is not solved from a point that is none' no_orbits orbit '' --branch 3 --energy 1
+ok 'nor a stored point shown' no_orbits orbit '' --branch 3 --point 1
+ok 'nor ghosts followed' no_orbits plot fep --ghosts -o "$folder/n.svg"
+
 # The short form of tools/attack/craft.py: fields of every table replaced by hostile values. 10,000 under the sanitizers take half an hour.
 ok 'a hundred atlases with hostile values end in answers or messages' tools/attack/craft.py --program "$ricochet" --count 100 --seed 7 --short
 
