@@ -76,7 +76,7 @@ typedef struct {
     int n, now, n_past;
     double x[RIC_MOST_SAMPLES]; /* distance from the present point */
     double s[RIC_PAST_SAMPLES]; /* arclength of those before */
-    double *values;             /* [RIC_MOST_SAMPLES * (RIC_N_TEST + n_resonance)] */
+    double *values;             /* [RIC_MOST_SAMPLES * ric_continuation_watched()] */
 } ric_event_samples;
 
 typedef struct {
@@ -169,6 +169,8 @@ typedef struct {
     long evaluations;
 } ric_continuation;
 
+/* What is kept of a point of a step: tests, resonances, and the factors A, B, D, smooth where their tests jump. */
+int ric_continuation_watched(const ric_continuation *trace);
 /* Room for the stations of a trace that has its chain and its resonances. */
 ric_status ric_continuation_equip(ric_continuation *trace);
 /* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it is replaced by the

@@ -37,7 +37,7 @@ static void pass_stations(ric_bytes *b, ric_continuation *tr, ric_continuation_p
     ric_bytes_pass(b, tr->start_u, (size_t)size * sizeof *tr->start_u);
     ric_bytes_pass(b, tr->start_t, (size_t)size * sizeof *tr->start_t);
     ric_bytes_pass(b, tr->samples.s, sizeof tr->samples.s);
-    ric_bytes_pass(b, tr->samples.values, RIC_PAST_SAMPLES * (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
+    ric_bytes_pass(b, tr->samples.values, RIC_PAST_SAMPLES * (size_t)ric_continuation_watched(tr) * sizeof(double));
 }
 
 typedef struct {

@@ -349,7 +349,7 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
     if (poles) {
         from = 0;
         status = ric_event_samples_approach(tr, 0, last, least, h);
-        for (int k = 0; k < RIC_N_TEST + tr->n_resonance; k++) ric_event_samples_values(tr, q->now)[k] = NAN;
+        for (int k = 0; k < ric_continuation_watched(tr); k++) ric_event_samples_values(tr, q->now)[k] = NAN;
     }
     if (!status && test >= 0 && has_poles(test)) {
         end = to;

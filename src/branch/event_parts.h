@@ -24,7 +24,7 @@ double ric_event_value(const ric_continuation *trace, int test, const ric_statio
 ric_status ric_event_locate(ric_continuation *trace, int test, double xa, double fa, double xb, double fb, double h,
                             double *where, bool *zero);
 
-/* Values [RIC_N_TEST + n_resonance] at a point of the step. */
+/* Values [ric_continuation_watched] at a point of the step. */
 double *ric_event_samples_values(const ric_continuation *trace, int i);
 /* Starts with the two ends of a step; keeps the last points of a step that has been accepted. */
 void ric_event_samples_begin(ric_continuation *trace, double h);

@@ -12,6 +12,7 @@
 
 #define SAFETY 2
 #define FINEST 1e-8 /* of the size of the orbit: two zeros nearer than this are not looked for */
+#define FALLS 3     /* between two points: a factor that changes by more is not read */
 #define SEEN 8      /* points at which curves are looked at */
 /* RATIO: of distances from an end at which functions may have poles: what happens there does so on every scale */
 #define RATIO 16
@@ -20,7 +21,14 @@
 
 double *ric_event_samples_values(const ric_continuation *tr, int i)
 {
-    return tr->samples.values + (size_t)i * (size_t)(RIC_N_TEST + tr->n_resonance);
+    return tr->samples.values + (size_t)i * (size_t)ric_continuation_watched(tr);
+}
+
+/* The column of the smooth factor of a test, -1 if it has none. */
+static int smooth(const ric_continuation *tr, int test)
+{
+    int first = RIC_N_TEST + tr->n_resonance;
+    return test == RIC_TEST_A ? first : test == RIC_TEST_B ? first + 1 : test == RIC_TEST_D ? first + 2 : -1;
 }
 
 static void take(ric_continuation *tr, int i, double x, const ric_station *p)
@@ -32,6 +40,7 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
     for (int j = 0; j < 2 * tr->floquet.n_pair; j++) lost |= !isfinite(p->own[j]);
     for (int k = 0; k < tr->n_resonance; k++)
         value[RIC_N_TEST + k] = lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
+    for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++) value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
 }
 
 static ric_status insert(ric_continuation *tr, double x, double h, bool *good)
@@ -43,7 +52,7 @@ static ric_status insert(ric_continuation *tr, double x, double h, bool *good)
     for (; i > q->now && q->x[i - 1] > x; i--) {
         q->x[i] = q->x[i - 1];
         memcpy(ric_event_samples_values(tr, i), ric_event_samples_values(tr, i - 1),
-               (size_t)(RIC_N_TEST + tr->n_resonance) * sizeof(double));
+               (size_t)ric_continuation_watched(tr) * sizeof(double));
     }
     take(tr, i, x, &tr->mid);
     q->n++;
@@ -58,7 +67,10 @@ void ric_event_samples_begin(ric_continuation *tr, double h)
     for (int i = 0; i < q->now; i++) q->x[i] = (q->s[i] - tr->now.s) * scale;
     take(tr, q->now, 0, &tr->now);
     for (int i = 0; i < RIC_N_TEST; i++) /* what vanishes at the start, or is without bound there */
-        if (tr->ignore & 1u << i) ric_event_samples_values(tr, q->now)[i] = NAN;
+        if (tr->ignore & 1u << i) {
+            ric_event_samples_values(tr, q->now)[i] = NAN;
+            if (smooth(tr, i) >= 0) ric_event_samples_values(tr, q->now)[smooth(tr, i)] = NAN;
+        }
     take(tr, q->now + 1, h, &tr->next);
     q->n = q->now + 2;
 }
@@ -100,7 +112,7 @@ ric_status ric_event_samples_cut(ric_continuation *tr, double end, double h)
 void ric_event_samples_shift(ric_continuation *tr)
 {
     ric_event_samples *q = &tr->samples;
-    size_t count = (size_t)(RIC_N_TEST + tr->n_resonance);
+    size_t count = (size_t)ric_continuation_watched(tr);
     int kept = q->n - 1 < RIC_PAST_SAMPLES ? q->n - 1 : RIC_PAST_SAMPLES, first = q->n - 1 - kept;
     double scale = (tr->next.s - tr->now.s) / q->x[q->n - 1];
     for (int i = 0; i < kept; i++) {
@@ -185,10 +197,20 @@ static bool half_lost(const ric_continuation *tr, int i, double from, double to)
 
 /* ------------------------------------------------------------------- the step */
 
+/* The same of the factor of a test, which is smooth where the test jumps; beside a grazing it falls by powers of ten,
+ * and tells nothing. */
+static bool smoothly(const ric_continuation *tr, int i, int test)
+{
+    int column = smooth(tr, test);
+    if (column < 0) return true;
+    double a = fabs(ric_event_samples_values(tr, i)[column]), b = fabs(ric_event_samples_values(tr, i + 1)[column]);
+    return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, i, column);
+}
+
 static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool pairs)
 {
     for (int test = 0; test < RIC_N_TEST; test++)
-        if (which >> test & 1 && !resolved(tr, i, test)) return false;
+        if (which >> test & 1 && !(resolved(tr, i, test) && smoothly(tr, i, test))) return false;
     for (int k = 0; pairs && k < tr->n_resonance; k++)
         if (!resolved(tr, i, RIC_N_TEST + k)) return false;
     return true;

@@ -146,6 +146,29 @@ static void bend_that_hands_over(void **state)
     ric_atlas_free(atlas);
 }
 
+/* The determinant of a symmetry over its pivots, one of which vanishes with it: a sign that jumps, twice within a step.
+ * Only its smooth form comes near zero before. */
+static void signs_that_jump(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n"
+        "  mass: [[0.5, 0.0, 0.0, 0.0, 0.0], [0.0, 1.75, 0.0, 0.0, 0.0], [0.0, 0.0, 1.75, 0.0, 0.0], [0.0, "
+        "0.0, 0.0, 1.75, 0.0], [0.0, 0.0, 0.0, 0.0, 1.75]]\n"
+        "  stiffness: [[3187500.0, -1250000.0, 0.0, 0.0, 0.0], [-1250000.0, 2000000.0, -750000.0, 0.0, 0.0], "
+        "[0.0, -750000.0, 2500000.0, -1750000.0, 0.0], [0.0, 0.0, -1750000.0, 3125000.0, -1375000.0], [0.0, "
+        "0.0, 0.0, -1375000.0, 1437500.0]]\n"
+        "  contacts:\n"
+        "    - {normal: [1.0, 0.0, 0.0, 0.0, -1.0], law: power, exponent: 9, stiffness: 2.769e+28}\n"
+        "explore: {start: modes, energy: [0, 0.9], frequency: [53.64, 7764.0], impacts: 5, multiply: 1, "
+        "depth: 1}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
+        found += junction_of(atlas, id).kind == RIC_KIND_BRANCH_POINT;
+    assert_int_equal(found, 4);
+    ric_atlas_free(atlas);
+}
+
 /* Left and right half are alike but for 1e-7, and the stop between their ends all but feels one half of the modes:
  * A4[0101] at constant frequency consists of orbits of a family with two parameters, nearly, and the determinants that
  * tell where a symmetry breaks are rounding all along. Their signs are no branch points. */
@@ -244,6 +267,7 @@ int main(void)
                                        cmocka_unit_test(beside_the_start),
                                        cmocka_unit_test(to_and_fro_beside_a_mode),
                                        cmocka_unit_test(bend_that_hands_over),
+                                       cmocka_unit_test(signs_that_jump),
                                        cmocka_unit_test(determinants_of_rounding),
                                        cmocka_unit_test(lost_pairs_are_said),
                                        cmocka_unit_test(doublings_are_sharp)};
