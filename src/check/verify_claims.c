@@ -236,7 +236,32 @@ static real left_open(const replay *r)
     return fmin(open, MOST_OPEN);
 }
 
-static ric_status check_multipliers(replay *r, const ric_verify_asked *asked, ric_claims *out)
+/* The orbit a little along the branch, towards the next stored point, by as much as the stored digits leave any state
+ * open over RIC_PAIR_SAFETY: rounding moves an orbit along its family, too, and multipliers may change there by far
+ * more than their own rounding. Where there is no other point nothing is moved. */
+static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric_digits *d)
+{
+    const int n = r->n, N = r->n_event;
+    double *state = ric_calloc(2 * (size_t)n + (size_t)N + 1, sizeof *state), *flights = state ? state + 2 * n : NULL;
+    ric_point point;
+    real w[2 * n];
+    if (!state) return ric_no_memory("a neighbour of an orbit");
+    const int beside = i + 1 < r->branch.n_point ? i + 1 : i - 1;
+    ric_status status = beside < 0 ? RIC_OK : ric_atlas_point(atlas, r->branch.id, beside, &point, state, flights);
+    if (!status && beside >= 0) {
+        ric_simulator_modal(r->sim, state, state + n, w);
+        const real apart = ric_replay_distance(r, w, r->chain),
+                   part = apart > 0 ? fmin(d->state / RIC_PAIR_SAFETY / apart, (real)0.5) : 0;
+        for (int j = 0; j < 2 * n; j++) r->chain[j] += part * (w[j] - r->chain[j]);
+        for (int k = 0; k < N; k++) r->tau[k] += part * (flights[k] - r->tau[k]);
+        ric_replay_make_chain(r);
+    }
+    free(state);
+    return status;
+}
+
+static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric_verify_asked *asked,
+                                    const ric_digits *d, ric_claims *out)
 {
     int seen[r->n];
     real share[(r->n + 1) * r->n];
@@ -246,15 +271,18 @@ static ric_status check_multipliers(replay *r, const ric_verify_asked *asked, ri
     pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
     if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     bool found = true;
+    ric_status status = RIC_OK;
     real level = fmax(NOISE * stiffness(r), left_open(r));
-    for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair; run++) {
-        m.level = run ? level : 0;
+    for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair && !status; run++) {
+        const bool along = run == RIC_PAIR_RUNS - 1; /* the last thing that is asked of the replay */
+        if (along) status = move_along(r, atlas, out->point, d);
+        m.level = run && !along ? level : 0;
         m.growth = 1;
         found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair, &pairs.way[run]);
     }
-    if (found) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
+    if (found && !status) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
     free(pairs.own);
-    return RIC_OK;
+    return status;
 }
 
 /* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T / 2 pi, modulo 1. */
@@ -515,7 +543,7 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
     if (!status) check_period(&r, i, out);
     if (!status && r.n_event == 0) check_linear(&r, out);
     else if (!status && !(status = ric_verify_asked_open(atlas, branch, i, &r.point, &asked)))
-        status = check_multipliers(&r, &asked, out);
+        status = check_multipliers(&r, atlas, &asked, &digits, out);
     ric_verify_asked_close(&asked);
     ric_verify_digits_close(&digits);
     ric_verify_replay_close(&r);

@@ -15,7 +15,6 @@ typedef ric_real real;
  * multipliers that say something. Their errors are measured: the whole is computed once as exactly as extended
  * precision can, and three times with the rounding of a double added to every state, time and column. */
 
-#define SAFETY 64                     /* times the largest difference between the runs */
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
 /* UNSAID: a flag that the library decides when it is asked again may be stored as undecided this many bounds off the
  * border, no farther: between the two lies the rounding of the state */
@@ -221,7 +220,7 @@ static real spread(const ric_pairs *p, int i)
         for (int j = 0; j < p->n_pair; j++) off = fmin(off, cabsl(own(p, run, j) - own(p, 0, i)));
         if (!(off <= most)) most = off;
     }
-    return SAFETY * most + RESOLUTION * (1 + cabsl(own(p, 0, i)));
+    return RIC_PAIR_SAFETY * most + RESOLUTION * (1 + cabsl(own(p, 0, i)));
 }
 
 /* Largest number that is certain of how far outside the stable range the pairs are (> 0: unstable), and how far inside
@@ -338,7 +337,7 @@ static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_clai
     weigh(p, &outside, &inside);
     for (int run = 1; run < RIC_PAIR_RUNS; run++) {
         real other = turns(p, run);
-        bound = isnan(other) || isnan(found) ? INFINITY : fmax(bound, SAFETY * apart(other, found));
+        bound = isnan(other) || isnan(found) ? INFINITY : fmax(bound, RIC_PAIR_SAFETY * apart(other, found));
     }
     bool wrong = isnan(stored->rotation) ? inside > 0
                                          : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
@@ -358,7 +357,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
         real off = fabs(asinh(full(p, run, 0) / 2) - found);
         if (!(off <= bound)) bound = off;
     }
-    bound = SAFETY * bound + RESOLUTION * (1 + fabs(found));
+    bound = RIC_PAIR_SAFETY * bound + RESOLUTION * (1 + fabs(found));
     out->multiplier_error = (double)fabs(stored->trace - found);
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);

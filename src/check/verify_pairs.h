@@ -10,7 +10,8 @@
 
 typedef long double _Complex ric_pair; /* rho = lambda + 1 / lambda */
 
-enum { RIC_PAIR_RUNS = 4 }; /* one as exact as can be, and three with the rounding of doubles added */
+enum { RIC_PAIR_RUNS = 5 }; /* one as exact as can be, three with the rounding of doubles added, one along the branch */
+#define RIC_PAIR_SAFETY 64  /* times the largest difference between the runs */
 
 /* What the library gives of a point on request. */
 typedef struct {
