@@ -6,9 +6,10 @@ import subprocess
 
 import numpy as np
 
-from judge import Atlas, floats
+from judge import Atlas
+from shared import Curves, shared
 
-SAME = 1e-7  # relative: energies and frequencies of junctions that are one
+SAME = 1e-9  # relative: energies and frequencies of junctions that are one, where nothing near makes them uncertain
 MATRICES = 16 * 2.2e-16  # of a squared frequency: what rounding of the matrices makes of it
 ROUGHEST = 1e-4  # and of a place on a branch, at most, where two frequencies differ by little more
 
@@ -48,13 +49,26 @@ def rounded(model):
     return min(max(SAME, MATRICES / max(apart, 1e-300)), ROUGHEST)
 
 
-def missing(one, other, same=SAME):
-    """Rows of `one` that `other` lacks, each row used once."""
-    left, lost = list(_rows(other)), []
-    for row in _rows(one):
+def known(curves, row, same):
+    """To what the energy of a row is known. Where a branch changes its frequency by little over a range of energies, what happens at
+    a frequency happens at an energy that is known to the rounding of the frequencies over that little."""
+    on = [row[7]] if isinstance(row[0], tuple) else _passes(curves.atlas, row[7])
+    worst = same
+    for branch in on:
+        slope = curves.slope(branch, row[4])
+        worst = max(worst, MATRICES / max(slope, 1e-300))
+    return min(worst, ROUGHEST)
+
+
+def missing(one, other, same):
+    """Rows of the curves `one` that `other` lacks, each row used once."""
+    left, lost = list(_rows(other.atlas)), []
+    for row in _rows(one.atlas):
+        energy = known(one, row, same)
+        largest = same if not isinstance(row[0], tuple) else max(same, one.rounded_top(row[7]))
         for i, candidate in enumerate(left):
-            if row[:4] == candidate[:4] and all(abs(a - b) <= same * max(abs(a), abs(b)) + 1e-12
-                                                for a, b in zip(row[4:6], candidate[4:6])):
+            if row[:4] == candidate[:4] and all(abs(a - b) <= to * max(abs(a), abs(b)) + 1e-12
+                                                for a, b, to in zip(row[4:6], candidate[4:6], (energy, largest))):
                 del left[i]
                 break
         else:
@@ -62,7 +76,6 @@ def missing(one, other, same=SAME):
     return lost
 
 
-PLACE = 1e-4  # relative: an event that did not converge is said where it was seen, which is not where it is
 UNPLACED = re.compile(r"([a-z][a-z -]*?)(?: (\d+)/(\d+))? at E (\S+) omega ([^\s,)]+)")
 RANGE = r".*?\(E (\S+) to ([^\s)]+)\)"
 LOST = re.compile("multipliers are lost in rounding" + RANGE)
@@ -70,20 +83,19 @@ CROWDED = re.compile("events on it may lie closer together" + RANGE)
 KINDS = {"period extremum": "period-extremum", "branch point": "branch-point", "asked-for value": "user"}
 
 
-def gaps(atlas):
-    """What an atlas says may be missing: (kinds or None for all, multiple or 0, least and largest energy, letters)."""
+def gaps(curves):
+    """What an atlas says may be missing: (kinds or None for all, multiple or 0, least and largest energy, branch). An event that
+    did not converge is said where it was seen: it lies within that step of the branch or beside it."""
     out = []
-    for b in atlas.branches:
-        why, letters = b["why"] or "", _letters(b["word"])
-        for clause in why.split("; "):
+    for b in curves.atlas.branches:
+        for clause in (b["why"] or "").split("; "):
             if "not converge to a junction (" in clause:
                 for kind, _, q, energy, _ in UNPLACED.findall(clause[clause.index("junction (") + 9:]):
-                    e = float(energy)
-                    out.append((kind.strip(), int(q or 0), e * (1 - PLACE), e * (1 + PLACE), letters))
+                    out.append((kind.strip(), int(q or 0), *curves.step_around(b["id"], float(energy)), b["id"]))
             for pattern, kind in ((LOST, "multiplication"), (CROWDED, None)):
                 found = pattern.search(clause)
                 if found:
-                    out.append((kind, 0, float(found[1]), float(found[2]), letters))
+                    out.append((kind, 0, float(found[1]), float(found[2]), b["id"]))
     return out
 
 
@@ -97,39 +109,67 @@ def _passes(atlas, junction):
     return on | {b["id"] for b in atlas.branches if junction in (b["from_junction"], b["to_junction"])}
 
 
-def unnamed(lost, one, other):
-    """Rows of `one` that `other` lacks without either saying so: a gap of that kind has to hold the place, on a branch
-    of as many letters. What hangs on a junction that is missing by name, and on nothing else, is missing with it."""
-    said = gaps(one) + gaps(other)
-    words = {b["id"]: _letters(b["word"]) for b in one.branches}
-    stuck = {_letters(b["word"]) for a in (one, other) for b in a.branches if b["stop"] == "failed"}
-    left = list(lost)
-    absent_branches, absent_junctions = set(), set()
-    changed = True
+class Naming:
+    """What of the rows of `one` that `other` lacks is named by `other`, or by `one` itself where it says that of its own."""
+
+    def __init__(self, one, other, same):
+        self.one, self.other, self.same = one, other, same
+        self.said = [(one, g) for g in gaps(one)] + [(other, g) for g in gaps(other)]
+        self.stuck = [(c, b["id"]) for c in (one, other) for b in c.atlas.branches if b["stop"] == "failed"]
+        self.ends = {b["id"]: {b["from_junction"], b["to_junction"]} - {None} for b in one.atlas.branches}
+        self.kept = {}
+
+    def is_one(self, branch, curves, other):
+        key = branch, curves is self.one, other
+        if key not in self.kept:
+            self.kept[key] = (branch == other) if curves is self.one else shared(self.one, branch, curves, other)
+        return self.kept[key]
+
+    def refused(self, junction):
+        """Whether departures from that junction are refused in the other atlas, which is said with its place."""
+        mine = next(j for j in self.one.atlas.junctions if j["id"] == junction)
+        return any(j["refused"] and j["kind"] == mine["kind"] and
+                   all(abs(j[k] - mine[k]) <= self.same * abs(mine[k]) for k in ("energy", "frequency"))
+                   for j in self.other.atlas.junctions)
+
+    def branch(self, row, absent):
+        return (bool(self.ends[row[7]] & absent) or any(self.refused(j) for j in self.ends[row[7]]) or
+                any(self.is_one(row[7], curves, b) for curves, b in self.stuck))
+
+    def junction(self, row, absent):
+        on = _passes(self.one.atlas, row[7])
+        return bool(on & absent) or any(
+            curves.beyond(b, row[4]) and any(self.is_one(mine, curves, b) for mine in on) for curves, b in self.stuck) or any(
+            _is_kind(kind, row[0]) and q in (0, row[3]) and low <= row[4] <= high and any(self.is_one(b, curves, branch) for b in on)
+            for curves, (kind, q, low, high, branch) in self.said)
+
+
+def unnamed(lost, naming):
+    """Rows that are lost without either atlas saying so: a gap of that kind has to hold the place, on the same branch by the
+    orbits that both hold. What hangs on a row that is missing by name, and on nothing else, is missing with it."""
+    left, branches, junctions, changed = list(lost), set(), set(), True
     while changed:
         changed = False
         for row in list(left):
-            branch = isinstance(row[0], tuple)
-            if branch:
-                ends = [b for b in one.branches if b["id"] == row[7]][0]
-                touched = {ends["from_junction"], ends["to_junction"]} - {None}
-                named = bool(touched & absent_junctions) or words[row[7]] in stuck
-            else:
-                on = _passes(one, row[7])
-                named = bool(on & absent_branches) or any(
-                    _is_kind(kind, row[0]) and q in (0, row[3]) and low <= row[4] <= high and
-                    letters in {words[b] for b in on} for kind, q, low, high, letters in said)
-            if named:
+            whole = isinstance(row[0], tuple)
+            if naming.branch(row, junctions) if whole else naming.junction(row, branches):
                 left.remove(row)
-                (absent_branches if branch else absent_junctions).add(row[7])
+                (branches if whole else junctions).add(row[7])
                 changed = True
     return left
+
+
+def differ(one, model, other, other_model):
+    """(rows that `other` lacks, rows that it has beyond, those of both that nobody names)."""
+    same = rounded(model)
+    a, b = Curves(one, model), Curves(other, other_model)
+    lost, new = missing(a, b, same), missing(b, a, same)
+    return lost, new, unnamed(lost, Naming(a, b, same)) + unnamed(new, Naming(b, a, same))
 
 
 def variants(program, study, base_path, folder, which, limit):
     findings, named = [], []
     base = Atlas(base_path)
-    same = rounded(study["model"])
     tries = []
     if "step" in which:
         for factor in (0.3, 3):
@@ -151,9 +191,8 @@ def variants(program, study, base_path, folder, which, limit):
             if atlas is not None:
                 findings.append({"kind": "other atlas", "where": name, "text": f"exit {atlas}"})
             continue
-        lost, more_rows = missing(base, atlas, same), missing(atlas, base, same)
+        lost, more_rows, unsaid = differ(base, study["model"], atlas, other["model"])
         if lost or more_rows:
-            unsaid = unnamed(lost, base, atlas) + unnamed(more_rows, atlas, base)
             shown = unsaid or lost + more_rows
             text = f"{len(lost)} rows lost, {len(more_rows)} new, {len(unsaid)} of them not named: " + "; ".join(
                 f"{'-' if row in lost else '+'} {row[0] if isinstance(row[0], str) else row[0][0]} {row[6]} E={row[4]:.9g} "

@@ -10,6 +10,7 @@ import tempfile
 import numpy as np
 
 import brute
+import compare
 import structures
 from judge import Atlas, Judge
 
@@ -128,6 +129,23 @@ def _without(program, study, path, original, folder, seed):
     return missed, tried
 
 
+def _unseen(study, original, folder, table, column):
+    """(rows that the comparison does not miss in a copy without them, of how many), ends of the energy window apart."""
+    copy, missed, tried = os.path.join(folder, "copy.ricochet"), [], 0
+    whole = Atlas(original)
+    for row in whole.junctions if table == "junction" else whole.branches:
+        with open(original, "rb") as there, open(copy, "wb") as here:
+            here.write(there.read())
+        db = sqlite3.connect(copy)
+        for other in (table, "junction_branch", "branch_junction"):
+            db.execute(f"DELETE FROM {other} WHERE {column if other != table else 'id'} = ?", (row["id"],))
+        db.commit()
+        db.close()
+        tried += 1
+        missed += [] if compare.differ(whole, study["model"], Atlas(copy), study["model"])[2] else [row["label"]]
+    return missed, tried
+
+
 def _findings(study, path, table, row):
     """Of that branch, point or junction alone."""
     atlas = Atlas(path)
@@ -192,6 +210,11 @@ def main():
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(study, file)
             subprocess.run([program, "run", path, "-o", atlas], check=True, capture_output=True)
+            for table in ("branch", "junction"):
+                lost, tried = _unseen(study, atlas, folder, table, table)
+                done += 1
+                missed += bool(lost) or not tried
+                print(f"{'not ok' if lost or not tried else 'ok'} {done} - {tried} times another atlas, a {table} less, of seed {seed} {lost}")
             lost, tried = _without(program, study, path, atlas, folder, seed)
             done += 1
             missed += bool(lost) or not tried
