@@ -489,7 +489,10 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
      * (theory section 10) */
     if (chain->fastest > 0 && ignore & 1u << RIC_TEST_REACH)
         tr->step = fmin(tr->step, SOFT_STEP / (1 + chain->fastest * chain->fastest) * chain->scale);
+    bool still = ric_continuation_approach(chain, false) < rounding(chain) * chain->scale;
     if ((status = ric_continuation_keep(tr, &tr->now))) goto out;
+    /* where impacts without speed drive no motion across the orbit their saltation is 0/0, and any trace would do */
+    if (still && ignore & RIC_SINGULAR_START && tr->n_point > 0) ((ric_point *)tr->points)->trace = NAN;
     *out = tr;
     tr = NULL;
 out:

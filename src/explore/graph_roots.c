@@ -161,14 +161,50 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     return status;
 }
 
+static bool is_wanted(const ric_graph *g, int mode)
+{
+    bool wanted = g->options->n_start == 0;
+    for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == g->model->mode[mode] + 1;
+    return wanted;
+}
+
+/* What was left out of an eigenspace is said where its first mode touches. */
+static void note_unsought(ric_graph *g, const ric_eigenspace *space)
+{
+    for (int i = 0; i < g->n_node && !ric_mixtures_all(space); i++) {
+        ric_node *node = g->nodes[i];
+        if (node->mode < space->first || node->mode >= space->first + space->size || node->multiple > 1) continue;
+        node->unsought = true;
+        return;
+    }
+}
+
+/* Branches leave the mixtures of modes of one frequency that their impacts would drive (mixture.h), whichever vectors
+ * the eigenspace is described by; those of a wanted mode belong to it. */
+static ric_status start_mixtures(ric_graph *g)
+{
+    const ric_mixtures *all = g->model->mixtures;
+    for (int i = 0; i < all->n; i++) {
+        const ric_eigenspace *space = &all->space[all->list[i].space];
+        bool wanted = false;
+        for (int mode = space->first; mode < space->first + space->size; mode++) wanted |= is_wanted(g, mode);
+        if (!wanted || all->list[i].energy > g->limits.energy[1]) continue;
+        ric_node *node = NULL;
+        ric_status status = ric_node_mixture(g->model, i, &node);
+        if (status) return status;
+        if (ric_graph_add(g, node, 0) < 0) return ric_no_memory("a junction");
+    }
+    for (int i = 0; i < all->n_space && ric_model_detached(g->model) && g->model->n_part == 1; i++)
+        note_unsought(g, &all->space[i]);
+    return RIC_OK;
+}
+
 static ric_status start_modes(ric_graph *g)
 {
     const ric_model *m = g->model;
     for (int i = 0; i < m->n; i++) {
         ric_node *node = NULL;
-        bool wanted = g->options->n_start == 0;
-        for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == m->mode[i] + 1;
-        if (!wanted) continue;
+        if (!is_wanted(g, i)) continue;
         ric_status status = ric_model_detached(m) ? ric_node_linear(m, i, &node) : smooth_start(g, i, &node);
         if (status) return status;
         if (!node) continue;
@@ -281,6 +317,7 @@ static ric_status start_given(ric_graph *g)
 ric_status ric_graph_start(ric_graph *g)
 {
     ric_status status = g->only_given ? RIC_OK : start_modes(g);
+    if (!status && !g->only_given) status = start_mixtures(g);
     if (status || g->model->n_part > 1) return status;
     if (!g->only_given && (status = start_loose(g))) return status;
     return start_given(g);

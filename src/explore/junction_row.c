@@ -31,7 +31,12 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
         case RIC_DEPARTURE_REFUSED: d->refused++; break;
         default: d->over_budget++; d->over[node->departures[i].budget % RIC_N_BUDGET]++;
         }
+    d->refused += node->unsought;
 }
+
+static const char unsought[] =
+    "modes of one frequency: of their mixtures those were looked for that up to three contacts drive, more contacts "
+    "only at one instant or half a period apart, and contacts of perpendicular normals at no other time";
 
 /* Whether departure `place` is refused for a reason that none before it has. */
 static bool new_reason(const ric_node *node, int place)
@@ -47,7 +52,7 @@ static bool new_reason(const ric_node *node, int place)
 static char *refusals(const ric_node *node)
 {
     const char *whole = ric_node_refusal_text(node->refusal);
-    size_t size = strlen(whole) + 1;
+    size_t size = strlen(whole) + 1 + (node->unsought ? sizeof unsought + 2 : 0);
     for (int i = 0; i < node->n_departure; i++)
         if (new_reason(node, i)) size += strlen(node->departures[i].why) + 2;
     char *text = ric_malloc(size);
@@ -56,6 +61,7 @@ static char *refusals(const ric_node *node)
     for (int i = 0; i < node->n_departure; i++)
         if (new_reason(node, i))
             used += snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "", node->departures[i].why);
+    if (node->unsought) snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "", unsought);
     return text;
 }
 

@@ -51,7 +51,7 @@ static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int 
 /* The nodes that some branch meets, or that belong to a mode. */
 static void mark_used(const ric_graph *g, bool *used)
 {
-    for (int i = 0; i < g->n_node; i++) used[i] = g->nodes[i]->mode >= 0;
+    for (int i = 0; i < g->n_node; i++) used[i] = g->nodes[i]->mode >= 0 || g->nodes[i]->mixture >= 0;
     for (int i = 0; i < g->n_edge; i++) {
         const ric_edge *e = &g->edges[i];
         if (e->from >= 0) used[e->from] = true;

@@ -72,7 +72,7 @@ static ric_node *node_create(const ric_model *m, ric_kind kind, ric_periodic *cy
     node->mirrors = m->symmetric;
     node->test = -1;
     node->multiple = 1;
-    node->mode = -1;
+    node->mode = node->mixture = -1;
     node->springs = ric_periodic_springs(m);
     node->energy = ric_periodic_energy(m, cycle);
     node->period = ric_periodic_period(cycle);
@@ -105,20 +105,39 @@ static bool list_touches(const ric_model *m, ric_node *node)
     return true;
 }
 
-/* The linear mode that a grazing orbit without impacts is, wherever it was met; -1 if it is none. */
+/* Whether a grazing orbit is without impacts. */
+static bool is_bare(const ric_node *node)
+{
+    int events = 0;
+    for (int i = 0; i < node->n_touch; i++) events += ric_node_soft(node, i) ? 2 : 1;
+    return events == node->cycle->N;
+}
+
+/* The linear mode that such an orbit is, wherever it was met; -1 if it is none. */
 static int linear_mode(const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
     int most = 0;
     double rest = 0;
-    int events = 0;
-    for (int i = 0; i < node->n_touch; i++) events += ric_node_soft(node, i) ? 2 : 1;
-    if (events < c->N) return -1;
     for (int i = 1; i < c->n; i++)
         if (hypot(c->w[i], c->w[c->n + i]) > hypot(c->w[most], c->w[c->n + most])) most = i;
     for (int i = 0; i < c->n; i++)
         if (i != most) rest = hypot(rest, hypot(c->w[i], c->w[c->n + i]));
     return rest < RIC_SAME_LOCATED * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
+}
+
+/* The mixture of modes of one frequency that a linear motion is; -1 if it is none. */
+static int mixture_of(const ric_model *m, const double *w, double tolerance)
+{
+    for (int i = 0; i < m->mixtures->n; i++)
+        if (ric_mixture_same(m, &m->mixtures->list[i], w, tolerance)) return i;
+    return -1;
+}
+
+int ric_node_space(const ric_model *m, const ric_node *node)
+{
+    if (node->mixture >= 0) return m->mixtures->list[node->mixture].space;
+    return node->mode >= 0 ? ric_mixture_space(m, node->mode) : -1;
 }
 
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
@@ -130,13 +149,38 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
         ric_node_free(node);
         return ric_no_memory("a junction");
     }
-    node->mode = linear_mode(node);
+    if (is_bare(node)) {
+        node->mode = linear_mode(node);
+        node->mixture = mixture_of(m, node->cycle->w, RIC_SAME_LOCATED);
+    }
     *out = node;
     return RIC_OK;
 }
 
+/* A branch that comes to a mixture of modes of one frequency comes to a family of motions that touch, and to the one
+ * place on it where branches leave: what the trace has found of that place is replaced by it. *out = NULL: it comes to
+ * none. */
+static ric_status arrived_mixture(const ric_model *m, const ric_periodic *cycle, ric_node **out)
+{
+    ric_node *once = NULL;
+    *out = NULL;
+    int mixture = m->mixtures->n ? mixture_of(m, cycle->w, RIC_SAME_READ_OFF) : -1;
+    if (mixture < 0) return RIC_OK;
+    double period = RIC_TWO_PI / m->omega[m->mixtures->space[m->mixtures->list[mixture].space].first],
+           times = ric_periodic_period(cycle) / period;
+    if (rint(times) < 1 || fabs(times - rint(times)) > RIC_SAME_READ_OFF) return RIC_OK;
+    ric_status status = ric_node_mixture(m, mixture, &once);
+    if (!status && rint(times) > 1) {
+        status = ric_node_duplicate(m, once, (int)rint(times), out);
+        ric_node_free(once);
+    } else *out = once;
+    return status;
+}
+
 ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
+    ric_status mixed = arrived_mixture(m, cycle, out);
+    if (mixed || *out) return mixed;
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL), *solved = NULL;
     *out = NULL;
     if (!full) return ric_no_memory("a junction");
@@ -163,11 +207,66 @@ ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int mult
     return finish_grazing(m, ric_periodic_copy(node->cycle), multiple, out);
 }
 
-/* A linear mode with the amplitude at which it touches: all its contacts are touches, the cycle starts at the first. */
+/* A touch of a face by a linear motion of one frequency, with the time after the start of its cycle. */
+typedef struct {
+    double time;
+    int face;
+} linear_touch;
+
+static int earlier(const void *a, const void *b)
+{
+    const linear_touch *p = a, *q = b;
+    if (p->time != q->time) return p->time < q->time ? -1 : 1;
+    return p->face - q->face;
+}
+
+/* All touches of a linear motion of frequency omega that starts where it touches, in order: of s = Re(S e^(-i omega t))
+ * where |S| is the clearance. What falls within rounding of the start of the period, or of its middle, is there. */
+static int touches_of(const ric_model *m, double omega, const double *w, linear_touch *out)
+{
+    int n = m->n, count = 0;
+    for (int f = 0; f < m->n_face; f++) {
+        double gap = m->face[f].gap, x = ric_dot(n, m->face[f].g, w), y = ric_dot(n, m->face[f].g, w + n);
+        if (fabs(hypot(x, y) / fabs(gap) - 1) > RIC_TIE) continue;
+        double phase = atan2(gap < 0 ? -y : y, gap < 0 ? -x : x);
+        if (phase < -RIC_TIE) phase += RIC_TWO_PI;
+        if (fabs(phase) <= RIC_TIE) phase = 0;
+        if (fabs(phase - RIC_PI) <= RIC_TIE) phase = RIC_PI;
+        out[count++] = (linear_touch){phase / omega, f};
+    }
+    qsort(out, (size_t)count, sizeof *out, earlier);
+    return count;
+}
+
+/* The grazing of a linear motion of one frequency from where it touches, w [2n]: all its contacts are touches, and the
+ * cycle starts at the first. */
+static ric_status linear_grazing(const ric_model *m, double omega, const double *w, ric_node **out)
+{
+    int n = m->n, N = 0;
+    linear_touch touches[m->n_face];
+    int count = touches_of(m, omega, w, touches);
+    ric_periodic *c = ric_periodic_create(n, 2 * m->n_face);
+    if (!c) return ric_no_memory("a junction");
+    memcpy(c->w, w, 2 * (size_t)n * sizeof *w);
+    for (int i = 0; i < count; i++) {
+        if (m->face[touches[i].face].spring > 0) c->face[N++] = touches[i].face; /* it closes, and opens at once */
+        c->tau[N] = (i + 1 < count ? touches[i + 1].time : RIC_TWO_PI / omega) - touches[i].time;
+        c->face[N++] = touches[i].face;
+    }
+    c->N = N;
+    c->closed = ric_flight_toggle(m, 0, c->face[0]);
+    ric_periodic_find_symmetries(m, c, RIC_SAME_LOCATED);
+    ric_periodic *canonical = ric_periodic_canonical(m, c);
+    ric_periodic_free(c);
+    if (!canonical) return ric_no_memory("a junction");
+    return finish_grazing(m, canonical, 1, out);
+}
+
+/* A linear mode with the amplitude at which it touches. */
 ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
 {
-    int n = m->n, first = -1, count = 0;
-    double omega = m->omega[mode], amplitude = HUGE_VAL;
+    int n = m->n, first = -1;
+    double omega = m->omega[mode], amplitude = HUGE_VAL, w[2 * n];
     *out = NULL;
     if (omega == 0) return RIC_OK;
     for (int f = 0; f < m->n_face; f++) {
@@ -177,29 +276,15 @@ ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
             first = f;
         }
     }
-    double sign = m->face[first].gap / m->face[first].g[mode] > 0 ? 1 : -1;
-    ric_periodic *c = ric_periodic_create(n, 2 * m->n_face);
-    if (!c) return ric_no_memory("a junction");
-    c->w[mode] = sign * amplitude;
-    double last = 0;
-    for (int phase = 0; phase < 2; phase++)
-        for (int f = 0; f < m->n_face; f++) {
-            double g = m->face[f].g[mode], value = (phase ? -1 : 1) * c->w[mode] * g;
-            if (g == 0 || fabs(value / m->face[f].gap - 1) > RIC_TIE) continue;
-            double t = phase * RIC_PI / omega;
-            if (count) c->tau[count - 1] = t - last;
-            last = t;
-            if (m->face[f].spring > 0) c->face[count++] = f; /* it closes, and opens at once */
-            c->face[count++] = f;
-        }
-    c->N = count;
-    c->closed = ric_flight_toggle(m, 0, c->face[0]);
-    c->tau[count - 1] = RIC_TWO_PI / omega - last;
-    ric_periodic_find_symmetries(m, c, RIC_SAME_LOCATED);
-    ric_periodic *canonical = ric_periodic_canonical(m, c);
-    ric_periodic_free(c);
-    if (!canonical) return ric_no_memory("a junction");
-    return finish_grazing(m, canonical, 1, out);
+    memset(w, 0, sizeof w);
+    w[mode] = m->face[first].gap / m->face[first].g[mode] > 0 ? amplitude : -amplitude;
+    return linear_grazing(m, omega, w, out);
+}
+
+ric_status ric_node_mixture(const ric_model *m, int mixture, ric_node **out)
+{
+    const ric_mixture *mixed = &m->mixtures->list[mixture];
+    return linear_grazing(m, m->omega[m->mixtures->space[mixed->space].first], mixed->w, out);
 }
 
 bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)

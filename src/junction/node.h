@@ -54,6 +54,8 @@ typedef struct {
     ric_refusal refusal;
     ric_user_point asked; /* of kind user */
     int mode;             /* linear mode that grazes here, from 0; -1 */
+    int mixture;          /* or mixture of modes of one frequency, place in the model's list; -1 */
+    bool unsought;        /* mixtures of its mode with those of its frequency were left out (ric_mixtures_all) */
     int depth;
     bool expanded; /* its duplicates are listed */
     bool mirrors;  /* x -> -x takes motions of the structure to motions: images of its ways out are no others */
@@ -65,6 +67,11 @@ ric_node *ric_node_copy(const ric_node *node);
 
 /* The grazing of linear mode `mode` (index among seen modes). *out = NULL if it has none (zero frequency). */
 ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
+/* That of a mixture of modes of one frequency (mixture.h), by its place in the model's list. */
+ric_status ric_node_mixture(const ric_model *model, int mixture, ric_node **out);
+/* The eigenspace of a node that is a linear motion, with nothing but touches, of modes of one frequency, or -1: beside
+ * it lie other motions that touch, and its problems have a kernel of all of them (switching.c). */
+int ric_node_space(const ric_model *model, const ric_node *node);
 /* The same grazing gone through `multiple` times. */
 ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int multiple, ric_node **out);
 /* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure

@@ -7,6 +7,7 @@
 
 #include "corner.h"
 #include "branch_point.h"
+#include "mixture_way.h"
 #include "model/room.h"
 #include "grazing_words.h"
 #include "multiplication.h"
@@ -21,6 +22,9 @@
 /* ITSELF: of an orbit and its image, one is the orbit itself if its distance is less than this part of the other's */
 #define ITSELF 1e-2
 #define SECOND 1e-6 /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
+
+static const char move_together[] = "the kernel at the grazing has more than one dimension: modes of commensurate "
+                                    "frequencies move together there and no single branch leaves";
 
 /* Two contacts of a kept word that close at one instant. */
 static const char *together(const ric_model *m, const ric_periodic *c)
@@ -55,19 +59,9 @@ static int admissible(ric_shooting *c, const double *u0, const double *t, double
     return ric_reach(c, u, NULL) < 1;
 }
 
-/* The side of the kernel vector on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
-static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
+/* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
+static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, double *t0, int *found)
 {
-    double t[c->n_unknown];
-    int iterations;
-    *found = 0;
-    if (!ric_continuation_correct(c, u0, NULL, NULL, 0, t, &iterations))
-        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
-    if (c->smallest < SEVERAL)
-        return ric_fail(RIC_E_NUMERIC,
-                        "the kernel at the grazing has more than one dimension: modes of commensurate frequencies move "
-                        "together there and no single branch leaves");
-    ric_continuation_tangent(c, NULL, t);
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;
         int first = 0, second = 1;
@@ -83,6 +77,58 @@ static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
         for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
     }
     return RIC_OK;
+}
+
+static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
+{
+    double t[c->n_unknown];
+    int iterations;
+    *found = 0;
+    if (!ric_continuation_correct(c, u0, NULL, NULL, 0, t, &iterations))
+        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
+    if (c->smallest < SEVERAL) return ric_fail(RIC_E_NUMERIC, "%s", move_together);
+    ric_continuation_tangent(c, NULL, t);
+    return try_sides(c, u0, t, t0, found);
+}
+
+/* Whether a mode beside those of a linear motion has a frequency that the period of it, gone through `multiple` times,
+ * is a whole number of periods of: it moves along at will, and takes part in what the impacts drive. */
+static bool commensurate(const ric_model *m, const ric_node *node)
+{
+    double turn = node->multiple * node->period / RIC_TWO_PI;
+    const ric_eigenspace *own = &m->mixtures->space[ric_node_space(m, node)];
+    for (int i = 0; i < m->n; i++) {
+        double turns = m->omega[i] * turn;
+        if (i >= own->first && i < own->first + own->size) continue;
+        if (fabs(turns - rint(turns)) < RIC_SAME_LOCATED) return true;
+    }
+    return false;
+}
+
+/* The same at a linear motion of modes that share a frequency. Its kernel holds the other linear motions that touch;
+ * across them lies the one branch, if there is one: beside a motion that is none of ric_mixtures the impulses do not
+ * drive that motion itself, and no impact gets any speed. */
+static ric_status find_shared_side(const ric_node *node, ric_shooting *c, const double *u0, double *t0, int *found)
+{
+    double t[c->n_unknown];
+    int count;
+    *found = 0;
+    if (c->n_unknown > RIC_DENSE_MOST)
+        return ric_fail(RIC_E_NUMERIC,
+                        "a grazing of modes of one frequency with %d unknowns: more than this version "
+                        "looks for a way out of",
+                        c->n_unknown);
+    ric_shooting_fly(c, u0);
+    ric_status status = ric_mixture_way(c, u0, t, &count);
+    if (!status && count != 1 && commensurate(c->model, node)) return ric_fail(RIC_E_NUMERIC, "%s", move_together);
+    if (status || count == 0) return status;
+    if (count > 1)
+        return ric_fail(RIC_E_NUMERIC,
+                        "modes of one frequency, and impacts that share their impulse in any way: no single branch "
+                        "leaves");
+    status = try_sides(c, u0, t, t0, found);
+    for (int i = 0; i < c->n_unknown; i++) t0[i] *= RIC_LEAVING * c->scale;
+    return status;
 }
 
 static void drop(ric_shooting **chain, double **u0, double **t0)
@@ -112,7 +158,10 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
         return status;
     }
     *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    status = *t0 ? find_side(*chain, *u0, *t0, &found) : ric_no_memory("a departure");
+    *singular = node->kind == RIC_KIND_GRAZING && ric_node_space(m, node) >= 0;
+    status = !*t0        ? ric_no_memory("a departure")
+             : *singular ? find_shared_side(node, *chain, *u0, *t0, &found)
+                         : find_side(*chain, *u0, *t0, &found);
     if (status || !found) drop(chain, u0, t0);
     return status;
 }

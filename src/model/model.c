@@ -7,6 +7,7 @@
 
 #include <lapacke.h>
 
+#include "mixture.h"
 #include "modes.h"
 #include "modal.h"
 #include "regime.h"
@@ -325,6 +326,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
     scale_modes(m);
     make_faces(m);
     if ((status = ric_regimes_create(m))) goto out;
+    if ((status = ric_mixtures_create(m))) goto out;
     *out = m;
     m = NULL;
 out:
@@ -341,6 +343,7 @@ void ric_model_free(ric_model *m)
                      m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     ric_regimes_free(m);
+    ric_mixtures_free(m);
     free(m);
 }
 

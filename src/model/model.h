@@ -59,7 +59,8 @@ struct ric_model {
                            * low: there they leave the linear modes; 0 for the other laws */
     double *to_modal;     /* [n * n_dof]: q_i = sum_j to_modal[i][j] x_j, x scaled by d, q by L */
     double *to_space;     /* [n_dof * n]: x_j = sum_i to_space[j][i] q_i */
-    struct ric_phases *phases; /* regime.h: what contacts of law bilinear make of the modes while they are closed */
+    struct ric_phases *phases;     /* regime.h: what contacts of law bilinear make of the modes while they are closed */
+    struct ric_mixtures *mixtures; /* mixture.h: motions of modes that share a frequency */
 };
 
 /* Whether contacts stand off: motion that reaches no face is linear, in modes. A power law acts at once, and has no

@@ -148,6 +148,11 @@ out:
     return status;
 }
 
+bool ric_modes_equal(double lower, double upper)
+{
+    return !(upper - lower > EQUAL * upper);
+}
+
 /* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the
  * first rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
 static ric_status rotate_equal(ric_model *m, int first, int last)
@@ -189,7 +194,7 @@ static ric_status separate_equal(ric_model *m)
         double lambda = m->frequency[i] * m->frequency[i];
         for (j = i + 1; j < n; j++) {
             double next = m->frequency[j] * m->frequency[j];
-            if (next - lambda > EQUAL * next) break;
+            if (!ric_modes_equal(lambda, next)) break;
         }
         if (j - i > 1) status = rotate_equal(m, i, j - 1);
     }

@@ -9,4 +9,7 @@
  * basis is that in which most are unseen; every shape has its largest component positive. O(n_dof^3). */
 ric_status ric_modes_find(ric_model *model);
 
+/* Whether rounding alone may tell apart two squared frequencies, the lower one first. */
+bool ric_modes_equal(double lower, double upper);
+
 #endif

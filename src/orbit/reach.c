@@ -1,5 +1,6 @@
 #include "reach.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,7 @@
 
 #define SLOPE_BOUND 0.008018753738744785 /* sqrt(3) / 216 */
 #define LEVELS 48
+#define BLUR (16 * DBL_EPSILON) /* of the sum of the terms of a gap coordinate: rounding of it */
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
 #define BERNSTEIN 1e-13 /* rounding of a bound from Bernstein coefficients, relative */
@@ -42,7 +44,8 @@ typedef struct {
     bool mirrored; /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
                     * other */
     double D3, D4, tau;
-    bool own_start, own_end;     /* the flight starts or ends on this contact */
+    double blur;             /* a gap coordinate below it is no motion: terms of the modes that cancel, to rounding */
+    bool own_start, own_end; /* the flight starts or ends on this contact */
     double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
     /* outcome */
     double best, threshold;
@@ -174,7 +177,8 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
     if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
     double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
-    if (towards(q, l.s, b1, b2, r.s) + value <= level(q) * (1 + BERNSTEIN)) return false;
+    double most = towards(q, l.s, b1, b2, r.s) + value;
+    if (most <= level(q) * (1 + BERNSTEIN) || (!q->closed && most <= q->blur)) return false;
     /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s''
      * (D4 h^2 / 12) */
     double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
@@ -232,9 +236,10 @@ static void search_contact(search *q)
     enter_contact(q);
     const double *w = q->start, *e = q->end, *g = q->g;
     sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
-    q->D3 = q->D4 = q->bend_start = q->bend_end = 0;
+    q->D3 = q->D4 = q->bend_start = q->bend_end = q->blur = 0;
     for (int i = 0; i < n; i++) {
         double omega = q->omega[i];
+        q->blur += BLUR * fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]);
         l.s += g[i] * w[i];
         r.s += g[i] * e[i];
         l.ds += g[i] * q->kappa[i] * w[n + i];
