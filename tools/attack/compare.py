@@ -133,7 +133,8 @@ class Naming:
                    for j in self.other.atlas.junctions)
 
     def branch(self, row, absent):
-        return (bool(self.ends[row[7]] & absent) or any(self.refused(j) for j in self.ends[row[7]]) or
+        met = self.ends[row[7]] | {r["junction"] for r in self.one.atlas.on_branch[row[7]]}
+        return (bool(self.ends[row[7]] & absent) or any(self.refused(j) for j in met) or
                 any(self.is_one(row[7], curves, b) for curves, b in self.stuck))
 
     def junction(self, row, absent):
