@@ -18,6 +18,7 @@
 /* NO_BRANCH: of the size: what is lost nearer to its start than this is rounding beside a family of more parameters,
  * and no branch */
 #define NO_BRANCH 1e-6
+#define FLAT 1e-8     /* relative: to what the period is known where it has an extremum, whose place is known to 1e-6 */
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
 /* ------------------------------------------------------------------- tracing */
@@ -483,6 +484,15 @@ static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event 
     return RIC_OK;
 }
 
+/* Whether an extremum of the period was solved for that is not the one seen: where the period of a branch is one number
+ * its slope changes sign in rounding, and the extremum is one of another branch. A true one is flat, so that the period
+ * is known better than its place. */
+static bool strays(const ric_node *node, const ric_periodic *cycle)
+{
+    double seen = ric_periodic_period(cycle);
+    return fabs(node->period * node->multiple - seen) > FLAT * seen;
+}
+
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
@@ -506,7 +516,12 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
                              ? (ric_defining){.kind = RIC_DEFINING_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
                              : (ric_defining){.kind = RIC_DEFINING_INTERIOR, .test = event->test};
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
-    if (status == RIC_E_NUMERIC) status = add_unplaced(g, e, event, resonance, cycle);
+    bool off = node && event->test == RIC_TEST_PERIOD && strays(node, cycle);
+    if (off) {
+        ric_node_free(node);
+        node = NULL;
+    }
+    if (off || status == RIC_E_NUMERIC) status = add_unplaced(g, e, event, resonance, cycle);
     ric_periodic_free(cycle);
     if (!node) return status;
     int index = ric_graph_add(g, node, e->depth);

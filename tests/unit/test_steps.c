@@ -169,6 +169,32 @@ static void signs_that_jump(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A2[12] has one frequency all along, and where another branch comes near the slope of its period changes sign in
+ * rounding: the extremum that was solved for from there lies on that other branch, at another frequency. */
+static void extremum_of_another_branch(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text_with(
+        "model:\n"
+        "  mass: [[2.390625, 0.3125], [0.3125, 2.0625]]\n"
+        "  stiffness: [[2.375, 2.875], [2.875, 8.25]]\n"
+        "  contacts:\n"
+        "    - {normal: [1.0, -1.0], law: bilinear, clearance: 0.00196, sides: upper, stiffness: 3631.0}\n"
+        "    - {normal: [0.0, 1.0], law: rigid, clearance: 0.00109, sides: both}\n"
+        "explore: {start: modes, energy: [0, 3.774], frequency: [0.1501, 6.118], impacts: 4, multiply: 3, "
+        "depth: 2}\n",
+        NULL, 0.02);
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        if (j.kind != RIC_KIND_PERIOD_EXTREMUM) continue;
+        found++;
+        if (near(j.energy, 1.364416, 1e-5)) fail_msg("an extremum of the period at omega %.12g", j.frequency);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 /* Left and right half are alike but for 1e-7, and the stop between their ends all but feels one half of the modes:
  * A4[0101] at constant frequency consists of orbits of a family with two parameters, nearly, and the determinants that
  * tell where a symmetry breaks are rounding all along. Their signs are no branch points. */
@@ -268,6 +294,7 @@ int main(void)
                                        cmocka_unit_test(to_and_fro_beside_a_mode),
                                        cmocka_unit_test(bend_that_hands_over),
                                        cmocka_unit_test(signs_that_jump),
+                                       cmocka_unit_test(extremum_of_another_branch),
                                        cmocka_unit_test(determinants_of_rounding),
                                        cmocka_unit_test(lost_pairs_are_said),
                                        cmocka_unit_test(doublings_are_sharp)};
