@@ -91,8 +91,9 @@ static const ric_column point[] = {
      .min = 1 / RIC_LARGEST, .max = RIC_LARGEST},
     {COLUMN("period", DERIVED, point, TIME, RIC_IN_TABLE, "2π/ω"), .derived = period},
     {COLUMN("trace", DERIVED, point, NONE, RIC_IN_TABLE | RIC_MADE,
-            "trace of the monodromy without its trivial part, for two modes; NULL for other numbers of modes and "
-            "beyond the range of a double"), .derived = ric_point_trace},
+            "trace of the monodromy without its trivial part, for two modes; NULL for other numbers of modes, beyond "
+            "the range of a double, and where less than three digits of it are known, as at a grazing"),
+     .derived = ric_point_trace},
     {COLUMN("log_trace", DERIVED, point, NONE, RIC_LISTED, "logarithm of its modulus; NULL also where the trace is 0"),
      .derived = ric_point_log_trace},
     {COLUMN("trace_asinh", MAYBE, point.trace, NONE, 0,

@@ -8,7 +8,8 @@
 #include "base/room.h"
 #include "flow/room.h"
 
-#define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
+#define NEAR_BORDER 100  /* of the error of rho: nearer to the border of stability it is measured */
+#define NEARLY_LOST 1e-5 /* error of rho, over 1 + |rho|, from which on it is measured, of a trace that is stored */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
@@ -104,14 +105,22 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
 
 /* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
  * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow or a spring is hardly
- * closed. What is so near to the border that this may count is measured. */
+ * closed. What is so near to the border that this may count is measured, and a trace of which it may leave less than
+ * three digits, as at a grazing, is lost if it
+ * does. Where branches meet at no slow impact it stays: there it is 2 or -2. */
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
 {
+    if (f->n_pair < 1) return RIC_OK;
     double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f, NULL),
-           seen[f->n_pair + 1], blur = 1 + (1 + 1 / approach) * c->scale / c->smallest;
-    bool far = !ric_flight_law_of(c->model)->closes &&
-               !(fabs(margin) <= NEAR_BORDER * f->rough * steepness(margin) * blur);
-    return f->n_pair < 1 || f->stable == RIC_STABLE_UNDECIDED || far ? RIC_OK : measure(c, u, f, seen);
+           seen[f->n_pair];
+    const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest), slow = f->rough / approach;
+    const bool far = !ric_flight_law_of(c->model)->closes && !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
+               decided = f->stable != RIC_STABLE_UNDECIDED && !far,
+               vague = f->n_pair == 1 && !(slow <= NEARLY_LOST * (1 + fabs(f->rho[0])));
+    if (!decided && !vague) return RIC_OK;
+    ric_status status = measure(c, u, f, seen);
+    if (!status && vague) ric_floquet_widen(f, seen);
+    return status;
 }
 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)

@@ -334,6 +334,7 @@ static real angle_known(const ric_pairs *p)
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
     real outside, inside, found = turns(p, 0), bound = RESOLUTION + angle_known(p);
+    if (isnan(stored->rotation) && isnan(stored->trace)) return; /* lost together, which the trace answers for */
     weigh(p, &outside, &inside);
     for (int run = 1; run < RIC_PAIR_RUNS; run++) {
         real other = turns(p, run);
@@ -361,6 +362,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
     out->multiplier_error = (double)fabs(stored->trace - found);
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);
+    if (isnan(stored->trace)) vague |= !all_given(p->asked); /* nor does the library give it when it is asked again */
     out->multipliers = vague ? RIC_AGREES_UNCHECKED : out->multiplier_error <= bound ? RIC_AGREES_YES : RIC_AGREES_NO;
     if (out->multipliers == RIC_AGREES_NO && !*out->finding)
         snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",

@@ -39,7 +39,8 @@ ric_status ric_floquet_compute(const ric_shooting *chain, ric_floquet *out);
 /* Of the same the determinants alone, without the eigenvalues, which cost most: rho, stability and what belongs to them
  * are those of another orbit. */
 ric_status ric_floquet_signs(const ric_shooting *chain, ric_floquet *out);
-/* Adds more [n_pair] to the error of each rho; those of which less than three digits are left are lost, NaN. */
+/* Adds more [n_pair] to the error of each rho; those of which less than three digits are left are lost, NaN, and with
+ * the only one trace and rotation. */
 void ric_floquet_widen(ric_floquet *floquet, const double *more);
 /* The multipliers of what was computed: 2 n_pair complex numbers as re, im pairs; NaN those of which less than three
  * digits are known, near +-1 those whose rho has less than six. */

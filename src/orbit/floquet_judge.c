@@ -153,6 +153,7 @@ void ric_floquet_widen(ric_floquet *f, const double *more)
             continue;
         }
         r[0] = r[1] = NAN;
+        f->trace_asinh = f->rotation = NAN; /* of two modes, which have one pair */
     }
     f->error = worst;
 }

@@ -191,12 +191,40 @@ static void flags_agree(void **state)
     assert_true(borders >= 10 && raw > 0);
 }
 
+/* A multiplier goes through infinity where an impact loses its speed, and rounding says where: traces of 1e34 stood
+ * there, or any small number. */
+static void traces_at_grazings_are_lost(void **state)
+{
+    (void)state;
+    int lost = 0, kept = 0;
+    ric_study *study = NULL;
+    assert_int_equal(ric_study_read("examples/fractal-base/study.yaml", &study), RIC_OK);
+    ric_graph *graph = explored_graph(study);
+    for (int e = 0; e < graph->n_edge; e++) {
+        const ric_continuation *trace = graph->edges[e].trace;
+        for (int i = 0; trace && trace->chain->n_flight > 0 && i < trace->n_point; i++) {
+            const ric_point *row = (const ric_point *)(trace->points + (size_t)i * trace->stride);
+            assert_true(isfinite(row->trace) || isnan(row->rotation));
+            lost += fabs(row->approach) < 1e-13 && isnan(row->trace);
+            kept += isfinite(row->trace);
+            if (fabs(row->approach) > 1e-6 && !isfinite(row->trace))
+                fail_msg("branch %d, point %d: no trace, and its slowest impact has %.3g", e, i, row->approach);
+            if (fabs(row->approach) < 1e-13 && row->trace > 40)
+                fail_msg("branch %d, point %d: trace %.3g at a grazing", e, i, 2 * sinh(row->trace));
+        }
+    }
+    assert_true(lost > 20 && kept > 500);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_belong_to_orbits),
         cmocka_unit_test(flags_keep_to_the_bound),
         cmocka_unit_test(flags_agree),
+        cmocka_unit_test(traces_at_grazings_are_lost),
     };
     return cmocka_run_group_tests_name("floquet_flags", tests, NULL, NULL);
 }
