@@ -510,6 +510,22 @@ static bool gathered(const replay *r, int k)
     return zeros > 1;
 }
 
+/* The simulator at the beginning of flight k. Where the stored digits leave the state beyond the stop that it has just
+ * struck, it is brought back to it. */
+static ric_status start_flight(replay *r, int k)
+{
+    const size_t step = 2 * (size_t)r->n;
+    const face_t *face = k > 0 ? ric_replay_end_face(r, k - 1) : NULL;
+    real w[step];
+    memcpy(w, r->chain + (size_t)k * step, sizeof w);
+    if (face && !(face->spring > 0) && r->digits) {
+        const real gap = ric_replay_gap(r, face, w);
+        for (int i = 0; i < r->n && gap > 0 && gap <= r->digits->gap[k - 1]; i++)
+            w[i] -= face->side * gap / face->cc * face->c[i];
+    }
+    return start_at(r, k, w, 0);
+}
+
 static ric_status check_flights(replay *r)
 {
     ric_status status = RIC_OK;
@@ -522,7 +538,7 @@ static ric_status check_flights(replay *r)
             continue;
         }
         r->reach = 0;
-        status = start_at(r, k, r->chain + (size_t)k * 2 * (size_t)r->n, 0);
+        status = start_flight(r, k);
         if (status || !r->check->faces_agree) break;
         status = !ric_replay_end_face(r, k)  ? check_linear(r)
                  : ric_replay_is_touch(r, k) ? check_touch(r, k)
@@ -535,8 +551,9 @@ static ric_status check_flights(replay *r)
 
 /* ------------------------------------------------------------------- return */
 
-/* Whether an impact is so slow that an error of the state, relative to its norm, decides if it takes place: at speed v
- * the gap goes v^2 / 2 pull beyond its face. Then the return is no linear function of the error. */
+/* Whether an impact, or the contact of a spring, is so slow that an error of the state, relative to its norm, decides
+ * if it takes place: at speed v the gap goes v^2 / 2 pull beyond its face. Then the return is no linear function of the
+ * error. */
 static bool may_miss(const replay *r, real error)
 {
     int n = r->n;
@@ -545,8 +562,9 @@ static bool may_miss(const replay *r, real error)
         const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n;
         real pull = 0, speed = r->speed[k + 1];
         /* a touch may be struck or not */
-        if (!face || face->spring > 0 || speed <= BLUNT * ric_replay_fastest(r, face)) continue;
-        for (int i = 0; i < n; i++) pull += face->c[i] * r->omega[i] * r->omega[i] * w[i];
+        if (!face || speed <= BLUNT * ric_replay_fastest(r, face)) continue;
+        if (face->spring > 0) pull = ric_replay_pull(r, k, face, w);
+        for (int i = 0; i < n && !(face->spring > 0); i++) pull += face->c[i] * r->omega[i] * r->omega[i] * w[i];
         if (speed * speed < MISS * 2 * fabs(pull) * error * r->norm) return true;
     }
     return false;
@@ -603,7 +621,7 @@ static ric_status check_return(replay *r)
 {
     event e = {0}, before = {0};
     for (int k = 0; k < r->n_flight; k++)
-        if (gathered(r, k)) {
+        if (gathered(r, k) || (r->digits && ric_verify_digits_hide(r, r->digits, k))) {
             r->check->return_error = NAN;
             return RIC_OK;
         }

@@ -327,7 +327,8 @@ static void say(ric_claims *out, const char *name, double stored, double found)
 }
 
 /* Smallest speed into a face, or out of a spring, so that the motion backwards has the same; and what the digits leave
- * of it: [0] at least, [1] at most. */
+ * of it: [0] at least, [1] at most. The solver may have begun anywhere on the orbit: how far it closes counts as well.
+ */
 static void smallest_approach(const replay *r, const ric_digits *d, double approach[2])
 {
     approach[0] = approach[1] = HUGE_VAL;
@@ -337,8 +338,10 @@ static void smallest_approach(const replay *r, const ric_digits *d, double appro
         if (!face) continue;
         int way = face->spring > 0 && ric_replay_opens(r, k) ? -face->side : face->side;
         real speed = face->spring > 0 ? way * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
-        approach[0] = fmin(approach[0], (double)(speed - d->speed[k]));
-        approach[1] = fmin(approach[1], (double)(speed + d->speed[k]));
+        real left = d->speed[k];
+        for (int i = 0; i < r->n; i++) left += fabs(face->c[i]) * d->close[r->n + i];
+        approach[0] = fmin(approach[0], (double)(speed - left));
+        approach[1] = fmin(approach[1], (double)(speed + left));
     }
 }
 

@@ -111,8 +111,8 @@ void ric_verify_digits_close(ric_digits *digits);
 /* Whether the stored orbit closes within its digits; what does not is said in `out`, and which of its numbers could be
  * off by a part in a million of the largest of its kind without being found. */
 void ric_verify_digits_judge(const replay *r, const ric_digits *digits, ric_claims *out);
-/* Whether the stored digits leave the speed at the end of flight k, or at its beginning, open by half of it: which face
- * is met, and when, cannot be told. */
+/* Whether the stored digits leave the speed at the end of flight k, or of one before it, open by half of it, or the gap
+ * as far as the motion goes beyond the face: which one is met, and when, cannot be told from there on. */
 bool ric_verify_digits_hide(const replay *r, const ric_digits *digits, int k);
 /* One more number that could not be checked. */
 void ric_verify_digits_doubt(ric_claims *out, const char *name);
