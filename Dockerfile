@@ -4,7 +4,7 @@ FROM debian:bookworm-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends \
         gcc libc6-dev make meson ninja-build pkg-config python3 \
         liblapacke-dev liblapack-dev libblas-dev libyaml-dev libsqlite3-dev libjansson-dev \
-        libhdf5-dev libmatio-dev libmicrohttpd-dev \
+        libhdf5-dev libmatio-dev libmicrohttpd-dev libflint-dev libflint-arb-dev \
     && rm -rf /var/lib/apt/lists/*
 COPY . /source
 RUN meson setup /build /source -Dtests=false -Dmpi=disabled --prefix=/usr/local \
@@ -14,7 +14,7 @@ RUN meson setup /build /source -Dtests=false -Dmpi=disabled --prefix=/usr/local 
 FROM debian:bookworm-slim
 RUN apt-get update && apt-get install -y --no-install-recommends \
         liblapacke liblapack3 libblas3 libyaml-0-2 libsqlite3-0 libjansson4 \
-        libhdf5-103-1 libmatio11 libmicrohttpd12 gnuplot-nox fonts-liberation \
+        libhdf5-103-1 libmatio11 libmicrohttpd12 libflint17 libflint-arb2 gnuplot-nox fonts-liberation \
     && rm -rf /var/lib/apt/lists/*
 COPY --from=build /installed /
 RUN ldconfig && ricochet --version

@@ -672,6 +672,43 @@ ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out
 /* The row of a junction: its orbit closes, with its energy and frequency. Branch is -1, point is the id. */
 ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out);
 
+/* ------------------------------------------------------------------- prove */
+
+/* Stored orbits as theorems, by ball arithmetic (docs/proofs.md). Where the library was built without FLINT,
+ * ric_prover_create says so with RIC_E_INPUT. */
+typedef struct ric_prover ric_prover;
+
+typedef enum {
+    RIC_PROOF_DONE,     /* proved */
+    RIC_PROOF_NONE,     /* not proved: `why` tells what stands in the way, or does not agree */
+    RIC_PROOF_LEFT_OUT, /* of a kind that is not tried */
+} ric_proof_state;
+
+typedef struct {
+    int branch, point;
+    ric_proof_state state;
+    char why[200];
+    int bits;              /* of the arithmetic that was needed */
+    double distance;       /* from the stored orbit to that of the theorem, over 1 + the size of its states */
+    double exists, unique; /* radii: the orbit is within `exists` of the centre, and no other one within `unique` */
+    double energy[2];      /* intervals that hold the numbers of the orbit: scaled energy, */
+    double period[2];      /* seconds, */
+    double trace[2];       /* lambda + 1 / lambda, n = 2; else NaN */
+    double approach;       /* no impact is slower, scaled, per second */
+    ric_stability stable;  /* as proved */
+    bool symmetric, reversible; /* as proved */
+} ric_proof;
+
+bool ric_prover_available(void);
+/* To be used by one thread; the atlas has to stay. */
+ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out);
+void ric_prover_free(ric_prover *prover);
+/* Proves the orbit of point `i` of a branch, with as many bits as it takes. */
+ric_status ric_prover_point(ric_prover *prover, int branch, int i, ric_proof *out);
+/* The last point as a line of JSON, "" if it was not proved; and the structure. Borrowed until the next call. */
+const char *ric_prover_certificate(const ric_prover *prover);
+const char *ric_prover_model(const ric_prover *prover);
+
 /* -------------------------------------------------------------------- hunt */
 
 /* A search for periodic orbits by brute force, which knows nothing of branches (docs/theory.md section 11): the

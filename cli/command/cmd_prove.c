@@ -1,0 +1,321 @@
+/* ricochet prove ATLAS: stored orbits as theorems, by ball arithmetic. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <limits.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "common/cli.h"
+
+enum { MOST_WORKERS = 256, MOST_TOLD = 20 };
+
+typedef struct {
+    bool done;
+    ric_proof proof;
+    char *certificate; /* NULL: none was asked for */
+} result;
+
+typedef struct {
+    const ric_atlas *atlas;
+    bool certify;
+    result *results;
+    int n;
+    char *model; /* first line of the certificates */
+    atomic_int next, finished;
+    atomic_bool stop;
+    ric_status status;
+    char detail[400];
+    pthread_mutex_t mutex;
+    double seconds;
+    struct timespec start;
+} work_list;
+
+/* ------------------------------------------------------------------ working */
+
+static void fail(work_list *w, ric_status status)
+{
+    pthread_mutex_lock(&w->mutex);
+    if (!w->status) {
+        w->status = status;
+        snprintf(w->detail, sizeof w->detail, "%s", ric_detail());
+    }
+    pthread_mutex_unlock(&w->mutex);
+    w->stop = true;
+}
+
+static void keep_model(work_list *w, const ric_prover *prover)
+{
+    pthread_mutex_lock(&w->mutex);
+    if (!w->model) w->model = strdup(ric_prover_model(prover));
+    pthread_mutex_unlock(&w->mutex);
+}
+
+static ric_status prove_one(work_list *w, ric_prover *prover, result *r)
+{
+    ric_status status = ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
+    if (status) return status;
+    const char *text = ric_prover_certificate(prover);
+    if (w->certify && *text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
+    r->done = true;
+    atomic_fetch_add(&w->finished, 1);
+    return RIC_OK;
+}
+
+static void *work(void *user)
+{
+    work_list *w = user;
+    ric_prover *prover = NULL;
+    ric_status status = ric_prover_create(w->atlas, &prover);
+    if (!status) keep_model(w, prover);
+    while (!status && !w->stop) {
+        int i = atomic_fetch_add(&w->next, 1);
+        if (i >= w->n) break;
+        status = prove_one(w, prover, &w->results[i]);
+    }
+    if (status) fail(w, status);
+    ric_prover_free(prover);
+    return NULL;
+}
+
+static void wait_for_end(work_list *w, int workers, pthread_t *threads)
+{
+    const bool terminal = isatty(STDERR_FILENO);
+    const struct timespec nap = {0, 5000000};
+    int naps = 0;
+    while (!w->stop && w->finished < w->n) {
+        nanosleep(&nap, NULL);
+        if (cli_stopped() || cli_seconds_since(&w->start) > w->seconds) w->stop = true;
+        if (terminal && ++naps % 20 == 0)
+            fprintf(stderr, "\r\033[K%d of %d points, %.0f s", (int)w->finished, w->n, cli_seconds_since(&w->start));
+    }
+    for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
+    if (terminal) fputs("\r\033[K", stderr);
+}
+
+static ric_status work_all(work_list *w, int workers)
+{
+    pthread_t threads[MOST_WORKERS];
+    int started = 0;
+    clock_gettime(CLOCK_MONOTONIC, &w->start);
+    cli_catch_signals();
+    while (started < workers && !pthread_create(&threads[started], NULL, work, w)) started++;
+    if (started == 0) work(w);
+    wait_for_end(w, started, threads);
+    return w->status;
+}
+
+/* ---------------------------------------------------------------- the points */
+
+static ric_status add_points(work_list *w, int id, long point)
+{
+    ric_branch branch;
+    ric_status status = ric_atlas_branch(w->atlas, id, &branch);
+    if (status) return status;
+    int first = point >= 0 ? (int)point : 0, last = point >= 0 ? (int)point : branch.n_point - 1;
+    if (point >= branch.n_point) return ric_atlas_point(w->atlas, id, (int)point, &(ric_point){0}, NULL, NULL);
+    result *more = realloc(w->results, (size_t)(w->n + last - first + 1) * sizeof *more);
+    if (!more && last >= first) return RIC_E_NOMEM;
+    w->results = more;
+    for (int i = first; i <= last; i++) w->results[w->n++] = (result){.proof = {.branch = id, .point = i}};
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------------ answers */
+
+static const char *const state_text[] = {"proved", "not proved", "left out"};
+static const char *const stable_text[] = {"no", "yes", "undecided"};
+
+static json_t *interval(const double x[2])
+{
+    json_t *both = json_array();
+    for (int i = 0; i < 2; i++) json_array_append_new(both, cli_number(x[i]));
+    return both;
+}
+
+static void add_row(json_t *rows, const ric_proof *p)
+{
+    const bool proved = p->state == RIC_PROOF_DONE;
+    json_t *row = json_object();
+    json_object_set_new(row, "branch", json_integer(p->branch));
+    json_object_set_new(row, "point", json_integer(p->point));
+    json_object_set_new(row, "verdict", json_string(state_text[p->state]));
+    json_object_set_new(row, "bits", proved ? json_integer(p->bits) : json_null());
+    json_object_set_new(row, "distance", cli_number(proved ? p->distance : NAN));
+    json_object_set_new(row, "exists", cli_number(proved ? p->exists : NAN));
+    json_object_set_new(row, "unique", cli_number(proved ? p->unique : NAN));
+    json_object_set_new(row, "approach", cli_number(proved ? p->approach : NAN));
+    json_object_set_new(row, "stable", proved ? json_string(stable_text[p->stable]) : json_null());
+    json_object_set_new(row, "symmetric", proved ? json_boolean(p->symmetric) : json_null());
+    json_object_set_new(row, "reversible", proved ? json_boolean(p->reversible) : json_null());
+    json_object_set_new(row, "why", json_string(p->why));
+    if (proved) {
+        json_object_set_new(row, "energy", interval(p->energy));
+        json_object_set_new(row, "period", interval(p->period));
+        json_object_set_new(row, "trace", interval(p->trace));
+    }
+    json_array_append_new(rows, row);
+}
+
+/* Orbits at the ends of branches are junctions, where the equations of the branch are not those that prove. */
+static bool is_end(const work_list *w, const ric_proof *p)
+{
+    ric_branch branch;
+    return !ric_atlas_branch(w->atlas, p->branch, &branch) && (p->point == 0 || p->point == branch.n_point - 1);
+}
+
+static void tell_failure(const work_list *w, const ric_proof *p)
+{
+    ric_branch branch;
+    const char *label = ric_atlas_branch(w->atlas, p->branch, &branch) ? "" : branch.label;
+    cli_say("ricochet: branch %d %s, point %d is not proved: %s\n", p->branch, label, p->point, p->why);
+}
+
+static int tell_all(const work_list *w, FILE *out, bool verbose)
+{
+    int count[3] = {0}, ends = 0, told = 0, undecided = 0, done = 0;
+    for (int i = 0; i < w->n; i++) {
+        const ric_proof *p = &w->results[i].proof;
+        if (!w->results[i].done) continue;
+        done++;
+        count[p->state]++;
+        undecided += p->state == RIC_PROOF_DONE && p->stable == RIC_STABLE_UNDECIDED;
+        if (p->state != RIC_PROOF_NONE) continue;
+        const bool end = is_end(w, p);
+        ends += end;
+        if ((!end || verbose) && told++ < MOST_TOLD) tell_failure(w, p);
+    }
+    cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
+             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
+    if (ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
+    if (count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
+    for (int i = 0; i < w->n && count[RIC_PROOF_LEFT_OUT]; i++)
+        if (w->results[i].done && w->results[i].proof.state == RIC_PROOF_LEFT_OUT) {
+            cli_tell(out, "the first of them: %s\n", w->results[i].proof.why);
+            break;
+        }
+    if (done < w->n) {
+        cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
+                cli_stopped() ? "on request" : "when the time given was over", w->n - done, w->n);
+        return cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
+    }
+    return count[RIC_PROOF_NONE] > ends ? CLI_FAILED : CLI_DONE;
+}
+
+static int write_certificates(const work_list *w, const char *path)
+{
+    FILE *f = fopen(path, "wx");
+    if (!f) {
+        cli_say("ricochet: %s cannot be made: it is there already, or its folder is not\n", path);
+        return CLI_FAILED;
+    }
+    fprintf(f, "%s\n", w->model ? w->model : "");
+    for (int i = 0; i < w->n; i++)
+        if (w->results[i].certificate) fprintf(f, "%s\n", w->results[i].certificate);
+    const bool lost = ferror(f) || fflush(f);
+    if (!fclose(f) && !lost) return CLI_DONE;
+    cli_say("ricochet: %s cannot be written\n", path);
+    return CLI_FAILED;
+}
+
+static int print_all(const work_list *w, cli_format format, bool verbose)
+{
+    static const char columns[] =
+        "branch point verdict bits distance exists unique approach stable symmetric reversible why";
+    json_t *rows = json_array();
+    if (!rows) return cli_report(RIC_E_NOMEM);
+    for (int i = 0; i < w->n; i++)
+        if (w->results[i].done) add_row(rows, &w->results[i].proof);
+    const int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
+    json_decref(rows);
+    return code ? code : tell_all(w, format == CLI_TEXT ? stdout : stderr, verbose);
+}
+
+static void release(work_list *w)
+{
+    for (int i = 0; i < w->n; i++) free(w->results[i].certificate);
+    free(w->results);
+    free(w->model);
+}
+
+static int run(int argc, char **argv)
+{
+    cli_format format;
+    const char *text, *point_text, *seconds_text, *path;
+    long branch = 0, point = -1, workers = 1;
+    ric_atlas *atlas = NULL;
+    work_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    const bool verbose = cli_take_flag(&argc, argv, "--verbose");
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
+        !cli_take_value(&argc, argv, "--point", &point_text) || !cli_take_value(&argc, argv, "-o", &path) ||
+        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_take_workers(&argc, argv, MOST_WORKERS, &workers) || !cli_operands(&cli_prove, argc, argv, 1) ||
+        (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
+        (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.seconds)))
+        return CLI_WRONG;
+    if (!(w.seconds > 0)) return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (point_text && !text) return cli_wrong("prove: --point needs --branch ID, whose points it counts");
+    ric_status status = ric_atlas_read(argv[1], &atlas);
+    w.atlas = atlas;
+    w.certify = path != NULL;
+    if (!status && branch) status = add_points(&w, (int)branch, point);
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_points(&w, id, -1);
+    if (!status && (status = work_all(&w, (int)workers)) && *w.detail) {
+        cli_say("ricochet: %s\n", w.detail);
+        release(&w);
+        ric_atlas_free(atlas);
+        return CLI_FAILED;
+    }
+    int code = status ? cli_report(status) : path ? write_certificates(&w, path) : CLI_DONE;
+    if (code == CLI_DONE) code = print_all(&w, format, verbose);
+    release(&w);
+    ric_atlas_free(atlas);
+    return code;
+}
+
+static const cli_item items[] = {
+    {.text =
+         "Proves by ball arithmetic that there is exactly one orbit with the word of its branch near a stored "
+         "point, that its impacts approach and no stop is passed in between, encloses its energy, period and trace, "
+         "and decides its stability. The decimals of masses, stiffnesses, normals and clearances count as exact. "
+         "docs/proofs.md states the theorems. Structures with springs are left out, as are linear modes."},
+    {.name = "verdict", .text = "proved, not proved (and why), or left out"},
+    {.name = "bits", .text = "of the numbers that were needed: 64, 128 or 256"},
+    {.name = "distance", .text = "of the orbit that was proved from the stored one, relative; at most 1e-8"},
+    {.name = "exists, unique",
+     .text =
+         "radii: the orbit is within the first one of a centre, and there is no other within the second, on a plane "
+         "across the branch"},
+    {.name = "approach", .text = "no impact is slower"},
+    {.name = "stable, symmetric, reversible", .text = "as proved"},
+    {.name = "--branch", .value = "ID", .text = "only this branch"},
+    CLI_ITEM_AT,
+    {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
+    {.name = "-o", .value = "FILE", .text = "write certificates, one line of JSON for each point"},
+    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
+    {.name = "--jobs", .value = "WORKERS", .text = "the same"},
+    {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
+    {.name = "--verbose", .text = "a row for every point as well"},
+    {.text =
+         "The exit code is 1 if a point is not proved that is no end of a branch, 3 if the time was over, 130 after "
+         "Ctrl-C."},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
+const cli_command cli_prove = {
+    .name = "prove",
+    .summary = "prove the orbits of an atlas, by ball arithmetic",
+    .usage = "ricochet prove ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [-o FILE]\n"
+             "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet prove study.ricochet --branch 3\n",
+    .run = run,
+};

@@ -1,0 +1,322 @@
+#include "chain.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/room.h"
+
+/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only where to begin is
+ * decided by it. */
+#define AT_MIRROR 1e-6
+enum { MIRRORS = 4 }; /* at most in a period */
+
+/* ------------------------------------------------------------------- motion */
+
+void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_ptr out)
+{
+    slong n = e->n;
+    arb_t s, c, x;
+    arb_init(s);
+    arb_init(c);
+    arb_init(x);
+    for (slong i = 0; i < n; i++) {
+        if (arb_is_zero(e->omega + i)) {
+            arb_mul(x, w + n + i, tau, e->prec);
+            arb_add(out + i, w + i, x, e->prec);
+            arb_set(out + n + i, w + n + i);
+            continue;
+        }
+        arb_mul(x, e->omega + i, tau, e->prec + 32);
+        arb_sin_cos(s, c, x, e->prec);
+        arb_mul(out + i, c, w + i, e->prec);
+        arb_div(x, s, e->omega + i, e->prec);
+        arb_addmul(out + i, x, w + n + i, e->prec);
+        arb_mul(out + n + i, c, w + n + i, e->prec);
+        arb_mul(x, s, e->omega + i, e->prec);
+        arb_submul(out + n + i, x, w + i, e->prec);
+    }
+    arb_clear(s);
+    arb_clear(c);
+    arb_clear(x);
+}
+
+void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out)
+{
+    arb_dot(out, NULL, 0, ric_enclosure_c(e, e->wall[face].contact), 1, x, 1, e->n, e->prec);
+}
+
+void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p)
+{
+    int contact = e->wall[face].contact;
+    arb_srcptr c = ric_enclosure_c(e, contact);
+    arb_t sum;
+    arb_init(sum);
+    ric_chain_along(e, face, p, sum);
+    arb_mul_2exp_si(sum, sum, 1);
+    arb_div(sum, sum, e->cc + contact, e->prec);
+    for (slong i = 0; i < e->n; i++) arb_submul(p + i, sum, c + i, e->prec);
+    arb_clear(sum);
+}
+
+void ric_chain_energy(const ric_enclosure *e, arb_srcptr w, arb_t out)
+{
+    slong n = e->n;
+    arb_t x;
+    arb_init(x);
+    arb_dot(out, NULL, 0, w + n, 1, w + n, 1, n, e->prec);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(x, w + i, w + i, e->prec);
+        arb_addmul(out, x, e->square + i, e->prec);
+    }
+    arb_dot(x, NULL, 0, w, 1, w, 1, n, e->prec);
+    arb_mul(x, x, e->rho, e->prec);
+    arb_add_error(out, x);
+    arb_mul_2exp_si(out, out, -1);
+    arb_clear(x);
+}
+
+void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out)
+{
+    arb_dot(out, NULL, 0, x, 1, x, 1, n, prec);
+    arb_nonnegative_part(out, out);
+    arb_sqrt(out, out, prec);
+    arb_get_ubound_arf(arb_midref(out), out, prec);
+    mag_zero(arb_radref(out));
+}
+
+/* ------------------------------------------------------------- mirror points */
+
+static double middle(const arb_t x)
+{
+    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+}
+
+static void set_mid(arb_ptr out, arb_srcptr in, slong n)
+{
+    for (slong i = 0; i < n; i++) arb_get_mid_arb(out + i, in + i);
+}
+
+static double size_of(slong n, arb_srcptr x)
+{
+    double sum = 0;
+    for (slong i = 0; i < n; i++) sum += middle(x + i) * middle(x + i);
+    return sqrt(sum);
+}
+
+/* The largest |p| that the energy of the motion allows. */
+static double fastest(const ric_enclosure *e, arb_srcptr w)
+{
+    arb_t E;
+    arb_init(E);
+    ric_chain_energy(e, w, E);
+    double speed = sqrt(2 * fabs(middle(E)));
+    arb_clear(E);
+    return speed;
+}
+
+/* Whether the impact with the state w after it turns the motion round: p is along the normal. */
+static bool turns(const ric_enclosure *e, int face, arb_srcptr w)
+{
+    int contact = e->wall[face].contact;
+    arb_srcptr c = ric_enclosure_c(e, contact);
+    double along = 0, rest = 0;
+    for (slong i = 0; i < e->n; i++) along += middle(c + i) * middle(w + e->n + i);
+    along /= middle(e->cc + contact);
+    for (slong i = 0; i < e->n; i++) rest += pow(middle(w + e->n + i) - along * middle(c + i), 2);
+    return sqrt(rest) < AT_MIRROR * fastest(e, w);
+}
+
+static ric_chain_end kind_in_flight(const ric_enclosure *e, arb_srcptr w)
+{
+    double q = 0, v = fastest(e, w);
+    for (slong i = 0; i < e->n; i++) q += pow(middle(w + i), 2) * fmax(1, middle(e->square + i));
+    if (size_of(e->n, w + e->n) < AT_MIRROR * v) return RIC_CHAIN_REST;
+    return sqrt(q) < AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
+}
+
+typedef struct {
+    int n, letters;
+    const int *word;
+    arb_ptr states; /* [letters * 2n] behind every impact */
+    arb_ptr tau;    /* [letters] */
+    int mirrors;
+    int place[MIRRORS + 1]; /* 2 k: impact k; 2 k + 1: the middle of the flight behind it */
+    ric_chain_end kind[MIRRORS + 1];
+} motion;
+
+static void middle_of_flight(const ric_enclosure *e, const motion *z, int k, arb_ptr out)
+{
+    arb_t half;
+    arb_init(half);
+    arb_mul_2exp_si(half, z->tau + k, -1);
+    ric_chain_fly(e, z->states + (slong)k * 2 * z->n, half, out);
+    set_mid(out, out, 2 * z->n);
+    arb_clear(half);
+}
+
+static void find_mirrors(const ric_enclosure *e, motion *z)
+{
+    arb_ptr w = _arb_vec_init(2 * z->n);
+    for (int place = 0; place < 2 * z->letters && z->mirrors <= MIRRORS; place++) {
+        int k = place / 2;
+        ric_chain_end kind = RIC_CHAIN_GENERAL;
+        if (place % 2) {
+            middle_of_flight(e, z, k, w);
+            kind = kind_in_flight(e, w);
+        } else if (turns(e, z->word[k], z->states + (slong)k * 2 * z->n)) kind = RIC_CHAIN_IMPACT;
+        if (kind == RIC_CHAIN_GENERAL) continue;
+        z->place[z->mirrors] = place;
+        z->kind[z->mirrors++] = kind;
+    }
+    _arb_vec_clear(w, 2 * z->n);
+}
+
+/* Reading the word backwards from a mirror point gives the word again, with opposite faces from a centre. */
+static bool reflects(const ric_enclosure *e, const motion *z, int mirror)
+{
+    for (int k = 0; k < z->letters; k++) {
+        int image = (z->place[mirror] - k + z->letters) % z->letters, face = z->word[k];
+        if (z->kind[mirror] == RIC_CHAIN_CENTRE) face = e->wall[face].mirror;
+        if (z->word[image] != face) return false;
+    }
+    return true;
+}
+
+/* Two mirror points are in a period, half of it apart, or four where centres and others take turns; they are symmetries
+ * of the word, so that the orbit of which the chain is a part has that word. */
+static bool is_reversible(const ric_enclosure *e, const motion *z)
+{
+    if (z->mirrors != 2 && z->mirrors != MIRRORS) return false;
+    const bool mixed = (z->kind[0] == RIC_CHAIN_CENTRE) != (z->kind[1] == RIC_CHAIN_CENTRE);
+    const int apart = z->place[1] - z->place[0];
+    if (mixed != (z->mirrors == MIRRORS) || apart * (mixed ? 2 : 1) != z->letters) return false;
+    return reflects(e, z, 0) && reflects(e, z, 1);
+}
+
+/* Projected on the symmetric class, so that half of the motion stands for all of it. */
+static void motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                        const double *flights)
+{
+    const int n = e->n;
+    *z = (motion){.n = n, .letters = branch->letters, .word = branch->word};
+    z->states = _arb_vec_init((slong)z->letters * 2 * n);
+    z->tau = _arb_vec_init(z->letters);
+    arb_mat_t x, q;
+    arb_mat_init(x, e->n_dof, 1);
+    arb_mat_init(q, n, 1);
+    for (int part = 0; part < 2; part++) {
+        for (slong i = 0; i < e->n_dof; i++) {
+            arb_set_d(arb_mat_entry(x, i, 0), state[part * e->n_dof + i]);
+            arb_mul_2exp_si(arb_mat_entry(x, i, 0), arb_mat_entry(x, i, 0), part ? -e->time : 0);
+        }
+        arb_mat_mul(q, e->back, x, e->prec);
+        for (slong i = 0; i < n; i++) arb_get_mid_arb(z->states + part * n + i, arb_mat_entry(q, i, 0));
+    }
+    for (int k = 0; k < z->letters; k++) {
+        arb_set_d(z->tau + k, flights[k]);
+        arb_mul_2exp_si(z->tau + k, z->tau + k, e->time);
+    }
+    for (int k = 0; k + 1 < z->letters; k++) {
+        arb_ptr from = z->states + (slong)k * 2 * n, to = from + 2 * n;
+        ric_chain_fly(e, from, z->tau + k, to);
+        ric_chain_reflect(e, z->word[k + 1], to + n);
+        set_mid(to, to, 2 * n);
+    }
+    arb_mat_clear(x);
+    arb_mat_clear(q);
+}
+
+static void motion_close(motion *z)
+{
+    _arb_vec_clear(z->states, (slong)z->letters * 2 * z->n);
+    _arb_vec_clear(z->tau, z->letters);
+}
+
+/* ---------------------------------------------------------------- the chain */
+
+static void allocate(ric_chain *c, const ric_enclosure *e, int m)
+{
+    const int n = e->n;
+    c->n = n;
+    c->m = m;
+    c->size = 2 * n + 1;
+    c->face = flint_calloc((size_t)m + 1, sizeof *c->face);
+    c->u = _arb_vec_init((slong)m * c->size + 1);
+    c->row = _arb_vec_init(c->size);
+    c->plane = flint_calloc((size_t)(2 * e->n_dof + 1), sizeof *c->plane);
+}
+
+static void fill_general(ric_chain *c, const ric_enclosure *e, const motion *z, bool half)
+{
+    c->sign = half ? -1 : 1;
+    allocate(c, e, half ? z->letters / 2 : z->letters);
+    for (int k = 0; k < c->m; k++) {
+        c->face[k] = z->word[k];
+        set_mid(ric_chain_block(c, k), z->states + (slong)k * 2 * z->n, 2 * z->n);
+        arb_set(ric_chain_block(c, k) + 2 * z->n, z->tau + k);
+    }
+    c->face[c->m] = half ? e->wall[z->word[0]].mirror : z->word[0];
+}
+
+static void fill_reversible(ric_chain *c, const ric_enclosure *e, const motion *z)
+{
+    int from = z->place[0], to = z->place[1];
+    c->sign = 1;
+    c->start = z->kind[0];
+    c->end = z->kind[1];
+    c->first = from / 2;
+    c->half_flight = from % 2;
+    allocate(c, e, (to + 1) / 2 - from / 2);
+    for (int k = 0; k < c->m; k++) {
+        int impact = c->first + k;
+        arb_ptr block = ric_chain_block(c, k), tau = block + 2 * z->n;
+        const bool cut = (k == 0 && from % 2) || (k == c->m - 1 && to % 2);
+        set_mid(block, z->states + (slong)impact * 2 * z->n, 2 * z->n);
+        arb_mul_2exp_si(tau, z->tau + impact, cut ? -1 : 0);
+        c->face[k] = z->word[impact];
+    }
+    if (from % 2) middle_of_flight(e, z, c->first, ric_chain_block(c, 0));
+    if (from % 2) c->face[0] = -1;
+    c->face[c->m] = to % 2 ? -1 : z->word[to / 2];
+}
+
+static bool all_finite(const double *x, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(x[i])) return false;
+    return true;
+}
+
+/* Whether the second half of the word is the first one on opposite faces. */
+static bool is_halved(const ric_enclosure *e, const ric_branch *branch)
+{
+    const int half = branch->letters / 2;
+    if (!branch->symmetric || branch->letters % 2) return false;
+    for (int k = 0; k < half; k++)
+        if (branch->word[k + half] != e->wall[branch->word[k]].mirror) return false;
+    return true;
+}
+
+bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                      const double *flights)
+{
+    motion z;
+    *c = (ric_chain){.sign = 1};
+    if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
+    motion_open(&z, e, branch, state, flights);
+    if (branch->reversible) find_mirrors(e, &z);
+    if (branch->reversible && is_reversible(e, &z)) fill_reversible(c, e, &z);
+    else fill_general(c, e, &z, is_halved(e, branch));
+    motion_close(&z);
+    return true;
+}
+
+void ric_chain_free(ric_chain *c)
+{
+    if (!c->u) return;
+    _arb_vec_clear(c->u, (slong)c->m * c->size + 1);
+    _arb_vec_clear(c->row, c->size);
+    flint_free(c->face);
+    flint_free(c->plane);
+    c->u = NULL;
+}

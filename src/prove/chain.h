@@ -1,0 +1,79 @@
+/* The orbit problem of a proof: all states right after the impacts and all flight times are unknowns (multiple
+ * shooting), so that nothing grows along the orbit and no speed is divided by.
+ *
+ * Block k of the m blocks is (q_k, p_k, tau_k) [2n + 1]; the last one of a general chain has lambda behind it. With Q_k
+ * the impact on face k and F the flight:
+ *   w_k+1 = Q_k+1 F(tau_k) w_k,  s_k+1 c.q_k+1 = d_k+1                          (k = 0..m-2)
+ *   general: s_0 c.q_0 = d_0,  w_0 = sigma (1 + lambda) Q_0 F(tau_m-1) w_m-1    (sigma = -1: half a period)
+ *   reversible: n conditions of a mirror point on w_0, n on F(tau_m-1) w_m-1    (docs/theory.md section 4)
+ *   row . (block `at` - its centre) = 0                                        a plane across the curve of orbits
+ * Flights and impacts keep the energy, so a zero has E(w_0) = (1 + lambda)^2 E(w_0): with E > 0 and |lambda| < 1 it is
+ * lambda = 0, and the chain closes. */
+#ifndef RIC_PROVE_CHAIN_H
+#define RIC_PROVE_CHAIN_H
+
+#include "enclosure.h"
+
+typedef enum { RIC_CHAIN_GENERAL, RIC_CHAIN_REST, RIC_CHAIN_IMPACT, RIC_CHAIN_CENTRE } ric_chain_end;
+
+typedef struct {
+    int n, m, size;           /* modes, blocks, numbers in a block */
+    ric_chain_end start, end; /* of a general chain both are that */
+    int sign;                 /* sigma */
+    int *face;                /* [m + 1] where block k begins, and the end; -1: in flight */
+    int first;                /* the impact of the word, from 0, at or before which the chain begins */
+    bool half_flight;         /* it begins in the middle of the flight after that impact */
+    arb_ptr u;                /* [m * size + 1] centre, exact; lambda last */
+    int at;                   /* block of the plane */
+    double *plane;            /* [2 n_dof + 1] the plane across the curve, on x, v and tau */
+    arb_ptr row;              /* [size] the same on q, p and tau */
+} ric_chain;
+
+/* The chain of an orbit: state right after impact 0 [2 n_dof], flights, word of `branch`, which also says in which
+ * class it is looked for: with mirror points, half of a symmetric orbit, or in general. To be released in any case;
+ * false if the stored numbers are not finite. */
+bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                      const double *flights);
+void ric_chain_free(ric_chain *c);
+
+static inline bool ric_chain_general(const ric_chain *c)
+{
+    return c->start == RIC_CHAIN_GENERAL;
+}
+static inline arb_ptr ric_chain_block(const ric_chain *c, int k)
+{
+    return c->u + (slong)k * c->size;
+}
+/* Numbers of block k: one more in the last of a general chain. */
+static inline int ric_chain_width(const ric_chain *c, int k)
+{
+    return c->size + (ric_chain_general(c) && k == c->m - 1);
+}
+/* Whether x -> -x takes the orbit to itself: the chain is half of it, or one of two mirror points is a centre. */
+static inline bool ric_chain_symmetric(const ric_chain *c)
+{
+    return ric_chain_general(c) ? c->sign < 0 : (c->start == RIC_CHAIN_CENTRE) != (c->end == RIC_CHAIN_CENTRE);
+}
+/* Whether images under x -> -x of the chain belong to the orbit. */
+static inline bool ric_chain_imaged(const ric_chain *c)
+{
+    return ric_chain_general(c) ? c->sign < 0 : c->start == RIC_CHAIN_CENTRE || c->end == RIC_CHAIN_CENTRE;
+}
+/* How often the chain lies in a period. */
+static inline int ric_chain_copies(const ric_chain *c)
+{
+    return (ric_chain_general(c) ? 1 : 2) * (ric_chain_symmetric(c) ? 2 : 1);
+}
+
+/* out = F0(tau) w, [2n] each, out may not be w. */
+void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_ptr out);
+/* p <- Q p for the contact of `face`. */
+void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p);
+/* c . x [n] of the contact of `face`. */
+void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out);
+/* 1/2 p.p + 1/2 q.(L + R) q. */
+void ric_chain_energy(const ric_enclosure *e, arb_srcptr w, arb_t out);
+/* Euclidean norm of n numbers, an upper bound as a ball. */
+void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out);
+
+#endif

@@ -1,0 +1,256 @@
+#include "equations.h"
+
+#include <math.h>
+
+#include "base/room.h"
+
+/* ------------------------------------------------------------------- memory */
+
+static void open_group(ric_equation_group *g, const ric_chain *c, int rows, int first, int second)
+{
+    *g = (ric_equation_group){.rows = rows, .first = first, .second = second};
+    arb_mat_init(g->J, rows, ric_chain_width(c, first));
+    arb_mat_init(g->K, rows, second < 0 ? 0 : ric_chain_width(c, second));
+    arb_mat_init(g->F, rows, 1);
+}
+
+void ric_equation_create(ric_equations *q, const ric_chain *c)
+{
+    const bool general = ric_chain_general(c);
+    const int n = c->n, m = c->m;
+    q->n = m + 2;
+    q->group = flint_calloc((size_t)q->n, sizeof *q->group);
+    for (int k = 0; k + 1 < m; k++) open_group(&q->group[k], c, c->size, k, k + 1);
+    open_group(ric_equation_start(q), c, general ? 1 : n, 0, -1);
+    open_group(ric_equation_end(q), c, general ? 2 * n : n, m - 1, general && m > 1 ? 0 : -1);
+    open_group(ric_equation_plane(q), c, 1, c->at, -1);
+}
+
+void ric_equation_free(ric_equations *q)
+{
+    for (int k = 0; k < q->n; k++) {
+        arb_mat_clear(q->group[k].J);
+        arb_mat_clear(q->group[k].K);
+        arb_mat_clear(q->group[k].F);
+    }
+    flint_free(q->group);
+    q->group = NULL;
+    q->n = 0;
+}
+
+/* ------------------------------------------------------------------ flights */
+
+static void fly_mode(const ric_enclosure *e, slong i, const arb_t tau, arb_mat_t out)
+{
+    slong n = e->n;
+    arb_ptr aa = arb_mat_entry(out, i, i), ap = arb_mat_entry(out, i, n + i), pa = arb_mat_entry(out, n + i, i);
+    arb_ptr pp = arb_mat_entry(out, n + i, n + i);
+    if (arb_is_zero(e->omega + i)) {
+        arb_one(aa);
+        arb_set(ap, tau);
+        arb_zero(pa);
+        arb_one(pp);
+        return;
+    }
+    arb_mul(ap, e->omega + i, tau, e->prec + 32);
+    arb_sin_cos(pa, aa, ap, e->prec + 16);
+    arb_set(pp, aa);
+    arb_div(ap, pa, e->omega + i, e->prec);
+    arb_mul(pa, pa, e->omega + i, e->prec);
+    arb_neg(pa, pa);
+}
+
+void ric_equation_flight(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown)
+{
+    slong n = e->n;
+    for (slong i = 0; i < n; i++) {
+        fly_mode(e, i, tau, out);
+        for (slong half = 0; half < 2; half++) {
+            arb_ptr to = flown + half * n + i;
+            arb_mul(to, arb_mat_entry(out, half * n + i, i), w + i, e->prec);
+            arb_addmul(to, arb_mat_entry(out, half * n + i, n + i), w + n + i, e->prec);
+        }
+        arb_set(arb_mat_entry(out, i, 2 * n), flown + n + i);
+        arb_mul(arb_mat_entry(out, n + i, 2 * n), e->square + i, flown + i, e->prec);
+        arb_neg(arb_mat_entry(out, n + i, 2 * n), arb_mat_entry(out, n + i, 2 * n));
+    }
+}
+
+/* The reflection on the lower half of every column. */
+static void reflect_columns(const ric_enclosure *e, int face, arb_mat_t J)
+{
+    slong n = e->n, columns = arb_mat_ncols(J);
+    arb_ptr p = _arb_vec_init(n);
+    for (slong j = 0; j < columns; j++) {
+        for (slong i = 0; i < n; i++) arb_set(p + i, arb_mat_entry(J, n + i, j));
+        ric_chain_reflect(e, face, p);
+        for (slong i = 0; i < n; i++) arb_set(arb_mat_entry(J, n + i, j), p + i);
+    }
+    _arb_vec_clear(p, n);
+}
+
+/* c.q = d for block k, as row `row` of J and of F. */
+static void put_gap(const ric_enclosure *e, const ric_chain *c, int k, slong row, ric_equation_group *g, arb_mat_t J)
+{
+    arb_srcptr normal = ric_enclosure_c(e, e->wall[c->face[k]].contact);
+    ric_chain_along(e, c->face[k], ric_chain_block(c, k), arb_mat_entry(g->F, row, 0));
+    arb_sub(arb_mat_entry(g->F, row, 0), arb_mat_entry(g->F, row, 0), e->wall[c->face[k]].gap, e->prec);
+    for (slong i = 0; i < c->n; i++) arb_set(arb_mat_entry(J, row, i), normal + i);
+}
+
+static void put_unit(arb_mat_t J, slong n)
+{
+    for (slong i = 0; i < n; i++) arb_add_ui(arb_mat_entry(J, i, i), arb_mat_entry(J, i, i), 1, ARF_PREC_EXACT);
+}
+
+/* w_k+1 - Q F(tau_k) w_k and the gap. */
+static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equation_group *g)
+{
+    slong n = c->n;
+    arb_ptr block = ric_chain_block(c, k), next = ric_chain_block(c, k + 1), flown = _arb_vec_init(2 * n);
+    arb_mat_t D;
+    arb_mat_init(D, 2 * n, 2 * n + 1);
+    ric_equation_flight(e, block, block + 2 * n, D, flown);
+    ric_chain_reflect(e, c->face[k + 1], flown + n);
+    reflect_columns(e, c->face[k + 1], D);
+    arb_mat_zero(g->K);
+    put_unit(g->K, 2 * n);
+    put_gap(e, c, k + 1, 2 * n, g, g->K);
+    for (slong i = 0; i < 2 * n; i++) {
+        arb_sub(arb_mat_entry(g->F, i, 0), next + i, flown + i, e->prec);
+        for (slong j = 0; j <= 2 * n; j++) arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
+    }
+    arb_mat_clear(D);
+    _arb_vec_clear(flown, 2 * n);
+}
+
+/* ------------------------------------------------------------- mirror points */
+
+int ric_equation_pivot(const ric_enclosure *e, int face)
+{
+    int largest = 0;
+    double most = -1;
+    for (int i = 0; i < e->n; i++) {
+        double size = fabs(arf_get_d(arb_midref(ric_enclosure_c(e, e->wall[face].contact) + i), ARF_RND_NEAR));
+        if (size > most) {
+            most = size;
+            largest = i;
+        }
+    }
+    return largest;
+}
+
+/* The n conditions of a mirror point as rows on (q, p): B [n * 2n]; `gap` is what the first one of an impact equals. */
+static void mirror_rows(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B, arb_t gap)
+{
+    slong n = e->n, row = 1;
+    arb_mat_zero(B);
+    arb_zero(gap);
+    if (kind != RIC_CHAIN_IMPACT) {
+        for (slong i = 0; i < n; i++) arb_one(arb_mat_entry(B, i, kind == RIC_CHAIN_REST ? n + i : i));
+        return;
+    }
+    arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
+    slong j = ric_equation_pivot(e, face);
+    for (slong i = 0; i < n; i++) arb_set(arb_mat_entry(B, 0, i), c + i);
+    arb_set(gap, e->wall[face].gap);
+    for (slong i = 0; i < n; i++) {
+        if (i == j) continue;
+        arb_set(arb_mat_entry(B, row, n + i), c + j);
+        arb_neg(arb_mat_entry(B, row, n + j), c + i);
+        row++;
+    }
+}
+
+/* B w - gap, and its derivatives B D. */
+static void put_mirror(const ric_enclosure *e, const arb_mat_t B, const arb_t gap, arb_srcptr w, const arb_mat_t D,
+                       ric_equation_group *g)
+{
+    arb_mat_mul(g->J, B, D, e->prec);
+    for (slong i = 0; i < g->rows; i++)
+        arb_dot(arb_mat_entry(g->F, i, 0), NULL, 0, arb_mat_entry(B, i, 0), 1, w, 1, 2 * e->n, e->prec);
+    arb_sub(arb_mat_entry(g->F, 0, 0), arb_mat_entry(g->F, 0, 0), gap, e->prec);
+}
+
+static void put_start(const ric_enclosure *e, const ric_chain *c, ric_equation_group *g)
+{
+    if (ric_chain_general(c)) {
+        arb_mat_zero(g->J);
+        put_gap(e, c, 0, 0, g, g->J);
+        return;
+    }
+    arb_mat_t B, D;
+    arb_t gap;
+    arb_init(gap);
+    arb_mat_init(B, c->n, 2 * c->n);
+    arb_mat_init(D, 2 * c->n, c->size);
+    put_unit(D, 2 * c->n);
+    mirror_rows(e, c->start, c->face[0], B, gap);
+    put_mirror(e, B, gap, ric_chain_block(c, 0), D, g);
+    arb_mat_clear(B);
+    arb_mat_clear(D);
+    arb_clear(gap);
+}
+
+/* w_0 - sigma (1 + lambda) Q F(tau) w of the last block. */
+static void put_closure(const ric_enclosure *e, const ric_chain *c, arb_mat_t D, arb_ptr flown, ric_equation_group *g)
+{
+    slong n = c->n;
+    arb_ptr start = ric_chain_block(c, 0);
+    arb_t factor;
+    arb_init(factor);
+    arb_add_ui(factor, c->u + (slong)c->m * c->size, 1, e->prec);
+    if (c->sign < 0) arb_neg(factor, factor);
+    ric_chain_reflect(e, c->face[c->m], flown + n);
+    reflect_columns(e, c->face[c->m], D);
+    arb_mat_scalar_mul_arb(D, D, factor, e->prec);
+    for (slong i = 0; i < 2 * n; i++) {
+        arb_mul(arb_mat_entry(g->F, i, 0), factor, flown + i, e->prec);
+        arb_sub(arb_mat_entry(g->F, i, 0), start + i, arb_mat_entry(g->F, i, 0), e->prec);
+        for (slong j = 0; j <= 2 * n; j++) arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
+        if (c->sign > 0) arb_neg(arb_mat_entry(g->J, i, 2 * n + 1), flown + i);
+        else arb_set(arb_mat_entry(g->J, i, 2 * n + 1), flown + i);
+    }
+    if (g->second < 0) put_unit(g->J, 2 * n);
+    else {
+        arb_mat_zero(g->K);
+        put_unit(g->K, 2 * n);
+    }
+    arb_clear(factor);
+}
+
+static void put_end(const ric_enclosure *e, const ric_chain *c, ric_equation_group *g)
+{
+    slong n = c->n;
+    arb_ptr block = ric_chain_block(c, c->m - 1), flown = _arb_vec_init(2 * n);
+    arb_mat_t D, B;
+    arb_t gap;
+    arb_init(gap);
+    arb_mat_init(D, 2 * n, 2 * n + 1);
+    arb_mat_init(B, n, 2 * n);
+    ric_equation_flight(e, block, block + 2 * n, D, flown);
+    if (ric_chain_general(c)) put_closure(e, c, D, flown, g);
+    else {
+        mirror_rows(e, c->end, c->face[c->m], B, gap);
+        put_mirror(e, B, gap, flown, D, g);
+    }
+    arb_mat_clear(D);
+    arb_mat_clear(B);
+    arb_clear(gap);
+    _arb_vec_clear(flown, 2 * n);
+}
+
+static void put_plane(const ric_chain *c, ric_equation_group *g)
+{
+    arb_mat_zero(g->J);
+    arb_mat_zero(g->F); /* the centre lies in it */
+    for (slong i = 0; i < c->size; i++) arb_set(arb_mat_entry(g->J, 0, i), c->row + i);
+}
+
+void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclosure *e)
+{
+    for (int k = 0; k + 1 < c->m; k++) put_link(e, c, k, &q->group[k]);
+    put_start(e, c, ric_equation_start(q));
+    put_end(e, c, ric_equation_end(q));
+    put_plane(c, ric_equation_plane(q));
+}

@@ -1,0 +1,42 @@
+/* The equations of a chain (chain.h) at its centre, and their derivatives, in groups of rows that belong to one block
+ * of unknowns or to two. */
+#ifndef RIC_PROVE_EQUATIONS_H
+#define RIC_PROVE_EQUATIONS_H
+
+#include "chain.h"
+
+typedef struct {
+    int rows, first, second; /* blocks; second: -1 if there is none */
+    arb_mat_t J, K;          /* derivatives by the first and by the second block */
+    arb_mat_t F;             /* [rows] */
+} ric_equation_group;
+
+typedef struct {
+    int n;                     /* groups: m - 1 flights from impact to impact, the beginning, the end, the plane */
+    ric_equation_group *group; /* [n] */
+} ric_equations;
+
+void ric_equation_create(ric_equations *q, const ric_chain *c);
+void ric_equation_free(ric_equations *q);
+/* Everything at the centre of the chain but for the slack of the flights, which `existence` weighs. */
+void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclosure *e);
+
+static inline ric_equation_group *ric_equation_start(const ric_equations *q)
+{
+    return &q->group[q->n - 3];
+}
+static inline ric_equation_group *ric_equation_end(const ric_equations *q)
+{
+    return &q->group[q->n - 2];
+}
+static inline ric_equation_group *ric_equation_plane(const ric_equations *q)
+{
+    return &q->group[q->n - 1];
+}
+
+/* The derivatives of F0(tau) w by w and tau, out [2n * 2n + 1], and the flown state [2n]. */
+void ric_equation_flight(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown);
+/* The component of a normal that tangential velocities are measured by: the largest. */
+int ric_equation_pivot(const ric_enclosure *e, int face);
+
+#endif

@@ -1,0 +1,451 @@
+#include "existence.h"
+
+#include <math.h>
+
+#include "base/room.h"
+#include "factor.h"
+
+enum {
+    NEWTON = 8,  /* steps at most */
+    POWER = 4,   /* steps of the inverse iteration for the least singular value */
+    ALPHAS = 6,  /* bounds of it that are tried, each an eighth of the one before */
+    DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a turn of a mode */
+};
+
+typedef struct {
+    ric_chain *c;
+    const ric_enclosure *e;
+    ric_equations q;
+    ric_factor f;
+    arb_mat_t *x; /* [m] a vector, block by block */
+    arb_t zero;
+} problem;
+
+/* ------------------------------------------------------------------ vectors */
+
+static void vector_zero(const problem *p)
+{
+    for (int k = 0; k < p->c->m; k++) arb_mat_zero(p->x[k]);
+}
+
+static void add_transposed(arb_mat_t to, const arb_mat_t J, const arb_mat_t r, slong prec)
+{
+    arb_mat_t t, product;
+    arb_mat_init(t, arb_mat_ncols(J), arb_mat_nrows(J));
+    arb_mat_init(product, arb_mat_nrows(to), 1);
+    arb_mat_transpose(t, J);
+    arb_mat_approx_mul(product, t, r, prec);
+    arb_mat_add(to, to, product, prec);
+    arb_mat_get_mid(to, to);
+    arb_mat_clear(t);
+    arb_mat_clear(product);
+}
+
+/* x = D' F. */
+static void gradient(const problem *p)
+{
+    vector_zero(p);
+    for (int i = 0; i < p->q.n; i++) {
+        const ric_equation_group *g = &p->q.group[i];
+        add_transposed(p->x[g->first], g->J, g->F, p->e->prec);
+        if (g->second >= 0) add_transposed(p->x[g->second], g->K, g->F, p->e->prec);
+    }
+}
+
+static double block_size(const arb_mat_t x)
+{
+    double sum = 0;
+    for (slong i = 0; i < arb_mat_nrows(x); i++)
+        sum += pow(arf_get_d(arb_midref(arb_mat_entry(x, i, 0)), ARF_RND_NEAR), 2);
+    return sqrt(sum);
+}
+
+static double size_of(const problem *p)
+{
+    double sum = 0;
+    for (int k = 0; k < p->c->m; k++) sum += pow(block_size(p->x[k]), 2);
+    return sqrt(sum);
+}
+
+static void scale(const problem *p, double by)
+{
+    arb_t factor;
+    arb_init(factor);
+    arb_set_d(factor, by);
+    for (int k = 0; k < p->c->m; k++) {
+        arb_mat_scalar_mul_arb(p->x[k], p->x[k], factor, p->e->prec);
+        arb_mat_get_mid(p->x[k], p->x[k]);
+    }
+    arb_clear(factor);
+}
+
+/* -------------------------------------------------------------------- plane */
+
+/* The plane across `along`, numbers of a block, as doubles on x, v and tau: short to write down, and any plane will do.
+ * The row on q and p is X' times those. */
+static void lay_row(const problem *p, arb_srcptr along, slong n)
+{
+    ric_chain *c = p->c;
+    const ric_enclosure *e = p->e;
+    const slong dof = e->n_dof;
+    c->plane[2 * dof] = n > 2 * c->n ? arf_get_d(arb_midref(along + 2 * c->n), ARF_RND_NEAR) : 0;
+    arb_set_d(c->row + 2 * c->n, c->plane[2 * dof]);
+    for (slong part = 0; part < 2; part++) {
+        for (slong j = 0; j < dof; j++) {
+            double sum = 0;
+            for (slong i = 0; i < c->n; i++)
+                sum += arf_get_d(arb_midref(along + part * c->n + i), ARF_RND_NEAR) *
+                       arf_get_d(arb_midref(arb_mat_entry(e->back, i, j)), ARF_RND_NEAR);
+            c->plane[part * dof + j] = (double)(float)sum;
+        }
+        for (slong i = 0; i < c->n; i++) {
+            arb_ptr to = c->row + part * c->n + i;
+            arb_zero(to);
+            for (slong j = 0; j < dof; j++) {
+                arb_t x;
+                arb_init(x);
+                arb_set_d(x, c->plane[part * dof + j]);
+                arb_addmul(to, x, arb_mat_entry(e->X, j, i), e->prec);
+                arb_clear(x);
+            }
+        }
+    }
+}
+
+/* Makes the row of block `at` the unit vector along the numbers of that block of x, or of the state there. */
+static bool lay_plane(problem *p, int at, arb_mat_t x, slong n)
+{
+    double size = block_size(x);
+    if (!(size > 0) || !isfinite(size)) return false;
+    arb_ptr along = _arb_vec_init(n);
+    arb_t factor;
+    arb_init(factor);
+    arb_set_d(factor, 1 / size);
+    for (slong i = 0; i < n; i++) arb_mul(along + i, arb_mat_entry(x, i, 0), factor, p->e->prec);
+    p->c->at = at;
+    lay_row(p, along, n);
+    _arb_vec_clear(along, n);
+    arb_clear(factor);
+    ric_equation_free(&p->q);
+    ric_equation_create(&p->q, p->c);
+    return true;
+}
+
+static bool factorise(problem *p)
+{
+    ric_equation_evaluate(&p->q, p->c, p->e);
+    ric_factor_assemble(&p->f, &p->q);
+    return ric_factor_make(&p->f, p->zero);
+}
+
+/* The tangent of the curve of orbits, from a plane that need not be a good one: D v = (0, .., 0, 1). */
+static bool find_plane(problem *p)
+{
+    const ric_chain *c = p->c;
+    vector_zero(p);
+    for (slong i = 0; i < 2 * c->n; i++) arb_set(arb_mat_entry(p->x[0], i, 0), ric_chain_block(c, 0) + i);
+    if (!lay_plane(p, 0, p->x[0], 2 * c->n) || !factorise(p)) return false;
+    const ric_equation_group *plane = ric_equation_plane(&p->q);
+    vector_zero(p);
+    for (slong i = 0; i < c->size; i++) arb_set(arb_mat_entry(p->x[0], i, 0), arb_mat_entry(plane->J, 0, i));
+    ric_factor_solve(&p->f, p->x);
+    int largest = 0;
+    for (int k = 1; k < c->m; k++)
+        if (block_size(p->x[k]) > block_size(p->x[largest])) largest = k;
+    return lay_plane(p, largest, p->x[largest], c->size);
+}
+
+/* ------------------------------------------------------------------- centre */
+
+static void step_back(problem *p)
+{
+    ric_chain *c = p->c;
+    for (int k = 0; k < c->m; k++)
+        for (slong i = 0; i < c->size; i++) {
+            arb_ptr u = ric_chain_block(c, k) + i;
+            arb_sub(u, u, arb_mat_entry(p->x[k], i, 0), p->e->prec);
+            arb_get_mid_arb(u, u);
+        }
+}
+
+/* Newton's method from the stored orbit until steps no longer shrink; lambda stays 0. */
+static bool refine(problem *p, double *moved)
+{
+    double before = HUGE_VAL, largest = 0;
+    for (int k = 0; k < p->c->m; k++) {
+        for (slong i = 0; i < p->c->size; i++) arb_set(arb_mat_entry(p->x[k], i, 0), ric_chain_block(p->c, k) + i);
+        largest = fmax(largest, block_size(p->x[k]));
+    }
+    *moved = 0;
+    for (int step = 0; step < NEWTON; step++) {
+        if (!factorise(p)) return false;
+        gradient(p);
+        ric_factor_solve(&p->f, p->x);
+        double size = size_of(p);
+        if (!isfinite(size)) return false;
+        if (size > before / 2) break;
+        step_back(p);
+        *moved += size / (1 + largest);
+        before = size;
+        if (size == 0 || size < ldexp(1 + largest, 4 - (int)p->e->prec)) break;
+    }
+    return true;
+}
+
+/* ------------------------------------------------------------------- bounds */
+
+/* The least singular value of D, squared, by inverse iteration: a guess, which is proved or not. */
+static double guess_least(problem *p)
+{
+    for (int k = 0; k < p->c->m; k++)
+        for (slong i = 0; i < arb_mat_nrows(p->x[k]); i++) arb_set_si(arb_mat_entry(p->x[k], i, 0), 1 + (i + k) % 3);
+    double size = size_of(p);
+    for (int step = 0; step < POWER; step++) {
+        scale(p, 1 / size);
+        ric_factor_solve(&p->f, p->x);
+        size = size_of(p);
+    }
+    return 1 / size;
+}
+
+/* beta, without what the slack of the flights takes away: 1 / sqrt(alpha - delta) = 1 / `least`. */
+static bool bound_inverse(problem *p, arb_t least)
+{
+    double guess = guess_least(p) / 2;
+    arb_t alpha;
+    arb_init(alpha);
+    bool done = false;
+    for (int i = 0; i < ALPHAS && !done && guess > 0 && isfinite(guess); i++, guess /= 8) {
+        arb_set_d(alpha, guess);
+        if (!ric_factor_make(&p->f, alpha)) continue;
+        ric_factor_residual(&p->f, alpha, least);
+        arb_sub(least, alpha, least, p->e->prec);
+        done = arb_is_positive(least);
+    }
+    arb_sqrt(least, least, p->e->prec);
+    arb_clear(alpha);
+    return done;
+}
+
+/* What block k adds: bounds over the ball of radius r around the centre. */
+typedef struct {
+    arb_t speed, second; /* |F0'(t) w| and |F0''(t) w| for any t */
+    arb_t slack;         /* of F w and of its first two derivatives by (w, tau) */
+    arb_t flight;        /* |F0(t)| */
+} block_bounds;
+
+static void bounds_init(block_bounds *b)
+{
+    arb_init(b->speed);
+    arb_init(b->second);
+    arb_init(b->slack);
+    arb_init(b->flight);
+}
+static void bounds_clear(block_bounds *b)
+{
+    arb_clear(b->speed);
+    arb_clear(b->second);
+    arb_clear(b->slack);
+    arb_clear(b->flight);
+}
+
+/* With A^2 = q^2 + p^2 / omega^2 a mode has |q| <= A and |p| <= omega A at any time: |(q', p')| <= sqrt((1 + omega^2)
+ * (omega^2 q^2 + p^2)), and |(q'', p'')| is omega times that at most. */
+static void bound_motion(const ric_enclosure *e, arb_srcptr w, const arb_t r, block_bounds *b)
+{
+    slong n = e->n, prec = e->prec;
+    arb_t x, y;
+    arb_init(x);
+    arb_init(y);
+    arb_zero(b->speed);
+    arb_zero(b->second);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(x, w + i, w + i, prec);
+        arb_mul(x, x, e->square + i, prec);
+        arb_addmul(x, w + n + i, w + n + i, prec);
+        arb_add_ui(y, e->square + i, 1, prec);
+        arb_mul(x, x, y, prec);
+        arb_add(b->speed, b->speed, x, prec);
+        arb_addmul(b->second, x, e->square + i, prec);
+    }
+    arb_sqrtpos(b->speed, b->speed, prec);
+    arb_sqrtpos(b->second, b->second, prec);
+    arb_addmul(b->speed, r, e->top, prec);
+    arb_mul(x, e->top, e->top, prec);
+    arb_addmul(b->second, r, x, prec);
+    arb_clear(x);
+    arb_clear(y);
+}
+
+/* |F0| <= max(omega, 1 / omega, 1 + |tau|); slack (2 + 2 |w|). */
+static void bound_flight(const ric_enclosure *e, arb_srcptr w, const arb_t r, block_bounds *b)
+{
+    slong n = e->n, prec = e->prec;
+    arb_t tau, x;
+    arb_init(tau);
+    arb_init(x);
+    arb_abs(tau, w + 2 * n);
+    arb_add(tau, tau, r, prec);
+    arb_add_ui(b->flight, tau, 1, prec);
+    for (slong i = 0; i < n; i++) {
+        if (arb_is_zero(e->omega + i)) continue;
+        arb_add(b->flight, b->flight, e->omega + i, prec);
+        arb_inv(x, e->omega + i, prec);
+        arb_max(b->flight, b->flight, x, prec);
+    }
+    ric_enclosure_slack(e, tau, b->slack);
+    ric_chain_norm(2 * n, w, prec, x);
+    arb_add(x, x, r, prec);
+    arb_add_ui(x, x, 1, prec);
+    arb_mul_2exp_si(x, x, 1);
+    arb_mul(b->slack, b->slack, x, prec);
+    arb_clear(tau);
+    arb_clear(x);
+}
+
+/* The norm of the rows that a chain ends with: those of an impact are c and 2 n - 2 numbers of it in the others. */
+static void bound_rows(const problem *p, arb_t out)
+{
+    arb_one(out);
+    if (p->c->end != RIC_CHAIN_IMPACT) return;
+    arb_mul_ui(out, p->e->cc + p->e->wall[p->c->face[p->c->m]].contact, (ulong)(2 * p->c->n), p->e->prec);
+    arb_add_ui(out, out, 1, p->e->prec);
+    arb_sqrt(out, out, p->e->prec);
+}
+
+/* K = max over the blocks of |F'| + |F'' w|: the norm of x y' + x' y, x and y the parts of two unit vectors, is 1.
+ * Behind the factor 1 + lambda it is that times 1 + r, and |F| + |F' w| more. */
+static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t slack)
+{
+    slong prec = p->e->prec;
+    block_bounds b;
+    arb_t x, rows;
+    bounds_init(&b);
+    arb_init(x);
+    arb_init(rows);
+    arb_zero(lipschitz);
+    arb_zero(slack);
+    for (int k = 0; k < p->c->m; k++) {
+        bound_motion(p->e, ric_chain_block(p->c, k), r, &b);
+        bound_flight(p->e, ric_chain_block(p->c, k), r, &b);
+        arb_add(x, p->e->top, b.second, prec);
+        if (k == p->c->m - 1 && ric_chain_general(p->c)) {
+            arb_addmul(x, x, r, prec);
+            arb_add(x, x, b.flight, prec);
+            arb_add(x, x, b.speed, prec);
+            arb_mul_2exp_si(b.slack, b.slack, 1);
+        } else if (k == p->c->m - 1) {
+            bound_rows(p, rows);
+            arb_mul(x, x, rows, prec);
+            arb_mul(b.slack, b.slack, rows, prec);
+        }
+        arb_add(x, x, b.slack, prec);
+        arb_max(lipschitz, lipschitz, x, prec);
+        arb_max(slack, slack, b.slack, prec);
+    }
+    bounds_clear(&b);
+    arb_clear(x);
+    arb_clear(rows);
+}
+
+static void residual(const problem *p, const arb_t slack, arb_t out)
+{
+    slong prec = p->e->prec;
+    arb_t x;
+    arb_init(x);
+    arb_zero(out);
+    for (int i = 0; i < p->q.n; i++) {
+        const ric_equation_group *g = &p->q.group[i];
+        arb_mat_frobenius_norm(x, g->F, prec);
+        arb_addmul(out, x, x, prec);
+    }
+    arb_sqrtpos(out, out, prec);
+    arb_addmul_ui(out, slack, (ulong)p->c->m, prec);
+    arb_clear(x);
+}
+
+/* The positive test of the whole proof: 2 beta^2 K |F| < 1, where nothing that is not a number passes. */
+static bool conclude(const problem *p, ric_existence *x, const arb_t least)
+{
+    slong prec = p->e->prec;
+    arb_t r, K, slack, beta, eta, h;
+    arb_init(r);
+    arb_init(K);
+    arb_init(slack);
+    arb_init(beta);
+    arb_init(eta);
+    arb_init(h);
+    arb_set_si(r, 1);
+    arb_mul_2exp_si(r, r, DOMAIN);
+    bound_second(p, r, K, slack);
+    arb_sub(beta, least, slack, prec);
+    bool done = arb_is_positive(beta);
+    arb_inv(beta, beta, prec);
+    residual(p, slack, eta);
+    arb_mul(eta, eta, beta, prec);
+    arb_mul(K, K, beta, prec);
+    arb_mul(h, K, eta, prec);
+    arb_mul_2exp_si(h, h, 1);
+    arb_sub_ui(h, h, 1, prec);
+    done = done && arb_is_negative(h);
+    arb_mul_2exp_si(x->exists, eta, 1);
+    arb_get_ubound_arf(arb_midref(x->exists), x->exists, prec);
+    mag_zero(arb_radref(x->exists));
+    arb_inv(x->unique, K, prec);
+    arb_min(x->unique, x->unique, r, prec);
+    arb_get_lbound_arf(arb_midref(x->unique), x->unique, prec);
+    mag_zero(arb_radref(x->unique));
+    done = done && arb_lt(x->exists, x->unique);
+    arb_clear(r);
+    arb_clear(K);
+    arb_clear(slack);
+    arb_clear(beta);
+    arb_clear(eta);
+    arb_clear(h);
+    return done;
+}
+
+/* -------------------------------------------------------------------- proof */
+
+void ric_existence_init(ric_existence *x)
+{
+    *x = (ric_existence){.moved = HUGE_VAL};
+    arb_init(x->exists);
+    arb_init(x->unique);
+}
+
+void ric_existence_clear(ric_existence *x)
+{
+    arb_clear(x->exists);
+    arb_clear(x->unique);
+}
+
+static const char *prove(problem *p, ric_existence *x)
+{
+    arb_t least;
+    if (!find_plane(p)) return "the equations are singular there: a junction";
+    if (!refine(p, &x->moved)) return "no orbit was found from it";
+    if (!factorise(p)) return "the equations are singular there: a junction";
+    arb_init(least);
+    const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
+                      : !conclude(p, x, least) ? "the equations are too near to singular for what is left of them"
+                                               : NULL;
+    arb_clear(least);
+    return why;
+}
+
+const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e)
+{
+    problem p = {.c = c, .e = e};
+    arb_init(p.zero);
+    ric_factor_create(&p.f, c, e->prec);
+    p.x = flint_calloc((size_t)c->m, sizeof *p.x);
+    for (int k = 0; k < c->m; k++) arb_mat_init(p.x[k], ric_chain_width(c, k), 1);
+    const char *why = prove(&p, x);
+    for (int k = 0; k < c->m; k++) arb_mat_clear(p.x[k]);
+    flint_free(p.x);
+    ric_factor_free(&p.f);
+    if (p.q.group) ric_equation_free(&p.q);
+    arb_clear(p.zero);
+    return why;
+}

@@ -1,0 +1,271 @@
+#include "monodromy.h"
+
+#include "base/room.h"
+#include "equations.h"
+
+enum { ROOT_STEPS = 0 }; /* of the search for roots: as many as Arb takes */
+
+void ric_monodromy_init(ric_monodromy *m)
+{
+    *m = (ric_monodromy){.stable = RIC_STABLE_UNDECIDED};
+    arb_init(m->trace);
+    arb_indeterminate(m->trace);
+}
+
+void ric_monodromy_clear(ric_monodromy *m)
+{
+    arb_clear(m->trace);
+}
+
+/* -------------------------------------------------------------------- parts */
+
+/* Derivative of the flight by the state, with the slack in every entry. */
+static void flight_matrix(const ric_enclosure *e, arb_srcptr w, arb_mat_t out)
+{
+    slong n = e->n;
+    arb_mat_t D;
+    arb_t slack;
+    arb_ptr flown = _arb_vec_init(2 * n);
+    arb_init(slack);
+    arb_mat_init(D, 2 * n, 2 * n + 1);
+    ric_equation_flight(e, w, w + 2 * n, D, flown);
+    ric_enclosure_slack(e, w + 2 * n, slack);
+    for (slong i = 0; i < 2 * n; i++)
+        for (slong j = 0; j < 2 * n; j++) {
+            arb_set(arb_mat_entry(out, i, j), arb_mat_entry(D, i, j));
+            arb_add_error(arb_mat_entry(out, i, j), slack);
+        }
+    arb_mat_clear(D);
+    arb_clear(slack);
+    _arb_vec_clear(flown, 2 * n);
+}
+
+/* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q. */
+static void kick(const ric_enclosure *e, int face, arb_srcptr w, arb_t out)
+{
+    slong n = e->n;
+    int contact = e->wall[face].contact;
+    arb_srcptr c = ric_enclosure_c(e, contact);
+    arb_t x, error;
+    arb_init(x);
+    arb_init(error);
+    arb_zero(out);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(x, e->square + i, w + i, e->prec);
+        arb_addmul(out, x, c + i, e->prec);
+    }
+    ric_chain_norm(n, w, e->prec, error);
+    ric_chain_norm(n, c, e->prec, x);
+    arb_mul(error, error, x, e->prec);
+    arb_mul(error, error, e->rho, e->prec);
+    arb_add_error(out, error);
+    ric_chain_along(e, face, w + n, x);
+    arb_mul(x, x, e->cc + contact, e->prec);
+    arb_div(out, out, x, e->prec);
+    arb_mul_2exp_si(out, out, 1);
+    arb_clear(x);
+    arb_clear(error);
+}
+
+/* P <- S P with the saltation of an impact: dq+ = Q dq, dp+ = Q dp + kick (c.dq) c. */
+static void salt(const ric_enclosure *e, int face, arb_srcptr w, arb_mat_t P)
+{
+    slong n = e->n;
+    arb_ptr q = _arb_vec_init(n), p = _arb_vec_init(n);
+    arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
+    arb_t factor, along;
+    arb_init(factor);
+    arb_init(along);
+    kick(e, face, w, factor);
+    for (slong j = 0; j < 2 * n; j++) {
+        for (slong i = 0; i < n; i++) {
+            arb_set(q + i, arb_mat_entry(P, i, j));
+            arb_set(p + i, arb_mat_entry(P, n + i, j));
+        }
+        ric_chain_along(e, face, q, along);
+        arb_mul(along, along, factor, e->prec);
+        ric_chain_reflect(e, face, q);
+        ric_chain_reflect(e, face, p);
+        for (slong i = 0; i < n; i++) {
+            arb_addmul(p + i, along, c + i, e->prec);
+            arb_set(arb_mat_entry(P, i, j), q + i);
+            arb_set(arb_mat_entry(P, n + i, j), p + i);
+        }
+    }
+    arb_clear(factor);
+    arb_clear(along);
+    _arb_vec_clear(q, n);
+    _arb_vec_clear(p, n);
+}
+
+/* P along the chain, from behind its first impact to before its last. */
+static void along_chain(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t P)
+{
+    arb_mat_t F;
+    arb_mat_init(F, 2 * c->n, 2 * c->n);
+    arb_mat_one(P);
+    for (int k = 0; k < c->m; k++) {
+        arb_srcptr w = u + (slong)k * c->size;
+        if (k > 0) salt(e, c->face[k], w, P);
+        flight_matrix(e, w, F);
+        arb_mat_mul(P, F, P, e->prec);
+    }
+    arb_mat_clear(F);
+}
+
+/* The way back: R P^-1 R = (d' b'; c' a') for a symplectic P = (a b; c d), both for (q, -p) and for (-q, p). */
+static void turn_back(const arb_mat_t P, arb_mat_t out)
+{
+    slong n = arb_mat_nrows(P) / 2;
+    for (slong i = 0; i < n; i++)
+        for (slong j = 0; j < n; j++) {
+            arb_set(arb_mat_entry(out, i, j), arb_mat_entry(P, n + j, n + i));
+            arb_set(arb_mat_entry(out, i, n + j), arb_mat_entry(P, j, n + i));
+            arb_set(arb_mat_entry(out, n + i, j), arb_mat_entry(P, n + j, i));
+            arb_set(arb_mat_entry(out, n + i, n + j), arb_mat_entry(P, j, i));
+        }
+}
+
+/* The state behind the last impact of a reversible chain. */
+static void behind_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_ptr out)
+{
+    arb_srcptr w = u + (slong)(c->m - 1) * c->size;
+    arb_t slack;
+    arb_init(slack);
+    ric_chain_fly(e, w, w + 2 * c->n, out);
+    ric_chain_norm(2 * c->n, w, e->prec, slack);
+    arb_t x;
+    arb_init(x);
+    ric_enclosure_slack(e, w + 2 * c->n, x);
+    arb_mul(slack, slack, x, e->prec);
+    for (slong i = 0; i < 2 * c->n; i++) arb_add_error(out + i, slack);
+    ric_chain_reflect(e, c->face[c->m], out + c->n);
+    arb_clear(x);
+    arb_clear(slack);
+}
+
+/* The map over the period, or over half of it, turned round, if the orbit is symmetric. */
+static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t H)
+{
+    arb_mat_t back;
+    arb_mat_init(back, 2 * c->n, 2 * c->n);
+    along_chain(c, e, u, H);
+    if (!ric_chain_general(c)) {
+        turn_back(H, back);
+        if (c->end == RIC_CHAIN_IMPACT) {
+            arb_ptr w = _arb_vec_init(2 * c->n);
+            behind_end(c, e, u, w);
+            salt(e, c->face[c->m], w, H);
+            _arb_vec_clear(w, 2 * c->n);
+        }
+        arb_mat_mul(H, back, H, e->prec);
+    }
+    if (c->face[0] >= 0) salt(e, c->face[0], u, H);
+    if (ric_chain_symmetric(c)) arb_mat_neg(H, H);
+    arb_mat_clear(back);
+}
+
+/* ------------------------------------------------------------------ verdict */
+
+/* n = 2: what the trivial multipliers, 1 twice, leave of the trace decides. */
+static void judge_trace(ric_monodromy *m, const arb_mat_t H, bool symmetric, slong prec)
+{
+    arb_t x;
+    arb_init(x);
+    arb_mat_trace(m->trace, H, prec);
+    arb_sub_ui(m->trace, m->trace, 2, prec);
+    arb_abs(x, m->trace);
+    arb_sub_ui(x, x, 2, prec);
+    if (arb_is_negative(x)) m->stable = RIC_STABLE_YES;
+    if (arb_is_positive(x)) m->stable = RIC_STABLE_NO;
+    if (symmetric) {
+        arb_mul(m->trace, m->trace, m->trace, prec);
+        arb_sub_ui(m->trace, m->trace, 2, prec);
+    }
+    arb_clear(x);
+}
+
+/* The polynomial in rho = x + 1/x of a reciprocal one of even degree 2 k: x^j + x^-j is a Chebyshev polynomial of it.
+ */
+static void fold(arb_poly_t out, const arb_poly_t p, slong prec)
+{
+    slong k = arb_poly_degree(p) / 2;
+    arb_poly_t before, now, after;
+    arb_poly_init(before);
+    arb_poly_init(now);
+    arb_poly_init(after);
+    arb_poly_set_si(before, 2);
+    arb_poly_set_coeff_si(now, 1, 1);
+    arb_poly_zero(out);
+    arb_poly_set_coeff_arb(out, 0, arb_poly_get_coeff_ptr(p, k));
+    for (slong j = 1; j <= k; j++) {
+        arb_poly_scalar_mul(after, now, arb_poly_get_coeff_ptr(p, k - j), prec);
+        arb_poly_add(out, out, after, prec);
+        arb_poly_shift_left(after, now, 1);
+        arb_poly_sub(after, after, before, prec);
+        arb_poly_set(before, now);
+        arb_poly_set(now, after);
+    }
+    arb_poly_clear(before);
+    arb_poly_clear(now);
+    arb_poly_clear(after);
+}
+
+/* All roots real, apart and in (-2, 2): stable; one that is surely not real, or outside: not. */
+static ric_stability judge_roots(const arb_poly_t rho, slong prec)
+{
+    slong degree = arb_poly_degree(rho), inside = 0;
+    bool outside = false;
+    acb_poly_t p;
+    acb_poly_init(p);
+    acb_poly_set_arb_poly(p, rho);
+    acb_ptr roots = _acb_vec_init(degree);
+    const bool apart = acb_poly_find_roots(roots, p, NULL, ROOT_STEPS, prec) == degree;
+    const bool real = apart && acb_poly_validate_real_roots(roots, p, prec);
+    arb_t x;
+    arb_init(x);
+    for (slong i = 0; i < degree && apart; i++) {
+        arb_abs(x, acb_realref(roots + i));
+        arb_sub_ui(x, x, 2, prec);
+        outside = outside || arb_is_positive(x) || !arb_contains_zero(acb_imagref(roots + i));
+        inside += real && arb_is_negative(x) && arb_contains_zero(acb_imagref(roots + i));
+    }
+    arb_clear(x);
+    _acb_vec_clear(roots, degree);
+    acb_poly_clear(p);
+    return outside ? RIC_STABLE_NO : inside == degree ? RIC_STABLE_YES : RIC_STABLE_UNDECIDED;
+}
+
+/* The characteristic polynomial without (x - 1)^2. */
+static void judge_polynomial(ric_monodromy *m, const arb_mat_t H, slong prec)
+{
+    arb_poly_t p, rho;
+    arb_t one;
+    arb_init(one);
+    arb_one(one);
+    arb_poly_init(p);
+    arb_poly_init(rho);
+    arb_mat_charpoly(p, H, prec);
+    for (int i = 0; i < 2; i++) { /* the remainder is 0, as the multiplier is there */
+        slong degree = arb_poly_degree(p);
+        for (slong j = degree - 1; j >= 0; j--) arb_add(p->coeffs + j, p->coeffs + j, p->coeffs + j + 1, prec);
+        arb_poly_shift_right(p, p, 1);
+    }
+    fold(rho, p, prec);
+    if (arb_poly_degree(rho) > 0) m->stable = judge_roots(rho, prec);
+    arb_clear(one);
+    arb_poly_clear(p);
+    arb_poly_clear(rho);
+}
+
+void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+{
+    if (c->n < 2) m->stable = RIC_STABLE_YES; /* it has no multipliers but those that are 1 */
+    if (c->n < 2) return;
+    arb_mat_t H;
+    arb_mat_init(H, 2 * c->n, 2 * c->n);
+    round_trip(c, e, u, H);
+    if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
+    else judge_polynomial(m, H, e->prec);
+    arb_mat_clear(H);
+}

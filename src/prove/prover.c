@@ -1,0 +1,273 @@
+/* Stored orbits as theorems: docs/proofs.md states them. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "atlas/room.h"
+#include "base/room.h"
+#include "certificate.h"
+#include "existence.h"
+#include "monodromy.h"
+#include "passage.h"
+
+/* What is stored is near the orbit that is proved: the distance of the states and times over 1 + the largest state, and
+ * relative differences of energy and period. Rounding leaves 1e-12, and up to 5e-9 where a branch begins flat; a state
+ * that is off by 1e-6 is another one. */
+#define NEAR 1e-8
+
+enum { PRECISIONS = 3 };
+static const slong bits[PRECISIONS] = {64, 128, 256};
+
+struct ric_prover {
+    const ric_atlas *atlas;
+    const char *left_out; /* why no orbit is proved, or NULL */
+    struct {
+        bool made, good;
+        ric_enclosure e;
+    } at[PRECISIONS];
+    char *model, *certificate;
+};
+
+bool ric_prover_available(void)
+{
+    return true;
+}
+
+static const char *find_left_out(const ric_model *model)
+{
+    for (int i = 0; i < ric_model_n_contact(model); i++) {
+        ric_contact contact;
+        if (ric_model_contact(model, i, &contact)) return "the model cannot be read";
+        if (contact.stiffness > 0 || contact.exponent > 0 || contact.length > 0)
+            return contact.exponent > 0 ? "power law: no closed form" : "bilinear springs: not yet";
+    }
+    if (ric_model_restitution(model) < 1) return "impacts with losses";
+    return ric_model_n_part(model) > 1 ? "independent parts: families of two parameters" : NULL;
+}
+
+ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out)
+{
+    ric_prover *p = *out = ric_calloc(1, sizeof *p);
+    if (!p) return ric_no_memory("proofs");
+    p->atlas = atlas;
+    p->left_out = find_left_out(ric_atlas_model(atlas));
+    p->model = ric_certificate_model(ric_atlas_model(atlas));
+    p->certificate = ric_strdup("");
+    if (p->model && p->certificate) return RIC_OK;
+    ric_prover_free(p);
+    *out = NULL;
+    return ric_no_memory("proofs");
+}
+
+void ric_prover_free(ric_prover *p)
+{
+    if (!p) return;
+    for (int i = 0; i < PRECISIONS; i++)
+        if (p->at[i].made) ric_enclosure_free(&p->at[i].e);
+    free(p->model);
+    free(p->certificate);
+    free(p);
+    flint_cleanup();
+}
+
+const char *ric_prover_certificate(const ric_prover *p)
+{
+    return p->certificate;
+}
+
+const char *ric_prover_model(const ric_prover *p)
+{
+    return p->model;
+}
+
+static const ric_enclosure *enclosure(ric_prover *p, int level)
+{
+    if (!p->at[level].made)
+        p->at[level].good = ric_enclosure_create(&p->at[level].e, ric_atlas_model(p->atlas), bits[level]);
+    p->at[level].made = true;
+    return &p->at[level].e;
+}
+
+/* ------------------------------------------------------------------- a proof */
+
+typedef struct {
+    const ric_enclosure *e;
+    ric_chain chain;
+    ric_existence existence;
+    ric_passage passage;
+    ric_monodromy monodromy;
+    arb_t energy, period;
+    arb_ptr u; /* the orbit: the centre with the radius of existence */
+} theorem;
+
+static void theorem_open(theorem *t, const ric_enclosure *e)
+{
+    *t = (theorem){.e = e};
+    ric_existence_init(&t->existence);
+    ric_passage_init(&t->passage);
+    ric_monodromy_init(&t->monodromy);
+    arb_init(t->energy);
+    arb_init(t->period);
+}
+
+static void theorem_close(theorem *t)
+{
+    if (t->u) _arb_vec_clear(t->u, (slong)t->chain.m * t->chain.size);
+    ric_chain_free(&t->chain);
+    ric_existence_clear(&t->existence);
+    ric_passage_clear(&t->passage);
+    ric_monodromy_clear(&t->monodromy);
+    arb_clear(t->energy);
+    arb_clear(t->period);
+}
+
+static void interval(const arb_t x, double out[2])
+{
+    arf_t bound;
+    arf_init(bound);
+    arb_get_lbound_arf(bound, x, 64);
+    out[0] = arf_get_d(bound, ARF_RND_FLOOR);
+    arb_get_ubound_arf(bound, x, 64);
+    out[1] = arf_get_d(bound, ARF_RND_CEIL);
+    arf_clear(bound);
+}
+
+/* Energy over d^2 and period in seconds, and the ball of states. */
+static void measure(theorem *t)
+{
+    const ric_chain *c = &t->chain;
+    slong count = (slong)c->m * c->size, prec = t->e->prec;
+    t->u = _arb_vec_init(count);
+    for (slong i = 0; i < count; i++) {
+        arb_set(t->u + i, c->u + i);
+        arb_add_error(t->u + i, t->existence.exists);
+    }
+    ric_chain_energy(t->e, t->u, t->energy);
+    arb_mul_2exp_si(t->energy, t->energy, 2 * t->e->time - t->e->mass);
+    for (int k = 0; k < c->m; k++) arb_add(t->period, t->period, t->u + (slong)k * c->size + 2 * c->n, prec);
+    arb_mul_ui(t->period, t->period, (ulong)ric_chain_copies(c), prec);
+    arb_mul_2exp_si(t->period, t->period, -t->e->time);
+}
+
+static bool is_near(const arb_t x, double stored)
+{
+    double both[2];
+    interval(x, both);
+    return fabs(both[0] - stored) <= NEAR * fabs(stored) && fabs(both[1] - stored) <= NEAR * fabs(stored);
+}
+
+/* Whether the stored point says what is proved of its orbit; `why` where it does not. */
+static bool agrees(const theorem *t, const ric_point *stored, ric_proof *out)
+{
+    static const char *const verdict[] = {"unstable", "stable", "undecided"};
+    const ric_stability proved = t->monodromy.stable;
+    arb_t frequency;
+    arb_init(frequency);
+    arb_const_pi(frequency, t->e->prec);
+    arb_mul_2exp_si(frequency, frequency, 1);
+    arb_div(frequency, frequency, t->period, t->e->prec);
+    const bool near = is_near(t->energy, stored->energy) && is_near(frequency, stored->frequency);
+    const int flag = stored->stable;
+    arb_clear(frequency);
+    if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the orbit");
+    else if (proved != RIC_STABLE_UNDECIDED && flag != RIC_STABLE_UNDECIDED && flag != (int)proved)
+        snprintf(out->why, sizeof out->why, "stored as %s, and proved to be %s",
+                 flag == RIC_STABLE_YES ? verdict[1] : verdict[0], verdict[proved]);
+    else return true;
+    return false;
+}
+
+static void tell(const theorem *t, ric_proof *out)
+{
+    double both[2];
+    out->bits = (int)t->e->prec;
+    out->distance = t->existence.moved;
+    interval(t->existence.exists, both);
+    out->exists = both[1];
+    interval(t->existence.unique, both);
+    out->unique = both[0];
+    interval(t->energy, out->energy);
+    interval(t->period, out->period);
+    interval(t->monodromy.trace, out->trace);
+    interval(t->passage.approach, both);
+    out->approach = ldexp(both[0], t->e->time);
+    out->stable = t->monodromy.stable;
+    out->symmetric = ric_chain_symmetric(&t->chain);
+    out->reversible = !ric_chain_general(&t->chain);
+}
+
+/* Existence, distance, passage, multipliers: false with the reason in `out` where one of them is missing. */
+static bool prove(theorem *t, const ric_branch *branch, const double *state, const double *flights, ric_proof *out)
+{
+    const char *why = "a stored number is not finite";
+    if (ric_chain_create(&t->chain, t->e, branch, state, flights))
+        why = ric_existence_prove(&t->existence, &t->chain, t->e);
+    if (why) snprintf(out->why, sizeof out->why, "%s", why);
+    if (why) return false;
+    if (!(t->existence.moved <= NEAR)) {
+        snprintf(out->why, sizeof out->why, "the orbit that was proved lies %.1e away", t->existence.moved);
+        return false;
+    }
+    measure(t);
+    if (!arb_is_positive(t->energy)) snprintf(out->why, sizeof out->why, "the energy is not proved to be positive");
+    else if (!ric_passage_prove(&t->passage, &t->chain, t->e, t->u))
+        snprintf(out->why, sizeof out->why, "%s", t->passage.why);
+    if (!arb_is_positive(t->energy) || !t->passage.done) return false;
+    ric_monodromy_enclose(&t->monodromy, &t->chain, t->e, t->u);
+    return true;
+}
+
+/* One precision; `more`: whether a larger one may say more. */
+static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *out, bool *more)
+{
+    ric_branch branch;
+    ric_point stored;
+    const ric_model *m = ric_atlas_model(p->atlas);
+    ric_status status = ric_atlas_branch(p->atlas, id, &branch);
+    if (status) return status;
+    double *state = ric_calloc((size_t)(2 * ric_model_n_dof(m) + branch.letters + 1), sizeof *state);
+    if (!state) return ric_no_memory("a proof");
+    double *flights = state + 2 * ric_model_n_dof(m);
+    status = ric_atlas_point(p->atlas, id, i, &stored, state, flights);
+    theorem t;
+    const ric_enclosure *e = enclosure(p, level);
+    theorem_open(&t, e);
+    *more = true;
+    out->bits = (int)bits[level];
+    if (!p->at[level].good) snprintf(out->why, sizeof out->why, "%s", e->why);
+    else if (!status && prove(&t, &branch, state, flights, out)) {
+        tell(&t, out);
+        const bool agree = agrees(&t, &stored, out);
+        *more = !agree || (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
+        out->state = agree ? RIC_PROOF_DONE : RIC_PROOF_NONE;
+        free(p->certificate);
+        p->certificate = agree ? ric_certificate_point(&t.chain, e, &t.existence, out) : ric_strdup("");
+        if (!p->certificate) status = ric_no_memory("a certificate");
+    }
+    theorem_close(&t);
+    free(state);
+    return status;
+}
+
+ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
+{
+    ric_branch row;
+    ric_status status = ric_atlas_branch(p->atlas, branch, &row);
+    *out = (ric_proof){.branch = branch, .point = i, .state = RIC_PROOF_NONE, .stable = RIC_STABLE_UNDECIDED};
+    if (status) return status;
+    const char *left_out = p->left_out ? p->left_out : row.letters == 0 ? "a linear mode" : NULL;
+    if (left_out) {
+        out->state = RIC_PROOF_LEFT_OUT;
+        snprintf(out->why, sizeof out->why, "%s", left_out);
+        return RIC_OK;
+    }
+    bool more = true;
+    *p->certificate = 0;
+    for (int level = 0; level < PRECISIONS && more && !status; level++) {
+        ric_proof next = *out;
+        status = attempt(p, level, branch, i, &next, &more);
+        /* A verdict that stays open with more bits does not take back what fewer have proved. */
+        if (!status && (next.state == RIC_PROOF_DONE || out->state != RIC_PROOF_DONE)) *out = next;
+    }
+    return status;
+}

@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# Proofs: what is stored is proved but for the junctions at the ends of branches; what is a little wrong is not.
+set -u
+. tests/support/tap.sh
+
+if ! "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
+atlas="$folder/e.ricochet"
+said=$("$ricochet" prove "$atlas" 2>&1)
+if grep -q 'left out of this program' <<<"$said"; then
+    echo '1..0 # SKIP the program was built without FLINT'
+    exit 77
+fi
+
+# prove ATLAS OUT ARGUMENT...: the rows
+prove() { "$ricochet" prove "$1" --json "${@:3}" >"$2" 2>/dev/null; [ -s "$2" ]; }
+# rows FILE CODE: Python over `rows` of FILE
+rows() { python3 - "$1" <<END
+import json, math, sys
+rows = [row for row in json.load(open(sys.argv[1])) if row["verdict"] != "left out"]
+proved = [row for row in rows if row["verdict"] == "proved"]
+$2
+END
+}
+# planted CODE: a copy of the atlas with Python over the database \`db\` done to it, its digest made anew
+planted() {
+    cp "$atlas" "$folder/p.ricochet"
+    python3 - "$folder/p.ricochet" <<END
+import random, sqlite3, struct, sys
+db = sqlite3.connect(sys.argv[1])
+random.seed(7)
+def floats(blob): return list(struct.unpack(f"<{len(blob) // 8}d", blob))
+def blob(x): return struct.pack(f"<{len(x)}d", *x)
+points = [p for p in db.execute("SELECT branch, point, state, flights, stable FROM point WHERE branch IN"
+                                " (SELECT id FROM branch WHERE impacts > 0) ORDER BY branch, point")]
+$1
+db.commit()
+END
+    tools/attack/atlas_digest.py "$folder/p.ricochet" >/dev/null
+}
+
+prove "$atlas" "$folder/all.json"
+ok 'all but ends of branches is proved' rows "$folder/all.json" '
+last = {}
+for row in rows: last[row["branch"]] = max(row["point"], last.get(row["branch"], 0))
+assert len(rows) > 690 and len(proved) > 0.97 * len(rows), (len(proved), len(rows))
+assert all(row["point"] in (0, last[row["branch"]]) for row in rows if row not in proved)'
+ok 'as many with two workers' bash -c '"$0" prove "$1" --json -j 2 2>/dev/null | cmp - "$2"' "$ricochet" "$atlas" "$folder/all.json"
+ok 'the numbers are those that are stored' rows "$folder/all.json" "
+import sqlite3
+db = sqlite3.connect('$atlas')
+for row in proved:
+    E, T, trace, stable = db.execute('SELECT energy, period, trace, stable FROM point WHERE branch = ? AND point = ?', (row['branch'], row['point'])).fetchone()
+    for stored, (low, high), most in ((E, row['energy'], 1e-9), (T, row['period'], 1e-9), (trace, row['trace'], 1e-3)):
+        assert low <= high and min(abs(stored - low), abs(stored - high)) <= most * (1 + abs(stored)), (row, stored)
+    assert stable == 2 or row['stable'] == ('no', 'yes')[stable]"
+
+# S2 without a mirror but in time: E = sum(c^2 / cos^2(omega tau / 2)) / 2 (sum(c^2 tan(omega tau / 2) / omega))^2
+ok 'S2[01] has the energy of its closed form' rows "$folder/all.json" '
+from mpmath import mp, mpf
+mp.dps = 30
+M, K = mp.matrix([[2, 0], [0, 1]]), mp.matrix([[9, -1], [-1, 1]])
+root = mp.matrix([[1 / mp.sqrt(2), 0], [0, 1]])
+values, vectors = mp.eigsy(root * K * root)
+modes = root * vectors
+c = [modes[1, i] - modes[0, i] for i in range(2)]
+omega = [mp.sqrt(values[i]) for i in range(2)]
+some = [row for row in proved if row["branch"] == 3]
+assert len(some) > 50
+for row in some:
+    low, high = (mpf(t) / 2 for t in row["period"])
+    def energy(tau):
+        s = sum(c[i] ** 2 * mp.tan(omega[i] * tau / 2) / omega[i] for i in range(2))
+        return sum(c[i] ** 2 / mp.cos(omega[i] * tau / 2) ** 2 for i in range(2)) / (2 * s ** 2)
+    E = energy((low + high) / 2)
+    width = abs(energy(high) - energy(low)) + row["energy"][1] * mpf("1e-15")
+    assert row["energy"][0] - width <= E <= row["energy"][1] + width, row'
+
+planted '
+for b, p, state, flights, stable in points:
+    x = floats(state)
+    i = random.randrange(4)
+    x[i] += 1e-6 * max(map(abs, x)) * random.choice((-1, 1))
+    E = x[2] ** 2 + x[3] ** 2 / 2 + 4.5 * x[0] ** 2 - x[0] * x[1] + x[1] ** 2 / 2
+    db.execute("UPDATE point SET state = ?, energy = ? WHERE branch = ? AND point = ?", (blob(x), E, b, p))'
+prove "$folder/p.ricochet" "$folder/p.json"
+ok 'no orbit is proved at a state that is off by 1e-6' rows "$folder/p.json" 'assert len(rows) > 690 and not proved, proved[:2]'
+
+planted '
+for b, p, state, flights, stable in points:
+    if stable < 2: db.execute("UPDATE point SET stable = ? WHERE branch = ? AND point = ?", (1 - stable, b, p))'
+prove "$folder/p.ricochet" "$folder/p.json"
+ok 'no flag that is turned round passes' rows "$folder/p.json" '
+assert all(row["why"].startswith("stored as") for row in rows if row["verdict"] != "proved" and "stored" in row["why"])
+assert sum(row["why"].startswith("stored as") for row in rows) > 600, len(proved)'
+
+planted '
+for id, word in db.execute("SELECT id, word FROM branch WHERE impacts > 1").fetchall():
+    flip = random.randrange(len(word))
+    db.execute("UPDATE branch SET word = ? WHERE id = ?", (word[:flip] + str(1 - int(word[flip])) + word[flip + 1:], id))'
+prove "$folder/p.ricochet" "$folder/p.json"
+ok 'no orbit is proved with another word' rows "$folder/p.json" 'assert rows and not proved, proved[:2]'
+
+planted '
+for b, p, state, flights, stable in points:
+    t = floats(flights)
+    db.execute("UPDATE point SET flights = ? WHERE branch = ? AND point = ?", (blob([t[0] * (1 + 1e-6)] + t[1:]), b, p))
+    db.execute("UPDATE point SET energy = energy * (1 + 1e-7) WHERE branch = ? AND point = ?", (b, p))'
+prove "$folder/p.ricochet" "$folder/p.json"
+ok 'nor with another time or energy' rows "$folder/p.json" 'assert rows and not proved, proved[:2]'
+
+# One impact, at rest in between: q_i = s c_i cos(omega_i (t - T / 2)) / (omega_i sin(omega_i T / 2)), which solves the equations for
+# every T, and is a motion, which passes no stop, for 4.845 <= T < 5.840 alone.
+planted '
+import math
+M, K = [[2, 0], [0, 1]], [[9, -1], [-1, 1]]
+# omega^2 of (K - omega^2 M) phi = 0: 2 z^2 - 11 z + 8 = 0
+roots = [(11 - math.sqrt(57)) / 4, (11 + math.sqrt(57)) / 4]
+modes = [[1 / math.sqrt(2 + (9 - 2 * z) ** 2), (9 - 2 * z) / math.sqrt(2 + (9 - 2 * z) ** 2)] for z in roots]
+c, omega = [m[1] - m[0] for m in modes], [math.sqrt(z) for z in roots]
+db.execute("UPDATE branch SET word = ?, impacts = 1, symmetric = 0, mirror = ? WHERE id = 3", ("0", "impact-rest"))
+for p, in db.execute("SELECT point FROM point WHERE branch = 3").fetchall():
+    T = 2.51 + p * 0.075
+    s = 1 / sum(c[i] ** 2 / math.tan(omega[i] * T / 2) / omega[i] for i in range(2))
+    q = [s * c[i] / math.tan(omega[i] * T / 2) / omega[i] for i in range(2)]
+    x = [sum(modes[i][j] * q[i] for i in range(2)) for j in range(2)]
+    v = [s * sum(modes[i][j] * c[i] for i in range(2)) for j in range(2)]
+    E = v[0] ** 2 + v[1] ** 2 / 2 + 4.5 * x[0] ** 2 - x[0] * x[1] + x[1] ** 2 / 2
+    db.execute("UPDATE point SET state = ?, flights = ?, energy = ?, frequency = ?, stable = 2 WHERE branch = 3 AND point = ?",
+               (blob(x + v), blob([T]), E, 2 * math.pi / T, p))'
+prove "$folder/p.ricochet" "$folder/p.json" --branch 3
+ok 'a family of one impact is proved where it is one, and no farther' rows "$folder/p.json" '
+times = {2.51 + row["point"] * 0.075: row["verdict"] == "proved" for row in rows}
+assert len(times) > 80
+wrong = {T: verdict for T, verdict in times.items() if verdict != (4.845 <= T < 5.840)}
+assert not wrong, wrong'
+
+for name in bilinear power-3; do
+    "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
+    ok "$name is left out by name" bash -c '"$0" prove "$1" | grep -q "^the first of them: .*\(bilinear\|power\)"' "$ricochet" "$folder/$name.ricochet"
+done
+finish
