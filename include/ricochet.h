@@ -289,7 +289,9 @@ typedef struct {
     const int *junctions;      /* ids of the interior ones, in order */
     const double *junction_at; /* their arclengths */
     int depth;
-    int mode; /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
+    int mode;    /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
+    int family;  /* the least id of the branches that a chain of junctions joins with this one */
+    bool linked; /* one of these leaves a linear mode, or is one; else they are an island */
 } ric_branch;
 /* A linear mode: no contact acts. Under a power law only modes that no contact sees. */
 bool ric_branch_linear(const ric_model *model, const ric_branch *branch);

@@ -74,6 +74,29 @@ ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **o
     return status;
 }
 
+/* The same as numbers: m turns of the mode while the motion goes round n times. */
+static ric_status list_resonances(const ric_atlas *atlas, int id, double d, json_t *row)
+{
+    int n = 0;
+    ric_tongue *tongues = NULL;
+    json_t *list = json_array();
+    const ric_status status = ric_branch_tongues(atlas, id, &n, &tongues);
+    for (int i = 0; !status && i < n; i++) {
+        const ric_tongue *t = &tongues[i];
+        json_t *one = json_object();
+        json_object_set_new(one, "m", json_integer(t->turns));
+        json_object_set_new(one, "n", json_integer(t->per));
+        json_object_set_new(one, "mode", json_integer(t->mode));
+        json_object_set_new(one, "energy_from", cli_number(d * d * t->energy[0]));
+        json_object_set_new(one, "energy_to", cli_number(d * d * t->energy[1]));
+        json_object_set_new(one, "crossed", json_boolean(t->crossed));
+        json_array_append_new(list, one);
+    }
+    json_object_set_new(row, "resonances", list);
+    ric_tongues_free(tongues);
+    return status;
+}
+
 ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
 {
     ric_branch branch;
@@ -82,8 +105,9 @@ ric_status cli_branch_row(const ric_atlas *atlas, int id, double d, json_t *row)
     if (status) return status;
     cli_table_row(&ric_table_branch, &branch, ric_atlas_model(atlas), d, no_tongues, row);
     status = cli_tongues_text(atlas, id, d, &tongues);
-    if (!status) json_object_set_new(row, "tongues", tongues);
-    return status;
+    if (status) return status;
+    json_object_set_new(row, "tongues", tongues);
+    return list_resonances(atlas, id, d, row);
 }
 
 static json_t *tongue_row(const ric_branch *branch, const ric_tongue *t, double d)
@@ -228,7 +252,12 @@ static const cli_item items[] = {
      .text =
          "internal resonances that the branch follows or steps over: \"follows 129 : 1 with mode 4 from E .. to "
          "E ..\" says that between these energies the linear mode turns 129 times while the motion goes round once"},
+    {.name = "resonances",
+     .text = "the same in --json, as a list of m, n, mode, energy_from, energy_to, crossed: the mode turns m times "
+             "while the motion goes round n times"},
     {.name = "depth", .text = "least number of departures from the start"},
+    {.name = "linked",
+     .text = "whether a chain of junctions leads to a linear mode; what has none is an island (--csv and --json)"},
     {.name = "relative_energy_",
      .text = "energies as multiples of the onset of the lowest mode, where contacts begin to matter to it; numbers "
              "without a unit (min and max, in --csv and --json)"},

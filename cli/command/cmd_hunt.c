@@ -1,4 +1,5 @@
-/* ricochet hunt STUDY: periodic orbits of one energy by brute force, and what an atlas lacks of them. */
+/* ricochet hunt STUDY: periodic orbits of one energy, or of a window of them, by brute force, and what an atlas lacks.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,10 +11,15 @@
 
 static const double two_pi = 6.283185307179586;
 
-enum { POINTS_MAX = 100000000 };
+enum {
+    POINTS_MAX = 100000000,
+    LEVELS = 6,       /* of a ladder of energies: each lies in the middle of two of the level before; 65 in all */
+    LEVELS_LEAST = 3, /* that are gone through, even if one finds nothing new: 9 energies */
+};
 
 typedef struct {
     ric_hunt_options options;
+    double energy[2]; /* a window, or one energy twice */
     const char *atlas_path;
     bool add;
     cli_format format;
@@ -61,17 +67,36 @@ static bool take_positive(int *argc, char **argv, const char *name, bool *given,
     return false;
 }
 
+/* One energy, or a window as A,B. */
+static bool take_energies(int *argc, char **argv, double energy[2])
+{
+    const char *text, *comma;
+    char first[64];
+    if (!cli_take_value(argc, argv, "--energy", &text)) return false;
+    if (!text) {
+        cli_wrong("hunt: --energy is missing; give the scaled energy at which to look, for example --energy 2.5, or a "
+                  "window, --energy 0.7,40");
+        return false;
+    }
+    comma = strchr(text, ',');
+    snprintf(first, sizeof first, "%.*s", (int)(comma ? comma - text : (long)strlen(text)), text);
+    if (!cli_parse_number(first, "--energy", &energy[0])) return false;
+    energy[1] = energy[0];
+    if (comma && !cli_parse_number(comma + 1, "--energy", &energy[1])) return false;
+    if (!(energy[0] > 0)) cli_wrong("hunt: --energy '%s' is not positive", text);
+    else if (energy[1] < energy[0]) cli_wrong("hunt: --energy '%s': the window ends before it begins", text);
+    return energy[0] > 0 && energy[1] >= energy[0];
+}
+
 static bool take_request(int *argc, char **argv, request *r, bool *bounded)
 {
     const char *text;
     long value;
-    bool energy;
     ric_hunt_options *o = &r->options;
     ric_hunt_options_init(o);
     r->add = cli_take_flag(argc, argv, "--add");
     if (!cli_take_format(argc, argv, &r->format) || !cli_take_value(argc, argv, "--atlas", &r->atlas_path) ||
-        !take_positive(argc, argv, "--energy", &energy, &o->energy) ||
-        !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
+        !take_energies(argc, argv, r->energy) || !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
         !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
         !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random) ||
         !cli_take_value(argc, argv, "--impacts", &text) ||
@@ -82,10 +107,8 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
         (text && !cli_parse_integer(text, "--seed", 0, 2147483647, &value)))
         return false;
     if (text) o->seed = (uint64_t)value;
-    if (!energy)
-        cli_wrong("hunt: --energy is missing; give the scaled energy at which to look, for example --energy 2.5");
-    else if (r->add && !r->atlas_path) cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
-    return energy && !(r->add && !r->atlas_path);
+    o->energy = r->energy[0];
+    return true;
 }
 
 /* --------------------------------------------------------------------- rows */
@@ -112,7 +135,7 @@ static void add_finding(json_t *row, const ric_finding *f)
     json_object_set_new(row, "reason", json_string(f->why));
 }
 
-static json_t *make_row(const ric_hunt *h, const ric_model *m, int i, const ric_comparison *c)
+static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, int i, const ric_comparison *c)
 {
     ric_found p;
     ric_finding finding;
@@ -121,6 +144,7 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, int i, const ric_
     json_t *row = json_object();
     ric_hunt_found(h, i, &p, word, state, flights);
     json_object_set_new(row, "orbit", json_integer(i + 1));
+    json_object_set_new(row, "energy", cli_number(energy));
     json_object_set_new(row, "word", cli_word(m, p.impacts, word));
     json_object_set_new(row, "impacts", json_integer(p.impacts));
     json_object_set_new(row, "period", cli_number(p.period));
@@ -135,15 +159,16 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, int i, const ric_
     return row;
 }
 
-static int print(const ric_hunt *h, const ric_model *m, const ric_comparison *c, cli_format format)
+static void add_rows(const ric_hunt *h, const ric_model *m, double energy, const ric_comparison *c, json_t *rows)
 {
-    static const char columns[] = "orbit word period frequency symmetric reversible trace atlas branch reason";
-    static const char alone[] = "orbit word period frequency symmetric reversible trace";
-    json_t *rows = json_array();
-    for (int i = 0; rows && i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, i, c));
-    int code = rows ? cli_print_rows(rows, c ? columns : alone, format) : cli_report(RIC_E_NOMEM);
-    json_decref(rows);
-    return code;
+    for (int i = 0; i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, energy, i, c));
+}
+
+static int print(json_t *rows, bool compared, cli_format format)
+{
+    static const char columns[] = "orbit energy word period frequency symmetric reversible trace atlas branch reason";
+    static const char alone[] = "orbit energy word period frequency symmetric reversible trace";
+    return cli_print_rows(rows, compared ? columns : alone, format);
 }
 
 static void tell_missed(const ric_comparison *c, int n_missed)
@@ -200,26 +225,148 @@ static bool same_model(const ric_model *a, const ric_model *b)
     return true;
 }
 
-static int hunt(const request *r, const ric_study *study, const ric_atlas *atlas)
+/* What a hunt goes through: one energy after the other. */
+typedef struct {
+    const request *request;
+    const ric_study *study;
+    ric_atlas *atlas; /* NULL: nothing to compare with; explored anew where something was added */
+    display display;
+    json_t *rows;
+    json_t *isolated; /* word and symmetries of what an atlas lacks, as keys */
+    int added, fresh; /* starts; isolated ones of the level at work that no level before has seen */
+    int n_energy, code;
+} quest;
+
+/* An isolated family shows at many energies: by its word and symmetries it is counted once. */
+static void count_isolated(quest *q, const ric_hunt *h, const ric_comparison *c)
+{
+    for (int i = 0; c && i < ric_hunt_n_found(h); i++) {
+        ric_finding finding;
+        ric_found found;
+        int word[RIC_HUNT_IMPACTS];
+        if (ric_comparison_finding(c, i, &finding) || finding.state != RIC_FOUND_ISOLATED) continue;
+        ric_hunt_found(h, i, &found, word, NULL, NULL);
+        json_t *text = cli_word(ric_study_model(q->study), found.impacts, word);
+        json_t *key = json_sprintf("%s %d %d", json_string_value(text), found.symmetric, found.reversible);
+        q->fresh += key && !json_object_get(q->isolated, json_string_value(key));
+        if (key) json_object_set_new(q->isolated, json_string_value(key), json_true());
+        json_decref(key);
+        json_decref(text);
+    }
+}
+
+static ric_status hunt_at(quest *q, double energy)
 {
     ric_hunt *h = NULL;
     ric_comparison *c = NULL;
-    int added = 0, code;
-    display d = {.terminal = isatty(STDERR_FILENO)};
-    ric_hunt_options options = r->options;
+    int added = 0;
+    const ric_model *model = ric_study_model(q->study);
+    ric_hunt_options options = q->request->options;
+    options.energy = energy;
     options.progress = show_progress;
-    options.user = &d;
-    cli_catch_signals();
-    ric_status status = ric_hunt_create(ric_study_model(study), &options, &h);
+    options.user = &q->display;
+    ric_status status = ric_hunt_create(model, &options, &h);
     if (!status) status = ric_hunt_run(h);
-    if (!status && atlas) status = ric_hunt_compare(h, atlas, &c);
-    if (!status && r->add) status = ric_hunt_add(h, c, atlas, r->atlas_path, &added);
-    if (d.terminal) fputs("\r\033[K", stderr);
-    code = cli_report(status);
-    if (!status && !(code = print(h, ric_study_model(study), c, r->format))) code = summarise(h, &options, c, added);
+    if (!status && q->atlas) status = ric_hunt_compare(h, q->atlas, &c);
+    if (!status && q->request->add) status = ric_hunt_add(h, c, q->atlas, q->request->atlas_path, &added);
+    if (q->display.terminal) fputs("\r\033[K", stderr);
+    if (!status) {
+        q->added += added;
+        q->n_energy++;
+        count_isolated(q, h, c);
+        add_rows(h, model, energy, c, q->rows);
+        if (summarise(h, &options, c, added)) q->code = CLI_FAILED;
+    }
     ric_comparison_free(c);
     ric_hunt_free(h);
+    return status;
+}
+
+static bool stop_is_asked(const ric_progress *now, void *user)
+{
+    (void)now;
+    (void)user;
+    return cli_stopped();
+}
+
+/* Follows what the last level has added, so that the next one knows it. */
+static ric_status follow_added(quest *q, int before)
+{
+    if (q->added == before) return RIC_OK;
+    ric_atlas *atlas = NULL;
+    const ric_run_options run = {.workers = 1, .progress = stop_is_asked};
+    ric_status status = ric_explore(q->study, q->request->atlas_path, &run);
+    if (!status) status = ric_atlas_read(q->request->atlas_path, &atlas);
+    if (!status) {
+        ric_atlas_free(q->atlas);
+        q->atlas = atlas;
+    }
+    return status;
+}
+
+/* Energies of one level, geometrically between the ends: the ends and the middle first, then the middles between. */
+static ric_status hunt_level(quest *q, int level)
+{
+    const double *window = q->request->energy;
+    const int parts = 1 << level, before = q->added;
+    ric_status status = RIC_OK;
+    q->fresh = 0;
+    for (int i = 0; i <= parts && !status; i++)
+        if (level == 1 || i % 2) status = hunt_at(q, window[0] * pow(window[1] / window[0], (double)i / parts));
+    return status ? status : follow_added(q, before);
+}
+
+static ric_status hunt_window(quest *q)
+{
+    ric_status status = RIC_OK;
+    int level = 1;
+    for (; level <= LEVELS && !status; level++) {
+        status = hunt_level(q, level);
+        if (level >= LEVELS_LEAST && q->fresh == 0) break;
+    }
+    if (!status)
+        cli_say("%d energies from %g to %g were looked at; %s; %d kinds of isolated orbits in all\n", q->n_energy,
+                q->request->energy[0], q->request->energy[1],
+                level <= LEVELS ? "the last ones, between those before, found nothing new"
+                                : "the last ones still found something new, and there may be more",
+                (int)json_object_size(q->isolated));
+    return status;
+}
+
+static int hunt(const request *r, const ric_study *study, ric_atlas **atlas)
+{
+    quest q = {.request = r,
+               .study = study,
+               .atlas = *atlas,
+               .display = {.terminal = isatty(STDERR_FILENO)},
+               .rows = json_array(),
+               .isolated = json_object()};
+    cli_catch_signals();
+    ric_status status = !q.rows || !q.isolated        ? RIC_E_NOMEM
+                        : r->energy[0] < r->energy[1] ? hunt_window(&q)
+                                                      : hunt_at(&q, r->energy[0]);
+    int code = cli_report(status);
+    if (!status && !(code = print(q.rows, q.atlas != NULL, r->format))) code = q.code;
+    *atlas = q.atlas;
+    json_decref(q.rows);
+    json_decref(q.isolated);
     return code;
+}
+
+/* The study that is hunted in, and the atlas to compare with: a file that is an atlas is both. */
+static ric_status read_files(request *r, const char *path, ric_study **study, ric_atlas **atlas)
+{
+    ric_status status = ric_study_read(path, study);
+    if (status == RIC_E_INPUT && !ric_atlas_read(path, atlas)) {
+        if (!r->atlas_path) r->atlas_path = path;
+        status = ric_study_parse(ric_study_text(ric_atlas_study(*atlas)), path, ".", study);
+        if (strcmp(r->atlas_path, path)) {
+            ric_atlas_free(*atlas);
+            *atlas = NULL;
+        }
+    } else if (status == RIC_E_INPUT) status = ric_study_read(path, study); /* its own message again */
+    if (!status && r->atlas_path && !*atlas) status = ric_atlas_read(r->atlas_path, atlas);
+    return status;
 }
 
 static int run(int argc, char **argv)
@@ -230,9 +377,9 @@ static int run(int argc, char **argv)
     ric_atlas *atlas = NULL;
     int code;
     if (!take_request(&argc, argv, &r, &bounded) || !cli_operands(&cli_hunt, argc, argv, 1)) return CLI_WRONG;
-    ric_status status = ric_study_read(argv[1], &study);
-    if (!status && r.atlas_path) status = ric_atlas_read(r.atlas_path, &atlas);
+    ric_status status = read_files(&r, argv[1], &study, &atlas);
     if (status) code = cli_report(status);
+    else if (r.add && !atlas) code = cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
     else if (atlas && !same_model(ric_study_model(study), ric_atlas_model(atlas))) {
         cli_wrong("hunt: %s is the atlas of another model than that of %s", r.atlas_path, argv[1]);
         code = CLI_FAILED;
@@ -241,7 +388,7 @@ static int run(int argc, char **argv)
         double asked = r.options.period[1];
         ric_hunt_options_bound(&r.options, atlas ? ric_atlas_study(atlas) : study);
         if (bounded && !(atlas && asked > r.options.period[1])) r.options.period[1] = asked;
-        code = hunt(&r, study, atlas);
+        code = hunt(&r, study, &atlas);
     }
     ric_atlas_free(atlas);
     ric_study_free(study);
@@ -253,7 +400,11 @@ static const cli_item items[] = {
              "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to "
              "impact. For structures of which the stops see two modes. Every orbit is checked with the simulator. "
              "An empty result is no proof; what a known atlas has is the measure of what is found."},
-    {.name = "--energy", .value = "E", .text = "scaled energy"},
+    {.name = "--energy",
+     .value = "E[,E]",
+     .text = "scaled energy; or a window, in which energies are looked at, and those between them, until the last ones "
+             "find no other kind of isolated orbit (9 at least, 65 at most); with --add what is found is followed in "
+             "between"},
     {.name = "--impacts", .value = "N", .text = "words of up to N letters, 6 unless given"},
     {.name = "--period",
      .value = "T",
@@ -277,9 +428,10 @@ static const cli_item items[] = {
 const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
-    .usage = "ricochet hunt STUDY --energy E [--impacts N] [--period T] [--atlas FILE [--add]]\n"
+    .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE [--add]]\n"
              "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--json | --csv]\n",
     .items = items,
-    .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n",
+    .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n"
+               "ricochet hunt study.ricochet --energy 0.7,40 --impacts 4 --add\n",
     .run = run,
 };

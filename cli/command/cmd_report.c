@@ -119,6 +119,37 @@ static ric_status add_tongues(json_t *rows, const ric_atlas *atlas)
     return RIC_OK;
 }
 
+/* ------------------------------------------------------------------- islands */
+
+/* Families that no chain of junctions links to a linear mode, under the budgets of the study. */
+static ric_status add_islands(json_t *rows, const ric_atlas *atlas)
+{
+    const int n = ric_atlas_n_branch(atlas);
+    int islands = 0;
+    for (int first = 1; first <= n; first++) {
+        ric_branch branch, other;
+        double energy[2] = {HUGE_VAL, -HUGE_VAL};
+        int members = 0;
+        ric_status status = ric_atlas_branch(atlas, first, &branch);
+        if (status) return status;
+        if (branch.linked || branch.family != first) continue;
+        for (int id = first; id <= n; id++) {
+            if ((status = ric_atlas_branch(atlas, id, &other))) return status;
+            if (other.family != first) continue;
+            members++;
+            energy[0] = fmin(energy[0], other.energy_min);
+            energy[1] = fmax(energy[1], other.energy_max);
+        }
+        json_t *detail = json_sprintf("%d branch%s from %s on, E %.9g to %.9g", members, members == 1 ? "" : "es",
+                                      branch.label, energy[0], energy[1]);
+        add(rows, "island of branch", json_integer(first), detail ? json_string_value(detail) : branch.label);
+        json_decref(detail);
+        islands++;
+    }
+    add(rows, "families linked to no mode", json_integer(islands), islands ? "under the budgets of the study" : "");
+    return RIC_OK;
+}
+
 /* Every junction with branches that leave it and could not be followed. */
 static ric_status add_refused(json_t *rows, const ric_atlas *atlas)
 {
@@ -276,6 +307,7 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
     ric_status status = add_branches(rows, atlas);
     add_onset(rows, atlas);
     if (!status) status = add_departures(rows, atlas);
+    if (!status) status = add_islands(rows, atlas);
     if (!status) status = add_tongues(rows, atlas);
     if (!status) status = add_gaps(rows, atlas);
     if (!status) status = add_refused(rows, atlas);

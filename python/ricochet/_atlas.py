@@ -151,6 +151,10 @@ class Branch:
         Departures from the start.
     mode : int
         Of linear modes and backbones, from 1, else 0.
+    family : int
+        The least id of the branches that a chain of junctions joins with this one.
+    linked : bool
+        Whether one of these leaves a linear mode, or is one; else they are an island.
 
     The numbers of its points are arrays [n_point]: arclength, energy (scaled), frequency (rad/s), period (s), trace
     (lambda + 1/lambda, n = 2), log_trace, rotation (gamma of multipliers exp(+-2 pi i gamma)), reach (gap over clearance),

@@ -60,6 +60,7 @@ static const ric_column branch[] = {
     {COLUMN("depth", INTEGER, depth, NONE, RIC_IN_TABLE, "least number of departures from the start"), COUNT},
     {COLUMN("mode", MODE, mode, NONE, RIC_LISTED,
             "number of the linear mode for its family and the backbone that leaves it, else 0")},
+    {COLUMN("linked", FLAG, linked, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
 };
 #undef ROW
 

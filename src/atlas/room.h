@@ -4,6 +4,7 @@
 
 #include "atlas.h"
 #include "keys.h"
+#include "links.h"
 #include "store.h"
 
 #endif

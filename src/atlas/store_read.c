@@ -1,5 +1,6 @@
 /* The rows of branches, points and junctions, in: a file that may come from anyone to an atlas. */
 #include "keys.h"
+#include "links.h"
 #include "store_parts.h"
 
 #include <errno.h>
@@ -447,6 +448,7 @@ ric_status ric_store_read_tables(ric_database file, ric_atlas **out)
     ric_status status = atlas ? read_atlas(file, atlas) : ric_store_fail_memory();
     if (!status) status = ric_store_check_numbers(file.path, atlas);
     if (!status) status = ric_keys_make(atlas);
+    if (!status) status = ric_links_make(atlas);
     if (status) ric_atlas_free(atlas);
     *out = status ? NULL : atlas;
     return status;

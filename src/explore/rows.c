@@ -192,7 +192,7 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
     atlas->n_junction = n_mark;
     n_sheet = n_mark = 0;
-    if ((status = ric_keys_make(atlas))) goto out;
+    if ((status = ric_keys_make(atlas)) || (status = ric_links_make(atlas))) goto out;
     *out = atlas;
     atlas = NULL;
 out:

@@ -91,4 +91,26 @@ ok "an atlas without multiplications" "$ricochet" run "$folder/single.yaml" -o "
 single >"$folder/single.csv" 2>"$folder/single.err"
 ok "what leaves one of them is beyond a budget" test "$(grep -c 'a multiplication by 2 at E 9.53965884.*beyond explore.multiply' "$folder/single.csv")" = 4
 ok "and nothing is unexplained" test "$(grep -c ,unexplained, "$folder/single.csv")" = 0
+
+# A window of energies: the chain of A3[001] and A4[0001] that no departure leads to, between two touches of three impacts.
+sed 's/impacts: 6, multiply: 2/impacts: 4, multiply: 1/' "$folder/study.yaml" >"$folder/islands.yaml"
+"$ricochet" run "$folder/islands.yaml" -o "$folder/islands.ricochet" >/dev/null 2>&1
+window() { "$ricochet" hunt "$folder/islands.ricochet" --energy "$1" --impacts 4 --lines 4000 --rows 10 --row 200 --random 3000 "${@:2}"; }
+ok "a window that ends before it begins" refused 2 "ends before it begins" "$folder/islands.ricochet" --energy 11,3
+ok "a window without an end" refused 2 "not a finite number" "$folder/islands.ricochet" --energy 3,
+ok "before, every branch is linked to a mode" eval "! '$ricochet' branches '$folder/islands.ricochet' --json | grep -q '\"linked\": false'"
+window 3,11 --add --json >"$folder/window.json" 2>"$folder/window"
+ok "energies between energies are looked at until nothing new is found" grep -q "17 energies from 3 to 11 were looked at; .* found nothing new" "$folder/window"
+"$ricochet" branches "$folder/islands.ricochet" --json >"$folder/islands.json"
+is_island() { python3 -c '
+import json, sys
+rows = [r for r in json.load(open(sys.argv[1])) if not r["linked"]]
+chain = [r for r in rows if abs(r["energy_min"] - 3.154787) < 1e-5 and abs(r["energy_max"] - 10.694157) < 1e-5]
+print(rows)
+assert {r["label"] for r in chain} == {"A3[001]", "A4[0001]"}
+assert all(abs(r["frequency_min"] - 1.418199) < 1e-5 and abs(r["frequency_max"] - 1.553366) < 1e-5 for r in chain)
+' "$folder/islands.json"; }
+ok "the island has the ends that are known" is_island
+ok "report counts the islands" eval "'$ricochet' report '$folder/islands.ricochet' | grep -q 'families linked to no mode  *3 '"
+
 finish
