@@ -359,6 +359,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
         if (!(off <= bound)) bound = off;
     }
     bound = RIC_PAIR_SAFETY * bound + RESOLUTION * (1 + fabs(found));
+    if (p->asked && p->asked->given) bound += p->asked->error / hypot(2, full(p, 0, 0)); /* as the library states it */
     out->multiplier_error = (double)fabs(stored->trace - found);
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);

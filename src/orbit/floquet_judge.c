@@ -107,7 +107,7 @@ static double radius_of(const ric_floquet *f, int i, int least, double error, co
 void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const double *error)
 {
     bool undecided = false, unstable = false;
-    double distances[f->n_pair + 1];
+    double distances[f->n_pair + 1], radius[f->n_pair + 1];
     f->error = 0;
     for (int i = 0; i < f->n_pair; i++) {
         for (int j = 0; j < f->n_pair; j++) {
@@ -116,17 +116,18 @@ void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const double *error)
         }
         qsort(distances, (size_t)f->n_pair, sizeof *distances, by_size);
         double alone = radius_of(f, i, 1, error[i], distances), pair = radius_of(f, i, 2, error[i], distances);
+        radius[i] = alone;
         bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
         if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;
         else if (complex_pair || fabs(f->rho[2 * i]) > 2 - alone) undecided = true;
     }
     for (int i = 0; i < f->n_pair; i++) {
         double *r = f->rho + 2 * i, size = 1 + fabs(r[0]) + fabs(r[1]);
-        bool lost = !(error[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - error[i] > 2;
+        bool lost = !(radius[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - radius[i] > 2;
         memcpy(f->own + 2 * i, r, 2 * sizeof *r);
         if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
         if (quarter) square(r);
-        f->each[i] = quarter ? 2 * size * error[i] : error[i];
+        f->each[i] = quarter ? 2 * size * radius[i] : radius[i];
         if (lost) r[0] = r[1] = NAN;
         else f->error = fmax(f->error, f->each[i]);
     }
