@@ -115,7 +115,12 @@ static int take_branch(orbit *o, const words *w)
     return code;
 }
 
-/* Coordinates on which contacts act most, where there are too many to show. */
+static int by_number(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* Coordinates on which contacts act most, where there are too many to show; in their order. */
 static void usual_coordinates(orbit *o)
 {
     o->n_shown = o->motion.n < MAX_SHOWN ? o->motion.n : MAX_SHOWN;
@@ -140,6 +145,7 @@ static void usual_coordinates(orbit *o)
         taken[place] = weight;
         o->shown[place] = i;
     }
+    qsort(o->shown, (size_t)o->n_shown, sizeof *o->shown, by_number);
 }
 
 static bool take_coordinates(orbit *o, const char *text)

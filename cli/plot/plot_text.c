@@ -87,6 +87,7 @@ void plot_text_label(const char *label, size_t size, char *out)
     } else if (!sign && *c == '_') {
         low = ++c;
         while (isalnum((unsigned char)*c) || *c == ',') c++;
+        while (*c == '?' && c > low) c++; /* not decided, or not measured */
     }
     const char *low_end = c, *word = NULL;
     if (*c == '[' && strspn(c + 1, "0123456789abcdefghijklmnopqrstuvwxyz") + 1 == strcspn(c, "]") &&

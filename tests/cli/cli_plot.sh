@@ -16,6 +16,7 @@ fi
 RICOCHET=$(command -v "$RICOCHET") || { echo "cli_plot.sh: no program ricochet"; exit 1; }
 RICOCHET=$(cd "$(dirname "$RICOCHET")" && pwd)/$(basename "$RICOCHET")
 [ -z "$ATLAS" ] || ATLAS=$(cd "$(dirname "$ATLAS")" && pwd)/$(basename "$ATLAS")
+TOP=$PWD
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
@@ -173,6 +174,17 @@ shows part.svg 'thin: unstable' && ! grep -q undecided part.svg
 note "stability changes at the junction itself, with nothing undecided around it" $?
 "$RICOCHET" plot orbits "$ATLAS" --orbit 'S2+[01]@E=4' -o small.svg
 note "no axis has a single number" "$([ "$(grep -c '>−1</tspan>' small.svg)" = 4 ]; echo $?)"
+
+cp "$ATLAS" open.ricochet
+python3 -c 'import sqlite3
+db = sqlite3.connect("open.ricochet")
+db.execute("UPDATE junction SET label = label || ? WHERE label = ?", ["?", "C1_31"])
+db.execute("UPDATE junction SET name = ?", [""])
+db.commit()'
+"$TOP/tools/attack/atlas_digest.py" open.ricochet >/dev/null
+"$RICOCHET" plot fep open.ricochet --labels all --size 1600x1200 -o open.svg 2>/dev/null
+! grep -q 'C1_31?' open.svg && shows open.svg '31?'
+note "a label that is not decided has its index lowered, too" $?
 
 # What could not be done: 1; what is missing: 2.
 echo "this is no atlas" >foreign
