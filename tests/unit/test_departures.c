@@ -220,8 +220,8 @@ static void check_modes(const ric_graph *g, const ric_atlas *atlas, const char *
         const ric_node *node = g->nodes[i];
         if (node->kind != RIC_KIND_GRAZING || node->n_touch < node->cycle->N || node->multiple > 1 || node->refusal)
             continue;
-        assert_true(node->mode >= 0);
-        for (int k = 0; k < node->n_departure; k++) {
+        assert_true(node->mode >= 0 || node->mixture >= 0);
+        for (int k = 0; k < node->n_departure && node->mode >= 0; k++) { /* a mixture is a motion of several modes */
             int rows = 0;
             if (ric_node_impacts(node, node->departures[k].choice)) continue;
             for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
