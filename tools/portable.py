@@ -16,7 +16,7 @@ THERE = set("""
 access acos acosh alarm asin asinh atan atan2 atanh bind cabs calloc cbrt ceil clock_gettime close cos cosh csqrt csqrtl cpow cexp clog creal cimag
 abort atexit connect dprintf dup dup2 execlp execv execvp exit _exit exp exp2 expm1 fabs fchmod fclose fcntl fdopen feof ferror fflush fgetc
 fgets fileno flock floor fma fmax fmemopen fmin fmod fopen fork fprintf fputc fputs fread free freeaddrinfo freelocale frexp fscanf fseek
-fseeko fstat fsync ftell ftello ftruncate fwrite getaddrinfo getc getenv geteuid gethostname getline getpid getsockname hypot inet_ntop
+fseeko fstat fsync ftell ftello ftruncate fwrite getaddrinfo getc getenv geteuid gethostname getline getpid getsockname hypot ilogb inet_ntop
 inet_pton isatty kill ldexp lgamma link listen llround localtime_r log log10 log1p log2 lround lstat malloc memchr memcmp memcpy memmove memset
 mkdir mkdtemp mkstemp mktime modf munmap mmap nan nanosleep newlocale nextafter open open_memstream perror pipe poll pow pread printf
 pthread_cond_broadcast pthread_cond_destroy pthread_cond_init pthread_cond_signal pthread_cond_timedwait pthread_cond_wait pthread_create

@@ -215,7 +215,7 @@ static ric_status keep_definite(ric_continuation *tr, ric_station *p, double app
         unsigned bits = way * 2654435769u;
         for (int i = 0; i < size; i++) tr->guess[i] = p->u[i] + ric_moved(&bits, move);
         ric_shooting_fly(c, tr->guess);
-        ric_status status = ric_floquet_signs(c, &tr->floquet);
+        ric_status status = ric_floquet_compute(c, &tr->floquet);
         if (status) return status;
         double moved[3] = {f->det_a, f->det_b, f->det_d};
         for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], RIC_MEASURED * fabs(moved[i] - value[i]));
@@ -251,52 +251,26 @@ ric_point ric_continuation_point(const ric_shooting *c, const ric_floquet *f, co
                        .stable = (int32_t)f->stable};
 }
 
-/* All of a row at u, where the chain has been evaluated: nothing of it is taken from elsewhere. */
-static ric_status measure(ric_shooting *c, ric_floquet *f, double s, const double *u, ric_station *p)
-{
-    ric_status status = f->work ? RIC_OK : ric_floquet_create(c->n, f);
-    if (!status) status = ric_floquet_compute(c, f);
-    if (!status) status = ric_continuation_judge(c, u, f);
-    if (status) return status;
-    const ric_margins of = ric_continuation_margins(c, u);
-    p->solved = ric_continuation_solved(c);
-    p->row = ric_continuation_point(c, f, &of, s);
-    p->open = false;
-    return RIC_OK;
-}
-
-/* What a station has without its stability: which of its factors change signs, and multipliers where resonances are
- * looked for. */
-static ric_status look(ric_continuation *tr, double s, const double *u, ric_station *p, ric_margins *out)
+/* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
+static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p, ric_margins *out)
 {
     ric_shooting *c = tr->chain;
-    ric_floquet *f = &tr->floquet;
-    ric_status status = f->work ? RIC_OK : ric_floquet_create(c->n, f);
-    if (!status) status = tr->n_resonance > 0 ? ric_floquet_compute(c, f) : ric_floquet_signs(c, f);
+    ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
+    if (!status) status = ric_floquet_compute(c, &tr->floquet);
+    if (!status) status = ric_continuation_judge(c, u, &tr->floquet);
     if (status) return status;
     *out = ric_continuation_margins(c, u);
     p->solved = ric_continuation_solved(c);
-    p->row = ric_continuation_point(c, f, out, s);
-    p->open = true;
+    p->row = ric_continuation_point(c, &tr->floquet, out, s);
     return RIC_OK;
-}
-
-/* Beside the chain at work, which stays where it is. */
-static ric_status complete(ric_continuation *tr, ric_station *p)
-{
-    if (!tr->aside && !(tr->aside = ric_shooting_copy(tr->chain))) return ric_no_memory("a branch");
-    const bool solved = p->solved;
-    ric_shooting_evaluate(tr->aside, p->u);
-    ric_status status = measure(tr->aside, &tr->aside_floquet, p->row.arclength, p->u, p);
-    p->solved = solved;
-    return status;
 }
 
 ric_status ric_continuation_fill(ric_continuation *tr, double s, ric_station *p)
 {
+    ric_margins unused;
     p->s = s;
     ric_shooting_evaluate(tr->chain, p->u);
-    return measure(tr->chain, &tr->floquet, s, p->u, p);
+    return measure(tr, s, p->u, p, &unused);
 }
 
 ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double orientation)
@@ -305,7 +279,7 @@ ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double
     const ric_limits *lim = tr->limits;
     ric_margins now;
     tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
-    ric_status status = look(tr, p->s, p->u, p, &now);
+    ric_status status = measure(tr, p->s, p->u, p, &now);
     if (status) return status;
     double slope = 0;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) slope += p->t[k];
@@ -385,8 +359,7 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     ric_station kept = *station, *p = &kept;
     memcpy(p->u = u, station->u, sizeof u);
     p->s = p->row.arclength;
-    ric_status status = p->open && p->solved ? complete(tr, p) : RIC_OK;
-    if (!status && p->solved && !tr->limits->ghost) status = without_negative_flights(tr, p);
+    ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
     bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
     if (status || !p->solved || penetrates) return status;
     if (tr->n_point == tr->point_capacity) {
@@ -505,8 +478,6 @@ void ric_continuation_free(ric_continuation *tr)
     if (!tr) return;
     ric_shooting_free(tr->chain);
     ric_floquet_release(&tr->floquet);
-    ric_floquet_release(&tr->aside_floquet);
-    ric_shooting_free(tr->aside);
     station_free(&tr->now);
     station_free(&tr->next);
     station_free(&tr->mid);

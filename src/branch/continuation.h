@@ -66,7 +66,6 @@ typedef struct {
     double *own;      /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
     bool solved; /* its residual is rounding: only such orbits are stored */
-    bool open;   /* stability is not in the row yet: it is dear, and only what is stored needs it */
 } ric_station;
 
 /* Points of the step at work whose test functions are known, in order, the present one at `now`, and before it some of
@@ -146,8 +145,6 @@ typedef struct {
         };
     };
     ric_floquet floquet;
-    ric_shooting *aside; /* a copy of the chain, on which rows are completed; NULL until one is */
-    ric_floquet aside_floquet;
     int n_resonance;
     ric_resonance *resonances;
     ric_station now, next, mid, past;

@@ -11,7 +11,6 @@
 #include "floquet_judge.h"
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
-enum { BLOCK = 32 }; /* columns of a map at a time: 16 to 64 are as fast */
 #define ROUNDING 16.0
 /* SMOOTH_STEPS: of law power, in the same units: several of its steps make one error, tens of them a period */
 #define SMOOTH_STEPS 12
@@ -123,17 +122,12 @@ static void project(const ric_shooting *c, bool on_face, const double *w, int fa
         }
     }
     memset(P, 0, (size_t)(ld * ld) * sizeof *P);
-    /* row by row, which is how V lies in memory, and a few columns at a time, so that they stay in the cache: no sum
-     * changes its order */
-    for (int first = 0; first < ld; first += BLOCK) {
-        const int last = first + BLOCK < ld ? first + BLOCK : ld;
-        for (int r = 0; r < k; r++)
-            for (int i = 0; i < n; i++)
-                for (int j = first; j < last; j++) {
-                    P[r * ld + j] += E[r * n + i] * V[i * ld + j] / m->kappa[i];
-                    P[(k + r) * ld + j] += E[r * n + i] * V[(n + i) * ld + j];
-                }
-    }
+    for (int r = 0; r < k; r++)
+        for (int i = 0; i < n; i++) /* row by row, which is how V lies in memory */
+            for (int j = 0; j < ld; j++) {
+                P[r * ld + j] += E[r * n + i] * V[i * ld + j] / m->kappa[i];
+                P[(k + r) * ld + j] += E[r * n + i] * V[(n + i) * ld + j];
+            }
 }
 
 /* ------------------------------------------------------------- propagation */
@@ -275,13 +269,12 @@ static double roundings(const ric_shooting *c)
 /* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
 static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
 {
-    double sum[k];
-    for (int i = 0; i < k; i++) {
-        for (int j = 0; j < k; j++) sum[j] = 0;
-        for (int l = 0; l < k; l++)
-            for (int j = 0; j < k; j++) sum[j] += b[l * k + i] * cc[l * k + j];
-        for (int j = 0; j < k; j++) A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * sum[j], 2 * exponent);
-    }
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            double s = 0;
+            for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
+            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
+        }
     return ric_eigen(k, A, rho);
 }
 
@@ -364,7 +357,7 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
     if (found) ric_floquet_judge_pairs(f, quarter, errors);
 }
 
-static ric_status reversible(const ric_shooting *c, bool pairs, ric_floquet *f)
+static ric_status reversible(const ric_shooting *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
     double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k;
@@ -386,7 +379,6 @@ static ric_status reversible(const ric_shooting *c, bool pairs, ric_floquet *f)
     f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
     f->size_a = f->size_b = bound(k, a, b);
     f->size_d = bound(k, cc, d);
-    if (!pairs) return RIC_OK;
     double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         ric_floquet_judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
@@ -599,7 +591,7 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     ric_floquet_judge_pairs(f, c->sigma < 0, errors);
 }
 
-static ric_status whole(const ric_shooting *c, bool pairs, ric_floquet *f)
+static ric_status whole(const ric_shooting *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent;
     double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld, *tmp = A + ld * ld, growth;
@@ -634,12 +626,10 @@ static ric_status whole(const ric_shooting *c, bool pairs, ric_floquet *f)
             f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
             f->size_a = ldexp(2, -exponent) + size;
         }
-        if (!pairs) return RIC_OK;
         ric_floquet_judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
         whole_fine(c, f);
         return RIC_OK;
     }
-    if (!pairs) return RIC_OK;
     f->trace_asinh = f->rotation = NAN;
     if (!isfinite(error) || exponent) {
         ric_floquet_judge_lost(f);
@@ -667,11 +657,5 @@ ric_status ric_floquet_compute(const ric_shooting *c, ric_floquet *f)
         f->error = f->rough = f->error_a = f->error_b = f->error_d = 0;
         return RIC_OK;
     }
-    return c->start == RIC_MIRROR_NONE ? whole(c, true, f) : reversible(c, true, f);
-}
-
-ric_status ric_floquet_signs(const ric_shooting *c, ric_floquet *f)
-{
-    if (c->n == 1) return ric_floquet_compute(c, f);
-    return c->start == RIC_MIRROR_NONE ? whole(c, false, f) : reversible(c, false, f);
+    return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
 }

@@ -36,9 +36,6 @@ ric_status ric_floquet_create(int n, ric_floquet *out);
 void ric_floquet_release(ric_floquet *floquet);
 /* From the states of the chain's last evaluation. */
 ric_status ric_floquet_compute(const ric_shooting *chain, ric_floquet *out);
-/* Of the same the determinants alone, without the eigenvalues, which cost most: rho, stability and what belongs to them
- * are those of another orbit. */
-ric_status ric_floquet_signs(const ric_shooting *chain, ric_floquet *out);
 /* Adds more [n_pair] to the error of each rho; those of which less than three digits are left are lost, NaN, and with
  * the only one trace and rotation. */
 void ric_floquet_widen(ric_floquet *floquet, const double *more);
