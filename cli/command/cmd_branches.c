@@ -71,7 +71,7 @@ ric_status cli_tongues_text(const ric_atlas *atlas, int id, double d, json_t **o
     if (!status) add_crossed(n, tongues, d * d, out);
     if (!status && !*out) *out = json_string("");
     ric_tongues_free(tongues);
-    return status;
+    return status || *out ? status : RIC_E_NOMEM;
 }
 
 /* The same as numbers: m turns of the mode while the motion goes round n times. */
