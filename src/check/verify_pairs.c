@@ -23,7 +23,8 @@ typedef ric_real real;
 /* Rounding of the matrix whose pairs are given on request, relative: tens of roundings in each of some hundred steps
  * under a power law. */
 #define GIVEN 1e-12
-#define VAGUE 1e-3 /* beyond this bound, relative, a trace says nothing */
+#define VAGUE 1e-3      /* beyond this bound, relative, a trace says nothing */
+#define VAGUE_TURN 1e-2 /* nor a rotation beyond this one, in turns */
 
 real ric_verify_pairs_noise(unsigned *bits)
 {
@@ -304,12 +305,14 @@ static real full(const ric_pairs *p, int run, int i)
     return p->half ? rho * rho - 2 : rho;
 }
 
-/* gamma in [0, 1), NaN off the unit circle; the sense is that of the symplectic form (Krein: Yakubovich and
- * Starzhinskii 1975, chapter 3), against that of a free oscillator. */
+/* gamma in [0, 1), NaN where the run is lost, of a pair off the unit circle that of the place where it left it; the
+ * sense is that of the symplectic form (Krein: Yakubovich and Starzhinskii 1975, chapter 3), against that of a free
+ * oscillator. */
 static real turns(const ric_pairs *p, int run)
 {
     real rho = creall(own(p, run, 0)), angle;
-    if (!(fabs(rho) <= 2)) return NAN;
+    if (isnan(rho)) return NAN;
+    rho = fmax(-2, fmin(2, rho));
     angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / RIC_TWO_PI_LONG;
     if (p->way[run] < 0) angle = 1 - angle;
     angle = p->half ? 2 * angle : angle;
@@ -323,11 +326,18 @@ static real apart(real a, real b)
     return fmin(off, 1 - off);
 }
 
-/* What the rounding of rho itself leaves of its angle, in turns: where the pair meets 1 or -1, the root of it. */
+/* How far the exact run is off the unit circle: no rotation at all, unless that is an error. */
+static real off_circle(const ric_pairs *p)
+{
+    return fmax(0, fabs(creall(own(p, 0, 0))) - 2);
+}
+
+/* What the rounding of rho itself, and a pair off the circle that belongs on it, leave of its angle, in turns: where
+ * the pair meets 1 or -1, the root of it. */
 static real angle_known(const ric_pairs *p)
 {
-    real rho = creall(own(p, 0, 0)), off = 8 * LDBL_EPSILON * (2 + fabs(rho)),
-         sine = sqrt(fmax(0, (2 - rho) * (2 + rho))) / 2;
+    real rho = fmin(2, fabs(creall(own(p, 0, 0)))), off = 8 * LDBL_EPSILON * (2 + rho) + off_circle(p),
+         sine = sqrt((2 - rho) * (2 + rho)) / 2;
     return (p->half ? 2 : 1) * fmin(sqrt(off), off / sine) / RIC_TWO_PI_LONG;
 }
 
@@ -337,12 +347,14 @@ static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_clai
     if (isnan(stored->rotation) && isnan(stored->trace)) return; /* lost together, which the trace answers for */
     weigh(p, &outside, &inside);
     for (int run = 1; run < RIC_PAIR_RUNS; run++) {
-        real other = turns(p, run);
-        bound = isnan(other) || isnan(found) ? INFINITY : fmax(bound, RIC_PAIR_SAFETY * apart(other, found));
+        real off = apart(turns(p, run), found);
+        bound = isnan(off) ? INFINITY : fmax(bound, RIC_PAIR_SAFETY * off);
     }
     bool wrong = isnan(stored->rotation) ? inside > 0
                                          : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
                                                apart(stored->rotation, found) > bound;
+    if (!wrong && !isnan(stored->rotation) && !(bound <= VAGUE_TURN) && out->multipliers == RIC_AGREES_YES)
+        out->multipliers = RIC_AGREES_UNCHECKED;
     if (!wrong) return;
     out->multipliers = RIC_AGREES_NO;
     if (!*out->finding)

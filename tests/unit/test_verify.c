@@ -3,6 +3,7 @@
 
 #include "explored.h"
 #include "sample.h"
+#include "check/verify_pairs.h"
 
 /* An atlas of one branch with the points given: `states` [n_point * 4], `flights` [n_point * max(impacts, 1)]. */
 typedef struct {
@@ -463,6 +464,37 @@ static void verify_stop_and_spring(void **state)
                        "energy: [0, 12.1], frequency: [0.2, 8]");
 }
 
+/* What runs with these pairs say of a stored rotation, where the trace agrees. */
+static ric_claims judged(const double rho[RIC_PAIR_RUNS], double rotation)
+{
+    ric_pair own[RIC_PAIR_RUNS];
+    ric_pairs pairs = {.n_pair = 1, .way = {-1, -1, -1, -1, -1}, .own = own};
+    ric_claims claims = {.multipliers = RIC_AGREES_UNCHECKED};
+    for (int run = 0; run < RIC_PAIR_RUNS; run++) own[run] = rho[run];
+    ric_verify_pairs_judge(&pairs, 2,
+                           &(ric_point){.trace = asinh(rho[0] / 2),
+                                        .rotation = rotation,
+                                        .stable = RIC_STABLE_UNDECIDED},
+                           &claims);
+    return claims;
+}
+
+/* A pair at 1 that rounding takes off the circle in one run still has the angle of the others; where the exact run is
+ * off it, an angle as small as that is right, and a large one is wrong. */
+static void verify_rotations(void **state)
+{
+    (void)state;
+    const double one[] = {2 - 7e-11, 2 - 6e-11, 2 + 1e-11, 2 - 5e-11, 2 - 7e-11},
+                 exact[] = {2 + 1e-12, 2 - 1e-12, 2 + 2e-12, 2 - 1e-12, 2}, lost[] = {1, NAN, 1, 1, 1};
+    double angle = 1 - sqrt(7e-11) / RIC_TWO_PI;
+    assert_int_equal(judged(one, angle).multipliers, RIC_AGREES_YES);
+    assert_int_equal(judged(one, 0.9).multipliers, RIC_AGREES_NO);
+    assert_int_equal(judged(one, 0.5).multipliers, RIC_AGREES_NO);
+    assert_int_equal(judged(exact, 0.9999999).multipliers, RIC_AGREES_YES);
+    assert_int_equal(judged(exact, 0.9).multipliers, RIC_AGREES_NO);
+    assert_int_equal(judged(lost, 5. / 6).multipliers, RIC_AGREES_UNCHECKED);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -478,6 +510,7 @@ int main(void)
         cmocka_unit_test(verify_steep_grazing),
         cmocka_unit_test(verify_shallow_impacts),
         cmocka_unit_test(verify_stop_and_spring),
+        cmocka_unit_test(verify_rotations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
