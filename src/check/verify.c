@@ -661,7 +661,7 @@ static bool passes(const ric_check *check)
            (isnan(check->return_error) || check->return_error <= allowed(check));
 }
 
-static ric_status check_point(replay *r)
+ric_status ric_verify_replay_run(replay *r)
 {
     ric_status status = RIC_OK;
     if (r->n_event && (status = ric_replay_condition(r))) return status;
@@ -686,7 +686,7 @@ static ric_status replay_orbit(const ric_atlas *atlas, int branch, int i, ric_ch
     out->energy_error = ric_replay_part(fabs(r.point.energy - r.energy), r.energy);
     if ((status = ric_verify_digits_open(&r, &digits))) goto out;
     r.digits = &digits;
-    if ((status = check_point(&r))) goto out;
+    if ((status = ric_verify_replay_run(&r))) goto out;
     if (!out->faces_agree) ric_replay_worsen(&out->return_error, 1);
     out->passed = passes(out);
 out:

@@ -66,6 +66,9 @@ ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch,
 /* Any other orbit: letters and word of `like`. */
 ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
                                         const double *flights);
+/* Flies every flight of the word and the whole period with the simulator: what it finds goes into r->check, which the
+ * caller starts with faces_agree. */
+ric_status ric_verify_replay_run(replay *r);
 void ric_verify_replay_close(replay *r);
 real ric_replay_dot(int n, const real *x, const real *y);
 /* |a - b| in the energy norm; b NULL stands for zero. */

@@ -193,6 +193,29 @@ static real left_open(const replay *r)
     return open;
 }
 
+/* Whether the motion meets the faces of its word when it is said to, and no other, as the simulator flies it. */
+static ric_status check_faces(replay *r, ric_claims *out)
+{
+    ric_check check = {.condition = 1, .faces_agree = true};
+    ric_digits digits = {0};
+    r->point.residual = (float)
+        SOLVED; /* which is not stored of a junction: digits allow for the most that any orbit has */
+    ric_status status = ric_verify_digits_open(r, &digits);
+    r->check = &check;
+    r->digits = &digits;
+    if (!status) status = ric_verify_replay_run(r);
+    ric_verify_digits_close(&digits);
+    r->digits = NULL;
+    if (status || *out->finding) return status;
+    if (!check.faces_agree || !(check.flight_error <= SOLVED)) out->numbers = RIC_AGREES_NO;
+    if (!check.faces_agree)
+        snprintf(out->finding, sizeof out->finding, "the stored motion meets other faces than those of its word");
+    else if (!(check.flight_error <= SOLVED))
+        snprintf(out->finding, sizeof out->finding,
+                 "the stored motion is another one: off by %.3g at the end of a flight", check.flight_error);
+    return RIC_OK;
+}
+
 static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_claims *out)
 {
     replay r = {0};
@@ -202,6 +225,7 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
         real open = left_open(&r);
         if (!(open <= SOLVED) && !(open <= SOLVED + 64 * DBL_EPSILON * ric_replay_growth(&r, 0, r.n_event)))
             disagree(out, "orbit is left open by 0", 0, (double)open);
+        else status = check_faces(&r, out);
     }
     ric_verify_replay_close(&r);
     return status;

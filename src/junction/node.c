@@ -10,7 +10,10 @@
 #include "grazing_words.h"
 #include "base/room.h"
 
-#define NO_SPEED 1e-7 /* approach speed below this (scaled) at a located event is a touch that was kept */
+/* Scaled: an impact below this speed at a located event is a touch that was kept. Newton's method leaves 1e-12 of it;
+ * what is faster is an impact, and without it the motion is another one. */
+#define NO_SPEED 1e-10
+#define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring, a flight is none at a corner */
 /* ALONE: a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
 #define ALONE 0.25
 
@@ -96,7 +99,7 @@ static bool list_touches(const ric_model *m, ric_node *node)
     ric_periodic_states(m, c, W);
     for (int i = 0; i < c->N; i++) {
         bool spring = m->face[c->face[i]].spring > 0, pair = spring && c->face[(i + 1) % c->N] == c->face[i];
-        if (spring ? !pair || fabs(c->tau[i]) > NO_SPEED : fabs(impact_speed(m, c, W, i)) > NO_SPEED) continue;
+        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > NO_SPEED) continue;
         if (node->n_touch < RIC_MAX_TOUCHES) node->touch[node->n_touch++] = i;
         else fits = false;
     }
@@ -310,7 +313,7 @@ static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, i
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     ric_node *node = node_create(m, RIC_KIND_CORNER, solved);
     if (!node) return ric_no_memory("a junction");
-    node->n_touch = ric_corner_pairs(m, solved, NO_SPEED, RIC_MAX_TOUCHES, node->touch);
+    node->n_touch = ric_corner_pairs(m, solved, NO_TIME, RIC_MAX_TOUCHES, node->touch);
     if (node->n_touch != n_pair) {
         ric_node_free(node);
         return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
@@ -325,7 +328,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     *out = NULL;
     if (!full) return ric_no_memory("a junction");
-    n_pair = ric_corner_pairs(m, full, NO_SPEED, RIC_MAX_TOUCHES, pairs);
+    n_pair = ric_corner_pairs(m, full, NO_TIME, RIC_MAX_TOUCHES, pairs);
     if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED)))
         n_pair = RIC_CORNER_TOGETHER;
     ric_periodic_free(full);

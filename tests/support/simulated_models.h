@@ -171,21 +171,28 @@ static inline double length(int n, const double *x)
 }
 
 /* S2[01]: q_i = -J c_i sin(omega_i (t - h/2)) / (omega_i cos(omega_i h/2)), J sum c_i^2 tan(omega_i h/2) / omega_i = d,
- * h = pi / omega. */
-static inline bool s2_orbit(const modal *m, double h, double *x, double *v)
+ * h = pi / omega; *through: beyond a stop on the way. False: the impacts would pull. */
+static inline bool s2_motion(const modal *m, double h, double *x, double *v, bool *through)
 {
     double q[MAX_N], p[MAX_N], sum = 0;
+    *through = false;
     for (int i = 0; i < m->n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * h / 2) / m->omega[i];
     if (sum <= 0) return false;
     for (int i = 0; i < m->n; i++) {
         q[i] = m->c[i] * tan(m->omega[i] * h / 2) / (m->omega[i] * sum);
         p[i] = -m->c[i] / sum;
     }
-    for (int i = 1; i < 4000; i++)
-        if (fabs(modal_gap(m, 0, h * i / 4000, q, p)) > 1) return false; /* not admissible */
+    for (int i = 1; i < 4000; i++) *through |= fabs(modal_gap(m, 0, h * i / 4000, q, p)) > 1;
     to_space(m, q, x);
     to_space(m, p, v);
     return true;
+}
+
+/* Only where it is a motion. */
+static inline bool s2_orbit(const modal *m, double h, double *x, double *v)
+{
+    bool through;
+    return s2_motion(m, h, x, v, &through) && !through;
 }
 
 #endif
