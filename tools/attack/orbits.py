@@ -257,16 +257,22 @@ class Apart(Chain):
                 np.concatenate([equations[:, :N]] + [equations[:, N:]] * N, axis=1))
 
 
+def opposite_events(chain, k):
+    """Whether the events k later are those of the opposite faces: a contact with one side has none, and closes on one half only."""
+    faces, events = chain.s.faces, chain.events
+    return all(kind == other and faces[f].contact == faces[g].contact and faces[f].side == -faces[g].side
+               for (f, kind), (g, other) in zip(events, events[k:] + events[:k]))
+
+
 def half(chain, near=1e-10):
-    """The number of events after which all orbits of a chain are at minus their beginning, None if there is none."""
-    su, sv = chain.size()
-    u0, v0 = chain.after[0]
-    for k in range(1, chain.N):
-        u, v = chain.after[k]
-        off = np.maximum(np.abs(ar.double(u + u0)).max(axis=1) / su, np.abs(ar.double(v + v0)).max(axis=1) / sv)
-        if 2 * k == chain.N and off.max() < near:
-            return k
-    return None
+    """The number of events after which all orbits of a chain are at minus their beginning and go on as its image, None if there is
+    none."""
+    if chain.N % 2 or not opposite_events(chain, chain.N // 2):
+        return None
+    k, (su, sv) = chain.N // 2, chain.size()
+    (u0, v0), (u, v) = chain.after[0], chain.after[k]
+    off = np.maximum(np.abs(ar.double(u + u0)).max(axis=1) / su, np.abs(ar.double(v + v0)).max(axis=1) / sv)
+    return k if off.max() < near else None
 
 
 def monodromy(chain, events=None):
