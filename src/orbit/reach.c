@@ -236,6 +236,7 @@ static void search_contact(search *q)
     enter_contact(q);
     const double *w = q->start, *e = q->end, *g = q->g;
     sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
+    double D2 = 0;
     q->D3 = q->D4 = q->bend_start = q->bend_end = q->blur = 0;
     for (int i = 0; i < n; i++) {
         double omega = q->omega[i];
@@ -244,9 +245,10 @@ static void search_contact(search *q)
         r.s += g[i] * e[i];
         l.ds += g[i] * q->kappa[i] * w[n + i];
         r.ds += g[i] * q->kappa[i] * e[n + i];
-        double third = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega * omega : 0;
-        q->D3 += third;
-        q->D4 += third * omega;
+        double second = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega : 0;
+        D2 += second;
+        q->D3 += second * omega;
+        q->D4 += second * omega * omega;
     }
     if (!is_bounded(q, l, r)) {
         q->best = HUGE_VAL;
@@ -255,6 +257,8 @@ static void search_contact(search *q)
     int f0 = c->face[k], f1 = c->face[k + 1];
     q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
     q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
+    /* between two events of one face the gap leaves it by no more than D2 tau^2 / 8; what rounding hides is no arc */
+    if (q->own_start && f0 == f1 && D2 * q->tau * q->tau < 8 * q->blur) return;
     /* at rest every gap is stationary */
     if (k == 0 && c->start == RIC_MIRROR_REST) {
         offer_stationary(q, l);

@@ -500,6 +500,33 @@ static void verify_resonant(void **state)
                      "explore: {energy: [0, 517.5], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 1}\n");
 }
 
+/* A3[111] starts where a contact opens and closes at once, for 2e-12 s: what rounding makes of the gap between is no
+ * maximum of it. The branch has one reach from its first point on. */
+static void reach_between_contacts(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, -0.3125, -0.375], [-0.3125, 1.015625, 0.15625], [-0.375, 0.15625, 1.9375]]\n"
+        "  stiffness:\n    - [6.243641055741324, -0.20542101546692437, -7.8122056404079885]\n"
+        "    - [-0.20542101546692437, 3.813242405880784, 1.0216259390567397]\n"
+        "    - [-7.8122056404079885, 1.0216259390567397, 15.368349510211212]\n"
+        "  contacts:\n    - {normal: [0, 1, 0], law: bilinear, clearance: 0.00106, sides: upper, stiffness: 24.31}\n"
+        "    - {normal: [0, 0, 1], law: bilinear, clearance: 1.06e-6, sides: lower, stiffness: 0.009572}\n"
+        "explore: {energy: [0, 0.0003816], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_point first, second;
+        if (branch_of(atlas, id).impacts != 3) continue;
+        found++;
+        assert_int_equal(ric_atlas_point(atlas, id, 0, &first, NULL, NULL), RIC_OK);
+        assert_int_equal(ric_atlas_point(atlas, id, 1, &second, NULL, NULL), RIC_OK);
+        if (fabs(first.reach - second.reach) > 1e-5)
+            fail_msg("branch %d: %.9g, then %.9g", id, first.reach, second.reach);
+    }
+    assert_int_equal(found, 2);
+    ric_atlas_free(atlas);
+}
+
 /* Ends where a stop and a spring are met at one instant: with orthogonal normals their order says nothing, with others
  * the spring may be missed behind the stop. */
 static void verify_stop_and_spring(void **state)
@@ -566,6 +593,7 @@ int main(void)
         cmocka_unit_test(verify_steep_grazing),
         cmocka_unit_test(verify_shallow_impacts),
         cmocka_unit_test(verify_resonant),
+        cmocka_unit_test(reach_between_contacts),
         cmocka_unit_test(verify_stop_and_spring),
         cmocka_unit_test(verify_rotations),
     };
