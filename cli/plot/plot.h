@@ -35,8 +35,8 @@ typedef enum {
     PLOT_ZOOM = PLOT_ATLAS + 18,
     PLOT_SHEET, /* + 0, 1: inside, edge */
     PLOT_JUMP = PLOT_SHEET + 2,
-    PLOT_STOP,
-    PLOT_SERIES, /* + 0..3 */
+    PLOT_STOP,       /* of all gaps of a panel; + 1..4: of one of them */
+    PLOT_SERIES = PLOT_STOP + 5, /* + 0..3 */
     PLOT_FRAME = PLOT_SERIES + 4,
     PLOT_LEADER,
     PLOT_N_STROKE,
@@ -82,6 +82,8 @@ double plot_page_ink(plot_page *page, plot_box box);
 typedef enum { PLOT_FORMAT_NONE, PLOT_FORMAT_SVG, PLOT_FORMAT_PDF, PLOT_FORMAT_PNG } plot_format;
 bool plot_page_script(plot_page *page, plot_format format, FILE *script);
 bool plot_page_failed(const plot_page *page);
+/* Memory ran out where something was made for it. */
+void plot_page_fail(plot_page *page);
 
 /* ------------------------------------------------------------ rendering (gnuplot.c) */
 
@@ -231,7 +233,7 @@ unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke f
 typedef struct {
     double time;
     int face;
-    bool touch;
+    bool touch, opens; /* neither: an impact, or the closing of a spring */
     int sample; /* index of a row at this time */
 } plot_event;
 
@@ -267,6 +269,11 @@ double plot_read_x(const plot_motion *motion, const double *row, int what);
 double plot_read_v(const plot_motion *motion, const double *row, int what);
 double plot_read_gap(const plot_motion *motion, const double *row, int what);
 void plot_motion_range(const plot_motion *motion, plot_reading y, int what, double *lo, double *hi);
+/* The mark of an event; which kinds of events a motion has, added to `seen`, and what a legend says of these. */
+plot_mark plot_event_mark(const plot_event *event);
+unsigned plot_events_seen(const plot_motion *motion, unsigned seen);
+enum { PLOT_MAX_EVENT_ENTRY = 3 };
+int plot_event_entries(unsigned seen, plot_legend_entry *out);
 /* Displacement at time t, modulo the period. */
 double plot_motion_at(const plot_motion *motion, double t, int coordinate);
 /* One reading against another; times are shown `later`. */

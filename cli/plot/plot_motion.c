@@ -172,13 +172,22 @@ static bool add_row(plot_motion *o, double time, const double *state)
     return true;
 }
 
-static bool add_event(plot_motion *o, double time, int face, bool touch, int sample)
+static bool add_event(plot_motion *o, plot_event event)
 {
     plot_event *events = realloc(o->events, ((size_t)o->n_event + 1) * sizeof *events);
     if (!events) return false;
     o->events = events;
-    events[o->n_event++] = (plot_event){time, face, touch, sample};
+    events[o->n_event++] = event;
     return true;
+}
+
+/* Letter k of the word: an impact, the closing of a spring or its opening. */
+static bool add_letter(plot_motion *o, double time, int k, int sample)
+{
+    const int n_face = ric_model_n_face(o->model);
+    if (!o->impacts) return true;
+    return add_event(
+        o, (plot_event){.time = time, .face = o->word[k] % n_face, .opens = o->word[k] >= n_face, .sample = sample});
 }
 
 int plot_motion_face(const plot_motion *o, int contact, int side)
@@ -213,7 +222,8 @@ static bool find_touches(plot_motion *o, const modal *m, int contact, double beg
     if (face < 0 || fabs(fabs(gap) - 1) > o->tolerance) return true;
     double time = begin + t0;
     if (time < -1e-9 * o->period) time += o->period;
-    return add_row(o, time, work) && add_event(o, time, face, true, o->n_row - 1);
+    return add_row(o, time, work) &&
+           add_event(o, (plot_event){.time = time, .face = face, .touch = true, .sample = o->n_row - 1});
 }
 
 /* Rows of one flight. The touches' rows come after all flights, outside the curves. */
@@ -271,13 +281,11 @@ static ric_status reflect(plot_motion *o)
             if (touches) good = touches_of_flight(o, &m, begin, o->flights[k], work);
             else good = sample_flight(o, &m, begin, o->flights[k], work);
             if (!touches) o->first[k + 1] = o->n_row;
-            if (!touches && o->impacts && o->word[k] < ric_model_n_face(o->model)) /* not where a spring opens */
-                good = good && add_event(o, begin, o->word[k], false, o->first[k]);
+            if (!touches) good = good && add_letter(o, begin, k, o->first[k]);
             begin += o->flights[k];
             step(&m, o, k);
         }
-        if (!touches && o->impacts && good) /* the first impact again, where the period ends */
-            good = add_event(o, begin, o->word[0], false, o->n_row - 1);
+        if (!touches) good = good && add_letter(o, begin, 0, o->n_row - 1); /* again, where the period ends */
     }
 out:
     modal_free(&m);
@@ -402,6 +410,38 @@ void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stro
         if (o->jumps && x != plot_read_time) plot_panel_curve(page, panel, PLOT_JUMP, 2, jump);
     }
     free(points);
+}
+
+/* ------------------------------------------------------------------- events */
+
+enum { SEEN_IMPACT = 1, SEEN_CLOSING = 2, SEEN_OPENING = 4, SEEN_TOUCH = 8 };
+
+plot_mark plot_event_mark(const plot_event *event)
+{
+    return event->touch ? PLOT_CIRCLE : event->opens ? PLOT_DIAMOND : PLOT_DOT;
+}
+
+unsigned plot_events_seen(const plot_motion *o, unsigned seen)
+{
+    for (int i = 0; i < o->n_event; i++) {
+        const plot_event *e = &o->events[i];
+        seen |= e->touch                       ? SEEN_TOUCH
+                : e->opens                     ? SEEN_OPENING
+                : is_spring(o->model, e->face) ? SEEN_CLOSING
+                                               : SEEN_IMPACT;
+    }
+    return seen;
+}
+
+int plot_event_entries(unsigned seen, plot_legend_entry *out)
+{
+    static const char *const full[] = {"", "impact", "closing", "impact, closing"};
+    int n = 0;
+    if (seen & (SEEN_IMPACT | SEEN_CLOSING))
+        out[n++] = (plot_legend_entry){full[seen & (SEEN_IMPACT | SEEN_CLOSING)], -1, PLOT_DOT};
+    if (seen & SEEN_OPENING) out[n++] = (plot_legend_entry){"opening", -1, PLOT_DIAMOND};
+    if (seen & SEEN_TOUCH) out[n++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
+    return n;
 }
 
 void plot_motion_free(plot_motion *o)

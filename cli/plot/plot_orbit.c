@@ -232,37 +232,50 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     plot_legend(o->page, o->n_shown, entries, box.left, box.right, box.top + 22);
 }
 
-static void gap_name(const orbit *o, int contact, size_t size, char *out)
+/* The name of a contact, or its number, between two words. */
+static void gap_name(const orbit *o, int contact, const char *before, const char *after, size_t size, char *out)
 {
     ric_contact c;
     char name[60];
-    if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK && c.name && *c.name) {
+    if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK && c.name && *c.name)
         plot_text_escape(c.name, sizeof name, name);
-        snprintf(out, size, "gap of %s", name); /* whatever the contact is called */
-    } else {
-        snprintf(out, size, "gap %d", contact + 1);
-    }
+    else snprintf(name, sizeof name, "contact %d", contact + 1);
+    snprintf(out, size, "%s%s%s", before, name, after);
 }
 
-/* What full dots stand for: springs behind a gap close and open, stops are hit. */
-static const char *what_happens(const ric_model *model)
+/* Whether the gap shown as number i has a stop on a side. */
+static bool has_stop(const orbit *o, int i, int side)
 {
-    bool rigid = false, springs = false;
-    for (int i = 0; i < ric_model_n_contact(model); i++) {
-        ric_contact c;
-        if (ric_model_contact(model, i, &c) != RIC_OK) continue;
-        rigid |= c.law == RIC_LAW_RIGID;
-        springs |= c.law == RIC_LAW_BILINEAR;
-    }
-    return !springs ? "impact" : rigid ? "impact, closing, opening" : "closing, opening";
+    return plot_motion_face(&o->motion, o->gaps[i], side) >= 0;
 }
 
-/* Whether a stop on this side exists among the gaps shown. */
-static bool has_side(const orbit *o, int side)
+/* How many of the gaps shown have one there. */
+static int stops_on(const orbit *o, int side)
 {
-    for (int i = 0; i < o->n_gap; i++)
-        if (plot_motion_face(&o->motion, o->gaps[i], side) >= 0) return true;
-    return false;
+    int n = 0;
+    for (int i = 0; i < o->n_gap; i++) n += has_stop(o, i, side);
+    return n;
+}
+
+/* The line of a stop that not every gap has is in the colour of the gap that it bounds: others pass it freely. */
+static bool own_stop(const orbit *o, int i, int side)
+{
+    return has_stop(o, i, side) && stops_on(o, side) < o->n_gap;
+}
+
+static void draw_stops(const orbit *o, const plot_panel *panel)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        double y = plot_axis_at(&panel->y, side);
+        if (o->n_gap && stops_on(o, side) == o->n_gap)
+            plot_page_line(o->page, PLOT_STOP, 2, (plot_point[]){{panel->x.from, y}, {panel->x.to, y}});
+        for (int i = 0; i < o->n_gap; i++) {
+            if (!own_stop(o, i, side)) continue;
+            plot_page_line(o->page, PLOT_STOP + 1 + (plot_stroke)i, 2,
+                           (plot_point[]){{panel->x.from, y}, {panel->x.to, y}});
+            y += 2.5 * side; /* several such stops lie side by side */
+        }
+    }
 }
 
 /* The letter of a face beside its mark, in one of three rows beyond the stop; left out where all three are taken. */
@@ -293,52 +306,55 @@ static void draw_gap_events(orbit *o, const plot_panel *panel)
             if (ric_model_face(o->motion.model, e->face, &contact, &side, &mirror) != RIC_OK) continue;
             for (int k = 0; k < o->n_gap; k++) shown |= o->gaps[k] == contact;
             const plot_point at = plot_panel_at(panel, (plot_point){e->time, side});
-            if (shown && round == 0) plot_page_mark(o->page, e->touch ? PLOT_CIRCLE : PLOT_DOT, at, 3.6);
-            else if (shown) draw_letter(o, at, side, e->face);
+            if (shown && round == 0) plot_page_mark(o->page, plot_event_mark(e), at, 3.6);
+            else if (shown && !e->opens) draw_letter(o, at, side, e->face);
         }
+}
+
+/* What the legend says of gaps and lines of stops. names [2 MAX_SHOWN], for the texts. */
+static int gap_entries(const orbit *o, char (*names)[96], plot_legend_entry *entries)
+{
+    int n = 0;
+    bool shared = false;
+    for (int i = 0; i < o->n_gap; i++) {
+        gap_name(o, o->gaps[i], "gap of ", "", sizeof names[i], names[i]);
+        entries[n++] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
+    }
+    for (int side = -1; side <= 1; side += 2) shared |= o->n_gap > 0 && stops_on(o, side) == o->n_gap;
+    if (shared) entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
+    for (int i = 0; i < o->n_gap; i++) {
+        char *name = names[MAX_SHOWN + i];
+        gap_name(o, o->gaps[i], "", " closed", sizeof names[0], name);
+        if (own_stop(o, i, -1) || own_stop(o, i, 1))
+            entries[n++] = (plot_legend_entry){name, PLOT_STOP + 1 + i, -1};
+    }
+    return n;
 }
 
 static void draw_gaps(orbit *o, plot_box box)
 {
     const double room = 50; /* pixels beyond a stop, for three rows of letters */
-    const bool upper = has_side(o, 1), lower = has_side(o, -1);
+    const bool upper = stops_on(o, 1), lower = stops_on(o, -1);
     double lo = lower ? -1 : 0, hi = upper ? 1 : 0;
-    plot_legend_entry entries[MAX_SHOWN + 2];
-    char names[MAX_SHOWN][80];
-    int n = 0;
+    plot_legend_entry entries[2 * MAX_SHOWN + 1], marks[PLOT_MAX_EVENT_ENTRY];
+    char names[2 * MAX_SHOWN][96];
+    const int n = gap_entries(o, names, entries), n_mark = plot_event_entries(plot_events_seen(&o->motion, 0), marks);
+    const double head = box.top + 22;
+    box.top -= plot_legend(NULL, n, entries, box.left, box.right, 0) - plot_legend(NULL, 1, entries, 0, box.right, 0);
     for (int i = 0; i < o->n_gap; i++) plot_motion_range(&o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
     const double above = upper ? room : 12, below = lower ? room : 12,
                  scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
     const plot_panel panel = {time_axis(o, box.left, box.right),
                               axis_over(lo - below * scale, hi + above * scale, box.bottom, box.top)};
     draw_event_lines(o, &panel);
-    for (int side = -1; side <= 1; side += 2)
-        if (has_side(o, side)) {
-            const double y = plot_axis_at(&panel.y, side);
-            plot_page_line(o->page, PLOT_STOP, 2, (plot_point[]){{box.left, y}, {box.right, y}});
-        }
-    for (int i = 0; i < o->n_gap; i++) {
+    draw_stops(o, &panel);
+    for (int i = 0; i < o->n_gap; i++)
         plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_gap,
                          o->gaps[i], 0);
-        gap_name(o, o->gaps[i], sizeof names[i], names[i]);
-        entries[n++] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
-    }
-    if (upper || lower) entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
     plot_panel_frame(o->page, &panel, "time (s)", "gap / clearance");
     draw_gap_events(o, &panel);
-    bool hit = false, touch = false;
-    for (int i = 0; i < o->motion.n_event; i++) {
-        touch |= o->motion.events[i].touch;
-        hit |= !o->motion.events[i].touch;
-    }
-    plot_legend(o->page, n, entries, box.left, box.right, box.top + 22);
-    if (hit || touch) {
-        plot_legend_entry marks[2];
-        int k = 0;
-        if (hit) marks[k++] = (plot_legend_entry){what_happens(o->motion.model), -1, PLOT_DOT};
-        if (touch) marks[k++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
-        plot_legend(o->page, k, marks, box.left, box.right, box.bottom - 42);
-    }
+    plot_legend(o->page, n, entries, box.left, box.right, head);
+    if (n_mark > 0) plot_legend(o->page, n_mark, marks, box.left, box.right, box.bottom - 42);
 }
 
 static void mark_row(const orbit *o, const plot_panel *panel, int coordinate, int index, plot_mark mark)
@@ -363,12 +379,12 @@ static void draw_portrait(orbit *o, int coordinate, plot_box box)
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
     plot_panel_frame(o->page, &panel, across, up);
-    for (int k = 0; o->motion.jumps && k < o->motion.n_piece; k++) { /* both sides of every impact */
-        mark_row(o, &panel, coordinate, o->motion.first[k], PLOT_DOT);
-        mark_row(o, &panel, coordinate, o->motion.first[k + 1] - 1, PLOT_DOT);
+    for (int i = 0; i < o->motion.n_event; i++) {
+        const plot_event *e = &o->motion.events[i];
+        mark_row(o, &panel, coordinate, e->sample, plot_event_mark(e));
+        if (!e->touch && e->sample > 0 && e->sample + 1 < o->motion.first[o->motion.n_piece]) /* the other side */
+            mark_row(o, &panel, coordinate, e->sample - 1, plot_event_mark(e));
     }
-    for (int i = 0; i < o->motion.n_event; i++)
-        if (o->motion.events[i].touch) mark_row(o, &panel, coordinate, o->motion.events[i].sample, PLOT_CIRCLE);
 }
 
 static void draw_portraits(orbit *o, plot_box area)

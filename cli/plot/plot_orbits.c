@@ -121,8 +121,8 @@ static void draw_events(figure *f, const panel *p, const plot_panel *at)
             char letter[24], text[48];
             if (x > box.right + 0.5 || (period > 0 && e->time == 0)) continue;
             plot_page_line(f->page, PLOT_GRID, 2, (plot_point[]){{x, box.bottom}, {x, box.top}});
-            plot_page_mark(f->page, e->touch ? PLOT_CIRCLE : PLOT_DOT, (plot_point){x, box.top}, 2.6);
-            if (ric_model_face(m->model, e->face, &contact, &side, &mirror) != RIC_OK ||
+            plot_page_mark(f->page, plot_event_mark(e), (plot_point){x, box.top}, 2.6);
+            if (e->opens || ric_model_face(m->model, e->face, &contact, &side, &mirror) != RIC_OK ||
                 ric_word_format(m->model, 1, &e->face, sizeof letter, letter) != RIC_OK)
                 continue;
             plot_text_escape(letter, sizeof text, text);
@@ -198,26 +198,21 @@ static int draw(figure *f)
     plot_legend_entry entries[MAX_SHOWN + 2];
     char names[MAX_SHOWN][24], title[400];
     int n = 0;
-    bool hit = false, touch = false;
+    unsigned seen = 0;
     f->page = plot_page_create(width, height);
     if (!f->page) return cli_report(RIC_E_NOMEM);
     const double w = width / columns, h = (height - head) / rows;
     for (int i = 0; i < f->n; i++) {
         const double left = w * (i % columns), top = height - head - h * (i / columns);
         draw_row(f, i, (plot_box){left, top - h, left + w, top}, i + columns >= f->n);
-        for (int e = 0; e < f->panels[i].choice.motion.n_event; e++) {
-            touch |= f->panels[i].choice.motion.events[e].touch;
-            hit |= !f->panels[i].choice.motion.events[e].touch;
-        }
+        seen = plot_events_seen(&f->panels[i].choice.motion, seen);
     }
     for (int k = 0; k < f->n_shown; k++) {
         snprintf(names[k], sizeof names[k], "x_{%d}", f->shown[k] + 1);
         entries[n++] = (plot_legend_entry){names[k], PLOT_SERIES + k, -1};
     }
     plot_legend(f->page, n, entries, 12, 0.5 * width, height - 34);
-    n = 0;
-    if (hit) entries[n++] = (plot_legend_entry){"impact", -1, PLOT_DOT};
-    if (touch) entries[n++] = (plot_legend_entry){"touch", -1, PLOT_CIRCLE};
+    n = plot_event_entries(seen, entries);
     plot_legend(f->page, n, entries, 0.5 * width, width - 12, height - 34);
     plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->from.atlas[0])),
                      sizeof title, title);

@@ -63,6 +63,10 @@ static const struct {
     [PLOT_SHEET + 1] = {"#16325c", "edge of a sheet", 1.7, {0}},
     [PLOT_JUMP] = {"#8c8c8c", "jump of the velocity", 0.9, {2.5, 3}},
     [PLOT_STOP] = {"#555555", "stop", 1.1, {12, 4}},
+    [PLOT_STOP + 1] = {"#16325c", "stop of the first", 1.1, {12, 4}},
+    [PLOT_STOP + 2] = {"#d0701c", "stop of the second", 1.1, {12, 4}},
+    [PLOT_STOP + 3] = {"#2a8a57", "stop of the third", 1.1, {12, 4}},
+    [PLOT_STOP + 4] = {"#a04a8c", "stop of the fourth", 1.1, {12, 4}},
     [PLOT_SERIES] = {"#16325c", "first", 1.7, {0}},
     [PLOT_SERIES + 1] = {"#d0701c", "second", 1.7, {7, 4}},
     [PLOT_SERIES + 2] = {"#2a8a57", "third", 1.7, {9, 4, 1, 4}},
@@ -317,6 +321,11 @@ double plot_page_ink(plot_page *page, plot_box box)
 bool plot_page_failed(const plot_page *page)
 {
     return page->failed;
+}
+
+void plot_page_fail(plot_page *page)
+{
+    page->failed = true;
 }
 
 /* The terminals measure type, line widths and dashes in units of their own; the factors to pixels were measured with

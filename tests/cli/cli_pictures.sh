@@ -1,0 +1,44 @@
+#!/bin/bash
+# What pictures show: lines, marks, texts and numbers in their SVG.
+set -u
+. tests/support/tap.sh
+
+if ! command -v gnuplot >/dev/null || ! command -v python3 >/dev/null; then
+    echo '1..0 # SKIP gnuplot or python3 is not there'
+    exit 77
+fi
+export PYTHONPATH=$PWD/tests/support PYTHONDONTWRITEBYTECODE=1
+
+# atlas NAME STUDY: an atlas to draw
+atlas() {
+    "$ricochet" run "$2" -o "$folder/$1.ricochet" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+}
+# draw NAME ARGUMENTS...: NAME.svg
+draw() {
+    local name=$1
+    shift
+    "$ricochet" plot "$@" -o "$folder/$name.svg" 2>"$folder/message"
+}
+# sees NAME: a condition on the picture `p`, in Python, from standard input
+sees() {
+    { printf 'from picture import *\np = Picture("%s")\n' "$folder/$1.svg"; cat; } | python3 -
+}
+atlas mixed examples/stop-and-spring/study.yaml
+atlas two examples/elementary/study.yaml
+
+# ---------------------------------------------------------------- one orbit
+ok 'an orbit with a stop on one side and a spring' draw stop orbit "$folder/mixed.ricochet" --branch 3 --energy 20
+ok 'only the spring has a line below, in its colour' sees stop <<'END'
+grey, own = p.lines["stop"], p.lines.get("stop of the second", [])
+check(len(grey) == 2 and len(own) == 2 and "stop of the first" not in p.lines and p.has("spring closed"), p.lines.keys(), grey, own)
+END
+ok 'an orbit whose spring closes and opens twice' draw springs orbit "$folder/mixed.ricochet" --branch 7 --energy 20
+ok 'openings are named apart from impacts' sees springs <<'END'
+check(p.has("impact, closing") and p.has("opening") and p.has("contact closed"), p.texts)
+END
+ok 'each of four events of springs has an upright line' sees springs <<'END'
+times = {line[0][0] for line in p.lines["grid"]}
+check(len(times) == 6, times) # 0 closing stop, -1, 2, its opening, 1, and the stop again
+END
+
+finish
