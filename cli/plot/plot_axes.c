@@ -6,7 +6,6 @@
 
 #include "plot.h"
 
-enum { MAX_TICKS = 160 };
 static const double far_away = 1e6;   /* pixels, for values that a logarithm does not reach */
 static const double knee_part = 0.68; /* of a broken axis lies below its knee */
 static const double type = 12;
@@ -57,14 +56,23 @@ typedef struct {
     const plot_axis *axis;
     double low, high; /* data range that the tics are for */
     int power;        /* of ten, that the labels of a linear axis leave to its title */
-    int n;
-    tick ticks[MAX_TICKS];
+    int n, room;
+    tick *ticks; /* as many as the length of the axis asks for */
+    bool failed; /* no memory: the list is not whole, and the page must not be shown */
 } tick_list;
 
 /* `text` NULL makes a minor tic. */
 static void add_tick(tick_list *list, double value, const char *text)
 {
-    if (list->n == MAX_TICKS || value < list->low || value > list->high) return;
+    if (list->failed || value < list->low || value > list->high) return;
+    if (list->n == list->room) {
+        const int room = list->room ? 2 * list->room : 256;
+        tick *ticks = realloc(list->ticks, (size_t)room * sizeof *ticks);
+        list->failed = !ticks;
+        if (!ticks) return;
+        list->ticks = ticks;
+        list->room = room;
+    }
     tick *t = &list->ticks[list->n++];
     *t = (tick){.at = plot_axis_at(list->axis, value), .major = text != NULL};
     if (text && *text == '-') /* a real minus sign */
@@ -98,9 +106,11 @@ static void linear_ticks(tick_list *list, double pixels, double spacing, bool sh
     const double unit = pow(10, list->power), shown = size / unit;
     const bool plain = shown < 1e5 && step / unit > 1e-7 * (shown < 1 ? 1 : shown);
     const int digits = plain ? (int)fmax(0, -floor(log10(step / unit) + 1e-9)) : 6;
+    const int most = list->n + (int)pixels; /* also where a step is lost in the last digit of the values */
     list->low -= slack;
     list->high += slack;
-    for (double k = ceil(list->low / step * minor); k * step / minor <= list->high && list->n < MAX_TICKS; k++) {
+    for (double k = ceil(list->low / step * minor);
+         k * step / minor <= list->high && list->n < most && !list->failed; k++) {
         const double value = k == 0 ? 0 : k * step / minor;
         char text[64];
         snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", digits, value / unit);
@@ -249,6 +259,7 @@ static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *a
     char full[title_room(title)];
     axis_ticks(&list, axis, 62, title);
     title = full_title(&list, title, sizeof full, full);
+    if (list.failed) plot_page_fail(page);
     for (int i = 0; i < list.n; i++) {
         const tick *t = &list.ticks[i];
         const double length = t->major ? 6 : 3;
@@ -257,6 +268,7 @@ static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *a
         if (title && show_label(&list, i, plot_text_width(t->text, type) / 2, 6))
             plot_page_text(page, (plot_point){t->at, box->bottom - 12}, PLOT_CENTRE, type, "#222222", false, t->text);
     }
+    free(list.ticks);
     if (title && *title)
         plot_page_text(page, (plot_point){(box->left + box->right) / 2, box->bottom - 31}, PLOT_CENTRE, type + 1,
                        "#222222", false, title);
@@ -269,6 +281,7 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
     char full[title_room(title)];
     axis_ticks(&list, axis, 42, title);
     title = full_title(&list, title, sizeof full, full);
+    if (list.failed) plot_page_fail(page);
     for (int i = 0; i < list.n; i++) {
         const tick *t = &list.ticks[i];
         const double length = t->major ? 6 : 3;
@@ -279,6 +292,7 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
             widest = fmax(widest, plot_text_width(t->text, type));
         }
     }
+    free(list.ticks);
     if (!title || !*title) return;
     /* never beyond the page */
     const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) / plot_text_width(title, type + 1));

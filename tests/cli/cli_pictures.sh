@@ -41,4 +41,12 @@ times = {line[0][0] for line in p.lines["grid"]}
 check(len(times) == 6, times) # 0 closing stop, -1, 2, its opening, 1, and the stop again
 END
 
+# --------------------------------------------------------------------- axes
+ok 'a large picture' draw large fep "$folder/two.ricochet" --size 2400x1680 --labels none
+ok 'has tics and numbers up to the end of its axis' sees large <<'END'
+numbers = {text for x, y, text, size in p.texts if x < 64}
+tics = [line for line in p.lines["axes"] if line[0][0] == 64 and line[0][1] == line[1][1] and abs(line[1][0] - 64) < 10]
+check({"0.4", "10.0", "10.4"} <= numbers and min(line[0][1] for line in tics) < 60, numbers, tics[-3:])
+END
+
 finish
