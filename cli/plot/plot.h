@@ -35,7 +35,7 @@ typedef enum {
     PLOT_ZOOM = PLOT_ATLAS + 18,
     PLOT_SHEET, /* + 0, 1: inside, edge */
     PLOT_JUMP = PLOT_SHEET + 2,
-    PLOT_STOP,       /* of all gaps of a panel; + 1..4: of one of them */
+    PLOT_STOP,                   /* of all gaps of a panel; + 1..4: of one of them */
     PLOT_SERIES = PLOT_STOP + 5, /* + 0..3 */
     PLOT_FRAME = PLOT_SERIES + 4,
     PLOT_LEADER,
@@ -234,7 +234,7 @@ typedef struct {
     double time;
     int face;
     bool touch, opens; /* neither: an impact, or the closing of a spring */
-    int sample; /* index of a row at this time */
+    int sample;        /* index of a row at this time */
 } plot_event;
 
 /* An orbit and its motion over one period. Row i is t, x [n], v [n]; smooth piece k owns the rows first[k] ..

@@ -109,8 +109,8 @@ static void linear_ticks(tick_list *list, double pixels, double spacing, bool sh
     const int most = list->n + (int)pixels; /* also where a step is lost in the last digit of the values */
     list->low -= slack;
     list->high += slack;
-    for (double k = ceil(list->low / step * minor);
-         k * step / minor <= list->high && list->n < most && !list->failed; k++) {
+    for (double k = ceil(list->low / step * minor); k * step / minor <= list->high && list->n < most && !list->failed;
+         k++) {
         const double value = k == 0 ? 0 : k * step / minor;
         char text[64];
         snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", digits, value / unit);

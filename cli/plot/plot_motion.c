@@ -186,8 +186,10 @@ static bool add_letter(plot_motion *o, double time, int k, int sample)
 {
     const int n_face = ric_model_n_face(o->model);
     if (!o->impacts) return true;
-    return add_event(
-        o, (plot_event){.time = time, .face = o->word[k] % n_face, .opens = o->word[k] >= n_face, .sample = sample});
+    return add_event(o, (plot_event){.time = time,
+                                     .face = o->word[k] % n_face,
+                                     .opens = o->word[k] >= n_face,
+                                     .sample = sample});
 }
 
 int plot_motion_face(const plot_motion *o, int contact, int side)

@@ -325,8 +325,7 @@ static int gap_entries(const orbit *o, char (*names)[96], plot_legend_entry *ent
     for (int i = 0; i < o->n_gap; i++) {
         char *name = names[MAX_SHOWN + i];
         gap_name(o, o->gaps[i], "", " closed", sizeof names[0], name);
-        if (own_stop(o, i, -1) || own_stop(o, i, 1))
-            entries[n++] = (plot_legend_entry){name, PLOT_STOP + 1 + i, -1};
+        if (own_stop(o, i, -1) || own_stop(o, i, 1)) entries[n++] = (plot_legend_entry){name, PLOT_STOP + 1 + i, -1};
     }
     return n;
 }

@@ -36,10 +36,23 @@ void plot_text_escape(const char *text, size_t size, char *out)
     out[used] = '\0';
 }
 
+/* [0-121], in which a letter may be more than one character: as it is, with a true minus sign. */
+static void plain_word(const char *word, size_t n, size_t size, char *out)
+{
+    size_t used = (size_t)snprintf(out, size, "[");
+    for (size_t i = 0; i < n && used + 8 < size; i++)
+        used += (size_t)snprintf(out + used, size - used, word[i] == '-' ? "\xe2\x88\x92" : "%c", word[i]);
+    snprintf(out + used, size - used, "]");
+}
+
 /* [01010101] as [01]^4, [00001111] as [0^4 1^4]; short words as they are. */
 static void word_text(const char *word, size_t n, size_t size, char *out)
 {
     size_t part = 1;
+    if (memchr(word, '-', n) || memchr(word, '.', n)) {
+        plain_word(word, n, size, out);
+        return;
+    }
     while (part < n && (n % part || memcmp(word, word + part, n - part))) part++;
     if (n / part >= 3 && part <= 8) {
         snprintf(out, size, "[%.*s]^{%zu}", (int)part, word, n / part);
@@ -70,46 +83,114 @@ static bool lettered(const char *label, size_t size, char *out)
     return true;
 }
 
-void plot_text_label(const char *label, size_t size, char *out)
+/* A name in its pieces: S2^{3-}[01] has letters S, digits 2, power 3, mark - and word 01; in C1_32? low is 32?. */
+typedef struct {
+    const char *text;
+    int n;
+} piece;
+typedef struct {
+    piece letters, digits, power, mark, low, word;
+} name_parts;
+
+static piece take(const char **c, size_t n)
 {
+    const piece out = {*c, (int)n};
+    *c += n;
+    return out;
+}
+
+/* + or -, or the number of a mode in brackets. */
+static size_t mark_length(const char *c)
+{
+    if (*c == '+' || *c == '-') return 1;
+    const size_t n = *c == '(' ? strspn(c + 1, "0123456789") : 0;
+    return n && c[1 + n] == ')' ? n + 2 : 0;
+}
+
+static bool take_word(const char **c, piece *out)
+{
+    const size_t n = **c == '[' ? strspn(*c + 1, "0123456789abcdefghijklmnopqrstuvwxyz-.") : 0;
+    if (**c != '[' || (*c)[n + 1] != ']') return **c != '[';
+    *out = (piece){*c + 1, (int)n};
+    *c += n + 2;
+    return true;
+}
+
+static bool take_name(const char *c, name_parts *p)
+{
+    *p = (name_parts){0};
+    p->letters = take(&c, strcspn(c, "0123456789+-^_([,? "));
+    for (int i = 0; i < p->letters.n; i++)
+        if (!isalpha((unsigned char)p->letters.text[i])) return false;
+    p->digits = take(&c, strspn(c, "0123456789,"));
+    if (p->letters.n < 1 || p->letters.n > 2 || (p->digits.n && *p->digits.text == ',')) return false;
+    if (*c == '^') { /* the mark stands behind the number of repeats */
+        if (c[1] != '{') return false;
+        c += 2;
+        p->power = take(&c, strspn(c, "0123456789"));
+        p->mark = take(&c, mark_length(c));
+        if (p->power.n < 1 || *c++ != '}') return false;
+    } else if (*c == '_') {
+        size_t n = 1;
+        while (isalnum((unsigned char)c[n]) || c[n] == ',') n++;
+        if (n > 1) n += strspn(c + n, "?"); /* not decided, or not measured */
+        c++;
+        p->low = take(&c, n - 1);
+    } else if (*c == '?' && p->digits.n) {
+        p->digits.n += (int)strspn(c, "?"); /* a kind of points without a number: C21? */
+        c += strspn(c, "?");
+    } else {
+        p->mark = take(&c, mark_length(c));
+    }
+    return take_word(&c, &p->word) && !*c && (p->digits.n || p->mark.n);
+}
+
+static void set_name(const char *label, size_t size, char *out)
+{
+    name_parts p;
     if (lettered(label, size, out)) return;
-    const char *c = label, *low = NULL;
-    while (isalpha((unsigned char)*c)) c++;
-    const char *digits = c;
-    while (isdigit((unsigned char)*c) || (*c == ',' && c > digits)) c++;
-    const char *end = c;
-    const char *sign = *c == '+' || *c == '-' ? c++ : NULL;
-    int power = 0; /* S2^{3-}[01]: the sign stands behind the number of repeats */
-    if (!sign && *c == '^' && sscanf(c, "^{%9d", &power) == 1) {
-        c += 2 + strspn(c + 2, "0123456789");
-        sign = *c == '+' || *c == '-' ? c++ : NULL;
-        c += *c == '}';
-    } else if (!sign && *c == '_') {
-        low = ++c;
-        while (isalnum((unsigned char)*c) || *c == ',') c++;
-        while (*c == '?' && c > low) c++; /* not decided, or not measured */
-    }
-    const char *low_end = c, *word = NULL;
-    if (*c == '[' && strspn(c + 1, "0123456789abcdefghijklmnopqrstuvwxyz") + 1 == strcspn(c, "]") &&
-        c[strcspn(c, "]")] && !c[strcspn(c, "]") + 1]) {
-        word = c;
-        c += strlen(c);
-    }
-    if (digits == label || digits - label > 2 || (end == digits && !sign) || *c || strlen(label) > size / 2) {
+    if (!take_name(label, &p) || strlen(label) > size / 2) {
         plot_text_escape(label, size, out);
         return;
     }
-    const int letters = (int)(digits - label), n = (int)(end - digits);
-    int used;
-    if (low) used = snprintf(out, size, "%.*s@^{%.*s}_{%.*s}", letters, label, n, digits, (int)(low_end - low), low);
-    else if (sign || power) {
-        char times[12] = "";
-        if (power) snprintf(times, sizeof times, "%d", power);
-        const char *raised = !sign ? "" : *sign == '-' ? "\xe2\x88\x92" : "+";
-        if (n > 0) used = snprintf(out, size, "%.*s@^{%s%s}_{%.*s}", letters, label, times, raised, n, digits);
-        else used = snprintf(out, size, "%.*s^{%s%s}", letters, label, times, raised);
-    } else used = snprintf(out, size, "%.*s_{%.*s}", letters, label, n, digits);
-    if (word && used > 0 && (size_t)used < size) word_text(word + 1, strlen(word) - 2, size - (size_t)used, out + used);
+    int used = snprintf(out, size, "%.*s", p.letters.n, p.letters.text);
+    char *rest = out + used;
+    const size_t room = size - (size_t)used;
+    if (p.low.n) used += snprintf(rest, room, "@^{%.*s}_{%.*s}", p.digits.n, p.digits.text, p.low.n, p.low.text);
+    else if (p.mark.n || p.power.n) {
+        char raised[64];
+        const bool minus = p.mark.n == 1 && *p.mark.text == '-';
+        snprintf(raised, sizeof raised, "%.*s%.*s", p.power.n, p.power.text, minus ? 3 : p.mark.n,
+                 minus      ? "\xe2\x88\x92"
+                 : p.mark.n ? p.mark.text
+                            : "");
+        if (p.digits.n) used += snprintf(rest, room, "@^{%s}_{%.*s}", raised, p.digits.n, p.digits.text);
+        else used += snprintf(rest, room, "^{%s}", raised);
+    } else {
+        used += snprintf(rest, room, "_{%.*s}", p.digits.n, p.digits.text);
+    }
+    if (p.word.text && (size_t)used < size) word_text(p.word.text, (size_t)p.word.n, size - (size_t)used, out + used);
+}
+
+/* A name may be of several words: S6 minimum. */
+void plot_text_label(const char *label, size_t size, char *out)
+{
+    char word[400];
+    for (size_t used = 0; used < size;) {
+        const size_t n = strcspn(label, " ");
+        if (n >= sizeof word) {
+            plot_text_escape(label, size - used, out + used);
+            return;
+        }
+        memcpy(word, label, n);
+        word[n] = '\0';
+        set_name(word, size - used, out + used);
+        used += strlen(out + used);
+        label += n;
+        if (!*label || used + 1 >= size) return;
+        out[used++] = *label++;
+        out[used] = '\0';
+    }
 }
 
 /* Advance widths of Helvetica in thousandths of an em (Adobe font metrics), for ASCII from the space on. */

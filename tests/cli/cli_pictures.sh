@@ -49,4 +49,27 @@ tics = [line for line in p.lines["axes"] if line[0][0] == 64 and line[0][1] == l
 check({"0.4", "10.0", "10.4"} <= numbers and min(line[0][1] for line in tics) < 60, numbers, tics[-3:])
 END
 
+# ------------------------------------------------------------------- labels
+ok 'letters of springs in a word, and minus signs' draw labels fep "$folder/mixed.ricochet"
+ok 'a word with openings is set as one' sees labels <<'END'
+check(p.has("A_3[0−121]"), p.texts)
+END
+cp "$folder/two.ricochet" "$folder/renamed.ricochet"
+python3 - "$folder/renamed.ricochet" <<'END'
+import sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+for old, new in ("C1_31", "C21?"), ("C1_32", "C77_21?"), ("G1_0,2", "Free text [x]"):
+    db.execute("UPDATE junction SET label = ?, name = '' WHERE label = ?", [new, old])
+for old, new in ("S2-[01]", "S2(7)[01]"), ("S2+[01]", "S2^{3(8)}[01]"):
+    db.execute("UPDATE branch SET label = ? WHERE label = ?", [new, old])
+db.commit()
+END
+tools/attack/atlas_digest.py "$folder/renamed.ricochet" >/dev/null
+ok 'labels of every form' draw forms fep "$folder/renamed.ricochet" --labels all
+ok 'have their indices set as such' sees forms <<'END'
+texts = [t[2] for t in p.texts]
+check({"C_21?", "21?", "(7)", "3(8)", "Free text [x]", "S_6 minimum"} <= set(texts)
+      and not any(t in text for text in texts for t in ("C21?", "C77", "S2(", "S2^", "\\")), texts)
+END
+
 finish
