@@ -395,18 +395,31 @@ static bool mirrors_fit(const ric_periodic_claim *said, int s, int N)
     return !said || ((!impact || said->impact) && (!rest || said->rest));
 }
 
+/* Of the reversals, with x -> -x or not, that hold: the first, or of a stored orbit, whose branch `said` speaks of, the
+ * one that holds best; -1 if none does. The image under (shift s, reverse) has impact i = old impact s - i. */
+static int reversal(const ric_model *m, const ric_periodic *c, int period, bool mirror, double tolerance,
+                    const ric_periodic_claim *said)
+{
+    double least = tolerance;
+    int best = -1;
+    for (int s = 0; s < period && (said || best < 0); s++) {
+        if (!mirror && !mirrors_fit(said, s, c->N)) continue;
+        double distance = image_distance(m, c, c, s, true, mirror);
+        if (!(distance <= least) || (best >= 0 && distance == least)) continue;
+        least = distance;
+        best = s;
+    }
+    return best;
+}
+
 int ric_periodic_try_symmetries(const ric_model *m, ric_periodic *c, int copies, double tolerance,
                                 const ric_periodic_claim *said)
 {
-    int shift = ric_periodic_shifts(m, c, tolerance), q = shift < c->N ? c->N / shift : copies, period = c->N / q;
+    int shift = said ? c->N : ric_periodic_shifts(m, c, tolerance), q = shift < c->N ? c->N / shift : copies,
+        period = c->N / q;
     c->half = period % 2 == 0 && image_distance(m, c, c, period / 2, false, true) <= tolerance;
-    c->pure = c->flip = -1;
-    for (int s = 0; s < period; s++) {
-        /* the image under (shift s, reverse) has impact i = old impact s - i */
-        if (c->pure < 0 && mirrors_fit(said, s, c->N) && image_distance(m, c, c, s, true, false) <= tolerance)
-            c->pure = s;
-        if (c->flip < 0 && image_distance(m, c, c, s, true, true) <= tolerance) c->flip = s;
-    }
+    c->pure = reversal(m, c, period, false, tolerance, said);
+    c->flip = reversal(m, c, period, true, tolerance, said);
     return q;
 }
 

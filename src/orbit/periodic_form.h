@@ -29,9 +29,10 @@ extern const ric_periodic_form ric_periodic_events, ric_periodic_smooth;
 const ric_periodic_form *ric_periodic_form_of(const ric_model *model);
 
 /* What both forms are made of. Reversals that hold are those of mirror points of the kinds in `said`, unless that is
- * NULL: beside a junction those of the other branch all but hold, too. The least shift that takes the cycle to itself,
- * N if none does; the image under the group that is nearest, event by event; and the reversals that hold, of a cycle
- * gone through `copies` times. */
+ * NULL: beside a junction those of the other branch all but hold, too, and so do others of the same kinds and the
+ * repetition of a shorter orbit, so that the reversal that holds best is taken and no repetition. The least shift that
+ * takes the cycle to itself, N if none does; the image under the group that is nearest, event by event; and the
+ * reversals that hold, of a cycle gone through `copies` times. */
 int ric_periodic_shifts(const ric_model *model, const ric_periodic *cycle, double tolerance);
 ric_periodic *ric_periodic_nearest_event(const ric_model *model, const ric_periodic *orbit, const ric_periodic *near,
                                          double limit);

@@ -500,6 +500,30 @@ static void verify_resonant(void **state)
                      "explore: {energy: [0, 517.5], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 1}\n");
 }
 
+/* A4[0101] ends in the double of an orbit that is its image backwards about any of its impacts: stored within 6e-11 of
+ * it, the end keeps the mirror points of its branch, or its multipliers are those of another orbit. */
+static void multipliers_at_ends(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.796875, -0.265625, -0.0625], [-0.265625, 1.015625, 0.0625], [-0.0625, 0.0625, 1.75]]\n"
+        "  stiffness: [[5.5625, -0.1875, -3.8125], [-0.1875, 5.625, -2.1875], [-3.8125, -2.1875, 5.3125]]\n"
+        "  contacts:\n    - {normal: [0, 1, 0], law: rigid, clearance: 0.715, sides: both}\n"
+        "    - {normal: [-1, 1, 0], law: rigid, clearance: 0.715, sides: upper}\n"
+        "explore: {energy: [0, 14.34], frequency: [0.1582, 8.301], impacts: 8, multiply: 2, depth: 2}\n");
+    int ends = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        for (int i = 0; i < b.n_point && b.impacts > 0; i += b.n_point > 1 ? b.n_point - 1 : 1, ends++) {
+            ric_claims claims;
+            assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
+            if (claims.multipliers == RIC_AGREES_NO) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+        }
+    }
+    assert_true(ends > 60);
+    ric_atlas_free(atlas);
+}
+
 /* A3[111] starts where a contact opens and closes at once, for 2e-12 s: what rounding makes of the gap between is no
  * maximum of it. The branch has one reach from its first point on. */
 static void reach_between_contacts(void **state)
@@ -594,6 +618,7 @@ int main(void)
         cmocka_unit_test(verify_shallow_impacts),
         cmocka_unit_test(verify_resonant),
         cmocka_unit_test(reach_between_contacts),
+        cmocka_unit_test(multipliers_at_ends),
         cmocka_unit_test(verify_stop_and_spring),
         cmocka_unit_test(verify_rotations),
     };
