@@ -140,17 +140,26 @@ static const cli_item items[] = {
      .text = "frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey; stable "
              "thick, unstable thin, undecided dotted; natural frequencies and frequencies with a contact locked as "
              "reference lines"},
-    {.name = "--linear", .text = "linear energy axis instead of a logarithmic one"},
+    {.name = "--linear",
+     .text = "linear energy axis; without this and --log the axis is what shows the branches most evenly, and its "
+             "title says so"},
+    {.name = "--log", .text = "logarithmic energy axis"},
     {.name = "--energy", .value = "A:B", .text = "window of the scaled energy"},
     {.name = "--frequency", .value = "A:B", .text = "window of the frequency, rad/s"},
     {.name = "--break", .value = "F", .text = "broken frequency axis: logarithmic and compressed above F"},
     {.name = "--log-frequency", .text = "logarithmic frequency axis"},
+    {.name = "--linear-frequency", .text = "linear frequency axis"},
     {.name = "--zoom", .value = "A:B,C:D", .text = "one more panel with these energies and frequencies; up to five"},
     {.name = "--labels",
      .value = "WHAT",
      .words = "all named none",
      .text = "all: every junction that finds room; named: those with a name in the study; none. Without it: named "
              "and main ones"},
+    {.name = "--marks",
+     .value = "WHAT",
+     .words = "main all none",
+     .text = "main: marks of junctions as long as they leave the curve visible, and no extrema of the period; the "
+             "legend counts the others; all; none"},
     {.name = "--label", .value = "NAME", .text = "only this junction or branch has a label; may be repeated"},
     {.name = "--mark", .value = "ORBIT", .text = "a dot, or the mark of a junction, with a name of its own"},
     {.name = "--ghosts",
@@ -251,8 +260,9 @@ static const cli_item items[] = {
 const cli_command cli_plot = {
     .name = "plot",
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
-    .usage = "ricochet plot fep ATLAS... [--linear] [--log-frequency] [--energy A:B] [--frequency A:B]\n"
-             "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--label NAME]...\n"
+    .usage = "ricochet plot fep ATLAS... [--linear | --log] [--energy A:B] [--frequency A:B]\n"
+             "           [--log-frequency | --linear-frequency]\n"
+             "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--marks WHAT] [--label NAME]...\n"
              "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
              "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
              "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"

@@ -197,7 +197,7 @@ int plot_take_listed(int argc, char **argv, const char *option, plot_atlases *at
                      plot_listed *values);
 /* Mark of a junction kind, and its word for the legend. */
 plot_mark plot_junction_mark(ric_kind kind);
-plot_stroke plot_branch_family(const ric_branch *branch);
+plot_stroke plot_branch_family(const ric_model *model, const ric_branch *branch);
 /* Mixed text for the k-duplicate of a branch: label in the article's notation. */
 void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out);
 

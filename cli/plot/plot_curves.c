@@ -305,7 +305,7 @@ static ric_status draw_curves(curves *c)
         ric_branch branch;
         const ric_status status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
         if (status != RIC_OK) return status;
-        const plot_stroke family = plot_branch_family(&branch);
+        const plot_stroke family = plot_branch_family(ric_atlas_model(c->atlas), &branch);
         const unsigned seen = plot_track_draw(c->page, &c->panel, family, &c->tracks[i]);
         c->stability |= seen;
         c->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
@@ -483,8 +483,8 @@ static int draw_trace(floquet *f, const plot_track *trace, const plot_track *rot
     for (int sign = -1; sign <= 1; sign += 2)
         plot_panel_curve(f->page, &f->upper, PLOT_LOCKED, 2,
                          (plot_point[]){{x[0], sign * asinh(1)}, {x[1], sign * asinh(1)}});
-    plot_track_draw(f->page, &f->upper, plot_branch_family(&f->branch), trace);
-    plot_track_draw(f->page, &f->lower, plot_branch_family(&f->branch), rotation);
+    plot_track_draw(f->page, &f->upper, plot_branch_family(ric_atlas_model(f->atlas), &f->branch), trace);
+    plot_track_draw(f->page, &f->lower, plot_branch_family(ric_atlas_model(f->atlas), &f->branch), rotation);
     plot_panel_frame(f->page, &f->upper, NULL, "trace τ_2");
     plot_panel_frame(f->page, &f->lower, f->x.title, "rotation number γ");
     return CLI_DONE;

@@ -18,7 +18,7 @@ static const char *const questions[ASK_N] = {"--branch", "--duplicate", "--base"
 static bool take_zoom(const char *text, const fep_options *o, double out[4])
 {
     if (!plot_parse_window(text, "--zoom", out)) return false;
-    if (out[0] > 0 || o->linear) return true;
+    if (out[0] > 0 || !o->log_energy) return true;
     cli_wrong("--zoom %s: a logarithmic axis starts above 0", text);
     return false;
 }
@@ -77,14 +77,17 @@ static int take_asked(int argc, char **argv, fep_options *o)
 
 static int parse_options(int *argc, char **argv, fep_options *o)
 {
-    const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL, *duplicates = NULL;
+    const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL, *marks = NULL, *duplicates = NULL;
     o->linear = cli_take_flag(argc, argv, "--linear");
+    o->log_energy = cli_take_flag(argc, argv, "--log");
+    o->linear_frequency = cli_take_flag(argc, argv, "--linear-frequency");
     o->ghosts = cli_take_flag(argc, argv, "--ghosts");
     o->symmetric = cli_take_flag(argc, argv, "--symmetric");
     o->log_frequency = cli_take_flag(argc, argv, "--log-frequency");
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
         !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
-        !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE)
+        !cli_take_value(argc, argv, "--marks", &marks) || !cli_take_value(argc, argv, "--duplicates", &duplicates) ||
+        take_zooms(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
     if ((energy && !plot_parse_range(energy, "--energy", o->energy)) ||
@@ -95,18 +98,25 @@ static int parse_options(int *argc, char **argv, fep_options *o)
     o->has_energy = energy;
     o->has_frequency = frequency;
     o->has_break = knee;
-    if (energy && !o->linear && o->energy[0] <= 0)
+    if (o->linear && o->log_energy) return cli_wrong("--linear and --log: one of them, of the energies");
+    if (energy && o->log_energy && o->energy[0] <= 0)
         return cli_wrong("--energy %s: a logarithmic axis starts above 0; give a positive start or --linear", energy);
     if (frequency && o->log_frequency && o->frequency[0] <= 0)
         return cli_wrong("--frequency %s: a logarithmic axis starts above 0", frequency);
     if (knee && !(o->knee > 0)) return cli_wrong("--break %s: the frequency of the break must be positive", knee);
-    if (knee && o->log_frequency)
-        return cli_wrong("--break and --log-frequency: the axis is either broken or logarithmic throughout");
+    if ((knee != NULL) + o->log_frequency + o->linear_frequency > 1)
+        return cli_wrong(
+            "--break, --log-frequency and --linear-frequency: the axis is broken, logarithmic or linear throughout");
     static const char *const choices[] = {"", "all", "named", "none"};
     for (int i = LABELS_ALL; labels && i <= LABELS_NONE; i++)
         if (!strcmp(labels, choices[i])) o->labels = (fep_labels)i;
     if (labels && o->labels == LABELS_MAIN)
         return cli_wrong("--labels %s: there are all, named and none; --label NAME asks for one", labels);
+    static const char *const which[] = {"main", "all", "none"};
+    o->marks = (fep_marks)-1;
+    for (int i = MARKS_MAIN; i <= MARKS_NONE; i++)
+        if (!strcmp(marks ? marks : "main", which[i])) o->marks = (fep_marks)i;
+    if (o->marks == (fep_marks)-1) return cli_wrong("--marks %s: there are main, all and none", marks);
     const int code = take_asked(*argc, argv, o);
     if (code == CLI_DONE && o->n_label && !labels) o->labels = LABELS_ASKED;
     return code;
@@ -201,7 +211,7 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
             !wanted(o->has_frequency, o->frequency, p.frequency / part->k))
             continue;
         span_add(frequency, p.frequency / part->k);
-        if (p.energy > 0 && (branch.impacts > 0 || branch.depth > 0 || o->has_energy || isfinite(part->lo)))
+        if (p.energy > 0 && (!ric_branch_linear(s->model, &branch) || o->has_energy || isfinite(part->lo)))
             span_add(energy, p.energy);
         else if (p.energy > 0 && p.energy >= branch.energy_max) { /* and enough of the line to be seen */
             span_add(energy, p.energy);
@@ -221,40 +231,56 @@ static ric_status find_window(const fep *f, span *energy, span *frequency)
     return status;
 }
 
-static void set_axes(fep *f, span energy, span frequency)
+/* Zooms have the scale of the frequencies that was asked for, or are linear. */
+static void set_zooms(fep *f)
+{
+    const fep_options *o = f->options;
+    f->n_panel = 1 + o->n_zoom;
+    for (int i = 1; i < f->n_panel; i++) {
+        const double *zoom = o->zoom[i - 1];
+        const bool log = fep_log_window(o, zoom[0], zoom[1]);
+        f->panels[i].x = (plot_axis){.scale = log ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR, .lo = zoom[0], .hi = zoom[1]};
+        f->panels[i].y = (plot_axis){.scale = o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
+                                     .lo = zoom[2],
+                                     .hi = zoom[3]};
+    }
+}
+
+/* A margin around what was found, where no window was given. */
+static void widen_axes(const fep *f, plot_axis *x, plot_axis *y)
+{
+    const fep_options *o = f->options;
+    const double lowest = y->lo;
+    if (!o->has_energy) {
+        plot_range_widen(x->scale == PLOT_SCALE_LOG, 0.06, &x->lo, &x->hi);
+        if (x->scale == PLOT_SCALE_LINEAR) x->lo = o->linear ? 0 : fmax(0, x->lo);
+    }
+    if (o->has_frequency) return;
+    plot_range_widen(y->scale == PLOT_SCALE_LOG, 0.06, &y->lo, &y->hi);
+    if (y->scale == PLOT_SCALE_BROKEN) /* the margin below goes with the linear part only */
+        y->lo = lowest - fmin(lowest - y->lo, 0.08 * fmax(0, y->knee - lowest));
+    if (y->scale != PLOT_SCALE_LOG) y->lo = fmax(0, y->lo);
+}
+
+static ric_status set_axes(fep *f, span energy, span frequency)
 {
     const fep_options *o = f->options;
     plot_axis *x = &f->panels[0].x, *y = &f->panels[0].y;
-    x->scale = o->linear ? PLOT_SCALE_LINEAR : PLOT_SCALE_LOG;
-    if (!o->has_energy) {
-        plot_range_widen(!o->linear, 0.06, &energy.lo, &energy.hi);
-        energy.lo = o->linear ? 0 : energy.lo;
-    }
     x->lo = o->has_energy ? o->energy[0] : energy.lo;
     x->hi = o->has_energy ? o->energy[1] : energy.hi;
-    span wide = frequency;
-    plot_range_widen(o->log_frequency, 0.06, &wide.lo, &wide.hi);
-    if (o->has_break) /* the margin below goes with the linear part only */
-        wide.lo = frequency.lo - fmin(frequency.lo - wide.lo, 0.08 * fmax(0, o->knee - frequency.lo));
-    y->lo = o->has_frequency ? o->frequency[0] : fmax(0, wide.lo);
-    y->hi = o->has_frequency ? o->frequency[1] : wide.hi;
-    if (o->log_frequency) y->scale = PLOT_SCALE_LOG;
-    if (o->has_break) {
-        y->scale = PLOT_SCALE_BROKEN;
-        y->knee = o->knee;
-    }
-    f->n_panel = 1 + o->n_zoom;
-    for (int i = 1; i < f->n_panel; i++) {
-        f->panels[i].x = (plot_axis){.scale = x->scale, .lo = o->zoom[i - 1][0], .hi = o->zoom[i - 1][1]};
-        f->panels[i].y = (plot_axis){.scale = o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
-                                     .lo = o->zoom[i - 1][2],
-                                     .hi = o->zoom[i - 1][3]};
-    }
+    y->lo = o->has_frequency ? o->frequency[0] : frequency.lo;
+    y->hi = o->has_frequency ? o->frequency[1] : frequency.hi;
+    y->scale = o->has_break ? PLOT_SCALE_BROKEN : o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR;
+    y->knee = o->knee;
+    const ric_status status = fep_choose_scales(f);
+    widen_axes(f, x, y);
+    set_zooms(f);
+    return status;
 }
 
 /* ----------------------------------------------------------------- the page */
 
-static int legend_entries(const fep *f, plot_legend_entry *out)
+static int legend_entries(fep *f, plot_legend_entry *out)
 {
     unsigned stability = 0;
     int n = 0;
@@ -277,7 +303,10 @@ static int legend_entries(const fep *f, plot_legend_entry *out)
     if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
-    return n + plot_legend_entries(NULL, 0, f->kinds, out + n);
+    n += plot_legend_entries(NULL, 0, f->kinds, out + n);
+    snprintf(f->remark, sizeof f->remark, "%d more junction%s not marked", f->unmarked, f->unmarked == 1 ? "" : "s");
+    if (f->unmarked) out[n++] = (plot_legend_entry){f->remark, -1, -1};
+    return n;
 }
 
 /* Frames of the panels: one alone; two side by side; the first left of two; else rows of two or three. */
@@ -330,12 +359,26 @@ static int draw_panel(fep *f, int i)
     return code;
 }
 
+/* Frame and titles of a panel; a scale that the program chose is named. */
+static void frame(const fep *f)
+{
+    const fep_options *o = f->options;
+    const plot_axis *x = &f->panel->x, *y = &f->panel->y;
+    const bool room = y->to - y->from > 300;
+    char energy[80], frequency[80], knee[40] = "";
+    if (y->scale == PLOT_SCALE_BROKEN && room) snprintf(knee, sizeof knee, ", logarithmic above %.4g", y->knee);
+    snprintf(energy, sizeof energy, "scaled energy E%s",
+             x->scale == PLOT_SCALE_LOG && !o->log_energy ? ", logarithmic" : "");
+    snprintf(frequency, sizeof frequency, "frequency ω (rad/s)%s%s", knee,
+             y->scale == PLOT_SCALE_LOG && !o->log_frequency ? ", logarithmic" : "");
+    plot_panel_frame(f->page, f->panel, energy, frequency);
+}
+
 /* All panels, with `legend` pixels left free at the foot; labels only where `final`. Adds to *missing the labels
  * without a place. */
 static int draw_panels(fep *f, double legend, bool final, int *missing)
 {
     const plot_options *common = f->options->common;
-    char frequency[80] = "frequency ω (rad/s)";
     const double width = common->width > 0 ? common->width : f->n_panel > 4 ? 1500 : f->n_panel > 1 ? 1300 : 1000;
     const double height = common->height > 0 ? common->height : f->n_panel > 2 ? 960 : 700;
     int code = CLI_DONE;
@@ -343,17 +386,14 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
     f->page = plot_page_create(width, height);
     if (!f->page) return cli_report(RIC_E_NOMEM);
     lay_out(f, legend);
-    f->no_margin = 0;
+    f->no_margin = f->unmarked = 0;
     for (int i = 0; i < f->n_panel && code == CLI_DONE; i++) {
         char letter[8];
         f->n_tag = f->n_group = 0;
         code = draw_panel(f, i);
         if (code != CLI_DONE || !final) continue;
-        const bool broken = i == 0 && f->options->has_break && f->panel->y.to - f->panel->y.from > 300;
         snprintf(letter, sizeof letter, "(%c)", 'a' + i);
-        if (broken)
-            snprintf(frequency, sizeof frequency, "frequency ω (rad/s), logarithmic above %g", f->options->knee);
-        plot_panel_frame(f->page, f->panel, "scaled energy E", broken ? frequency : "frequency ω (rad/s)");
+        frame(f);
         if (f->n_panel > 1)
             plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17}, PLOT_LEFT, type + 1,
                            "#000000", false, letter);
@@ -378,6 +418,10 @@ static int draw(fep *f)
     if (missing > 0)
         cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n", missing,
                 missing == 1 ? "" : "s");
+    if (f->unmarked > 0)
+        cli_say("ricochet: %d junctions are not marked, where they would hide the curve; --marks all draws them, "
+                "--zoom and --energy make room\n",
+                f->unmarked);
     report_unused(f);
     plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)),
                      sizeof title, title);
@@ -403,7 +447,7 @@ static int draw_page(fep *f)
                 total ? "no branch of the atlas enters this window" : "the atlas has no branches yet");
         return CLI_FAILED;
     }
-    set_axes(f, energy, frequency);
+    if ((status = set_axes(f, energy, frequency)) != RIC_OK) return cli_report(status);
     const plot_axis *y = &f->panels[0].y;
     if (f->options->has_break && !(f->options->knee > y->lo && f->options->knee < y->hi))
         return cli_wrong("--break %g: must lie inside the frequencies shown, %g to %g", f->options->knee, y->lo, y->hi);

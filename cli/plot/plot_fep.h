@@ -8,6 +8,8 @@ enum { FEP_MAX_ATLAS = 6, FEP_MAX_PANEL = 6, FEP_MAX_ASKED = 256 };
 
 typedef enum { LABELS_MAIN, LABELS_ALL, LABELS_NAMED, LABELS_NONE, LABELS_ASKED } fep_labels;
 
+typedef enum { MARKS_MAIN, MARKS_ALL, MARKS_NONE } fep_marks;
+
 /* Options that may be repeated; with several atlases they belong to the one named last before them. */
 typedef enum { ASK_BRANCH, ASK_DUPLICATE, ASK_BASE, ASK_LABEL, ASK_MARK, ASK_KEY, ASK_N } fep_question;
 typedef struct {
@@ -20,10 +22,12 @@ typedef struct {
 
 typedef struct {
     const plot_options *common;
-    bool linear, log_frequency, symmetric, has_energy, has_frequency, has_break, ghosts;
+    bool linear, log_energy, log_frequency, linear_frequency; /* none: the program chooses */
+    bool symmetric, has_energy, has_frequency, has_break, ghosts;
     double energy[2], frequency[2], knee;
     long duplicates; /* drawn up to this k; 1: none */
     fep_labels labels;
+    fep_marks marks;
     int n_zoom;
     double zoom[FEP_MAX_PANEL][4];     /* energies, frequencies */
     int n_asked, n_duplicate, n_label; /* how many of them name duplicates, labels */
@@ -63,13 +67,20 @@ typedef struct {
     bool ghost, duplicate[3], marked;
     plot_tag *tags;
     int n_tag, room, n_group;
-    int no_margin; /* reference labels without a place */
+    int no_margin;   /* reference labels without a place */
+    int unmarked;    /* junctions of the first panel whose marks would hide the curve */
+    char remark[64]; /* of the legend, on them */
 } fep;
 
 /* plot_fep.c. NULL when memory ran out. */
 plot_tag *fep_new_tag(fep *f);
 /* Whether a name was asked for with --label; notes that it was found. */
 bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction);
+
+/* plot_fep_scale.c. Scales that nobody asked for, of the first panel, whose axes have their limits; whether energies
+ * are logarithmic in a window of which nothing else is known. */
+ric_status fep_choose_scales(fep *f);
+bool fep_log_window(const fep_options *options, double lo, double hi);
 
 /* plot_fep_branches.c */
 int fep_choose_parts(fep *f, fep_source *s);

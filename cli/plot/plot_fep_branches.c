@@ -170,8 +170,9 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
             tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->index)
-                         : plot_branch_family(branch) == PLOT_LINEAR ? "#6a6a6a"
-                                                                     : plot_stroke_colour(plot_branch_family(branch));
+                         : plot_branch_family(s->model, branch) == PLOT_LINEAR
+                             ? "#6a6a6a"
+                             : plot_stroke_colour(plot_branch_family(s->model, branch));
             plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
             for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the
                                                                * curve */
@@ -249,7 +250,7 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
     plot_track t = {0};
     ric_status status = make_track(s, branch, part, &t);
     if (status == RIC_OK) {
-        const plot_stroke family = plot_branch_family(branch);
+        const plot_stroke family = plot_branch_family(s->model, branch);
         const unsigned seen = plot_track_draw(f->page, f->panel,
                                               f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : family, &t);
         f->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
@@ -286,7 +287,7 @@ static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *
 
 static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
 {
-    const int family = ((int)plot_branch_family(branch) - PLOT_LINEAR) / 3;
+    const int family = ((int)plot_branch_family(s->model, branch) - PLOT_LINEAR) / 3;
     plot_track t = {0};
     ric_status status = make_track(s, branch, part, &t);
     plot_point *curve = malloc(((size_t)t.n + 1) * sizeof *curve);

@@ -70,7 +70,9 @@ typedef struct {
     plot_point at; /* pixels */
     ric_kind kind;
     double weight;
-    int id;
+    int id, n_branch;
+    const int *branches;
+    bool named, asked, drawn; /* the first two: however crowded its place is */
 } spot;
 
 static int lighter(const void *a, const void *b)
@@ -79,30 +81,58 @@ static int lighter(const void *a, const void *b)
     return s->weight != t->weight ? (s->weight > t->weight) - (s->weight < t->weight) : t->id - s->id;
 }
 
-static bool labelled(fep *f, const fep_source *source, const ric_junction *junction, const spot *s, int rank)
+static bool labelled(fep *f, const spot *s, int rank)
 {
-    const bool named = junction->name && *junction->name;
-    if (fep_label_asked(f, source, "", 0, junction->id)) return true;
+    if (s->asked) return true;
     switch (f->options->labels) {
     case LABELS_NONE:
     case LABELS_ASKED: return false;
-    case LABELS_NAMED: return named;
+    case LABELS_NAMED: return s->named;
     case LABELS_ALL: return true;
     case LABELS_MAIN: break;
     }
     /* As many as a reader can take in: one for a square of 120 pixels. */
     const plot_box box = plot_panel_box(f->panel);
-    return named || (s->weight > 10 && rank < (box.right - box.left) * (box.top - box.bottom) / (120 * 120));
+    return s->named || (s->weight > 10 && rank < (box.right - box.left) * (box.top - box.bottom) / (120 * 120));
 }
 
-static void draw_spots(fep *f, const fep_source *s, int n, const spot *spots)
+static bool share_branch(const spot *s, const spot *t)
 {
-    const double large = 4.4, small = n > 150 ? 2 : 2.8;
-    for (int i = 0; i < n; i++) { /* the heaviest last, on top */
+    for (int i = 0; i < s->n_branch; i++)
+        for (int k = 0; k < t->n_branch; k++)
+            if (s->branches[i] == t->branches[k]) return true;
+    return false;
+}
+
+/* Which marks are drawn: the heaviest first, and no more on any piece of a curve than leave it visible. */
+static int thin_spots(fep *f, int n, spot *spots)
+{
+    enum { NEAR = 24, MOST = 3 }; /* pixels along a curve to either side, marks there */
+    int drawn = 0;
+    for (int i = n - 1; i >= 0; i--) {
+        int near = 0;
+        bool fits = f->options->marks != MARKS_NONE;
+        for (int k = n - 1; k > i && fits && f->options->marks == MARKS_MAIN; k--)
+            if (spots[k].drawn && hypot(spots[i].at.x - spots[k].at.x, spots[i].at.y - spots[k].at.y) < NEAR &&
+                share_branch(&spots[i], &spots[k]))
+                fits = ++near < MOST;
+        spots[i].drawn = fits || spots[i].named || spots[i].asked;
+        drawn += spots[i].drawn;
+    }
+    if (f->panel == f->panels && f->options->marks == MARKS_MAIN) f->unmarked += n - drawn;
+    return drawn;
+}
+
+static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
+{
+    const int drawn = thin_spots(f, n, spots);
+    const double large = 4.4, small = drawn > 150 ? 2 : 2.8;
+    for (int i = 0, rank = drawn; i < n; i++) { /* the heaviest last, on top */
         ric_junction junction;
-        if (ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK) continue;
-        plot_tag *tag = labelled(f, s, &junction, &spots[i], n - 1 - i) ? fep_new_tag(f) : NULL;
-        const double radius = n < 40 || n - 1 - i < 60 ? large : small;
+        if (!spots[i].drawn || ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK) continue;
+        rank--;
+        plot_tag *tag = labelled(f, &spots[i], rank) ? fep_new_tag(f) : NULL;
+        const double radius = drawn < 40 || rank < 60 ? large : small;
         plot_page_mark(f->page, plot_junction_mark(junction.kind), spots[i].at, radius);
         f->kinds[junction.kind] = true;
         if (!tag) continue;
@@ -112,6 +142,13 @@ static void draw_spots(fep *f, const fep_source *s, int n, const spot *spots)
         tag->colour = "#000000";
         plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof tag->text, tag->text);
     }
+}
+
+/* Extrema of the period are on every other picture of no interest: they are drawn where they were asked for. */
+static bool wanted(const fep *f, const spot *s)
+{
+    return s->kind != RIC_KIND_START &&
+           (s->kind != RIC_KIND_PERIOD_EXTREMUM || s->named || s->asked || f->options->marks == MARKS_ALL);
 }
 
 ric_status fep_draw_junctions(fep *f, fep_source *s)
@@ -125,8 +162,17 @@ ric_status fep_draw_junctions(fep *f, fep_source *s)
         status = ric_atlas_junction(s->atlas, id, &junction);
         if (status != RIC_OK) break;
         const plot_point place = junction_place(f, s, &junction);
-        if (junction.kind != RIC_KIND_START && plot_panel_inside(f->panel, place))
-            spots[n++] = (spot){plot_panel_at(f->panel, place), junction.kind, junction_weight(s, &junction), id};
+        if (!plot_panel_inside(f->panel, place)) continue;
+        spots[n] = (spot){plot_panel_at(f->panel, place),
+                          junction.kind,
+                          junction_weight(s, &junction),
+                          id,
+                          junction.n_branch,
+                          junction.branches,
+                          junction.name && *junction.name,
+                          fep_label_asked(f, s, "", 0, id),
+                          false};
+        n += wanted(f, &spots[n]);
     }
     if (status == RIC_OK) {
         qsort(spots, (size_t)n, sizeof *spots, lighter);

@@ -240,11 +240,9 @@ plot_mark plot_junction_mark(ric_kind kind)
     return PLOT_DOT;
 }
 
-plot_stroke plot_branch_family(const ric_branch *branch)
+plot_stroke plot_branch_family(const ric_model *model, const ric_branch *branch)
 {
-    return branch->impacts == 0 && branch->depth == 0 ? PLOT_LINEAR
-           : branch->symmetric                        ? PLOT_SYMMETRIC
-                                                      : PLOT_ASYMMETRIC;
+    return ric_branch_linear(model, branch) ? PLOT_LINEAR : branch->symmetric ? PLOT_SYMMETRIC : PLOT_ASYMMETRIC;
 }
 
 void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out)

@@ -42,7 +42,7 @@ check(len(times) == 6, times) # 0 closing stop, -1, 2, its opening, 1, and the s
 END
 
 # --------------------------------------------------------------------- axes
-ok 'a large picture' draw large fep "$folder/two.ricochet" --size 2400x1680 --labels none
+ok 'a large picture' draw large fep "$folder/two.ricochet" --size 2400x1680 --labels none --linear-frequency
 ok 'has tics and numbers up to the end of its axis' sees large <<'END'
 numbers = {text for x, y, text, size in p.texts if x < 64}
 tics = [line for line in p.lines["axes"] if line[0][0] == 64 and line[0][1] == line[1][1] and abs(line[1][0] - 64) < 10]
@@ -71,5 +71,38 @@ texts = [t[2] for t in p.texts]
 check({"C_21?", "21?", "(7)", "3(8)", "Free text [x]", "S_6 minimum"} <= set(texts)
       and not any(t in text for text in texts for t in ("C21?", "C77", "S2(", "S2^", "\\")), texts)
 END
+
+# --------------------------------------------------- the picture by itself
+# Of the two masses one branch goes up to 10 rad/s, all others lie below 2.2.
+ok 'a picture without any option' draw plain fep "$folder/two.ricochet"
+ok 'shows all branches, and says which scales it chose' sees plain <<'END'
+curves = [point for name in p.lines if name.endswith(("stable", "unstable")) for line in p.lines[name] for point in line if point[1] < 610]
+low = sum(y > 210 for x, y in curves) / len(curves) # the part below the break
+titles = {t[2] for t in p.texts}
+check(any(t.startswith("frequency ω (rad/s), logarithmic above 1.") for t in titles) and "scaled energy E, logarithmic" in titles and low > 0.6,
+      titles, low)
+END
+draw linear fep "$folder/two.ricochet" --linear-frequency --log
+ok 'scales that were asked for are not told' sees linear <<'END'
+check(p.has("frequency ω (rad/s)") and p.has("scaled energy E") and p.has("10.0"), p.texts)
+END
+ok 'energies that begin at zero' draw zero fep "$folder/two.ricochet" --energy 0:5
+ok 'are on a linear axis' sees zero <<'END'
+check(p.has("scaled energy E") and p.has("0"), p.texts)
+END
+atlas base examples/fractal-base/study.yaml
+draw crowd fep "$folder/base.ricochet" --labels none
+cp "$folder/message" "$folder/crowded"
+draw whole fep "$folder/base.ricochet" --labels none --marks all
+draw bare fep "$folder/base.ricochet" --labels none --marks none
+marks() { grep -c '<polygon' "$folder/$1.svg"; }
+count() { # COUNT in the legend and in the message
+    local told
+    told=$(sed -n 's/^ricochet: \([0-9]*\) junctions are not marked.*/\1/p' "$folder/crowded")
+    echo "$told told"
+    [ -n "$told" ] && grep -q ">$told more junctions not marked<" "$folder/crowd.svg"
+}
+ok 'junctions that would hide their curve are counted in the legend' count
+ok 'few marks, all, or none' sh -c 'echo "$@"; test "$1" -lt "$2" && test "$3" -eq 0' sh "$(marks crowd)" "$(marks whole)" "$(marks bare)"
 
 finish

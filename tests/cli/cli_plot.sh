@@ -142,15 +142,18 @@ leaves_nothing 2 plot fep "$ATLAS" -o empty/a.jpeg
 leaves_nothing 2 plot fep "$ATLAS" -o empty
 leaves_nothing 2 plot fep "$ATLAS" --nonsense -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --energy 2:1 -o empty/a.svg
-leaves_nothing 2 plot fep "$ATLAS" --energy 0:1 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --log --energy 0:1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --frequency x:y -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --break 1e9 -o empty/a.svg
-leaves_nothing 2 plot fep "$ATLAS" --zoom 0:1,0:1 -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --log --zoom 0:1,0:1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --break 2 --log-frequency -o empty/a.svg
 leaves_nothing 2 plot curves "$ATLAS" --x energy --y x1 --window 1:2 -o empty/a.svg
 leaves_nothing 2 plot orbits "$ATLAS" -o empty/a.svg
 leaves_nothing 2 plot sheet "$ATLAS" --segment 1 --orbits 1 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --labels some -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --marks some -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --log --linear -o empty/a.svg
+leaves_nothing 2 plot fep "$ATLAS" --linear-frequency --break 2 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --duplicates 0 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --size 10x10 -o empty/a.svg
 leaves_nothing 2 plot fep "$ATLAS" --size big -o empty/a.svg
