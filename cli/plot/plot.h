@@ -201,15 +201,16 @@ plot_stroke plot_branch_family(const ric_model *model, const ric_branch *branch)
 /* Mixed text for the k-duplicate of a branch: label in the article's notation. */
 void plot_branch_title(const ric_branch *branch, int k, size_t size, char *out);
 
-/* ------------------------------------------------- branches (plot_curves.c) */
+/* -------------------------------------------------- branches (plot_track.c) */
 
 /* A branch on the way to the page: points with their stability, and junctions between them. */
 enum { PLOT_JOINT = -1 };
 typedef struct {
     plot_point at;
     double arclength;
-    int stable; /* ric_stability, or PLOT_JOINT: a junction, which leaves that to its neighbours */
-    bool gap;   /* nothing is drawn from here to the next one */
+    int stable;  /* ric_stability, or PLOT_JOINT: a junction, which leaves that to its neighbours */
+    bool gap;    /* nothing is drawn from here to the next one */
+    bool stored; /* a point of the branch: no junction on the way, no place between points */
 } plot_knot;
 typedef struct {
     int n, room;
@@ -217,6 +218,8 @@ typedef struct {
 } plot_track;
 
 bool plot_track_add(plot_track *track, plot_point at, double arclength, int stable);
+/* A junction on the way. */
+bool plot_track_join(plot_track *track, plot_point at, double arclength);
 /* The knot that was added last is the last one before a gap. */
 void plot_track_gap(plot_track *track);
 void plot_track_free(plot_track *track);
@@ -224,6 +227,9 @@ void plot_track_free(plot_track *track);
 int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);
 /* By arclength, where joints were added after the points. */
 void plot_track_sort(plot_track *track);
+/* Adds places between the knots, as many as it takes for the curve to look like one in this panel. For quantities that
+ * depend smoothly on the arclength. False when memory ran out. */
+bool plot_track_smooth(const plot_panel *panel, plot_track *track);
 /* Runs of equal stability, each in its style; they change at a joint if there is one. Returns the set of stabilities
  * seen, 1 << ric_stability. */
 unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *track);

@@ -341,11 +341,12 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b)
     return true;
 }
 
-/* Drops points that lie within a twelfth of a pixel of the line through their neighbours: a cone of directions from the
- * last kept point narrows with every point passed over. In place; returns how many are left. */
+/* Drops points that lie within a fortieth of a pixel, a tenth where a picture is seen four times as large, of the line
+ * through their neighbours: a cone of directions from the last kept point narrows with every point passed over. In
+ * place; returns how many are left. */
 static int thin_line(int n, plot_point *p)
 {
-    const double tolerance = 1. / 12;
+    const double tolerance = 1. / 40;
     int kept = n > 0;
     double middle = 0, low = -4, high = 4, reach = 0;
     bool open = false;

@@ -1,5 +1,4 @@
-/* Unknowns of branches against each other, and multipliers along a branch; and the drawing of a branch by its
- * stability. */
+/* Unknowns of branches against each other, and multipliers along a branch. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -11,100 +10,6 @@
 #include "plot.h"
 
 static const double type = 12, pi = 3.14159265358979323846;
-
-/* ------------------------------------------------------------------- tracks */
-
-bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
-{
-    if (t->n == t->room) {
-        const int room = t->room ? 2 * t->room : 256;
-        plot_knot *knots = realloc(t->knots, (size_t)room * sizeof *knots);
-        if (!knots) return false;
-        t->knots = knots;
-        t->room = room;
-    }
-    t->knots[t->n++] = (plot_knot){at, arclength, stable, false};
-    return true;
-}
-
-void plot_track_gap(plot_track *t)
-{
-    if (t->n > 0) t->knots[t->n - 1].gap = true;
-}
-
-void plot_track_free(plot_track *t)
-{
-    free(t->knots);
-    *t = (plot_track){0};
-}
-
-static int by_arclength(const void *a, const void *b)
-{
-    const plot_knot *s = a, *t = b;
-    if (s->arclength != t->arclength) return (s->arclength > t->arclength) - (s->arclength < t->arclength);
-    return (s->stable == PLOT_JOINT) - (t->stable == PLOT_JOINT);
-}
-
-int plot_point_stability(const ric_branch *branch, int i, const ric_point *point)
-{
-    const int stable = point->stable >= 0 && point->stable <= 2 ? point->stable : RIC_STABLE_UNDECIDED;
-    return stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, point) ? PLOT_JOINT : stable;
-}
-
-void plot_track_sort(plot_track *t)
-{
-    if (t->n > 0) qsort(t->knots, (size_t)t->n, sizeof *t->knots, by_arclength);
-}
-
-/* Where stability changes on the way to knot i: the first junction since the last point, else half way. Returns the
- * knot that the new run starts with, after setting *middle. */
-static int change_before(const plot_track *t, int i, plot_point *middle)
-{
-    int first = i;
-    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT && !t->knots[first - 1].gap) first--;
-    if (first < i) {
-        *middle = t->knots[first].at;
-        return first + 1;
-    }
-    const plot_point a = t->knots[i - 1].at, b = t->knots[i].at;
-    *middle = (plot_point){(a.x + b.x) / 2, (a.y + b.y) / 2};
-    return i;
-}
-
-unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *t)
-{
-    plot_point *run = malloc(((size_t)t->n + 2) * sizeof *run);
-    unsigned seen = 0;
-    int n = 0, present = RIC_STABLE_UNDECIDED, i = 0;
-    for (int k = 0; k < t->n; k++)
-        if (t->knots[k].stable != PLOT_JOINT) {
-            present = t->knots[k].stable;
-            break;
-        }
-    for (; run && i < t->n; i++) {
-        const plot_knot *knot = &t->knots[i];
-        if (n == 0 && knot->stable != PLOT_JOINT) present = knot->stable;
-        if (knot->stable != PLOT_JOINT && knot->stable != present) {
-            plot_point middle;
-            const int start = change_before(t, i, &middle);
-            n -= i - start; /* joints behind the change belong to the new run */
-            if (start == i) run[n++] = middle;
-            plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
-            run[0] = middle;
-            n = 1;
-            for (int k = start; k < i; k++) run[n++] = t->knots[k].at;
-            present = knot->stable;
-        }
-        run[n++] = knot->at;
-        if (plot_panel_inside(panel, knot->at)) seen |= 1u << present;
-        if (!knot->gap) continue;
-        plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
-        n = 0;
-    }
-    if (run && n > 0) plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
-    free(run);
-    return seen;
-}
 
 /* --------------------------------------------------------------- quantities */
 
@@ -165,6 +70,13 @@ static bool find_quantity(const char *name, const char *what, int n_dof, quantit
     cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what,
               name);
     return false;
+}
+
+/* Whether it is a smooth function of the arclength: the largest gap and the least speed have corners, a rotation number
+ * ends with the slope of a root. */
+static bool smooth(const quantity *q)
+{
+    return q->kind != REACH && q->kind != APPROACH && q->kind != ROTATION;
 }
 
 static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof, const ric_point *p,
@@ -306,6 +218,7 @@ static ric_status draw_curves(curves *c)
         const ric_status status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
         if (status != RIC_OK) return status;
         const plot_stroke family = plot_branch_family(ric_atlas_model(c->atlas), &branch);
+        if (smooth(&c->x) && smooth(&c->y) && !plot_track_smooth(&c->panel, &c->tracks[i])) return RIC_E_NOMEM;
         const unsigned seen = plot_track_draw(c->page, &c->panel, family, &c->tracks[i]);
         c->stability |= seen;
         c->family[(family - PLOT_LINEAR) / 3] |= seen != 0;

@@ -222,7 +222,7 @@ static ric_status add_joints(const fep_source *s, const ric_branch *branch, cons
         if (status != RIC_OK) return status;
         if (branch->junction_at[i] < part->lo || branch->junction_at[i] > part->hi) continue;
         const double frequency = junction.frequency * ric_junction_level(&junction, branch);
-        if (!plot_track_add(t, (plot_point){junction.energy, frequency / part->k}, branch->junction_at[i], PLOT_JOINT))
+        if (!plot_track_join(t, (plot_point){junction.energy, frequency / part->k}, branch->junction_at[i]))
             return RIC_E_NOMEM;
     }
     plot_track_sort(t);
@@ -230,7 +230,8 @@ static ric_status add_joints(const fep_source *s, const ric_branch *branch, cons
 }
 
 /* A part with its joints. */
-static ric_status make_track(const fep_source *s, const ric_branch *branch, const fep_part *part, plot_track *t)
+static ric_status make_track(const fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part,
+                             plot_track *t)
 {
     for (int i = 0; i < branch->n_point; i++) {
         ric_point p;
@@ -242,13 +243,14 @@ static ric_status make_track(const fep_source *s, const ric_branch *branch, cons
             return RIC_E_NOMEM;
         if (ric_branch_steps_over(s->atlas, branch->id, i)) plot_track_gap(t);
     }
-    return add_joints(s, branch, part, t);
+    const ric_status status = add_joints(s, branch, part, t);
+    return status == RIC_OK && !plot_track_smooth(f->panel, t) ? RIC_E_NOMEM : status;
 }
 
 static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
 {
     plot_track t = {0};
-    ric_status status = make_track(s, branch, part, &t);
+    ric_status status = make_track(f, s, branch, part, &t);
     if (status == RIC_OK) {
         const plot_stroke family = plot_branch_family(s->model, branch);
         const unsigned seen = plot_track_draw(f->page, f->panel,
@@ -289,7 +291,7 @@ static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch
 {
     const int family = ((int)plot_branch_family(s->model, branch) - PLOT_LINEAR) / 3;
     plot_track t = {0};
-    ric_status status = make_track(s, branch, part, &t);
+    ric_status status = make_track(f, s, branch, part, &t);
     plot_point *curve = malloc(((size_t)t.n + 1) * sizeof *curve);
     bool inside = false;
     for (int i = 0; curve && i < t.n; i++) {

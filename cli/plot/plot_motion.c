@@ -232,7 +232,7 @@ static bool find_touches(plot_motion *o, const modal *m, int contact, double beg
 static bool sample_flight(plot_motion *o, const modal *m, double begin, double length, double *work)
 {
     const double turns = m->omega[m->n - 1] * length / (2 * pi);
-    const int n = (int)fmax(48, fmin(4000, 32 * turns));
+    const int n = (int)fmax(400, fmin(4000, 96 * turns)); /* a loop of a portrait has no corners that are seen */
     for (int i = 0; i <= n; i++) {
         modal_at(m, length * i / n, work);
         if (!add_row(o, begin + length * i / n, work)) return false;

@@ -1,5 +1,5 @@
-/* Makes gnuplot's SVG smaller: pictures are kept in repositories and pages. Coordinates keep one decimal, a tenth of a
- * pixel, runs of blanks become one, and groups without content go. */
+/* Makes gnuplot's SVG smaller: pictures are kept in repositories and pages. Coordinates keep two decimals, so that
+ * curves stay smooth when they are magnified, runs of blanks become one, and groups without content go. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -17,8 +17,8 @@ static const char *coordinates(const char *c, FILE *out)
         char *end;
         const double value = *c == '-' || isdigit((unsigned char)*c) ? strtod(c, &end) : 0;
         if (*c == '-' || isdigit((unsigned char)*c)) {
-            const double rounded = round(10 * value) / 10;
-            fprintf(out, rounded == floor(rounded) ? "%.0f" : "%.1f", rounded == 0 ? 0 : rounded);
+            const double rounded = round(100 * value) / 100;
+            fprintf(out, "%.9g", rounded == 0 ? 0 : rounded);
             c = end > c ? end : c + 1;
         } else if (isspace((unsigned char)*c)) {
             c += strspn(c, " \t\r\n");

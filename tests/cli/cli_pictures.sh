@@ -105,4 +105,57 @@ count() { # COUNT in the legend and in the message
 ok 'junctions that would hide their curve are counted in the legend' count
 ok 'few marks, all, or none' sh -c 'echo "$@"; test "$1" -lt "$2" && test "$3" -eq 0' sh "$(marks crowd)" "$(marks whole)" "$(marks bare)"
 
+# ------------------------------------------------------- curves, not chords
+# Energies and frequencies between stored points are solved anew, and looked for on the curve that is drawn.
+close_curve() { # LABEL E0:E1 F0:F1
+    "$ricochet" plot fep "$folder/two.ricochet" --branch "$1" --energy "$2" --frequency "$3" --linear --linear-frequency --labels none \
+        --marks none -o "$folder/curve.svg" || return 1
+    python3 - "$ricochet" "$folder" "$1" "$2" "$3" <<'END'
+import json, subprocess, sys
+from math import hypot
+from picture import *
+program, folder, label, energies, frequencies = sys.argv[1:]
+ask = lambda *words: json.loads(subprocess.run([program, words[0], folder + "/two.ricochet", *words[1:], "--json"], capture_output=True, check=True).stdout)
+branch = str(next(b["id"] for b in ask("branches") if b["label"] == label))
+points = ask("points", "--branch", branch)
+p = Picture(folder + "/curve.svg")
+frame = p.lines["axes"][0]
+def scale(text, value, low, high):
+    a, b = map(float, text.split(":"))
+    return low + (high - low) * (value - a) / (b - a)
+place = lambda e, f: (scale(energies, e, frame[0][0], frame[1][0]), scale(frequencies, f, frame[0][1], frame[2][1]))
+pieces = [piece for name in p.lines if name.endswith(("stable", "undecided")) for line in p.lines[name] if line[0][1] <= frame[0][1]
+          for piece in zip(line, line[1:])]
+def distance(q, piece):
+    (ax, ay), (bx, by) = piece
+    length = (bx - ax) ** 2 + (by - ay) ** 2
+    t = min(1, max(0, ((q[0] - ax) * (bx - ax) + (q[1] - ay) * (by - ay)) / length)) if length else 0
+    return hypot(q[0] - ax - t * (bx - ax), q[1] - ay - t * (by - ay))
+worst = tried = 0
+for a, b in zip(points, points[1:]):
+    p0, p1 = place(a["energy"], a["frequency"]), place(b["energy"], b["frequency"])
+    across = abs(p1[0] - p0[0]) > abs(p1[1] - p0[1])
+    if hypot(p1[0] - p0[0], p1[1] - p0[1]) < 4:
+        continue
+    middle = (["--energy", repr((a["energy"] + b["energy"]) / 2)] if across else ["--frequency", repr((a["frequency"] + b["frequency"]) / 2)])
+    for orbit in ask("orbit", "--branch", branch, *middle):
+        at = place(orbit["energy"], orbit["frequency"])
+        if frame[0][0] < at[0] < frame[1][0] and frame[2][1] < at[1] < frame[0][1]:
+            tried += 1
+            worst = max(worst, min(distance(at, piece) for piece in pieces))
+print(tried, "orbits, at most", worst, "pixels beside the curve")
+check(tried > 5 and worst < 0.1)
+END
+}
+ok 'orbits between stored points lie on the curve' close_curve 'A4[0101]' 27:82 1.66:1.683
+ok 'around a fold, too' close_curve 'S2-[01]' 1.8:3 2.1:3.4
+ok 'an orbit with round portraits' draw round orbit "$folder/mixed.ricochet" --branch 3 --energy 20
+ok 'has no corner in them that is seen' sees round <<'END'
+from math import atan2, pi, remainder
+# the loop of the second mass: one closed line in the lower right panel
+loop = max((line for line in p.lines["first"] if min(q[0] for q in line) > 680 and min(q[1] for q in line) > 320), key=len)
+turns = [abs(remainder(atan2(c[1] - b[1], c[0] - b[0]) - atan2(b[1] - a[1], b[0] - a[0]), 2 * pi)) for a, b, c in zip(loop, loop[1:], loop[2:])]
+check(max(turns) < 0.06, len(loop), max(turns))
+END
+
 finish

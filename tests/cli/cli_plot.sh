@@ -170,7 +170,7 @@ leaves_nothing 2 plot floquet "$ATLAS" -o empty/a.svg
 
 # What is in a picture.
 shows() { grep -q ">$2</tspan>" "$work/$1"; }
-"$RICOCHET" plot fep "$ATLAS" --branch 'S2+[01]' --energy 1.2:4 --frequency 1.28:1.48 --size 900x560 -o part.svg
+"$RICOCHET" plot fep "$ATLAS" --branch 'S2+[01]' --energy 1.2:4 --log --frequency 1.28:1.48 --size 900x560 -o part.svg
 shows part.svg 1.5 && shows part.svg 2.5
 note "less than a decade has labels between whole numbers" $?
 shows part.svg 'thin: unstable' && ! grep -q undecided part.svg
