@@ -1,7 +1,7 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
  * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, ghosts and cascades
- * on request, explore, verify, hunt, version.
+ * on request, explore, verify, section, hunt, version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by
  * d^2, times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -710,6 +710,60 @@ ric_status ric_prover_point(ric_prover *prover, int branch, int i, ric_proof *ou
 /* The last point as a line of JSON, "" if it was not proved; and the structure. Borrowed until the next call. */
 const char *ric_prover_certificate(const ric_prover *prover);
 const char *ric_prover_model(const ric_prover *prover);
+
+/* ----------------------------------------------------------------- section */
+
+/* The map from impact to impact at one energy (docs/sections.md): places on the section, where a motion is right after
+ * an impact, closes a bilinear spring, or passes a spring of law power at s = 0, with the finite-time Lyapunov exponent
+ * and, of two seen modes, the rotation number of each motion. Restitution 1. */
+typedef struct ric_section ric_section;
+
+typedef struct {
+    double energy; /* scaled */
+    int starts;    /* a fixed sequence that fills the section evenly; fewer with one mode, which has one per face */
+    long impacts;  /* of each start, the one that it begins with among them */
+    int workers;   /* threads; the answer does not depend on it */
+    bool rows;     /* keep the impacts, not only what is said of each start */
+    int n_given;   /* 0; else starts at these states, x then v, [n_given * 2 n_dof]; read by ric_section_create */
+    const double *given;
+    double radius; /* of the part of the section about the given states that starts are spread over, of the whole; 0:
+                    * the given states themselves */
+    bool (*progress)(double part, void *user); /* NULL, or called now and then, by any thread but one at a time; return
+                                                * true to stop */
+    void *user;
+} ric_section_options;
+
+void ric_section_options_init(ric_section_options *options);
+/* The model has to stay. RIC_E_INPUT: no motion of this energy meets a contact, or the call makes no sense. */
+ric_status ric_section_create(const ric_model *model, const ric_section_options *options, ric_section **out);
+void ric_section_free(ric_section *section);
+/* Follows all starts. RIC_E_INTERRUPTED when progress asked to stop: what was done is kept. Once. */
+ric_status ric_section_run(ric_section *section);
+
+/* What came of a start. */
+typedef struct {
+    int face;                        /* that it begins on */
+    long impacts;                    /* rows */
+    double time;                     /* seconds, of the last one */
+    double rotation, rotation_error; /* mean turns of neighbours per impact, in [0, 1): on an orbit of N impacts
+                                      * N rotation = +-gamma mod 1; NaN where neighbours part exponentially, and
+                                      * unless two modes are seen */
+    double lyapunov, lyapunov_error; /* per second */
+    double energy_error;             /* relative, the largest of those looked at */
+    char why[160];                   /* why it ended before its time, "" */
+} ric_section_track;
+
+int ric_section_n_start(const ric_section *section);
+ric_status ric_section_track_at(const ric_section *section, int start, ric_section_track *out);
+/* Impact from 0 of a start: its time in seconds, face, and the state x, v [n_dof each] right after it. Under a power
+ * law faces are 2 f where the gap coordinate of contact f rises through 0, 2 f + 1 where it falls. */
+ric_status ric_section_impact(const ric_section *section, int start, long impact, double *time, int *face, double *x,
+                              double *v);
+/* Coordinates of a state on a face, [2 (modes - 1)]: displacements, then momenta along it, in a ball of radius 1 whose
+ * volume the map preserves. */
+ric_status ric_section_place(const ric_section *section, int face, const double *x, const double *v, double *place);
+/* The face that x -> -x makes of a face; -1: none. */
+int ric_section_image(const ric_section *section, int face);
 
 /* -------------------------------------------------------------------- hunt */
 
