@@ -89,12 +89,27 @@ static int explain(const char *word)
                      guess.known ? "'" : "");
 }
 
+/* `help plot fep`: what belongs to one picture of a command. */
+static int explain_picture(int argc, char **argv)
+{
+    const cli_command *command = NULL;
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        if (!strcmp(argv[1], (*c)->name) && cli_has_pictures(*c)) command = *c;
+    if (!command) return cli_operands(&cli_help, argc, argv, 1) ? CLI_DONE : CLI_WRONG;
+    const char *picture = cli_find_picture(command, 2, argv + 1);
+    if (!picture)
+        return cli_wrong("help: %s has no picture '%s'; `ricochet help %s` lists them", argv[1], argv[2], argv[1]);
+    cli_print_picture_help(command, picture);
+    return CLI_DONE;
+}
+
 static int run(int argc, char **argv)
 {
     if (argc == 1) {
         cli_print_program_help(stdout);
         return CLI_DONE;
     }
+    if (argc == 3) return explain_picture(argc, argv);
     if (!cli_operands(&cli_help, argc, argv, 1)) return CLI_WRONG;
     if (strcmp(argv[1], "glossary") != 0) return explain(argv[1]);
     put_glossary();
@@ -104,6 +119,7 @@ static int run(int argc, char **argv)
 static const cli_item items[] = {
     {.text = "Without anything behind it the commands; behind a command what that does, its options and an example; "
              "behind a word of the glossary what it means."},
+    {.name = "PICTURE", .text = "behind `plot`: what belongs to that picture"},
     {.name = "glossary", .text = "all words that lists, pictures and messages use"},
     {0},
 };
@@ -111,9 +127,10 @@ static const cli_item items[] = {
 const cli_command cli_help = {
     .name = "help",
     .summary = "what a command does, or what a word means",
-    .usage = "ricochet help [COMMAND | WORD | glossary]\n",
+    .usage = "ricochet help [COMMAND | plot PICTURE | WORD | glossary]\n",
     .items = items,
     .example = "ricochet help run\n"
+               "ricochet help plot fep\n"
                "ricochet help departure\n",
     .run = run,
 };

@@ -75,6 +75,10 @@ void cli_nearest(cli_guess *guess, const char *known);
 
 enum { CLI_USAGE_INDENT = 7 }; /* of "usage: " */
 void cli_print_help(const cli_command *command);
+/* Of one of its pictures only; NULL: of all. */
+void cli_print_picture_help(const cli_command *command, const char *picture);
+/* The picture that is asked for: the first of these words that is the name of one, NULL if none is. */
+const char *cli_find_picture(const cli_command *command, int argc, char **argv);
 void cli_print_program_help(FILE *out);
 /* The usage to stderr, after a message. */
 void cli_say_usage(const cli_command *command);

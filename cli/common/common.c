@@ -225,8 +225,7 @@ static const cli_item *find_option(const cli_command *command, const char *pictu
     return NULL;
 }
 
-/* The picture that is asked for: the first word that is the name of one. */
-static const char *find_picture(const cli_command *command, int argc, char **argv)
+const char *cli_find_picture(const cli_command *command, int argc, char **argv)
 {
     for (int i = 1; i < argc; i++)
         for (const cli_item *item = command->items; item->text; item++)
@@ -250,7 +249,7 @@ static void say_unknown(const cli_command *command, const char *picture, const c
 
 bool cli_know_options(const cli_command *command, int argc, char **argv)
 {
-    const char *picture = find_picture(command, argc, argv);
+    const char *picture = cli_find_picture(command, argc, argv);
     for (int i = 1; i < argc; i++) {
         if (!is_option(argv[i])) continue;
         const cli_item *item = find_option(command, picture, argv[i]);

@@ -102,19 +102,48 @@ static void print_item(const cli_item *item, int width)
     cli_print_wrapped(item->text, indent, indent, WIDTH);
 }
 
-void cli_print_help(const cli_command *command)
+/* Whether an item is of use to who draws this picture: its own, or one for all. NULL: the help of all pictures. */
+static bool belongs(const cli_command *command, const cli_item *item, const char *picture)
+{
+    const char *of = picture_of(command, item);
+    return !picture || !strcmp(of, picture) || !strcmp(of, "all") || !strcmp(of, "names");
+}
+
+/* The lines of a usage that draw one picture, and what is said of each. */
+static void print_picture_usage(const cli_command *command, const char *picture)
+{
+    bool shown = false, begun = false;
+    const size_t name = strlen("ricochet ") + strlen(command->name) + 1, length = strlen(picture);
+    for (const char *line = command->usage; *line; line += strcspn(line, "\n") + 1) {
+        const bool calls = !strncmp(line, "ricochet ", 9);
+        if (*line != ' ') shown = !calls || (!strncmp(line + name, picture, length) && line[name + length] == ' ');
+        if (!shown) continue;
+        const char *head = calls && !begun ? "usage: " : calls ? "       " : "";
+        printf("%s%.*s\n", head, (int)strcspn(line, "\n"), line);
+        begun = true;
+    }
+}
+
+void cli_print_picture_help(const cli_command *command, const char *picture)
 {
     const int width = names_width(command);
-    print_lines(stdout, "usage: ", command->usage);
+    if (picture) print_picture_usage(command, picture);
+    else print_lines(stdout, "usage: ", command->usage);
     for (const cli_item *item = command->items; item->text; item++) {
         const bool opens = item == command->items || !item->name != !item[-1].name || item->picture ||
                            (!item[-1].picture && cli_is_option_item(item) != cli_is_option_item(item - 1));
+        if (!belongs(command, item, picture)) continue;
         if (opens || !item->name) putchar('\n');
         if (item->name) print_item(item, width);
         else cli_print_wrapped(item->text, 0, 0, WIDTH);
     }
     putchar('\n');
     print_lines(stdout, "example: ", command->example);
+}
+
+void cli_print_help(const cli_command *command)
+{
+    cli_print_picture_help(command, NULL);
 }
 
 void cli_say_usage(const cli_command *command)

@@ -100,7 +100,7 @@ static int print_made(int argc, char **argv)
 static int run_command(const cli_command *command, int argc, char **argv)
 {
     if (asks_for_help(argc, argv)) {
-        cli_print_help(command);
+        cli_print_picture_help(command, cli_find_picture(command, argc, argv));
         return CLI_DONE;
     }
     if (!cli_know_options(command, argc, argv)) return CLI_WRONG;

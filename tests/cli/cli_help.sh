@@ -14,6 +14,12 @@ same_text() { diff <("$ricochet" help "$1") <("$ricochet" "$1" --help); }
 
 ok 'help lists the commands' said 0 '^  branches ' help
 ok 'help of a command' same_text run
+ok 'help of a picture' said 0 '^usage: ricochet plot fep ATLAS' help plot fep
+lacks() { ! grep -q -e "$1" "$folder/said"; }
+ok 'and of no other' lacks '--circle\|ricochet plot strobe'
+ok 'the same behind the picture' diff "$folder/said" <("$ricochet" plot fep --help)
+ok 'a picture that is none' said 2 "plot has no picture 'fop'" help plot fop
+ok 'a picture of a command without' said 2 "'fep' is one argument too many" help run fep
 ok 'help of a word' said 0 '^departure  *a branch that may leave' help departure
 ok 'help of several words' said 0 '^branch point ' help 'branch point'
 ok 'help of nothing known' said 2 "did you mean 'junctions'" help juntcions
