@@ -284,8 +284,8 @@ static int run(int argc, char **argv)
     facts f = {0};
     int code;
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1)) return CLI_WRONG;
-    ric_status status = ric_study_read(argv[1], &study);
-    if (!status) status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
+    if ((code = cli_read_study(argv[1], &study))) return code;
+    const ric_status status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
     code = cli_report(status);
     if (!status && format == CLI_TEXT) code = cli_report(print_text(&f, study));
     else if (!status) code = print_rows(&f, study, format);
@@ -302,6 +302,8 @@ static const cli_item items[] = {
              "reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's values "
              "are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy and "
              "window_frequency."},
+    {.name = "STUDY",
+     .text = "a file, or - for standard input; files that it names are then looked for from the folder of the call"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -310,8 +312,9 @@ static const cli_item items[] = {
 const cli_command cli_check = {
     .name = "check",
     .summary = "show what a study's model is: frequencies, modal normals, first touches",
-    .usage = "ricochet check STUDY [--json | --csv]\n",
+    .usage = "ricochet check STUDY|- [--json | --csv]\n",
     .items = items,
-    .example = "ricochet check examples/elementary/study.yaml\n",
+    .example = "ricochet check examples/elementary/study.yaml\n"
+               "ricochet check - <examples/elementary/study.yaml\n",
     .run = run,
 };

@@ -19,6 +19,8 @@
 /* SHARE: a run lasts at least so many times as long as it takes to come to something new: one that was stopped again
  * and again on the way there would never end */
 #define SHARE 1.25
+#define FIRST_LINE 3.0  /* seconds until a run that nobody watches on a terminal says how far it is, into its log */
+#define LATER_LINE 60.0 /* and at most between such lines: each comes when as much time has passed again */
 
 const ric_remote *cli_run_remote = NULL;
 
@@ -29,26 +31,50 @@ typedef struct {
     double seconds;      /* given for the run; HUGE_VAL: any */
     double news;         /* seconds until the run came to something that an earlier one had not done; 0: not yet */
     struct timespec start, shown;
+    double logged; /* seconds at the last line of a log */
+    int most;      /* departures of the round at work; `open` of them are left */
+    int depth;     /* that the study allows, 0: any */
     ric_progress last;
     const ric_atlas *before; /* what was in the file; NULL: nothing */
     bool quiet, json;        /* nothing in words; the report in JSON */
-    long workers;
-    bool same, kept; /* it is of the same study; its tables were left as they are */
+    long workers;            /* 0: not given, so one */
+    bool same, kept;         /* it is of the same study; its tables were left as they are */
 } display;
+
+/* How far the run is. Departures make new ones, so that their share is that of the round at work: those that were open
+ * when it began, all of one depth. */
+static void say_progress(const display *d, double passed)
+{
+    const ric_progress *now = &d->last;
+    cli_say("%d branches, %d junctions, ", now->branches, now->junctions);
+    if (now->labels) cli_say("%d labels left, ", now->labels);
+    else {
+        cli_say("depth %d", now->depth);
+        if (d->depth) cli_say(" of %d", d->depth);
+        if (d->most > 0)
+            cli_say(": %d of %d departures (%.0f %%)", d->most - now->open, d->most,
+                    100.0 * (d->most - now->open) / d->most);
+        cli_say(", %.0f steps/s, ", passed > 0 ? now->fresh / passed : 0);
+    }
+    cli_say("%ld at a time, %.0f s", d->workers ? d->workers : 1, now->seconds);
+    fflush(stderr);
+}
 
 static bool show_progress(const ric_progress *now, void *user)
 {
     display *d = user;
     const double passed = cli_seconds_since(&d->start);
+    if (now->depth != d->last.depth || now->open > d->last.open) d->most = now->open;
     d->last = *now;
     if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%d branches, %d junctions, ", now->branches, now->junctions);
-        if (now->labels) cli_say("%d labels left, %.0f s", now->labels, now->seconds);
-        else
-            cli_say("%d open departures, depth %d, %.0f s, %.0f steps/s, %ld at a time", now->open, now->depth,
-                    now->seconds, passed > 0 ? now->fresh / passed : 0, d->workers);
-        fflush(stderr);
+        fputs("\r\033[K", stderr);
+        say_progress(d, passed);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
+    } else if (!d->terminal && !d->quiet && passed > d->logged + fmin(fmax(d->logged, FIRST_LINE), LATER_LINE)) {
+        fputs("ricochet: ", stderr);
+        say_progress(d, passed);
+        fputc('\n', stderr);
+        d->logged = passed;
     }
     if (now->fresh && d->news == 0) d->news = passed;
     d->over = now->fresh && passed > fmax(d->seconds, SHARE * d->news);
@@ -118,8 +144,9 @@ static void print_report(const json_t *rows)
                  incomplete);
 }
 
-/* What `ricochet report` says of the file, from what was written there. */
-static int print_summary(const char *path, const ric_atlas *atlas, const display *d)
+/* What `ricochet report` says of the file, from what was written there. An atlas that is not finished is no reason to
+ * say why it lacks something. */
+static int print_summary(const char *path, const ric_atlas *atlas, const display *d, bool stopped)
 {
     if (d->quiet && !d->json) return CLI_DONE;
     json_t *rows = json_array();
@@ -135,7 +162,7 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
                  ric_atlas_n_junction(atlas), cli_seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory()) status = RIC_E_NOMEM;
         if (!status) print_report(rows);
-        if (!status) status = cli_windows_tell(atlas);
+        if (!status && !stopped) status = cli_windows_tell(atlas);
     }
     json_decref(rows);
     return status ? cli_report(status) : CLI_DONE;
@@ -213,9 +240,12 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
     }
 }
 
-/* What is left, and how to go on. */
+/* The report of what was found so far, what is left, and how to go on. */
 static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas, const display *d)
 {
+    const int report = d->kept ? CLI_DONE : print_summary(path, atlas, d, true);
+    if (report) return report;
+    fflush(stdout);
     if (d->over) cli_say("ricochet: the %g s given are over\n", d->seconds);
     if (d->kept) cli_say("ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
     else
@@ -235,8 +265,9 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
 static int explore(const ric_study *study, const char *name, const char *path, display d)
 {
     d.terminal = isatty(STDERR_FILENO) && !d.quiet;
+    d.depth = ric_study_options(study)->depth;
     clock_gettime(CLOCK_MONOTONIC, &d.start);
-    const ric_run_options options = {.workers = (int)d.workers, .progress = show_progress, .user = &d};
+    const ric_run_options options = {.workers = d.workers ? (int)d.workers : 1, .progress = show_progress, .user = &d};
     const ric_explore_more more = {.crew = cli_run_remote, .worth = worth, .user = &d};
     ric_atlas *before = NULL, *atlas = NULL;
     if (!access(path, F_OK) && ric_atlas_read(path, &before))
@@ -253,8 +284,9 @@ static int explore(const ric_study *study, const char *name, const char *path, d
     ric_atlas_free(before);
     const int code = status == RIC_E_INTERRUPTED ? tell_stopped(path, name, atlas, &d)
                      : status                    ? cli_report(status)
-                                                 : print_summary(path, atlas, &d);
+                                                 : print_summary(path, atlas, &d, false);
     ric_atlas_free(atlas);
+    if (!d.workers && !d.quiet && !cli_run_remote) cli_tell_idle("run", cli_seconds_since(&d.start));
     return code;
 }
 
@@ -269,8 +301,7 @@ static int run(int argc, char **argv)
 {
     const char *given, *step, *seconds_text;
     char *path = NULL;
-    display d = {.workers = 1,
-                 .seconds = HUGE_VAL,
+    display d = {.seconds = HUGE_VAL,
                  .quiet = cli_take_flag(&argc, argv, "--quiet"),
                  .json = cli_take_flag(&argc, argv, "--json")};
     ric_study *study = NULL;

@@ -287,7 +287,7 @@ static int run(int argc, char **argv)
 {
     cli_format format;
     const char *text, *point_text, *seconds_text;
-    long branch = 0, point = -1, workers = 1;
+    long branch = 0, point = -1, workers = 0;
     ric_atlas *atlas = NULL;
     audit a = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
     a.all = cli_take_flag(&argc, argv, "--all");
@@ -308,13 +308,14 @@ static int run(int argc, char **argv)
     for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_branch(&a, id, -1);
     for (int id = 1; !status && !branch && id <= ric_atlas_n_junction(atlas); id++)
         status = add(&a, OF_JUNCTION, -1, id);
-    if (!status && (status = work_all(&a, (int)workers)) && *a.detail) {
+    if (!status && (status = work_all(&a, workers ? (int)workers : 1)) && *a.detail) {
         cli_say("ricochet: %s\n", a.detail);
         free(a.results);
         ric_atlas_free(atlas);
         return CLI_FAILED;
     }
     int code = status ? cli_report(status) : print_audit(&a, format, verbose, quiet);
+    if (!workers && !quiet && !status) cli_tell_idle("verify", cli_seconds_since(&a.start));
     free(a.results);
     ric_atlas_free(atlas);
     return code;

@@ -233,8 +233,13 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n);
 /* Whole-string number, with a message naming `what` otherwise. */
 bool cli_parse_number(const char *text, const char *what, double *out);
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out);
+/* The study in a file, or on standard input where the path is "-"; files that it names are then looked for from the
+ * folder of the call. Returns an exit code, with a message. */
+int cli_read_study(const char *path, ric_study **out);
 /* Takes -j or --jobs out of argv, at most `most`; 0 means all cores. *workers stays where neither is given. */
 bool cli_take_workers(int *argc, char **argv, long most, long *workers);
+/* That cores were idle while one worked because nobody asked for more; nothing if it did not take long. */
+void cli_tell_idle(const char *command, double seconds);
 
 /* Ctrl-C and termination ask to stop instead of killing; whether that has happened. */
 void cli_catch_signals(void);

@@ -314,6 +314,54 @@ bool cli_parse_integer(const char *text, const char *what, long min, long max, l
     return true;
 }
 
+/* ------------------------------------------------------------ standard input */
+
+enum { INPUT_MAX = 64 << 20 }; /* bytes; a study may have no more */
+
+/* All of standard input with a 0 behind it, to be freed; NULL: no memory, or more than a study may have. */
+static char *read_input(size_t *size)
+{
+    size_t room = 1 << 16;
+    char *text = malloc(room);
+    for (*size = 0; text;) {
+        const size_t n = fread(text + *size, 1, room - *size - 1, stdin);
+        *size += n;
+        if (n == 0) break;
+        if (*size + 1 < room) continue;
+        char *larger = room > INPUT_MAX ? NULL : realloc(text, room *= 2);
+        if (!larger) free(text);
+        text = larger;
+    }
+    if (text) text[*size] = '\0';
+    return text;
+}
+
+int cli_read_study(const char *path, ric_study **out)
+{
+    size_t size;
+    *out = NULL;
+    if (strcmp(path, "-") != 0) return cli_report(ric_study_read(path, out));
+    char *text = read_input(&size);
+    int code = CLI_DONE;
+    if (!text) code = cli_wrong("standard input: no memory for it, or more than %d MB", INPUT_MAX >> 20);
+    else if (ferror(stdin)) code = cli_wrong("standard input cannot be read: %s", strerror(errno));
+    else if (size == 0) code = cli_wrong("standard input is empty; a study was expected there");
+    else if (strlen(text) < size) code = cli_wrong("standard input: a zero byte is in it; a study is a text");
+    else code = cli_report(ric_study_parse(text, "standard input", ".", out));
+    free(text);
+    return code;
+}
+
+#define LONG_ENOUGH 3.0 /* seconds from which on waiting is noticed */
+
+void cli_tell_idle(const char *command, double seconds)
+{
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    if (seconds > LONG_ENOUGH && cores > 1)
+        cli_say("ricochet: one of %ld cores was used; `%s -j 0` takes all of them, with the same result\n", cores,
+                command);
+}
+
 bool cli_take_workers(int *argc, char **argv, long most, long *workers)
 {
     const char *text, *alias;

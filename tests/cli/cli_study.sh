@@ -20,6 +20,16 @@ ok 'two masses and a cubic spring' study cubic 3
 named() { "$ricochet" junctions "$folder/cubic.ricochet" --csv | grep ',P,'; }
 ok 'the name is found' named
 
+from_input() { diff <("$ricochet" check "$folder/rotor.yaml" --json) <("$ricochet" check - --json <"$folder/rotor.yaml"); }
+ok 'a study on standard input' from_input
+wrong_input() { # PATTERN TEXT
+    printf "$2" | "$ricochet" check - >"$folder/out" 2>"$folder/said"
+    [ $? = 2 ] && [ ! -s "$folder/out" ] && grep -e "$1" "$folder/said"
+}
+ok 'its place in messages' wrong_input '^ricochet: standard input:2: title: given twice' 'title: a\ntitle: b\n'
+ok 'nothing there' wrong_input 'standard input is empty' ''
+ok 'no text' wrong_input 'a zero byte' 'title: \0'
+
 tables() {
     python3 - "$ricochet" "$folder" <<'P'
 import re, subprocess, sys
