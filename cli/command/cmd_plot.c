@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/section.h"
 #include "plot/plot.h"
 
 /* ------------------------------------------------------------------ options */
@@ -101,7 +102,7 @@ static const struct {
 } kinds[] = {
     {"fep", plot_fep, false},      {"orbit", plot_orbit, true},     {"orbits", plot_orbits, false},
     {"curves", plot_curves, true}, {"floquet", plot_floquet, true}, {"cascade", plot_cascade, true},
-    {"sheet", plot_sheet, false},  {"strobe", plot_strobe, false},
+    {"sheet", plot_sheet, false},  {"strobe", plot_strobe, false},  {"section", plot_section, true},
 };
 
 static int run(int argc, char **argv)
@@ -109,8 +110,9 @@ static int run(int argc, char **argv)
     plot_options options = {0};
     const char *size = NULL;
     if (argc < 2)
-        return cli_wrong("plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet or strobe; see "
-                         "ricochet plot --help");
+        return cli_wrong(
+            "plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet, strobe or section; see "
+            "ricochet plot --help");
     if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title) ||
         !cli_take_value(&argc, argv, "--size", &size))
         return CLI_WRONG;
@@ -126,7 +128,7 @@ static int run(int argc, char **argv)
             return code;
         }
     return cli_wrong(
-        "plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet and strobe",
+        "plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet, strobe and section",
         argc > 1 ? argv[1] : "");
 }
 
@@ -243,6 +245,19 @@ static const cli_item items[] = {
     {.name = "--orbits", .value = "N", .text = "how many orbits of each segment, 40 unless given"},
     {.name = "--dof", .value = "I", .text = "the displacement; the last one unless given"},
     {.name = "--stretch", .text = "all segments equally wide instead of by the frequency passed"},
+    {.name = "section",
+     .picture = true,
+     .text = "a study or an atlas: motions of one energy on the section of a face, a dot for each impact (displacement "
+             "and momentum along the face, of the largest), and the atlas's orbits: circles elliptic, crosses "
+             "hyperbolic"},
+    CLI_ITEMS_SECTION,
+    CLI_ITEM_AT,
+    {.name = "--face", .value = "F", .text = "whose impacts are drawn, 0 unless given, and those of its mirror image"},
+    {.name = "--colour",
+     .value = "WHAT",
+     .words = "lyapunov rotation",
+     .text = "by the Lyapunov exponent, unless given; or by the rotation number, grey where there is none"},
+    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "all", .picture = true, .text = "every picture"},
     {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf or .png"},
     {.name = "--title", .value = "TEXT", .text = "instead of the title of the study"},
@@ -280,6 +295,10 @@ const cli_command cli_plot = {
              "           [--contact I] -o FILE\n"
              "ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"
              "           [--stretch] -o FILE\n"
+             "ricochet plot section STUDY|ATLAS --energy E [--starts N] [--impacts M]\n"
+             "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--face F]\n"
+             "           [--colour WHAT] [--window A:B,C:D] [-j WORKERS | --jobs WORKERS]\n"
+             "           [--seconds S] -o FILE\n"
              "with each: [--title TEXT] [--size WxH]\n",
     .items = items,
     .example = "ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",

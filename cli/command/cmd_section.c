@@ -168,7 +168,8 @@ static int run(int argc, char **argv)
     cli_section_request request;
     cli_section s = {0};
     const bool physical = cli_take_flag(&argc, argv, "--physical"), starts = cli_take_flag(&argc, argv, "--exponents");
-    if (!cli_take_format(&argc, argv, &format) || !cli_section_take(&argc, argv, "section", &request) ||
+    if (!cli_take_format(&argc, argv, &format) ||
+        !cli_section_take(&argc, argv, "section", CLI_SECTION_STARTS, &request) ||
         !cli_operands(&cli_section_command, argc, argv, 1))
         return CLI_WRONG;
     int code = cli_section_open(argv[1], &s);

@@ -85,12 +85,11 @@ static bool take_positive(int *argc, char **argv, const char *what, const char *
     return false;
 }
 
-bool cli_section_take(int *argc, char **argv, const char *what, cli_section_request *r)
+bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli_section_request *r)
 {
-    long starts, impacts, workers = 1;
+    long impacts, workers = 1;
     *r = (cli_section_request){.seconds = HUGE_VAL, .energy = NAN};
     ric_section_options_init(&r->options);
-    starts = r->options.starts;
     impacts = r->options.impacts;
     r->orbits = cli_take_flag(argc, argv, "--orbits");
     if (!take_positive(argc, argv, what, "--energy", HUGE_VAL, &r->energy) ||

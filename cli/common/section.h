@@ -31,8 +31,8 @@ typedef struct {
 } cli_section_request;
 
 /* Takes --energy, --starts, --impacts, --branch, --orbits, --radius, -j and --seconds out of argv; `what` begins its
- * messages. */
-bool cli_section_take(int *argc, char **argv, const char *what, cli_section_request *out);
+ * messages; unless given there are so many starts. */
+bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli_section_request *out);
 
 /* The model of a study or an atlas, and the section with every start followed. */
 typedef struct {
@@ -50,11 +50,15 @@ int cli_section_open(const char *path, cli_section *out);
 int cli_section_follow(cli_section_request *request, double d, cli_section *section);
 void cli_section_close(cli_section *section);
 
+/* Starts of `ricochet section`, and of a picture, unless given. */
+enum { CLI_SECTION_STARTS = 16, CLI_SECTION_DRAWN = 60 };
+
 #define CLI_ITEMS_SECTION                                                                                              \
     {.name = "--energy", .value = "E", .text = "scaled energy of all motions"},                                        \
         {.name = "--starts",                                                                                           \
          .value = "N",                                                                                                 \
-         .text = "how many motions, 16 unless given; they begin at a fixed sequence of places that fills the section " \
+         .text = "how many motions, 16 unless given, 60 in a picture; they begin at a fixed sequence of places that "  \
+                 "fills the section "                                                                                  \
                  "evenly"},                                                                                            \
         {.name = "--impacts", .value = "M", .text = "impacts of each, 1000 unless given"},                             \
         {.name = "--branch", .value = "ID", .text = "of an atlas: start at the orbits of this branch at the energy"},  \

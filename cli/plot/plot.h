@@ -32,7 +32,8 @@ typedef enum {
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
     PLOT_ATLAS_DUPLICATE = PLOT_SYMMETRIC + 3, /* + 0..5: one of several atlases */
     PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6,     /* + 3 times 0..5, + 0..2 */
-    PLOT_ZOOM = PLOT_ATLAS + 18,
+    PLOT_SHADE = PLOT_ATLAS + 18,              /* + 0: grey; + 1..15: dots shaded by a number, dark to light */
+    PLOT_ZOOM = PLOT_SHADE + 16,
     PLOT_SHEET, /* + 0, 1: inside, edge */
     PLOT_JUMP = PLOT_SHEET + 2,
     PLOT_STOP,                   /* of all gaps of a panel; + 1..4: of one of them */
@@ -331,6 +332,7 @@ int plot_orbit(int argc, char **argv, const plot_options *options);
 int plot_orbits(int argc, char **argv, const plot_options *options);
 int plot_sheet(int argc, char **argv, const plot_options *options);
 int plot_strobe(int argc, char **argv, const plot_options *options);
+int plot_section(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);

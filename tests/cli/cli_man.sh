@@ -70,7 +70,7 @@ unknown() { # COMMAND [PICTURE]
 for command in $commands; do
     ok "$command: usage and table agree" usage_is_table "$command"
     if [ "$command" = plot ]; then
-        for picture in fep orbit orbits curves floquet cascade sheet strobe; do
+        for picture in fep orbit orbits curves floquet cascade sheet strobe section; do
             ok "plot $picture takes the options of its table" taken plot "$picture"
             ok "plot $picture refuses others" unknown plot "$picture"
         done

@@ -96,6 +96,36 @@ ok "orbits of the atlas return" returns
 ok "about an orbit" test "$(section "$atlas" --energy 5 --at 5,1.6 --radius 0.05 --starts 7 --exponents --csv 2>/dev/null | rows)" = 7
 ok "at a place" section "$atlas" --energy 5 --at 5,1.6 --exponents
 
+plots() # FILE ARGUMENTS...
+{
+    local out=$1
+    shift
+    "$ricochet" plot section "$@" -o "$out" && whole "$out"
+}
+ok "a picture of an atlas" plots "$folder/section.svg" "$atlas" --energy 5 --starts 12 --impacts 200
+curves "$folder/section.svg" >"$folder/curves"
+ok "has regular and chaotic motions" test "$(grep -c '^shade' "$folder/curves")" -ge 3
+marked() { [ "$(grep -c "polygon\|<path stroke='rgb( 34" "$1")" -gt 0 ] && grep -q 'elliptic orbit' "$1" && grep -q 'hyperbolic orbit' "$1"; }
+ok "and orbits of both kinds" marked "$folder/section.svg"
+ok "every impact of the face or its image is a dot" test "$(awk '/shade/ { n += $NF } END { print n }' "$folder/curves")" -ge 2400
+ok "the same again" plots "$folder/again.svg" "$atlas" --energy 5 --starts 12 --impacts 200 -j 2
+ok "bit for bit" same "$folder/section.svg" "$folder/again.svg"
+ok "of a study, by rotation" plots "$folder/rotation.png" "$folder/study.yaml" --energy 5 --starts 8 --impacts 100 --colour rotation
+ok "a part of it" plots "$folder/part.pdf" "$atlas" --energy 5 --at 5,1.6 --radius 0.05 --impacts 100 --window 0:0.5,-0.3:0.3
+undrawn() # CODE PATTERN ARGUMENTS...
+{
+    local code=$1 pattern=$2 got=0
+    shift 2
+    "$ricochet" plot section "$@" -o "$folder/none.svg" >"$folder/out" 2>"$folder/err" || got=$?
+    cat "$folder/err"
+    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/err" && [ ! -e "$folder/none.svg" ]
+}
+ok "no picture without an energy" undrawn 2 "energy is missing" "$folder/study.yaml"
+ok "no face that is not there" undrawn 1 "no impact on face 7" "$folder/study.yaml" --energy 5 --face 7
+ok "no colour by another name" undrawn 2 "lyapunov and rotation" "$folder/study.yaml" --energy 5 --colour speed
+ok "no picture of an empty window" undrawn 1 "nothing to draw" "$folder/study.yaml" --energy 5 --window 2:3,2:3
+ok "no picture of one mode" undrawn 1 "single mode" examples/free-pair/study.yaml --energy 5
+
 got=0
 section "$folder/study.yaml" --energy 5 --impacts 100000000 --starts 2 --exponents --seconds 0.2 --csv >"$folder/out" 2>"$folder/err" || got=$?
 ok "a limit of time" test "$got" = 3
