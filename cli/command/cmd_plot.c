@@ -99,10 +99,11 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv, const plot_options *options);
     bool by_id; /* takes branches and junctions by id only */
+    bool units; /* takes --physical and --hz */
 } kinds[] = {
-    {"fep", plot_fep, false},      {"orbit", plot_orbit, true},     {"orbits", plot_orbits, false},
-    {"curves", plot_curves, true}, {"floquet", plot_floquet, true}, {"cascade", plot_cascade, true},
-    {"sheet", plot_sheet, false},  {"strobe", plot_strobe, false},  {"section", plot_section, true},
+    {"fep", plot_fep, false, true},      {"orbit", plot_orbit, true, true},     {"orbits", plot_orbits, false, true},
+    {"curves", plot_curves, true, true}, {"floquet", plot_floquet, true, true}, {"cascade", plot_cascade, true, false},
+    {"sheet", plot_sheet, false, false}, {"strobe", plot_strobe, false, false}, {"section", plot_section, true, false},
 };
 
 static int run(int argc, char **argv)
@@ -117,9 +118,15 @@ static int run(int argc, char **argv)
         !cli_take_value(&argc, argv, "--size", &size))
         return CLI_WRONG;
     if (size && !take_size(size, &options)) return CLI_WRONG;
+    options.physical = cli_take_flag(&argc, argv, "--physical");
+    options.hertz = cli_take_flag(&argc, argv, "--hz");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (argc > 1 && !strcmp(argv[1], kinds[i].name)) {
             if (!options.out) return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
+            if ((options.physical || options.hertz) && !kinds[i].units)
+                return cli_wrong("plot %s: scaled units only; fep, orbit, orbits, curves and floquet have --physical "
+                                 "and --hz",
+                                 argv[1]);
             int code = plot_check_target(options.out);
             cli_handles handles = {.argc = argc - 1, .argv = argv + 1};
             if (code == CLI_DONE && kinds[i].by_id) code = cli_resolve_handles(&cli_plot, &handles);
@@ -262,6 +269,10 @@ static const cli_item items[] = {
     {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf or .png"},
     {.name = "--title", .value = "TEXT", .text = "instead of the title of the study"},
     {.name = "--size", .value = "WxH", .text = "pixels (1/96 inch in PDF)"},
+    {.name = "--physical",
+     .text = "fep, orbit, orbits, curves and floquet: lengths, speeds and energies in the units of the study, also "
+             "those of windows and of --energy; in names of orbits they stay scaled"},
+    {.name = "--hz", .text = "of these: frequencies in Hz, also those of windows and of --frequency"},
     {.name = "names", .picture = true, .text = "how orbits and parts of branches are named"},
     {.text = "A junction: its id, name or label."},
     {.text = "SEGMENT: a branch by id or label, LABEL|P1 where it meets P1, LABEL|P1 P2 for the part between two "
@@ -299,7 +310,7 @@ const cli_command cli_plot = {
              "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--face F]\n"
              "           [--colour WHAT] [--window A:B,C:D] [-j WORKERS | --jobs WORKERS]\n"
              "           [--seconds S] -o FILE\n"
-             "with each: [--title TEXT] [--size WxH]\n",
+             "with each: [--title TEXT] [--size WxH] [--physical] [--hz]\n",
     .items = items,
     .example = "ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
     .run = run,

@@ -119,6 +119,7 @@ typedef struct {
     double lo, hi;   /* data */
     double knee;     /* broken: linear below, logarithmic above */
     double from, to; /* pixels */
+    double unit;     /* numbers at the axis are data times this; 0: as they are */
 } plot_axis;
 
 typedef struct {
@@ -172,7 +173,21 @@ int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double
 typedef struct {
     const char *out, *title;
     double width, height;
+    bool physical, hertz;
 } plot_options;
+
+/* plot_units.c. What is shown is what is stored times its unit. */
+typedef struct {
+    double length, energy, frequency;
+} plot_units;
+plot_units plot_units_of(const plot_options *options, const ric_model *model);
+const char *plot_energy_title(const plot_options *options);
+const char *plot_frequency_title(const plot_options *options);
+/* E = .., ω = .. */
+void plot_place_text(const plot_options *options, const ric_model *model, double energy, double frequency, size_t size,
+                     char *out);
+/* False, with a message, where atlases of one picture would need several units of length. */
+bool plot_same_length(const plot_options *options, int n, ric_atlas *const *atlases);
 
 /* "A:B" with A < B. */
 bool plot_parse_range(const char *text, const char *what, double range[2]);

@@ -53,7 +53,7 @@ typedef struct {
 } tick;
 
 typedef struct {
-    const plot_axis *axis;
+    plot_axis axis;   /* as its numbers have it */
     double low, high; /* data range that the tics are for */
     int power;        /* of ten, that the labels of a linear axis leave to its title */
     int n, room;
@@ -74,7 +74,7 @@ static void add_tick(tick_list *list, double value, const char *text)
         list->room = room;
     }
     tick *t = &list->ticks[list->n++];
-    *t = (tick){.at = plot_axis_at(list->axis, value), .major = text != NULL};
+    *t = (tick){.at = plot_axis_at(&list->axis, value), .major = text != NULL};
     if (text && *text == '-') /* a real minus sign */
         snprintf(t->text, sizeof t->text, "\xe2\x88\x92%.56s", text + 1);
     else if (text) snprintf(t->text, sizeof t->text, "%s", text);
@@ -187,8 +187,14 @@ static void asinh_ticks(tick_list *list, double pixels)
 
 static void axis_ticks(tick_list *list, const plot_axis *axis, double spacing, const char *title)
 {
-    const double pixels = axis->to - axis->from;
-    *list = (tick_list){.axis = axis, .low = axis->lo, .high = axis->hi};
+    const double pixels = axis->to - axis->from, unit = axis->unit > 0 ? axis->unit : 1;
+    *list = (tick_list){.axis = *axis};
+    axis = &list->axis;
+    list->axis.lo *= unit;
+    list->axis.hi *= unit;
+    list->axis.knee *= unit;
+    list->low = axis->lo;
+    list->high = axis->hi;
     switch (axis->scale) {
     case PLOT_SCALE_LINEAR: linear_ticks(list, pixels, spacing, title && *title); break;
     case PLOT_SCALE_LOG: log_ticks(list, pixels, spacing); break;

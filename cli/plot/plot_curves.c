@@ -31,6 +31,7 @@ typedef struct {
     kind kind;
     int index; /* of x, v, tau, from 0 */
     char title[80];
+    double unit; /* of what is shown */
 } quantity;
 
 static const struct {
@@ -70,6 +71,18 @@ static bool find_quantity(const char *name, const char *what, int n_dof, quantit
     cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what,
               name);
     return false;
+}
+
+/* As the options have it; energies, frequencies and lengths only. */
+static void set_unit(quantity *q, const plot_options *common, const ric_atlas *atlas)
+{
+    const plot_units unit = plot_units_of(common, ric_atlas_model(atlas));
+    q->unit = q->kind == ENERGY                                                    ? unit.energy
+              : q->kind == FREQUENCY                                               ? unit.frequency
+              : q->kind == DISPLACEMENT || q->kind == SPEED || q->kind == APPROACH ? unit.length
+                                                                                   : 1;
+    if (q->kind == ENERGY) snprintf(q->title, sizeof q->title, "%s", plot_energy_title(common));
+    if (q->kind == FREQUENCY) snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
 }
 
 /* Whether it is a smooth function of the arclength: the largest gap and the least speed have corners, a rotation number
@@ -167,8 +180,10 @@ static bool track_range(const curves *c, double x[2], double y[2])
         }
     if (!(x[1] >= x[0])) return false;
     if (c->has_window) {
-        memcpy(x, c->window, 2 * sizeof *x);
-        memcpy(y, c->window + 2, 2 * sizeof *y);
+        for (int i = 0; i < 2; i++) {
+            x[i] = c->window[i] / c->x.unit;
+            y[i] = c->window[2 + i] / c->y.unit;
+        }
         return true;
     }
     plot_range_widen(c->log_x, 0.05, &x[0], &x[1]);
@@ -185,7 +200,8 @@ static plot_axis axis_of(const quantity *q, bool logarithmic, const double range
                        range[1],
                        0,
                        from,
-                       to};
+                       to,
+                       q->unit};
 }
 
 static void mark_junction(curves *c, int id, plot_point data)
@@ -345,6 +361,8 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         code = CLI_WRONG;
         goto out;
     }
+    set_unit(&c.x, common, c.atlas);
+    set_unit(&c.y, common, c.atlas);
     status = load_tracks(&c);
     code = status == RIC_OK ? draw_curve_page(&c) : cli_report(status);
 out:
@@ -495,6 +513,7 @@ static int draw_floquet(floquet *f)
     const double middle = 48 + 0.45 * (height - 90);
     f->upper = (plot_panel){{.from = 82, .to = width - 18}, {.from = middle + 14, .to = height - 34}};
     f->lower = (plot_panel){{.from = 82, .to = width - 18}, {.from = 52, .to = middle}};
+    f->upper.x.unit = f->lower.x.unit = f->x.unit;
     for (int i = 0; i < trace.n; i++) known |= isfinite(trace.knots[i].at.y);
     code = known ? draw_trace(f, &trace, &rotation) : draw_dots(f, &trace);
     if (code != CLI_DONE) goto out;
@@ -521,8 +540,10 @@ int plot_floquet(int argc, char **argv, const plot_options *common)
     ric_status status = ric_atlas_read(argv[1], &f.atlas);
     if (status == RIC_OK) status = ric_atlas_branch(f.atlas, (int)id, &f.branch);
     if (status != RIC_OK) code = cli_report(status);
-    else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)), &f.x))
+    else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)), &f.x)) {
+        set_unit(&f.x, common, f.atlas);
         code = draw_floquet(&f);
+    }
     plot_page_free(f.page);
     ric_atlas_free(f.atlas);
     free(f.dots);

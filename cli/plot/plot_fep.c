@@ -231,6 +231,27 @@ static ric_status find_window(const fep *f, span *energy, span *frequency)
     return status;
 }
 
+static plot_units units_of(const fep *f)
+{
+    return plot_units_of(f->options->common, f->sources[0].model);
+}
+
+/* Windows are given in the units of the picture. */
+static void scale_windows(fep *f)
+{
+    fep_options *o = f->options;
+    const plot_units unit = units_of(f);
+    for (int i = 0; i < 2; i++) {
+        o->energy[i] /= unit.energy;
+        o->frequency[i] /= unit.frequency;
+        for (int k = 0; k < o->n_zoom; k++) {
+            o->zoom[k][i] /= unit.energy;
+            o->zoom[k][2 + i] /= unit.frequency;
+        }
+    }
+    o->knee /= unit.frequency;
+}
+
 /* Zooms have the scale of the frequencies that was asked for, or are linear. */
 static void set_zooms(fep *f)
 {
@@ -239,10 +260,14 @@ static void set_zooms(fep *f)
     for (int i = 1; i < f->n_panel; i++) {
         const double *zoom = o->zoom[i - 1];
         const bool log = fep_log_window(o, zoom[0], zoom[1]);
-        f->panels[i].x = (plot_axis){.scale = log ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR, .lo = zoom[0], .hi = zoom[1]};
+        f->panels[i].x = (plot_axis){.scale = log ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
+                                     .lo = zoom[0],
+                                     .hi = zoom[1],
+                                     .unit = f->panels[0].x.unit};
         f->panels[i].y = (plot_axis){.scale = o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
                                      .lo = zoom[2],
-                                     .hi = zoom[3]};
+                                     .hi = zoom[3],
+                                     .unit = f->panels[0].y.unit};
     }
 }
 
@@ -272,6 +297,9 @@ static ric_status set_axes(fep *f, span energy, span frequency)
     y->hi = o->has_frequency ? o->frequency[1] : frequency.hi;
     y->scale = o->has_break ? PLOT_SCALE_BROKEN : o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR;
     y->knee = o->knee;
+    const plot_units unit = units_of(f);
+    x->unit = unit.energy;
+    y->unit = unit.frequency;
     const ric_status status = fep_choose_scales(f);
     widen_axes(f, x, y);
     set_zooms(f);
@@ -279,6 +307,11 @@ static ric_status set_axes(fep *f, span energy, span frequency)
 }
 
 /* ----------------------------------------------------------------- the page */
+
+static void count_unmarked(fep *f)
+{
+    snprintf(f->remark, sizeof f->remark, "%d more junction%s not marked", f->unmarked, f->unmarked == 1 ? "" : "s");
+}
 
 static int legend_entries(fep *f, plot_legend_entry *out)
 {
@@ -304,7 +337,7 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
     n += plot_legend_entries(NULL, 0, f->kinds, out + n);
-    snprintf(f->remark, sizeof f->remark, "%d more junction%s not marked", f->unmarked, f->unmarked == 1 ? "" : "s");
+    count_unmarked(f);
     if (f->unmarked) out[n++] = (plot_legend_entry){f->remark, -1, -1};
     return n;
 }
@@ -366,10 +399,11 @@ static void frame(const fep *f)
     const plot_axis *x = &f->panel->x, *y = &f->panel->y;
     const bool room = y->to - y->from > 300;
     char energy[80], frequency[80], knee[40] = "";
-    if (y->scale == PLOT_SCALE_BROKEN && room) snprintf(knee, sizeof knee, ", logarithmic above %.4g", y->knee);
-    snprintf(energy, sizeof energy, "scaled energy E%s",
+    if (y->scale == PLOT_SCALE_BROKEN && room)
+        snprintf(knee, sizeof knee, ", logarithmic above %.4g", y->knee * y->unit);
+    snprintf(energy, sizeof energy, "%s%s", plot_energy_title(o->common),
              x->scale == PLOT_SCALE_LOG && !o->log_energy ? ", logarithmic" : "");
-    snprintf(frequency, sizeof frequency, "frequency ω (rad/s)%s%s", knee,
+    snprintf(frequency, sizeof frequency, "%s%s%s", plot_frequency_title(o->common), knee,
              y->scale == PLOT_SCALE_LOG && !o->log_frequency ? ", logarithmic" : "");
     plot_panel_frame(f->page, f->panel, energy, frequency);
 }
@@ -415,6 +449,7 @@ static int draw(fep *f)
     code = draw_panels(f, legend, true, &missing);
     if (code != CLI_DONE) return code;
     missing += f->no_margin;
+    count_unmarked(f); /* again: the legend has made the panels lower */
     if (missing > 0)
         cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n", missing,
                 missing == 1 ? "" : "s");
@@ -450,7 +485,8 @@ static int draw_page(fep *f)
     if ((status = set_axes(f, energy, frequency)) != RIC_OK) return cli_report(status);
     const plot_axis *y = &f->panels[0].y;
     if (f->options->has_break && !(f->options->knee > y->lo && f->options->knee < y->hi))
-        return cli_wrong("--break %g: must lie inside the frequencies shown, %g to %g", f->options->knee, y->lo, y->hi);
+        return cli_wrong("--break %g: must lie inside the frequencies shown, %g to %g", f->options->knee * y->unit,
+                         y->lo * y->unit, y->hi * y->unit);
     for (int i = 0; i < f->n_source && status == RIC_OK && f->options->ghosts; i++)
         status = fep_find_ghosts(f, &f->sources[i]);
     return status == RIC_OK ? draw(f) : cli_report(status);
@@ -488,6 +524,10 @@ int plot_fep(int argc, char **argv, const plot_options *common)
     int code = parse_options(&argc, argv, &options);
     if (code != CLI_DONE) return code;
     code = open_sources(&f);
+    ric_atlas *atlases[FEP_MAX_ATLAS] = {NULL};
+    for (int i = 0; i < f.n_source; i++) atlases[i] = f.sources[i].atlas;
+    if (code == CLI_DONE && !plot_same_length(common, f.n_source, atlases)) code = CLI_WRONG;
+    if (code == CLI_DONE) scale_windows(&f);
     if (code == CLI_DONE) code = resolve_labels(&f);
     if (code == CLI_DONE) code = draw_page(&f);
     plot_page_free(f.page);

@@ -209,18 +209,20 @@ static void add_reference(const fep *f, int *n, reference *list, double frequenc
 static ric_status gather_references(const fep *f, const fep_source *s, int *n, reference *list, double *work)
 {
     const int n_dof = ric_model_n_dof(s->model), n_contact = ric_model_n_contact(s->model);
+    const bool hertz = f->options->common->hertz;
+    const char *locked = hertz ? "F" : "Ω";
     char text[40];
     ric_status status = ric_model_frequencies(s->model, work);
     for (int i = 0; status == RIC_OK && i < n_dof; i++) {
-        snprintf(text, sizeof text, "ω_{%d}", i + 1);
+        snprintf(text, sizeof text, "%s_{%d}", hertz ? "f" : "ω", i + 1);
         add_reference(f, n, list, work[i], PLOT_NATURAL, text);
     }
     for (int contact = 0; status == RIC_OK && contact < n_contact && n_dof > 1; contact++) {
         status = ric_model_locked_frequencies(s->model, contact, work);
         for (int i = 0; status == RIC_OK && i < n_dof - 1; i++) {
-            if (n_contact > 1) snprintf(text, sizeof text, "Ω@^{%d}_{%d}", contact + 1, i + 1);
-            else if (n_dof > 2) snprintf(text, sizeof text, "Ω_{%d}", i + 1);
-            else snprintf(text, sizeof text, "ω_0");
+            if (n_contact > 1) snprintf(text, sizeof text, "%s@^{%d}_{%d}", locked, contact + 1, i + 1);
+            else if (n_dof > 2) snprintf(text, sizeof text, "%s_{%d}", locked, i + 1);
+            else snprintf(text, sizeof text, "%s_0", hertz ? "f" : "ω");
             add_reference(f, n, list, work[i], PLOT_LOCKED, text);
         }
     }

@@ -17,6 +17,7 @@ static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7;
 
 typedef struct {
     const plot_options *common;
+    plot_units unit;
     ric_atlas *atlas;
     plot_motion motion;
     char title[400];
@@ -30,9 +31,11 @@ typedef struct {
 static void set_title(orbit *o, const char *name, double energy, const char *extra)
 {
     if (o->common->title) plot_text_escape(o->common->title, sizeof o->title, o->title);
-    else
-        snprintf(o->title, sizeof o->title, "%s:  E = %.6g,  ω = %.6g rad/s%s", name, energy, 2 * pi / o->motion.period,
-                 extra);
+    else {
+        char place[120];
+        plot_place_text(o->common, o->motion.model, energy, 2 * pi / o->motion.period, sizeof place, place);
+        snprintf(o->title, sizeof o->title, "%s:  %s%s", name, place, extra);
+    }
 }
 
 static int take_junction(orbit *o, const char *text)
@@ -64,7 +67,8 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
     if (n == 0) {
         fprintf(stderr,
                 "ricochet: no orbit of branch %d there; it has energies %.6g to %.6g and frequencies %.6g to %.6g\n",
-                branch->id, branch->energy_min, branch->energy_max, branch->frequency_min, branch->frequency_max);
+                branch->id, branch->energy_min * o->unit.energy, branch->energy_max * o->unit.energy,
+                branch->frequency_min * o->unit.frequency, branch->frequency_max * o->unit.frequency);
         return CLI_FAILED;
     }
     if (w->which && !cli_parse_integer(w->which, "--which", 1, n, &which)) return CLI_WRONG;
@@ -91,7 +95,7 @@ out:
 static int take_branch(orbit *o, const words *w)
 {
     long id, point = 0;
-    double value;
+    double value = 0;
     ric_branch branch;
     ric_orbit **orbits = NULL;
     int n = 0;
@@ -100,7 +104,7 @@ static int take_branch(orbit *o, const words *w)
         (w->energy && !cli_parse_number(w->energy, "--energy", &value)) ||
         (w->frequency && !cli_parse_number(w->frequency, "--frequency", &value)))
         return CLI_WRONG;
-    if (w->point) value = (double)point;
+    value = w->point ? (double)point : value / (w->energy ? o->unit.energy : o->unit.frequency);
     ric_status status = ric_atlas_branch(o->atlas, (int)id, &branch);
     if (status == RIC_OK)
         status = ric_orbit_find(o->atlas, (int)id,
@@ -194,7 +198,7 @@ static void choose_gaps(orbit *o)
 
 static plot_axis axis_over(double lo, double hi, double from, double to)
 {
-    return (plot_axis){PLOT_SCALE_LINEAR, lo, hi, 0, from, to};
+    return (plot_axis){.scale = PLOT_SCALE_LINEAR, .lo = lo, .hi = hi, .from = from, .to = to};
 }
 
 static plot_axis time_axis(const orbit *o, double from, double to)
@@ -220,7 +224,8 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     double lo = INFINITY, hi = -INFINITY;
     for (int i = 0; i < o->n_shown; i++) plot_motion_range(&o->motion, plot_read_x, o->shown[i], &lo, &hi);
     plot_range_widen(false, 0.07, &lo, &hi);
-    const plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
+    plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
+    panel.y.unit = o->unit.length;
     draw_event_lines(o, &panel);
     for (int i = 0; i < o->n_shown; i++) {
         plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_x,
@@ -228,7 +233,8 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
         snprintf(names[i], sizeof names[i], "x_{%d}", o->shown[i] + 1);
         entries[i] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
-    plot_panel_frame(o->page, &panel, numbers ? "" : NULL, "scaled displacement");
+    plot_panel_frame(o->page, &panel, numbers ? "" : NULL,
+                     o->common->physical ? "displacement" : "scaled displacement");
     plot_legend(o->page, o->n_shown, entries, box.left, box.right, box.top + 22);
 }
 
@@ -373,7 +379,8 @@ static void draw_portrait(orbit *o, int coordinate, plot_box box)
     plot_motion_range(&o->motion, plot_read_v, coordinate, &v[0], &v[1]);
     plot_range_widen(false, 0.07, &x[0], &x[1]);
     plot_range_widen(false, 0.07, &v[0], &v[1]);
-    const plot_panel panel = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
+    plot_panel panel = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
+    panel.x.unit = panel.y.unit = o->unit.length;
     plot_motion_draw(o->page, &panel, PLOT_SERIES, &o->motion, plot_read_x, plot_read_v, coordinate, 0);
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
@@ -437,6 +444,7 @@ static int find_and_draw(orbit *o, const words *w)
 {
     o->motion.model = ric_atlas_model(o->atlas);
     o->motion.n = ric_model_n_dof(o->motion.model);
+    o->unit = plot_units_of(o->common, o->motion.model);
     int code = w->junction ? take_junction(o, w->junction) : take_branch(o, w);
     if (code != CLI_DONE) return code;
     if (w->coordinates && !take_coordinates(o, w->coordinates)) return CLI_WRONG;

@@ -72,6 +72,7 @@ static int load(figure *f)
 {
     const int read = plot_atlases_read(&f->from);
     if (read != CLI_DONE) return read;
+    if (!plot_same_length(f->common, f->from.n, f->from.atlas)) return CLI_WRONG;
     for (int i = 1; i < f->from.n; i++)
         if (ric_model_n_dof(ric_atlas_model(f->from.atlas[i])) != ric_model_n_dof(ric_atlas_model(f->from.atlas[0])))
             return cli_wrong("plot orbits: the models have different numbers of coordinates");
@@ -89,7 +90,7 @@ static int load(figure *f)
 
 static plot_axis axis_over(double lo, double hi, double from, double to)
 {
-    return (plot_axis){PLOT_SCALE_LINEAR, lo, hi, 0, from, to};
+    return (plot_axis){.scale = PLOT_SCALE_LINEAR, .lo = lo, .hi = hi, .from = from, .to = to};
 }
 
 /* Ranges of displacements and speeds: of one panel, or of all. */
@@ -132,13 +133,14 @@ static void draw_events(figure *f, const panel *p, const plot_panel *at)
         }
 }
 
-static void caption(const panel *p, char letter, size_t size, char *out)
+static void caption(const figure *f, const panel *p, char letter, size_t size, char *out)
 {
     static const char *const stability[] = {", unstable", ", stable", ", stability undecided"};
-    char name[200], times[40] = "";
+    char name[200], times[40] = "", place[120];
     plot_text_label(p->choice.name, sizeof name, name);
     if (p->choice.periods > 1) snprintf(times, sizeof times, ",  %d periods", p->choice.periods);
-    snprintf(out, size, "(%c)  %s:  E = %.6g,  ω = %.6g%s%s", letter, name, p->choice.energy, p->choice.frequency,
+    plot_place_text(f->common, p->choice.motion.model, p->choice.energy, p->choice.frequency, sizeof place, place);
+    snprintf(out, size, "(%c)  %s:  %s%s%s", letter, name, place,
              p->choice.stable >= 0 ? stability[p->choice.stable] : "", times);
 }
 
@@ -149,15 +151,16 @@ static void draw_history(figure *f, int i, plot_box box, bool numbers)
     double x[2], v[2];
     char text[400];
     ranges(f, i, -1, x, v);
-    const plot_panel at = {axis_over(0, m->period * p->choice.periods, box.left, box.right),
-                           axis_over(x[0], x[1], box.bottom, box.top)};
+    plot_panel at = {axis_over(0, m->period * p->choice.periods, box.left, box.right),
+                     axis_over(x[0], x[1], box.bottom, box.top)};
+    at.y.unit = plot_units_of(f->common, m->model).length;
     draw_events(f, p, &at);
     for (int k = 0; k < f->n_shown; k++)
         for (int period = 0; period < p->choice.periods; period++)
             plot_motion_draw(f->page, &at, PLOT_SERIES + (plot_stroke)k, m, plot_read_time, plot_read_x, f->shown[k],
                              period * m->period);
     plot_panel_frame(f->page, &at, numbers ? "time (s)" : "", "x");
-    caption(p, (char)('a' + i % 26), sizeof text, text);
+    caption(f, p, (char)('a' + i % 26), sizeof text, text);
     plot_page_text(f->page, (plot_point){box.left, box.top + 25}, PLOT_LEFT, type, "#000000", false, text);
 }
 
@@ -166,7 +169,8 @@ static void draw_portrait(figure *f, int i, int coordinate, plot_box box)
     double x[2], v[2];
     char across[24], up[24];
     ranges(f, i, coordinate, x, v);
-    const plot_panel at = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
+    plot_panel at = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
+    at.x.unit = at.y.unit = plot_units_of(f->common, f->panels[i].choice.motion.model).length;
     int series = 0;
     for (int k = 0; k < f->n_shown; k++) series = f->shown[k] == coordinate ? k : series;
     plot_motion_draw(f->page, &at, series ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC, &f->panels[i].choice.motion, plot_read_x,

@@ -158,4 +158,32 @@ turns = [abs(remainder(atan2(c[1] - b[1], c[0] - b[0]) - atan2(b[1] - a[1], b[0]
 check(max(turns) < 0.06, len(loop), max(turns))
 END
 
+# -------------------------------------------------------------------- units
+# Half a clearance: lengths are halved, energies a quarter; the same curves with other numbers at the axes.
+sed 's/clearance: *1\(\.0\)*/clearance: 0.5/' examples/elementary/study.yaml >"$folder/half.yaml"
+atlas half "$folder/half.yaml"
+window=(--log --linear-frequency --labels none)
+ok 'a window in scaled units' draw scaled fep "$folder/half.ricochet" "${window[@]}" --energy 1:16 --frequency 0.8:3
+ok 'the same one in those of the study and in Hz' draw physical fep "$folder/half.ricochet" "${window[@]}" --physical --hz --energy 0.25:4 \
+    --frequency "$(python3 -c 'from math import pi; print(f"{0.8 / 2 / pi!r}:{3 / 2 / pi!r}")')"
+ok 'has the same curves, and other numbers' sees physical <<END
+import math
+q = Picture("$folder/scaled.svg")
+close = lambda a, b: len(a) == len(b) and all(math.dist(u, v) < 0.05 for s, t in zip(a, b) for u, v in zip(s, t))
+names = [name for name in p.lines if "stable" in name]
+check(names and all(close(p.lines[n], q.lines[n]) for n in names) and p.has("frequency f (Hz)") and p.has("energy E, in units of the study")
+      and p.has("0.5") and not p.has("10") and q.has("10") and p.has("f_1") and q.has("ω_1"), names, p.texts)
+END
+ok 'an orbit in units of the study' draw units orbit "$folder/half.ricochet" --branch 3 --energy 0.75 --physical --hz
+ok 'says so in its title, and has its stop at half a clearance' sees units <<'END'
+title = next(t[2] for t in p.texts if "E = " in t[2])
+check("E = 0.75," in title and title.count(" Hz") == 1 and p.has("displacement"), title)
+END
+refuses() { # ARGUMENTS...: of plot
+    "$ricochet" plot "$@" -o "$folder/refused.svg" 2>"$folder/message"
+    [ $? = 2 ] && cat "$folder/message" && [ ! -e "$folder/refused.svg" ]
+}
+ok 'two units of length in one picture are refused' refuses fep "$folder/half.ricochet" "$folder/two.ricochet" --physical
+ok 'a picture without units refuses them' refuses sheet "$folder/half.ricochet" --segment 3 --hz
+
 finish
