@@ -95,6 +95,28 @@ static bool take_size(const char *text, plot_options *options)
     return true;
 }
 
+/* --font and --dpi */
+static bool take_print(const char *font, const char *dpi, plot_options *options)
+{
+    long dots = 0;
+    if ((font && !cli_parse_number(font, "--font", &options->font)) ||
+        (dpi && !cli_parse_integer(dpi, "--dpi", 30, 1200, &dots)))
+        return false;
+    options->dpi = (double)dots;
+    if (!font || (options->font >= 4 && options->font <= 48)) return true;
+    cli_wrong("--font %s: the letters of a picture have 4 to 48 points", font);
+    return false;
+}
+
+/* Letters may be too large for the page: what remains of it, in pixels of the layout. */
+static bool fits(const plot_options *options)
+{
+    const double width = plot_layout_width(options, 1000), height = plot_layout_height(options, 620);
+    if (options->font <= 0 || (width >= 320 && height >= 180)) return true;
+    cli_wrong("--font %g: such letters leave no room in the picture; give a larger --size", options->font);
+    return false;
+}
+
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv, const plot_options *options);
@@ -109,25 +131,28 @@ static const struct {
 static int run(int argc, char **argv)
 {
     plot_options options = {0};
-    const char *size = NULL;
+    const char *size = NULL, *font = NULL, *dpi = NULL;
     if (argc < 2)
         return cli_wrong(
             "plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet, strobe or section; see "
             "ricochet plot --help");
     if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title) ||
-        !cli_take_value(&argc, argv, "--size", &size))
+        !cli_take_value(&argc, argv, "--size", &size) || !cli_take_value(&argc, argv, "--font", &font) ||
+        !cli_take_value(&argc, argv, "--dpi", &dpi) || !take_print(font, dpi, &options))
         return CLI_WRONG;
     if (size && !take_size(size, &options)) return CLI_WRONG;
+    if (!fits(&options)) return CLI_WRONG;
     options.physical = cli_take_flag(&argc, argv, "--physical");
     options.hertz = cli_take_flag(&argc, argv, "--hz");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (argc > 1 && !strcmp(argv[1], kinds[i].name)) {
-            if (!options.out) return cli_wrong("plot %s: -o FILE.svg, FILE.pdf or FILE.png is missing", argv[1]);
+            if (!options.out)
+                return cli_wrong("plot %s: -o FILE.svg, FILE.pdf, FILE.png or FILE.gp is missing", argv[1]);
             if ((options.physical || options.hertz) && !kinds[i].units)
                 return cli_wrong("plot %s: scaled units only; fep, orbit, orbits, curves and floquet have --physical "
                                  "and --hz",
                                  argv[1]);
-            int code = plot_check_target(options.out);
+            int code = plot_check_target(&options);
             cli_handles handles = {.argc = argc - 1, .argv = argv + 1};
             if (code == CLI_DONE && kinds[i].by_id) code = cli_resolve_handles(&cli_plot, &handles);
             if (code == CLI_DONE) code = kinds[i].run(handles.argc, handles.argv, &options);
@@ -143,7 +168,8 @@ static int run(int argc, char **argv)
 #define QUANTITIES "arclength energy frequency period trace rotation reach approach"
 
 static const cli_item items[] = {
-    {.text = "Draws with gnuplot; the ending of FILE chooses SVG, PDF or PNG. The first word says which picture."},
+    {.text = "Draws with gnuplot; the ending of FILE chooses SVG, PDF, PNG, or GP for the script that has gnuplot draw "
+             "it. The first word says which picture."},
     {.name = "fep",
      .picture = true,
      .text = "frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey; stable "
@@ -266,9 +292,14 @@ static const cli_item items[] = {
      .text = "by the Lyapunov exponent, unless given; or by the rotation number, grey where there is none"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "all", .picture = true, .text = "every picture"},
-    {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf or .png"},
+    {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf, .png or .gp"},
     {.name = "--title", .value = "TEXT", .text = "instead of the title of the study"},
     {.name = "--size", .value = "WxH", .text = "pixels (1/96 inch in PDF)"},
+    {.name = "--font",
+     .value = "PT",
+     .text = "size of the letters in points, 9 unless given; lines and marks grow with them. For a figure of 174 mm "
+             "--size 658x460 and --font 8 give what is printed"},
+    {.name = "--dpi", .value = "N", .text = "PNG: pixels per inch, 96 unless given"},
     {.name = "--physical",
      .text = "fep, orbit, orbits, curves and floquet: lengths, speeds and energies in the units of the study, also "
              "those of windows and of --energy; in names of orbits they stay scaled"},
@@ -310,7 +341,7 @@ const cli_command cli_plot = {
              "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--face F]\n"
              "           [--colour WHAT] [--window A:B,C:D] [-j WORKERS | --jobs WORKERS]\n"
              "           [--seconds S] -o FILE\n"
-             "with each: [--title TEXT] [--size WxH] [--physical] [--hz]\n",
+             "with each: [--title TEXT] [--size WxH] [--font PT] [--dpi N] [--physical] [--hz]\n",
     .items = items,
     .example = "ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",
     .run = run,

@@ -22,15 +22,20 @@ static plot_format format_of(const char *path)
         if (!strcasecmp(dot, ".svg")) return PLOT_FORMAT_SVG;
         if (!strcasecmp(dot, ".pdf")) return PLOT_FORMAT_PDF;
         if (!strcasecmp(dot, ".png")) return PLOT_FORMAT_PNG;
+        if (!strcasecmp(dot, ".gp")) return PLOT_FORMAT_GNUPLOT;
     }
     return PLOT_FORMAT_NONE;
 }
 
-int plot_check_target(const char *path)
+int plot_check_target(const plot_options *options)
 {
+    const char *path = options->out;
     struct stat info;
     if (format_of(path) == PLOT_FORMAT_NONE)
-        return cli_wrong("-o %s: the ending says what to draw: .svg, .pdf or .png", path);
+        return cli_wrong("-o %s: the ending says what to draw: .svg, .pdf or .png, or .gp for the script of gnuplot",
+                         path);
+    if (options->dpi > 0 && format_of(path) != PLOT_FORMAT_PNG)
+        return cli_wrong("--dpi goes with -o FILE.png: %s has no pixels", path);
     if (stat(path, &info) == 0)
         return S_ISREG(info.st_mode)   ? CLI_DONE
                : S_ISDIR(info.st_mode) ? cli_wrong("-o %s: this is a folder; give a file name", path)
@@ -145,8 +150,9 @@ out:
     return code;
 }
 
-int plot_page_write(plot_page *page, const char *path)
+int plot_page_write(plot_page *page, const plot_options *options)
 {
+    const char *path = options->out;
     const plot_format kind = format_of(path);
     FILE *script = tmpfile(), *result = tmpfile(), *complaint = tmpfile(), *small = NULL;
     int code = CLI_FAILED, status = 0;
@@ -154,9 +160,13 @@ int plot_page_write(plot_page *page, const char *path)
         cli_say("ricochet: no temporary file for the picture: %s\n", strerror(errno));
         goto out;
     }
-    if (!plot_page_script(page, kind, script) || fseek(script, 0, SEEK_SET) != 0) {
+    if (!plot_page_script(page, kind, options, script) || fseek(script, 0, SEEK_SET) != 0) {
         cli_say("ricochet: the picture could not be prepared: %s\n",
                 plot_page_failed(page) ? "out of memory" : strerror(errno));
+        goto out;
+    }
+    if (kind == PLOT_FORMAT_GNUPLOT) {
+        code = deliver(script, path);
         goto out;
     }
     const int failed = run_gnuplot(script, result, complaint, &status);

@@ -58,6 +58,7 @@ typedef enum {
 typedef enum { PLOT_LEFT, PLOT_CENTRE, PLOT_RIGHT } plot_anchor;
 
 typedef struct plot_page plot_page;
+struct plot_options;
 
 /* NULL when memory ran out. */
 plot_page *plot_page_create(double width, double height);
@@ -80,21 +81,21 @@ bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to);
 double plot_page_ink(plot_page *page, plot_box box);
 
 /* The script that has gnuplot draw the page; false when memory ran out, or the file cannot be written. */
-typedef enum { PLOT_FORMAT_NONE, PLOT_FORMAT_SVG, PLOT_FORMAT_PDF, PLOT_FORMAT_PNG } plot_format;
-bool plot_page_script(plot_page *page, plot_format format, FILE *script);
+typedef enum { PLOT_FORMAT_NONE, PLOT_FORMAT_SVG, PLOT_FORMAT_PDF, PLOT_FORMAT_PNG, PLOT_FORMAT_GNUPLOT } plot_format;
+bool plot_page_script(plot_page *page, plot_format format, const struct plot_options *options, FILE *script);
 bool plot_page_failed(const plot_page *page);
 /* Memory ran out where something was made for it. */
 void plot_page_fail(plot_page *page);
 
 /* ------------------------------------------------------------ rendering (gnuplot.c) */
 
-/* Renders to a file; the ending chooses svg, pdf or png. Returns an exit code; on failure there is a message and the
- * target is untouched. */
-int plot_page_write(plot_page *page, const char *path);
+/* Renders to a file; the ending chooses svg, pdf, png or gp, the script itself. Returns an exit code; on failure there
+ * is a message and the target is untouched. */
+int plot_page_write(plot_page *page, const struct plot_options *options);
 /* Copies gnuplot's SVG without what a picture does not need (svg.c). */
 bool plot_svg_squeeze(FILE *from, FILE *to);
-/* CLI_DONE, or CLI_WRONG with a message when the ending is none of the three. */
-int plot_check_target(const char *path);
+/* CLI_DONE, or CLI_WRONG with a message when the ending is none of the four. */
+int plot_check_target(const struct plot_options *options);
 
 /* -------------------------------------------------------------- texts (plot_text.c) */
 
@@ -170,11 +171,17 @@ int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double
 
 /* ---------------------------------------------------------- options (cmd_plot.c) */
 
-typedef struct {
+typedef struct plot_options {
     const char *out, *title;
     double width, height;
     bool physical, hertz;
+    double font, dpi; /* points of the letters, pixels of PNG per inch; 0: as usual */
 } plot_options;
+
+/* The page in pixels of the layout, in which letters always have the same size: a larger font is a smaller page that is
+ * drawn larger. */
+double plot_layout_width(const plot_options *options, double usual);
+double plot_layout_height(const plot_options *options, double usual);
 
 /* plot_units.c. What is shown is what is stored times its unit. */
 typedef struct {

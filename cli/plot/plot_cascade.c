@@ -29,8 +29,7 @@ typedef struct {
 
 static bool make_page(picture *p, double width, double height)
 {
-    p->page = plot_page_create(p->common->width > 0 ? p->common->width : width,
-                               p->common->height > 0 ? p->common->height : height);
+    p->page = plot_page_create(plot_layout_width(p->common, width), plot_layout_height(p->common, height));
     return p->page;
 }
 
@@ -160,7 +159,7 @@ static int draw_diagram(picture *p)
         plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
         mark_strips(p, &panel, n, strips);
         title(p);
-        code = plot_page_write(p->page, p->common->out);
+        code = plot_page_write(p->page, p->common);
     }
     for (int i = 0; strips && i < n; i++) {
         free(strips[i].way);
@@ -264,7 +263,7 @@ static int draw_shapes(picture *p)
         if (!draw_shape(p, i, row, x, v, i + 1 == n)) return cli_report(RIC_E_NOMEM);
     }
     title(p);
-    return plot_page_write(p->page, p->common->out);
+    return plot_page_write(p->page, p->common);
 }
 
 /* ------------------------------------------------------------------ circle */
@@ -336,7 +335,7 @@ static int draw_circle(picture *p)
     plot_panel_frame(p->page, &circle, "Re μ", "Im μ");
     plot_panel_frame(p->page, &angles, "arclength", "arg μ / 2π");
     title(p);
-    return plot_page_write(p->page, p->common->out);
+    return plot_page_write(p->page, p->common);
 }
 
 /* ----------------------------------------------------------------- command */

@@ -262,8 +262,7 @@ void plot_page_title(plot_page *page, const plot_options *common, const ric_atla
 
 static int draw_curve_page(curves *c)
 {
-    const double width = c->common->width > 0 ? c->common->width : 900,
-                 height = c->common->height > 0 ? c->common->height : 640;
+    const double width = plot_layout_width(c->common, 900), height = plot_layout_height(c->common, 640);
     double x[2], y[2];
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     if (!track_range(c, x, y)) {
@@ -284,7 +283,7 @@ static int draw_curve_page(curves *c)
     plot_page_title(c->page, c->common, c->atlas, NULL);
     const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
     plot_legend(c->page, n, entries, 12, width - 12, c->panel.y.from - 46);
-    return plot_page_write(c->page, c->common->out);
+    return plot_page_write(c->page, c->common);
 }
 
 /* --branch ID, as often as it is given; all branches if it is not. */
@@ -496,8 +495,7 @@ static int draw_dots(floquet *f, const plot_track *t)
 
 static int draw_floquet(floquet *f)
 {
-    const double width = f->common->width > 0 ? f->common->width : 900,
-                 height = f->common->height > 0 ? f->common->height : 620;
+    const double width = plot_layout_width(f->common, 900), height = plot_layout_height(f->common, 620);
     static const quantity of_trace = {.kind = TRACE}, of_rotation = {.kind = ROTATION};
     plot_track trace = {0}, rotation = {0};
     char name[200];
@@ -519,7 +517,7 @@ static int draw_floquet(floquet *f)
     if (code != CLI_DONE) goto out;
     plot_branch_title(&f->branch, 1, sizeof name, name);
     plot_page_title(f->page, f->common, f->atlas, name);
-    code = plot_page_write(f->page, f->common->out);
+    code = plot_page_write(f->page, f->common);
 out:
     plot_track_free(&trace);
     plot_track_free(&rotation);

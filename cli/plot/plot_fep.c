@@ -413,8 +413,8 @@ static void frame(const fep *f)
 static int draw_panels(fep *f, double legend, bool final, int *missing)
 {
     const plot_options *common = f->options->common;
-    const double width = common->width > 0 ? common->width : f->n_panel > 4 ? 1500 : f->n_panel > 1 ? 1300 : 1000;
-    const double height = common->height > 0 ? common->height : f->n_panel > 2 ? 960 : 700;
+    const double width = plot_layout_width(common, f->n_panel > 4 ? 1500 : f->n_panel > 1 ? 1300 : 1000);
+    const double height = plot_layout_height(common, f->n_panel > 2 ? 960 : 700);
     int code = CLI_DONE;
     plot_page_free(f->page);
     f->page = plot_page_create(width, height);
@@ -467,7 +467,7 @@ static int draw(fep *f)
                                     plot_page_height(f->page) - 17},
                        PLOT_CENTRE, type + 2, "#000000", false, title);
     plot_legend(f->page, n_entry, entries, 12, plot_page_width(f->page) - 12, legend + 4);
-    return plot_page_write(f->page, common->out);
+    return plot_page_write(f->page, common);
 }
 
 static int draw_page(fep *f)

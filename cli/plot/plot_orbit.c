@@ -405,8 +405,7 @@ static void draw_portraits(orbit *o, plot_box area)
 
 static int draw(orbit *o)
 {
-    const double width = o->common->width > 0 ? o->common->width : 1000,
-                 height = o->common->height > 0 ? o->common->height : 640;
+    const double width = plot_layout_width(o->common, 1000), height = plot_layout_height(o->common, 640);
     o->page = plot_page_create(width, height);
     if (!o->page) return cli_report(RIC_E_NOMEM);
     const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 58,
@@ -418,7 +417,7 @@ static int draw(orbit *o)
     if (o->missing)
         fprintf(stderr, "ricochet: %d letter%s of impacts left out for want of room; --size makes more\n", o->missing,
                 o->missing == 1 ? "" : "s");
-    return plot_page_write(o->page, o->common->out);
+    return plot_page_write(o->page, o->common);
 }
 
 static int parse(int *argc, char **argv, words *w)

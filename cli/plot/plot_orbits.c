@@ -197,8 +197,8 @@ static int draw(figure *f)
 {
     const int columns = (int)f->columns, rows = (f->n + columns - 1) / columns;
     const double row = f->histories ? 190 : 210, head = 58;
-    const double width = f->common->width > 0 ? f->common->width : columns > 1 ? 1200 : 1000;
-    const double height = f->common->height > 0 ? f->common->height : head + row * rows;
+    const double width = plot_layout_width(f->common, columns > 1 ? 1200 : 1000);
+    const double height = plot_layout_height(f->common, head + row * rows);
     plot_legend_entry entries[MAX_SHOWN + 2];
     char names[MAX_SHOWN][24], title[400];
     int n = 0;
@@ -221,7 +221,7 @@ static int draw(figure *f)
     plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->from.atlas[0])),
                      sizeof title, title);
     plot_page_text(f->page, (plot_point){width / 2, height - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
-    return plot_page_write(f->page, f->common->out);
+    return plot_page_write(f->page, f->common);
 }
 
 int plot_orbits(int argc, char **argv, const plot_options *common)

@@ -223,7 +223,7 @@ void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radiu
     fputs("set object polygon from ", file);
     for (int i = 0; i <= n; i++)
         fprintf(file, "%s%.2f,%.2f", i ? " to " : "", at.x + radius * shape[i % n].x, at.y + radius * shape[i % n].y);
-    fprintf(file, " front fs solid 1 border rgb '#222222' fc rgb '%s' lw 1\n", fill);
+    fprintf(file, " front fs solid 1 border rgb '#222222' fc rgb '%s' lw LINE\n", fill);
 }
 
 static void put_label(plot_page *page, plot_point at, const char *anchor, double size, const char *colour, bool upright,
@@ -344,61 +344,92 @@ void plot_page_fail(plot_page *page)
     page->failed = true;
 }
 
+static const double usual_font = 9, usual_dpi = 96; /* points, and pixels per inch */
+
+static double magnification(const plot_options *o)
+{
+    return o->font > 0 ? o->font / usual_font : 1;
+}
+
+double plot_layout_width(const plot_options *o, double usual)
+{
+    return (o->width > 0 ? o->width : usual) / magnification(o);
+}
+
+double plot_layout_height(const plot_options *o, double usual)
+{
+    return (o->height > 0 ? o->height : usual) / magnification(o);
+}
+
+/* A picture in the making: `scale` is how many pixels of the target, of 1/96 inch in PDF, a pixel of the page has. */
+typedef struct {
+    FILE *script;
+    plot_format kind;
+    double scale;
+} target;
+
 /* The terminals measure type, line widths and dashes in units of their own; the factors to pixels were measured with
  * gnuplot 5.4. */
-static void write_terminal(FILE *script, const plot_page *page, plot_format kind)
+static void write_terminal(const target *t, const plot_page *page)
 {
-    const double w = page->width, h = page->height;
-    double type = 1;
-    switch (kind) {
-    case PLOT_FORMAT_SVG:
-        fprintf(script, "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font 'Helvetica,12'\n",
-                w, h);
-        break;
+    const double w = page->width * t->scale, h = page->height * t->scale;
+    double type = t->scale;
+    switch (t->kind) {
     case PLOT_FORMAT_PDF:
-        type = 0.5625;
-        fprintf(
-            script,
-            "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth 1.5 font 'Helvetica,9'\n",
-            w / 96, h / 96);
+        type *= 0.5625;
+        fprintf(t->script,
+                "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth 1.5 font "
+                "'Helvetica,9'\n",
+                w / 96, h / 96);
+        break;
+    case PLOT_FORMAT_PNG:
+        type *= 0.75;
+        fprintf(t->script, "set terminal pngcairo size %.0f,%.0f enhanced rounded font 'Helvetica,9'\n", w, h);
         break;
     default:
-        type = 0.75;
-        fprintf(script, "set terminal pngcairo size %.0f,%.0f enhanced rounded font 'Helvetica,9'\n", w, h);
+        fprintf(t->script,
+                "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font 'Helvetica,12'\n", w, h);
     }
-    fprintf(script, "FONT(s) = sprintf('Helvetica,%%.2f', %g * s)\n", type);
+    fprintf(t->script, "FONT(s) = sprintf('Helvetica,%%.2f', %g * s)\n", type);
 }
 
-static void write_stroke(FILE *script, plot_format kind, int stroke)
+static void write_stroke(const target *t, int stroke)
 {
-    const double *dash = strokes[stroke].dash, width = strokes[stroke].width;
-    const double unit = kind == PLOT_FORMAT_SVG   ? 0.5 * width
-                        : kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
-                                                  : 0.3667 * fmax(1, 0.75 * width);
-    fprintf(script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, strokes[stroke].colour);
-    for (int i = 0; i < 4 && dash[i] > 0; i++) fprintf(script, "%c%.3f", i ? ',' : '(', dash[i] / unit);
-    fprintf(script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", strokes[stroke].title);
+    const double *dash = strokes[stroke].dash, width = strokes[stroke].width * t->scale;
+    const double unit = t->kind == PLOT_FORMAT_PDF   ? 0.3667 * fmax(1, 0.75 * width)
+                        : t->kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
+                                                     : 0.5 * width;
+    fprintf(t->script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, strokes[stroke].colour);
+    for (int i = 0; i < 4 && dash[i] > 0; i++) fprintf(t->script, "%c%.3f", i ? ',' : '(', dash[i] * t->scale / unit);
+    fprintf(t->script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", strokes[stroke].title);
 }
 
-bool plot_page_script(plot_page *page, plot_format kind, FILE *script)
+bool plot_page_script(plot_page *page, plot_format kind, const plot_options *options, FILE *script)
 {
+    const double dots = kind == PLOT_FORMAT_PNG && options->dpi > 0 ? options->dpi / usual_dpi : 1;
+    const target t = {script, kind, magnification(options) * dots};
     bool good = !page->failed;
     for (int i = 0; i < PLOT_N_STROKE; i++) good &= ric_buffer_sync(&page->lines[i]);
     good &= ric_buffer_sync(&page->objects) && ric_buffer_sync(&page->texts);
     if (!good) return false;
+    if (kind == PLOT_FORMAT_GNUPLOT)
+        fputs("# A picture of ricochet for gnuplot: gnuplot FILE.gp > picture.svg\n"
+              "# All is drawn in pixels of the page; styles stand in the last command, the data of each in a block.\n",
+              script);
     fputs("set encoding utf8\n", script);
-    write_terminal(script, page, kind);
+    fprintf(script, "LINE = %g\n", t.scale); /* marks are written before their width is known */
+    write_terminal(&t, page);
     fputs("unset key\nunset border\nunset tics\n"
           "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1\n",
           script);
-    fprintf(script, "set xrange [0:%g]\nset yrange [0:%g]\n", page->width, page->height);
+    fprintf(script, "set xrange [0:%.10g]\nset yrange [0:%.10g]\n", page->width, page->height);
     for (int i = 0; i < PLOT_N_STROKE; i++)
         if (page->lines[i].size) fprintf(script, "$l%d << EOD\n%sEOD\n", i, page->lines[i].text);
     fputs(page->objects.text, script);
     fputs(page->texts.text, script);
     fputs("plot -1 lw 0 notitle", script); /* so that there is always a first */
     for (int i = 0; i < PLOT_N_STROKE; i++)
-        if (page->lines[i].size) write_stroke(script, kind, i);
+        if (page->lines[i].size) write_stroke(&t, i);
     fputc('\n', script);
     return fflush(script) == 0 && !ferror(script);
 }

@@ -189,8 +189,7 @@ static void draw_title(picture *p)
 
 static int draw(picture *p)
 {
-    const double width = p->common->width > 0 ? p->common->width : 860,
-                 height = p->common->height > 0 ? p->common->height : 780;
+    const double width = plot_layout_width(p->common, 860), height = plot_layout_height(p->common, 780);
     const double whole[4] = {-1.04, 1.04, -1.04, 1.04}, *w = p->has_window ? p->window : whole;
     p->page = plot_page_create(width, height);
     if (!p->page) return cli_report(RIC_E_NOMEM);
@@ -209,7 +208,7 @@ static int draw(picture *p)
     if (told) draw_bar(p);
     draw_legend(p);
     draw_title(p);
-    return plot_page_write(p->page, p->common->out);
+    return plot_page_write(p->page, p->common);
 }
 
 static bool take_request(int *argc, char **argv, picture *p)

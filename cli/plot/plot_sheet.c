@@ -275,8 +275,8 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
 static int draw_sheets(sheet *s)
 {
     const int columns = s->n > 1 ? 2 : 1, rows = (s->n + columns - 1) / columns;
-    const double width = s->common->width > 0 ? s->common->width : columns * 600,
-                 height = s->common->height > 0 ? s->common->height : 40 + 420 * rows;
+    const double width = plot_layout_width(s->common, columns * 600),
+                 height = plot_layout_height(s->common, 40 + 420 * rows);
     double *high = malloc((size_t)width * sizeof *high), *low = malloc((size_t)width * sizeof *low);
     int code = high && low && (s->page = plot_page_create(width, height)) ? CLI_DONE : cli_report(RIC_E_NOMEM);
     const double w = width / columns, h = (height - 40) / rows;
@@ -288,7 +288,7 @@ static int draw_sheets(sheet *s)
     free(low);
     if (code != CLI_DONE) return code;
     if (s->common->title) plot_page_title(s->page, s->common, s->from.atlas[0], NULL);
-    return plot_page_write(s->page, s->common->out);
+    return plot_page_write(s->page, s->common);
 }
 
 static bool common_contact(const sheet *s)
@@ -438,8 +438,7 @@ static int draw_columns(sheet *s, int n, const column *columns)
     char text[64];
     plot_tag tags[MAX_PART];
     plot_point *line = malloc(((size_t)s->orbits + 1) * sizeof *line);
-    if (!line || !(s->page = plot_page_create(s->common->width > 0 ? s->common->width : 900,
-                                              s->common->height > 0 ? s->common->height : 620))) {
+    if (!line || !(s->page = plot_page_create(plot_layout_width(s->common, 900), plot_layout_height(s->common, 620)))) {
         free(line);
         return cli_report(RIC_E_NOMEM);
     }
@@ -472,7 +471,7 @@ static int draw_columns(sheet *s, int n, const column *columns)
                      s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)",
                      text);
     plot_page_title(s->page, s->common, s->from.atlas[0], NULL);
-    return plot_page_write(s->page, s->common->out);
+    return plot_page_write(s->page, s->common);
 }
 
 int plot_strobe(int argc, char **argv, const plot_options *common)

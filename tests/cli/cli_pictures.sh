@@ -186,4 +186,34 @@ refuses() { # ARGUMENTS...: of plot
 ok 'two units of length in one picture are refused' refuses fep "$folder/half.ricochet" "$folder/two.ricochet" --physical
 ok 'a picture without units refuses them' refuses sheet "$folder/half.ricochet" --segment 3 --hz
 
+# -------------------------------------------------------------------- print
+ok 'letters of 12 points' draw print fep "$folder/two.ricochet" --font 12
+ok 'are a third larger, in a picture of the same size' sees print <<'END'
+sizes = {t[3] for t in p.texts}
+check((p.width, p.height) == (1000, 700) and 16.0 in sizes and min(sizes - {max(sizes)}) > 11.5, sizes)
+END
+ok 'printed on 174 mm no letter has less than 7 points, no index less than 5' sees print <<'END'
+points = [t[3] * 174 / 25.4 * 72 / p.width for t in p.texts]
+check(min(points) > 5.5 and all(size >= 7 or len(t[2]) < 6 for size, t in zip(points, p.texts)), sorted(points)[:8])
+END
+dots() { # FILE: width and height of a PNG
+    python3 -c 'import struct, sys
+print(*struct.unpack(">II", open(sys.argv[1], "rb").read(24)[16:]))' "$1"
+}
+ok 'twice the dots' "$ricochet" plot fep "$folder/two.ricochet" --dpi 192 -o "$folder/dots.png"
+ok 'make a PNG of twice the size' test "$(dots "$folder/dots.png")" = '2000 1400'
+ok 'dots go with PNG only' refuses fep "$folder/two.ricochet" --dpi 192
+ok 'letters that fill the page are refused' refuses fep "$folder/two.ricochet" --font 48 --size 500x400
+ok 'the script of gnuplot' env PATH=/nowhere "$ricochet" plot fep "$folder/two.ricochet" --font 12 -o "$folder/print.gp"
+by_hand() {
+    gnuplot "$folder/print.gp" >"$folder/hand.svg" && python3 - "$folder" <<'END'
+import sys
+from picture import *
+p, q = (Picture(f"{sys.argv[1]}/{name}.svg") for name in ("hand", "print"))
+check([t[2] for t in p.texts] == [t[2] for t in q.texts] and {n: len(l) for n, l in p.lines.items() if n in q.lines} == {n: len(l) for n, l in q.lines.items()},
+      len(p.texts), len(q.texts))
+END
+}
+ok 'needs no gnuplot, and draws the same picture with it' by_hand
+
 finish
