@@ -207,6 +207,10 @@ static const cli_item items[] = {
      .value = "K",
      .text = "dashed: the branches gone through k = 2..K times, at frequency / k, with the multiplications on them"},
     {.name = "--duplicate", .value = "K:SEGMENT", .text = "the K-duplicate of this one"},
+    {.name = "--data",
+     .value = "FILE.csv",
+     .text = "dots at energies and frequencies of your own, in the units of the picture: columns `energy` and "
+             "`frequency`, named in the first line, commas between"},
     {.name = "--key",
      .value = "TEXT",
      .text = "several atlases are drawn over one another, each in its colour: what the legend calls it, else the "
@@ -321,7 +325,7 @@ const cli_command cli_plot = {
              "           [--log-frequency | --linear-frequency]\n"
              "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--marks WHAT] [--label NAME]...\n"
              "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
-             "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] -o FILE\n"
+             "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] [--data FILE.csv] -o FILE\n"
              "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"
              "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST] -o FILE\n"
              "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"

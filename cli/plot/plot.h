@@ -38,7 +38,8 @@ typedef enum {
     PLOT_JUMP = PLOT_SHEET + 2,
     PLOT_STOP,                   /* of all gaps of a panel; + 1..4: of one of them */
     PLOT_SERIES = PLOT_STOP + 5, /* + 0..3 */
-    PLOT_FRAME = PLOT_SERIES + 4,
+    PLOT_DATA = PLOT_SERIES + 4, /* of one's own */
+    PLOT_FRAME,
     PLOT_LEADER,
     PLOT_N_STROKE,
 } plot_stroke;

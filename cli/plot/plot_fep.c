@@ -86,8 +86,8 @@ static int parse_options(int *argc, char **argv, fep_options *o)
     o->log_frequency = cli_take_flag(argc, argv, "--log-frequency");
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
         !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
-        !cli_take_value(argc, argv, "--marks", &marks) || !cli_take_value(argc, argv, "--duplicates", &duplicates) ||
-        take_zooms(argc, argv, o) != CLI_DONE)
+        !cli_take_value(argc, argv, "--marks", &marks) || !cli_take_value(argc, argv, "--data", &o->data) ||
+        !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
     if ((energy && !plot_parse_range(energy, "--energy", o->energy)) ||
@@ -228,6 +228,14 @@ static ric_status find_window(const fep *f, span *energy, span *frequency)
     for (int k = 0; k < f->n_source; k++)
         for (int i = 0; status == RIC_OK && i < f->sources[k].n_part; i++)
             status = add_part(f, &f->sources[k], &f->sources[k].parts[i], energy, frequency);
+    for (int i = 0; i < f->n_data; i++) {
+        const plot_point p = f->data[i];
+        if (!wanted(f->options->has_energy, f->options->energy, p.x) ||
+            !wanted(f->options->has_frequency, f->options->frequency, p.y))
+            continue;
+        if (p.x > 0) span_add(energy, p.x);
+        span_add(frequency, p.y);
+    }
     return status;
 }
 
@@ -336,6 +344,7 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
+    if (f->n_data) out[n++] = (plot_legend_entry){f->data_name, PLOT_DATA, -1};
     n += plot_legend_entries(NULL, 0, f->kinds, out + n);
     count_unmarked(f);
     if (f->unmarked) out[n++] = (plot_legend_entry){f->remark, -1, -1};
@@ -387,6 +396,7 @@ static int draw_panel(fep *f, int i)
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_ghosts(f, &f->sources[k]);
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_junctions(f, &f->sources[k]);
     for (int k = 1; i == 0 && k < f->n_panel; k++) draw_window(f, k);
+    fep_draw_data(f);
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
     for (int k = 0; code == CLI_DONE && k < f->n_source; k++) code = fep_draw_marks(f, &f->sources[k]);
     return code;
@@ -528,10 +538,12 @@ int plot_fep(int argc, char **argv, const plot_options *common)
     for (int i = 0; i < f.n_source; i++) atlases[i] = f.sources[i].atlas;
     if (code == CLI_DONE && !plot_same_length(common, f.n_source, atlases)) code = CLI_WRONG;
     if (code == CLI_DONE) scale_windows(&f);
+    if (code == CLI_DONE) code = fep_read_data(&f);
     if (code == CLI_DONE) code = resolve_labels(&f);
     if (code == CLI_DONE) code = draw_page(&f);
     plot_page_free(f.page);
     for (int i = 0; i < f.n_source; i++) fep_free_source(&f.sources[i]);
     free(f.tags);
+    free(f.data);
     return code;
 }

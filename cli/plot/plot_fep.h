@@ -32,6 +32,7 @@ typedef struct {
     double zoom[FEP_MAX_PANEL][4];     /* energies, frequencies */
     int n_asked, n_duplicate, n_label; /* how many of them name duplicates, labels */
     fep_asked asked[FEP_MAX_ASKED];
+    const char *data; /* a file, or NULL */
     int n_atlas;
     const char *paths[FEP_MAX_ATLAS];
 } fep_options;
@@ -65,6 +66,9 @@ typedef struct {
     plot_panel panels[FEP_MAX_PANEL], *panel;                  /* `panel`: the one that is being drawn */
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
     bool ghost, duplicate[3], marked;
+    int n_data, data_room;
+    plot_point *data; /* of one's own, in stored units */
+    char data_name[300];
     plot_tag *tags;
     int n_tag, room, n_group;
     int no_margin;   /* reference labels without a place */
@@ -81,6 +85,10 @@ bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, 
  * are logarithmic in a window of which nothing else is known. */
 ric_status fep_choose_scales(fep *f);
 bool fep_log_window(const fep_options *options, double lo, double hi);
+
+/* plot_fep_data.c. The first returns an exit code. */
+int fep_read_data(fep *f);
+void fep_draw_data(fep *f);
 
 /* plot_fep_branches.c */
 int fep_choose_parts(fep *f, fep_source *s);

@@ -87,6 +87,7 @@ static const struct {
     [PLOT_SERIES + 1] = {"#d0701c", "second", 1.7, {7, 4}},
     [PLOT_SERIES + 2] = {"#2a8a57", "third", 1.7, {9, 4, 1, 4}},
     [PLOT_SERIES + 3] = {"#a04a8c", "fourth", 2, {0.1, 4}},
+    [PLOT_DATA] = {"#c2188b", "data", 5, {0.1, 8}},
     [PLOT_FRAME] = {"#222222", "axes", 0.9, {0}},
     [PLOT_LEADER] = {"#777777", "leaders", 0.6, {0}},
 };

@@ -112,7 +112,6 @@ close_curve() { # LABEL E0:E1 F0:F1
         --marks none -o "$folder/curve.svg" || return 1
     python3 - "$ricochet" "$folder" "$1" "$2" "$3" <<'END'
 import json, subprocess, sys
-from math import hypot
 from picture import *
 program, folder, label, energies, frequencies = sys.argv[1:]
 ask = lambda *words: json.loads(subprocess.run([program, words[0], folder + "/two.ricochet", *words[1:], "--json"], capture_output=True, check=True).stdout)
@@ -126,16 +125,11 @@ def scale(text, value, low, high):
 place = lambda e, f: (scale(energies, e, frame[0][0], frame[1][0]), scale(frequencies, f, frame[0][1], frame[2][1]))
 pieces = [piece for name in p.lines if name.endswith(("stable", "undecided")) for line in p.lines[name] if line[0][1] <= frame[0][1]
           for piece in zip(line, line[1:])]
-def distance(q, piece):
-    (ax, ay), (bx, by) = piece
-    length = (bx - ax) ** 2 + (by - ay) ** 2
-    t = min(1, max(0, ((q[0] - ax) * (bx - ax) + (q[1] - ay) * (by - ay)) / length)) if length else 0
-    return hypot(q[0] - ax - t * (bx - ax), q[1] - ay - t * (by - ay))
 worst = tried = 0
 for a, b in zip(points, points[1:]):
     p0, p1 = place(a["energy"], a["frequency"]), place(b["energy"], b["frequency"])
     across = abs(p1[0] - p0[0]) > abs(p1[1] - p0[1])
-    if hypot(p1[0] - p0[0], p1[1] - p0[1]) < 4:
+    if dist(p0, p1) < 4:
         continue
     middle = (["--energy", repr((a["energy"] + b["energy"]) / 2)] if across else ["--frequency", repr((a["frequency"] + b["frequency"]) / 2)])
     for orbit in ask("orbit", "--branch", branch, *middle):
@@ -215,5 +209,21 @@ check([t[2] for t in p.texts] == [t[2] for t in q.texts] and {n: len(l) for n, l
 END
 }
 ok 'needs no gnuplot, and draws the same picture with it' by_hand
+
+# ------------------------------------------------------------------ own data
+"$ricochet" points "$folder/half.ricochet" --branch 3 --physical --csv >"$folder/own.csv" # has both columns, and others
+ok 'points of a branch as data in physical units' draw own fep "$folder/half.ricochet" --physical --branch 3 --data "$folder/own.csv" --marks none --labels none
+ok 'lie on the branch, each of them' sees own <<'END'
+dots = [line[0] for line in p.lines["data"] if len(line) == 2 and abs(line[1][0] - line[0][0]) < 1]
+pieces = [piece for name in p.lines if name.startswith("symmetric") for line in p.lines[name] for piece in zip(line, line[1:])]
+far = max(min(distance(d, piece) for piece in pieces) for d in dots)
+check(len(dots) > 30 and far < 0.1 and p.has("own.csv"), len(dots), far)
+END
+printf 'frequency,energy\n1.5,20\n1.6,much\n' >"$folder/bad.csv"
+ok 'data that are no numbers are refused by their line' refuses fep "$folder/two.ricochet" --data "$folder/bad.csv"
+ok 'and told' grep -q 'bad.csv:3:' "$folder/message"
+printf '1.5,20\n' >"$folder/bare.csv"
+ok 'data without names of columns are refused' refuses fep "$folder/two.ricochet" --data "$folder/bare.csv"
+ok 'a file that is not there, too' refuses fep "$folder/two.ricochet" --data "$folder/nowhere.csv"
 
 finish

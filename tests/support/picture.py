@@ -2,6 +2,7 @@
 import re
 import sys
 import xml.etree.ElementTree as xml
+from math import dist
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
@@ -37,6 +38,14 @@ def written(text):
 def strokes(path):
     """The lines of a path, each a list of points."""
     return [[tuple(map(float, p.split(","))) for p in re.findall(r"[-\d.]+,[-\d.]+", piece)] for piece in path.split("M")[1:]]
+
+
+def distance(point, piece):
+    """From a piece of a line between two points."""
+    (ax, ay), (bx, by) = piece
+    length = (bx - ax) ** 2 + (by - ay) ** 2
+    part = min(1, max(0, ((point[0] - ax) * (bx - ax) + (point[1] - ay) * (by - ay)) / length)) if length else 0
+    return dist(point, (ax + part * (bx - ax), ay + part * (by - ay)))
 
 
 def check(good, *words):
