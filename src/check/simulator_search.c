@@ -179,6 +179,9 @@ static double highest(const ric_simulator *sim, const face_t *face, const sample
 {
     shape kind = classify(face, a, b, best + (double)face->band);
     if (kind == CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
+    /* an arc that rounding hides has a slope that it does not, as within the contact of a stiff spring */
+    const real none = ROUNDING * face->D[1];
+    if (kind == FLAT && a->g[1] > none && b->g[1] < -none) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
     if (kind != UNKNOWN) return best;
     sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
     best = highest(sim, face, a, &middle, best);

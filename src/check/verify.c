@@ -152,14 +152,23 @@ static void start_later(replay *r)
     r->tau[N - 1] = tau;
 }
 
+/* Whether the contact that flight k is has no length: what its spring exchanges, over a parabola, is below the last
+ * digit of the motion. */
+static bool is_nothing(const replay *r, int k)
+{
+    const face_t *face = &r->face[r->event[k]];
+    real fastest = 0, tau = r->tau[k];
+    for (int i = 0; i < r->n; i++) fastest = fmax(fastest, r->omega[i]);
+    return tau <= NO_LENGTH * r->period && face->spring * face->cc * fastest * tau * tau * tau / 12 <= DBL_EPSILON;
+}
+
 /* Contacts of no length are touches: both events go, and the flights before, in and behind them become one. */
 static void drop_touches(replay *r)
 {
     size_t F = (size_t)r->n_face;
     for (int k = 0; k < r->n_event; k++) {
         int N = r->n_event, next = (k + 1) % N;
-        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || r->tau[k] > NO_LENGTH * r->period)
-            continue;
+        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || !is_nothing(r, k)) continue;
         if (N > 2 && (k == 0 || next == 0)) {
             start_later(r);
             k = -1;
@@ -401,12 +410,16 @@ static void accept_order(const replay *r, int k, event *e)
     e->face = (int)(expected - r->face);
 }
 
-/* How much later flight k may meet its face, at that speed, by the stored digits alone. A spring opens where the
- * simulator saw it close, which the chain may be off by as well. */
+/* How much later flight k may meet its face, at that speed or faster, by the stored digits alone: as the gap is drawn
+ * back from the face, up to twice as much as its speed alone says. A spring opens where the simulator saw it close,
+ * which the chain may be off by as well. */
 static real late_by_digits(const replay *r, int k, real speed)
 {
     if (!r->digits || !r->n_event || !(speed > 0)) return 0;
-    return (r->digits->gap[k] + (ric_replay_opens(r, k) && k > 0 ? r->digits->gap[k - 1] : 0)) / speed;
+    const real gap = r->digits->gap[k] + (ric_replay_opens(r, k) && k > 0 ? r->digits->gap[k - 1] : 0),
+               own = fabs(r->speed[k + 1]), *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n,
+               bent = 2 * gap * fabs(ric_replay_pull(r, k, ric_replay_end_face(r, k), w));
+    return gap / speed * (own > 0 ? 2 * own / (own + sqrt(fmax(0, own * own - bent))) : 1);
 }
 
 /* What the state behind flight k changes by for every unit of time that its event comes later. */
@@ -511,8 +524,8 @@ static bool gathered(const replay *r, int k)
 }
 
 /* The simulator at the beginning of flight k. Where the stored digits leave the state beyond the stop that it has just
- * struck, it is brought back to it. */
-static ric_status start_flight(replay *r, int k)
+ * struck, it is brought back to it; *moved: the energy that this adds or takes. */
+static ric_status start_flight(replay *r, int k, real *moved)
 {
     const size_t step = 2 * (size_t)r->n;
     const face_t *face = k > 0 ? ric_replay_end_face(r, k - 1) : NULL;
@@ -520,8 +533,11 @@ static ric_status start_flight(replay *r, int k)
     memcpy(w, r->chain + (size_t)k * step, sizeof w);
     if (face && !(face->spring > 0) && r->digits) {
         const real gap = ric_replay_gap(r, face, w);
-        for (int i = 0; i < r->n && gap > 0 && gap <= r->digits->gap[k - 1]; i++)
-            w[i] -= face->side * gap / face->cc * face->c[i];
+        for (int i = 0; i < r->n && gap > 0 && gap <= r->digits->gap[k - 1]; i++) {
+            const real back = face->side * gap / face->cc * face->c[i];
+            *moved += r->omega[i] * r->omega[i] * (w[i] - back / 2) * back;
+            w[i] -= back;
+        }
     }
     return start_at(r, k, w, 0);
 }
@@ -531,6 +547,7 @@ static ric_status check_flights(replay *r)
     ric_status status = RIC_OK;
     real left = 0;
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
+        real moved = 0;
         left += energy_by_digits(r, k);
         if (ric_halt(RIC_VERIFY_WORK * r->n * r->n)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
         if (gathered(r, k) || (r->digits && ric_verify_digits_hide(r, r->digits, k))) {
@@ -538,13 +555,13 @@ static ric_status check_flights(replay *r)
             continue;
         }
         r->reach = 0;
-        status = start_flight(r, k);
+        status = start_flight(r, k, &moved);
         if (status || !r->check->faces_agree) break;
         status = !ric_replay_end_face(r, k)  ? check_linear(r)
                  : ric_replay_is_touch(r, k) ? check_touch(r, k)
                                              : check_impact(r, k);
         r->grazes |= r->touched || r->reach > 1 - REACH;
-        check_energy(r, left);
+        check_energy(r, left + fabs(moved));
     }
     return status;
 }

@@ -305,16 +305,14 @@ static real full(const ric_pairs *p, int run, int i)
     return p->half ? rho * rho - 2 : rho;
 }
 
-/* gamma in [0, 1), NaN where the run is lost, of a pair off the unit circle that of the place where it left it; the
+/* gamma in [0, 1) of a pair rho of the map that is used, off the unit circle that of the place where it left it; the
  * sense is that of the symplectic form (Krein: Yakubovich and Starzhinskii 1975, chapter 3), against that of a free
  * oscillator. */
-static real turns(const ric_pairs *p, int run)
+static real turns(const ric_pairs *p, real rho)
 {
-    real rho = creall(own(p, run, 0)), angle;
-    if (isnan(rho)) return NAN;
     rho = fmax(-2, fmin(2, rho));
-    angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / RIC_TWO_PI_LONG;
-    if (p->way[run] < 0) angle = 1 - angle;
+    real angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / RIC_TWO_PI_LONG;
+    if (p->way[0] < 0) angle = 1 - angle;
     angle = p->half ? 2 * angle : angle;
     return angle < 1 ? angle : angle - 1;
 }
@@ -326,30 +324,22 @@ static real apart(real a, real b)
     return fmin(off, 1 - off);
 }
 
-/* How far the exact run is off the unit circle: no rotation at all, unless that is an error. */
-static real off_circle(const ric_pairs *p)
+/* How far the rotation may be from that of the exact run, in turns, NaN if a run is lost: where a pair meets 1 or -1
+ * the root of its error, on whichever side of the circle the runs are. */
+static real turns_known(const ric_pairs *p)
 {
-    return fmax(0, fabs(creall(own(p, 0, 0))) - 2);
-}
-
-/* What the rounding of rho itself, and a pair off the circle that belongs on it, leave of its angle, in turns: where
- * the pair meets 1 or -1, the root of it. */
-static real angle_known(const ric_pairs *p)
-{
-    real rho = fmin(2, fabs(creall(own(p, 0, 0)))), off = 8 * LDBL_EPSILON * (2 + rho) + off_circle(p),
-         sine = sqrt((2 - rho) * (2 + rho)) / 2;
-    return (p->half ? 2 : 1) * fmin(sqrt(off), off / sine) / RIC_TWO_PI_LONG;
+    const real rho = creall(own(p, 0, 0)), found = turns(p, rho),
+               stated = p->asked && p->asked->given ? p->asked->error : 0,
+               off = spread(p, 0) + stated + 8 * LDBL_EPSILON * (2 + fabs(rho));
+    if (isnan(off) || isnan(rho)) return NAN;
+    return RESOLUTION + fmax(apart(turns(p, rho + off), found), apart(turns(p, rho - off), found));
 }
 
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
-    real outside, inside, found = turns(p, 0), bound = RESOLUTION + angle_known(p);
+    real outside, inside, found = turns(p, creall(own(p, 0, 0))), bound = turns_known(p);
     if (isnan(stored->rotation) && isnan(stored->trace)) return; /* lost together, which the trace answers for */
     weigh(p, &outside, &inside);
-    for (int run = 1; run < RIC_PAIR_RUNS; run++) {
-        real off = apart(turns(p, run), found);
-        bound = isnan(off) ? INFINITY : fmax(bound, RIC_PAIR_SAFETY * off);
-    }
     bool wrong = isnan(stored->rotation) ? inside > 0
                                          : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
                                                apart(stored->rotation, found) > bound;
