@@ -65,30 +65,6 @@ static char *refusals(const ric_node *node)
     return text;
 }
 
-static bool solve_chain(ric_shooting *chain, double *u)
-{
-    double du[chain->n_unknown];
-    int iterations;
-    ric_shooting_evaluate(chain, u);
-    return !ric_continuation_solved(chain) && ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
-}
-
-/* Without its touches an orbit is one of fewer events; what their speeds were beside zero is missing from it, and it is
- * solved once more. NULL: it need not be, or does not converge. */
-static ric_periodic *solved_again(const ric_model *m, const ric_periodic *cycle)
-{
-    ric_shooting *chain = NULL;
-    double *u = NULL;
-    ric_periodic *solved = NULL, *out = NULL;
-    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u))
-        solved = ric_periodic_from_chain(chain, u);
-    if (solved) out = ric_periodic_canonical(m, solved);
-    ric_periodic_free(solved);
-    ric_shooting_free(chain);
-    free(u);
-    return out;
-}
-
 /* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact
  * is left. */
 static ric_periodic *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
@@ -112,7 +88,7 @@ ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int i
     bool bare;
     ric_periodic *cycle = original_orbit(m, node, &bare), *again = NULL;
     double energy = node->energy, period = node->period;
-    if (cycle && node->kind == RIC_KIND_GRAZING) again = solved_again(m, cycle);
+    if (cycle && node->kind == RIC_KIND_GRAZING) again = ric_node_solve_again(m, cycle);
     if (again) {
         ric_periodic_free(cycle);
         cycle = again;

@@ -11,8 +11,11 @@
 #include "base/room.h"
 
 /* Scaled: an impact below this speed at a located event is a touch that was kept. Newton's method leaves 1e-12 of it;
- * what is faster is an impact, and without it the motion is another one. */
+ * what is faster is an impact, and without it the motion is another one. Where all impacts end at once an orbit is
+ * located to less, and what is slower than HARDLY is a touch there. */
 #define NO_SPEED 1e-10
+#define HARDLY 1e-7
+#define BEYOND 1e-9  /* of the clearance: an orbit of a junction that goes through a stop by more is no motion */
 #define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring, a flight is none at a corner */
 /* ALONE: a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
 #define ALONE 0.25
@@ -90,16 +93,18 @@ static double impact_speed(const ric_model *m, const ric_periodic *c, const doub
     return -f->side * ric_dot(c->n, f->c, W + 2 * c->n * i + c->n);
 }
 
-static bool list_touches(const ric_model *m, ric_node *node)
+static bool list_touches(const ric_model *m, ric_node *node, double slow)
 {
     const ric_periodic *c = node->cycle;
+    node->n_touch = 0;
+    node->refusal = RIC_REFUSAL_NONE;
     double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W);
     bool fits = true;
     if (!W) return false;
     ric_periodic_states(m, c, W);
     for (int i = 0; i < c->N; i++) {
         bool spring = m->face[c->face[i]].spring > 0, pair = spring && c->face[(i + 1) % c->N] == c->face[i];
-        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > NO_SPEED) continue;
+        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > slow) continue;
         if (node->n_touch < RIC_MAX_TOUCHES) node->touch[node->n_touch++] = i;
         else fits = false;
     }
@@ -143,14 +148,46 @@ int ric_node_space(const ric_model *m, const ric_node *node)
     return node->mode >= 0 ? ric_mixture_space(m, node->mode) : -1;
 }
 
+/* Whether the orbit without its touches, which is what is stored, passes no stop. What does not become a chain is not
+ * judged. */
+static bool is_motion(const ric_model *m, const ric_node *node)
+{
+    if (is_bare(node) || node->refusal) return true;
+    ric_periodic *left = ric_node_regular(m, node), *again = left ? ric_node_solve_again(m, left) : NULL;
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    bool passes = left && !ric_periodic_to_chain(m, again ? again : left, &chain, &u);
+    if (passes) {
+        ric_shooting_fly(chain, u);
+        passes = ric_reach(chain, u, NULL) > 1 + BEYOND;
+    }
+    ric_periodic_free(left);
+    ric_periodic_free(again);
+    ric_shooting_free(chain);
+    free(u);
+    return !passes;
+}
+
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
 {
     ric_node *node = node_create(m, RIC_KIND_GRAZING, full);
+    ric_status status = RIC_OK;
     if (!node) return ric_no_memory("a junction");
     node->multiple = multiple;
-    if (!list_touches(m, node)) {
+    bool listed = list_touches(m, node, HARDLY), motion = listed && is_bare(node);
+    if (listed && !motion) {
+        listed = list_touches(m, node, NO_SPEED);
+        motion = listed && is_motion(m, node);
+    }
+    if (listed && !motion) {
+        listed = list_touches(m, node, HARDLY);
+        motion = listed && is_motion(m, node);
+    }
+    if (!listed) status = ric_no_memory("a junction");
+    else if (!motion) status = ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts passes a stop", full->N);
+    if (status) {
         ric_node_free(node);
-        return ric_no_memory("a junction");
+        return status;
     }
     if (is_bare(node)) {
         node->mode = linear_mode(node);
@@ -158,6 +195,25 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     }
     *out = node;
     return RIC_OK;
+}
+
+/* How often a motion of this frequency fits into the period of the cycle; 0 where it does not. */
+static int times_through(const ric_periodic *cycle, double omega)
+{
+    double times = ric_periodic_period(cycle) / (RIC_TWO_PI / omega);
+    return rint(times) >= 1 && fabs(times - rint(times)) <= RIC_SAME_READ_OFF ? (int)rint(times) : 0;
+}
+
+/* The node instead of which it stands, gone through that often; takes it over. */
+static ric_status gone_through(const ric_model *m, ric_node *once, int times, ric_node **out)
+{
+    if (times == 1) {
+        *out = once;
+        return RIC_OK;
+    }
+    ric_status status = ric_node_duplicate(m, once, times, out);
+    ric_node_free(once);
+    return status;
 }
 
 /* A branch that comes to a mixture of modes of one frequency comes to a family of motions that touch, and to the one
@@ -169,15 +225,23 @@ static ric_status arrived_mixture(const ric_model *m, const ric_periodic *cycle,
     *out = NULL;
     int mixture = m->mixtures->n ? mixture_of(m, cycle->w, RIC_SAME_READ_OFF) : -1;
     if (mixture < 0) return RIC_OK;
-    double period = RIC_TWO_PI / m->omega[m->mixtures->space[m->mixtures->list[mixture].space].first],
-           times = ric_periodic_period(cycle) / period;
-    if (rint(times) < 1 || fabs(times - rint(times)) > RIC_SAME_READ_OFF) return RIC_OK;
-    ric_status status = ric_node_mixture(m, mixture, &once);
-    if (!status && rint(times) > 1) {
-        status = ric_node_duplicate(m, once, (int)rint(times), out);
-        ric_node_free(once);
-    } else *out = once;
-    return status;
+    int times = times_through(cycle, m->omega[m->mixtures->space[m->mixtures->list[mixture].space].first]);
+    ric_status status = times ? ric_node_mixture(m, mixture, &once) : RIC_OK;
+    return status || !once ? status : gone_through(m, once, times, out);
+}
+
+/* A branch that comes to a linear mode is located there to the root of rounding only, as all its impacts end at once;
+ * the mode itself is known, and replaces what was found of it. */
+static ric_status arrived_mode(const ric_model *m, ric_node **node)
+{
+    ric_node *once = NULL;
+    int mode = (*node)->mode, times = mode >= 0 ? times_through((*node)->cycle, m->omega[mode]) : 0;
+    times *= (*node)->multiple;
+    ric_status status = times ? ric_node_linear(m, mode, &once) : RIC_OK;
+    if (status || !once) return status;
+    ric_node_free(*node);
+    *node = NULL;
+    return gone_through(m, once, times, node);
 }
 
 ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)
@@ -198,6 +262,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
     ric_periodic_free(full);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     ric_status status = finish_grazing(m, solved, q, out);
+    if (!status && (*out)->n_touch && !(*out)->refusal && (*out)->mixture < 0) status = arrived_mode(m, out);
     if (status || (*out)->n_touch || (*out)->refusal) return status;
     ric_node_free(*out); /* beside a family of two parameters the place of a touch is known to nothing */
     *out = NULL;

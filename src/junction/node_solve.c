@@ -433,3 +433,25 @@ bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int tes
     free(u);
     return PLACED * fabs(change) > 2 * h * blur;
 }
+
+static bool solve_chain(ric_shooting *chain, double *u)
+{
+    double du[chain->n_unknown];
+    int iterations;
+    ric_shooting_evaluate(chain, u);
+    return !ric_continuation_solved(chain) && ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
+}
+
+ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    ric_periodic *solved = NULL, *out = NULL;
+    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u))
+        solved = ric_periodic_from_chain(chain, u);
+    if (solved) out = ric_periodic_canonical(m, solved);
+    ric_periodic_free(solved);
+    ric_shooting_free(chain);
+    free(u);
+    return out;
+}

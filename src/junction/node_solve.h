@@ -20,6 +20,9 @@ typedef struct {
  * that nothing is left of where it came from. NULL where there is none near; *moved (may be NULL): because it went
  * elsewhere. */
 ric_periodic *ric_node_solve(const ric_model *model, const ric_periodic *cycle, ric_criterion what, bool *moved);
+/* Without its touches an orbit is one of fewer events; what their speeds were beside zero is missing from it, and it is
+ * solved once more. NULL: it does not converge. */
+ric_periodic *ric_node_solve_again(const ric_model *model, const ric_periodic *cycle);
 /* Whether rounding leaves an extremum its place: dE/ds or dT/ds passes zero there fast enough. */
 bool ric_node_solve_sharp(const ric_model *model, const ric_periodic *cycle, int test);
 

@@ -7,6 +7,7 @@
 #include "multiplication.h"
 #include "multiplicity.h"
 #include "node.h"
+#include "node_solve.h"
 #include "node_cache.h"
 #include "switching.h"
 

@@ -500,6 +500,33 @@ static void verify_resonant(void **state)
                      "explore: {energy: [0, 517.5], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 1}\n");
 }
 
+/* Two modes at 1 : 2 to the last digit: a branch ends in five times the faster mode, where all its impacts end at once
+ * and are located to 5e-8. Some of them kept, and the others not, it is an orbit that passes the stop by 1e-7. */
+static void verify_all_impacts_at_once(void **state)
+{
+    (void)state;
+    all_of_it_passes(
+        "model:\n  mass: [[1.28125, 0.09375], [0.09375, 0.53125]]\n"
+        "  stiffness: [[4.980030461093401, 0.8328584103509669], [0.8328584103509669, 0.6789422591101952]]\n"
+        "  contacts:\n    - {normal: [1, -1], law: rigid, clearance: 5.57, sides: both}\n"
+        "explore: {energy: [0, 22.72], frequency: [0.2, 6], impacts: 8, multiply: 3, depth: 2}\n");
+}
+
+/* The contact of a stiff spring at 1e-9 of the largest speed: an arc of 2e-13 of the clearance within it is its reach,
+ * and a contact of 7e-7 s counts beside others of 1e-5 s. */
+static void verify_stiff_contacts(void **state)
+{
+    (void)state;
+    all_of_it_passes(
+        "model:\n  mass: [[1.15625, -0.09375, 0.203125], [-0.09375, 0.671875, -0.203125],"
+        " [0.203125, -0.203125, 1.453125]]\n"
+        "  stiffness:\n    - [6.987624379755634, -0.1015896859693963, 5.533092387611552]\n"
+        "    - [-0.1015896859693963, 2.127245000496372, -2.1871689663021616]\n"
+        "    - [5.533092387611552, -2.1871689663021616, 9.010078854438762]\n"
+        "  contacts:\n    - {normal: [1, 0, -1], law: bilinear, clearance: 1.03, sides: both, stiffness: 4796000}\n"
+        "explore: {energy: [0, 6897], frequency: [0.2, 9], impacts: 4, multiply: 2, depth: 2}\n");
+}
+
 /* A4[0101] ends in the double of an orbit that is its image backwards about any of its impacts: stored within 6e-11 of
  * it, the end keeps the mirror points of its branch, or its multipliers are those of another orbit. */
 static void multipliers_at_ends(void **state)
@@ -591,13 +618,16 @@ static void verify_rotations(void **state)
 {
     (void)state;
     const double one[] = {2 - 7e-11, 2 - 6e-11, 2 + 1e-11, 2 - 5e-11, 2 - 7e-11},
-                 exact[] = {2 + 1e-12, 2 - 1e-12, 2 + 2e-12, 2 - 1e-12, 2}, lost[] = {1, NAN, 1, 1, 1};
+                 exact[] = {2 + 1e-12, 2 - 1e-12, 2 + 2e-12, 2 - 1e-12, 2},
+                 off[] = {2 + 1e-11, 2 + 2e-11, 2 + 1e-11, 2 + 3e-11, 2 + 1e-11}, lost[] = {1, NAN, 1, 1, 1};
     double angle = 1 - sqrt(7e-11) / RIC_TWO_PI;
     assert_int_equal(judged(one, angle).multipliers, RIC_AGREES_YES);
     assert_int_equal(judged(one, 0.9).multipliers, RIC_AGREES_NO);
     assert_int_equal(judged(one, 0.5).multipliers, RIC_AGREES_NO);
     assert_int_equal(judged(exact, 0.9999999).multipliers, RIC_AGREES_YES);
     assert_int_equal(judged(exact, 0.9).multipliers, RIC_AGREES_NO);
+    assert_int_equal(judged(off, sqrt(1e-10) / RIC_TWO_PI).multipliers, RIC_AGREES_YES);
+    assert_int_equal(judged(off, 1e-3).multipliers, RIC_AGREES_NO);
     assert_int_equal(judged(lost, 5. / 6).multipliers, RIC_AGREES_UNCHECKED);
 }
 
@@ -617,6 +647,8 @@ int main(void)
         cmocka_unit_test(verify_steep_grazing),
         cmocka_unit_test(verify_shallow_impacts),
         cmocka_unit_test(verify_resonant),
+        cmocka_unit_test(verify_all_impacts_at_once),
+        cmocka_unit_test(verify_stiff_contacts),
         cmocka_unit_test(reach_between_contacts),
         cmocka_unit_test(multipliers_at_ends),
         cmocka_unit_test(verify_stop_and_spring),
