@@ -280,14 +280,17 @@ static const cli_item items[] = {
     CLI_ITEMS_PLACE,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
+    CLI_ITEM_WIDE,
     {0},
 };
 
 const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
-    .usage = "ricochet branches ATLAS [--segments | --tongues] [--elementary] [--physical] [--json | --csv]\n"
-             "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B] [--limit N]\n",
+    .usage = "ricochet branches ATLAS [--segments | --tongues] [--elementary] [--physical]\n"
+             "           [--json | --csv | --wide]\n"
+             "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B]\n"
+             "           [--sort COLUMN] [--limit N]\n",
     .items = items,
     .example = "ricochet branches study.ricochet\n"
                "ricochet branches study.ricochet --elementary --segments\n"

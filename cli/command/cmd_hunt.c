@@ -422,6 +422,7 @@ static const cli_item items[] = {
     {.name = "--seed", .value = "S", .text = "of the random starts, 1 unless given"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
+    CLI_ITEM_WIDE,
     {0},
 };
 
@@ -429,7 +430,7 @@ const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
     .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE [--add]]\n"
-             "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--json | --csv]\n",
+             "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n"
                "ricochet hunt study.ricochet --energy 0.7,40 --impacts 4 --add\n",

@@ -247,6 +247,7 @@ static const cli_item items[] = {
     CLI_ITEMS_PLACE,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
+    CLI_ITEM_WIDE,
     {0},
 };
 
@@ -254,8 +255,9 @@ const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
     .usage = "ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID | --at E,OMEGA]]\n"
-             "           [--physical] [--json | --csv]\n"
-             "           [--kind KIND] [--word WORD] [--impacts N] [--energy A,B] [--frequency A,B] [--limit N]\n",
+             "           [--physical] [--json | --csv | --wide]\n"
+             "           [--kind KIND] [--word WORD] [--impacts N] [--energy A,B] [--frequency A,B]\n"
+             "           [--sort COLUMN] [--limit N]\n",
     .items = items,
     .example = "ricochet junctions study.ricochet\n"
                "ricochet junctions study.ricochet --duplicates 4 --branch 3\n"

@@ -329,6 +329,7 @@ static const cli_item items[] = {
     {.name = "impact_speeds", .text = "speed of approach of each impact of the word; impulses: the momentum exchanged"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
+    CLI_ITEM_WIDE,
     {0},
 };
 
@@ -336,7 +337,7 @@ const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
     .usage = "ricochet orbit ATLAS (--branch ID | --at E,OMEGA) (--point I | --energy E | --frequency F)\n"
-             "           [--history DT] [--physical] [--json | --csv]\n",
+             "           [--history DT] [--physical] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
     .run = run,

@@ -226,6 +226,7 @@ static const cli_item items[] = {
     CLI_ITEMS_PLACE,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
+    CLI_ITEM_WIDE,
     {0},
 };
 
@@ -233,7 +234,8 @@ const cli_command cli_points = {
     .name = "points",
     .summary = "list the stored points of a branch, or its ghosts",
     .usage = "ricochet points ATLAS (--branch ID | --at E,OMEGA) [--ghost] [--physical]\n"
-             "           [--stable S] [--energy A,B] [--frequency A,B] [--limit N] [--json | --csv]\n",
+             "           [--stable S] [--energy A,B] [--frequency A,B]\n"
+             "           [--sort COLUMN] [--limit N] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet points study.ricochet --branch 3 --csv\n"
                "ricochet points study.ricochet --branch 3 --ghost\n",

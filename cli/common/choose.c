@@ -1,6 +1,8 @@
-/* Of the rows of a list those that are asked for: by kind, word, impacts, stability, energy and frequency. */
+/* Of the rows of a list those that are asked for: by kind, word, impacts, stability, energy and frequency, and in
+ * which order. */
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli.h"
@@ -28,7 +30,7 @@ bool cli_take_choice(int *argc, char **argv, cli_choice *out)
     if (!cli_take_value(argc, argv, "--kind", &out->kind) || !cli_take_value(argc, argv, "--word", &out->word) ||
         !cli_take_value(argc, argv, "--stable", &out->stable) || !cli_take_value(argc, argv, "--impacts", &impacts) ||
         !cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
-        !cli_take_value(argc, argv, "--limit", &limit))
+        !cli_take_value(argc, argv, "--limit", &limit) || !cli_take_value(argc, argv, "--sort", &out->sort))
         return false;
     if (out->stable && strcmp(out->stable, "yes") != 0 && strcmp(out->stable, "no") != 0 &&
         strcmp(out->stable, "partly") != 0 && strcmp(out->stable, "undecided") != 0) {
@@ -89,8 +91,88 @@ static bool lacks(const json_t *row, const char *column, bool asked)
     return true;
 }
 
+/* -------------------------------------------------------------------- order */
+
+/* A row with what it is ordered by, and where it stood: rows that are alike keep their order. */
+typedef struct {
+    json_t *row;
+    const json_t *value;
+    size_t place;
+    bool falling;
+} sorted;
+
+/* Numbers by size, texts by their letters, no before yes; NULL for what is none of these, such as a list. */
+static bool has_order(const json_t *value)
+{
+    return json_is_number(value) || json_is_string(value) || json_is_boolean(value);
+}
+
+static double size_of(const json_t *value)
+{
+    return json_is_boolean(value) ? json_is_true(value) : json_number_value(value);
+}
+
+static int compare_rows(const void *left, const void *right)
+{
+    const sorted *a = left, *b = right;
+    const bool known_a = has_order(a->value), known_b = has_order(b->value);
+    int order = 0;
+    if (!known_a || !known_b) order = known_b - known_a; /* what has no value comes last, both ways */
+    else if (json_is_string(a->value) || json_is_string(b->value)) {
+        const char *x = json_string_value(a->value), *y = json_string_value(b->value);
+        order = x && y ? strcmp(x, y) : (x != NULL) - (y != NULL); /* a trace beyond all doubles is a text */
+    } else order = (size_of(a->value) > size_of(b->value)) - (size_of(a->value) < size_of(b->value));
+    if (known_a && known_b && a->falling) order = -order;
+    return order ? order : (a->place > b->place) - (a->place < b->place);
+}
+
+/* Whether the rows of a list have such a column, of one value each; else a message that names those that have. */
+static bool can_sort(const json_t *rows, const char *column)
+{
+    char known[600] = "";
+    const char *name;
+    json_t *value, *row;
+    size_t i;
+    json_array_foreach(rows, i, row)
+    {
+        value = json_object_get(row, column);
+        if (json_is_array(value) || json_is_object(value)) {
+            cli_wrong("--sort %s: the column holds lists, which have no order", column);
+            return false;
+        }
+    }
+    if (json_object_get(json_array_get(rows, 0), column)) return true;
+    json_object_foreach(json_array_get(rows, 0), name, value) if (!json_is_array(value) && !json_is_object(value))
+        snprintf(known + strlen(known), sizeof known - strlen(known), " %s", name);
+    cli_wrong("--sort %s: the rows of this list have no such column; they have%s", column, known);
+    return false;
+}
+
+static bool sort_rows(json_t *rows, const char *by)
+{
+    const bool falling = *by == '-';
+    const size_t n = json_array_size(rows);
+    if (n == 0) return true;
+    if (!can_sort(rows, by + falling)) return false;
+    sorted *all = calloc(n, sizeof *all);
+    if (!all) {
+        cli_report(RIC_E_NOMEM);
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        json_t *row = json_incref(json_array_get(rows, i));
+        all[i] = (sorted){.row = row, .value = json_object_get(row, by + falling), .place = i, .falling = falling};
+    }
+    qsort(all, n, sizeof *all, compare_rows);
+    json_array_clear(rows);
+    for (size_t i = 0; i < n; i++) json_array_append_new(rows, all[i].row);
+    free(all);
+    return true;
+}
+
 bool cli_choose(json_t *rows, const cli_choice *c)
 {
+    if (c->sort && !sort_rows(rows, c->sort)) return false;
     const json_t *first = json_array_get(rows, 0);
     if (lacks(first, "kind", c->kind) || lacks(first, "word", c->word) || lacks(first, "impacts", c->impacts >= 0))
         return false;

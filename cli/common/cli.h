@@ -37,6 +37,11 @@ typedef struct {
     {                                                                                                                  \
         .name = "--csv", .text = "the same as comma-separated columns with a heading"                                  \
     }
+#define CLI_ITEM_WIDE                                                                                                  \
+    {                                                                                                                  \
+        .name = "--wide", .text = "--csv with a column for each number of a list: x1.. v1.. of a state, flights_1.., " \
+                                  "multipliers_1_re.."                                                                 \
+    }
 
 typedef struct {
     const char *name;                  /* "branches" */
@@ -106,27 +111,34 @@ int cli_main(int argc, char **argv);
 struct ric_remote;
 extern const struct ric_remote *cli_run_remote;
 
-/* CLI_SHORT: as CLI_TEXT, with numbers of seven digits, where a terminal has no room for more */
-typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV, CLI_SHORT } cli_format;
+/* CLI_WIDE: CSV with a column for each number of a list. CLI_SHORT: as CLI_TEXT, with numbers of seven digits, where a
+ * terminal has no room for more */
+typedef enum { CLI_TEXT, CLI_JSON, CLI_CSV, CLI_WIDE, CLI_SHORT } cli_format;
 
 /* choose.c: which rows of a list are asked for. */
 typedef struct {
     const char *kind, *word, *stable; /* NULL: any */
+    const char *sort;                 /* a column, with '-' before it for falling values; NULL: as they come */
     long impacts, limit;              /* negative: any, all */
     bool by_energy, by_frequency;
     double energy[2], frequency[2]; /* in the units of the list */
 } cli_choice;
 /* Takes the options out of argv; false with a message where they are wrong. */
 bool cli_take_choice(int *argc, char **argv, cli_choice *out);
-/* Leaves those rows; false with a message where the list lacks a column that is asked for. */
+/* Leaves those rows, in order; false with a message where the list lacks a column that is asked for. */
 bool cli_choose(json_t *rows, const cli_choice *choice);
 
 /* The options of it; a list has those whose columns it has. */
+#define CLI_ITEM_SORT                                                                                                  \
+    {                                                                                                                  \
+        .name = "--sort", .value = "COLUMN",                                                                           \
+        .text = "rows by this column, -COLUMN for falling values; what has none comes last"                            \
+    }
 #define CLI_ITEMS_PLACE                                                                                                \
     {.name = "--energy",                                                                                               \
      .value = "A,B",                                                                                                   \
      .text = "only rows that reach into these energies, in the units of the list"},                                    \
-        {.name = "--frequency", .value = "A,B", .text = "only rows that reach into these frequencies"},                \
+        {.name = "--frequency", .value = "A,B", .text = "only rows that reach into these frequencies"}, CLI_ITEM_SORT, \
     {                                                                                                                  \
         .name = "--limit", .value = "N", .text = "only the first N rows"                                               \
     }

@@ -172,12 +172,13 @@ bool cli_take_flag(int *argc, char **argv, const char *name)
 
 bool cli_take_format(int *argc, char **argv, cli_format *format)
 {
-    bool json = cli_take_flag(argc, argv, "--json"), csv = cli_take_flag(argc, argv, "--csv");
+    const bool json = cli_take_flag(argc, argv, "--json"), wide = cli_take_flag(argc, argv, "--wide"),
+               csv = cli_take_flag(argc, argv, "--csv") || wide;
     if (json && csv) {
         cli_wrong("--json and --csv are both given; choose one");
         return false;
     }
-    *format = json ? CLI_JSON : csv ? CLI_CSV : CLI_TEXT;
+    *format = json ? CLI_JSON : wide ? CLI_WIDE : csv ? CLI_CSV : CLI_TEXT;
     return true;
 }
 
@@ -194,6 +195,12 @@ static bool is_option(const char *text)
     return text[0] == '-' && text[1] && !is_number(text);
 }
 
+/* `--sort -energy`: a column with a minus before it, no option; those of one dash have one letter. */
+static bool may_be_minus(const char *option, const char *text)
+{
+    return !strcmp(option, "--sort") && text[0] == '-' && text[1] && text[1] != '-' && text[2];
+}
+
 bool cli_take_value(int *argc, char **argv, const char *name, const char **value)
 {
     size_t length = strlen(name);
@@ -203,7 +210,7 @@ bool cli_take_value(int *argc, char **argv, const char *name, const char **value
             *value = argv[i] + length + 1;
             take_out(argc, argv, i, 1);
         } else if (!strcmp(argv[i], name)) {
-            if (i + 1 < *argc && !is_option(argv[i + 1])) {
+            if (i + 1 < *argc && (!is_option(argv[i + 1]) || may_be_minus(name, argv[i + 1]))) {
                 *value = argv[i + 1];
                 take_out(argc, argv, i, 2);
             }
@@ -259,7 +266,8 @@ bool cli_know_options(const cli_command *command, int argc, char **argv)
             cli_say_usage(command);
             return false;
         }
-        i += item->value && !strchr(argv[i], '=') && i + 1 < argc && !is_option(argv[i + 1]);
+        i += item->value && !strchr(argv[i], '=') && i + 1 < argc &&
+             (!is_option(argv[i + 1]) || may_be_minus(item->name, argv[i + 1]));
     }
     return true;
 }

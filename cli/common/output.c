@@ -255,6 +255,7 @@ typedef struct {
     char **cells;
     int *width;
     bool *numeric, *hidden; /* hidden: there is no room for the column */
+    bool cut;               /* a list is longer than what is shown of it */
 } grid;
 
 static void free_grid(grid *t)
@@ -276,6 +277,22 @@ static void shorten(char *text, int most)
     memcpy(end, "...", 4);
 }
 
+enum {
+    LIST_MOST = 160
+}; /* characters of a list in a table: a state of a dozen numbers; there are lists of thousands */
+
+/* Cuts a list that is too long for a line behind one of its members, and says how many there are. */
+static void cut_list(grid *t, const json_t *value, char *text)
+{
+    char tail[40];
+    if (!json_is_array(value) || strlen(text) <= LIST_MOST) return;
+    snprintf(tail, sizeof tail, " ... (%zu in all)", json_array_size(value));
+    size_t end = LIST_MOST - strlen(tail);
+    while (end > 1 && text[end] != ' ') end--;
+    strcpy(text + end, tail); /* shorter than what stood there */
+    t->cut = true;
+}
+
 /* Sets all cells, texts of at most `most` columns; false without memory. */
 static bool fill_grid(grid *t, const json_t *rows, cli_format format, int most)
 {
@@ -289,6 +306,7 @@ static bool fill_grid(grid *t, const json_t *rows, cli_format format, int most)
             *at = cell ? cli_visible(cell, false) : NULL;
             free(cell);
             if (!*at) return false;
+            cut_list(t, json_object_get(json_array_get(rows, i), t->columns[k]), *at);
             if (!t->numeric[k]) shorten(*at, most);
             t->width[k] = width_of(shown(*at)) > t->width[k] ? width_of(shown(*at)) : t->width[k];
         }
@@ -352,7 +370,7 @@ static void print_line(const grid *t, size_t i)
  * has no room is named. */
 static bool print_table(const json_t *rows, const char *const *columns)
 {
-    enum { LONGEST = 20 }; /* columns of a text where room is short */
+    enum { LONGEST = 20 }; /* columns of a text where room is shortest */
     const int room = room_of_terminal();
     grid t = {.n_row = json_array_size(rows), .columns = columns};
     while (columns[t.n_column]) t.n_column++;
@@ -362,12 +380,14 @@ static bool print_table(const json_t *rows, const char *const *columns)
     t.hidden = calloc(t.n_column + 1, sizeof *t.hidden);
     bool done = t.cells && t.width && t.numeric && t.hidden && fill_grid(&t, rows, CLI_TEXT, INT_MAX);
     if (done && !fits(&t, room)) done = fill_grid(&t, rows, CLI_SHORT, INT_MAX);
-    if (done && !fits(&t, room)) done = fill_grid(&t, rows, CLI_SHORT, LONGEST);
+    for (int most = LIST_MOST / 2; done && most >= LONGEST && !fits(&t, room); most /= 2)
+        done = fill_grid(&t, rows, CLI_SHORT, most);
     if (done) {
         hide_columns(&t, room);
         print_line(&t, t.n_row);
         for (size_t i = 0; i < t.n_row; i++) print_line(&t, i);
         say_hidden(&t);
+        if (t.cut) fputs("ricochet: long lists are cut; --csv or --json shows all of them\n", stderr);
     }
     free_grid(&t);
     return done;
@@ -400,12 +420,105 @@ static const char **split(char *text, const json_t *rows)
     return names;
 }
 
+/* -------------------------------------------------------------------- wide */
+
+/* Rows and columns in which every number of a list has a column of its own. */
+typedef struct {
+    json_t *rows; /* new ones */
+    buffer names;
+} spread;
+
+static void add_name(spread *s, const char *name)
+{
+    add_text(&s->names, s->names.n ? " " : "");
+    add_text(&s->names, name);
+}
+
+/* Number i of n in a column: x2, v1 of a state, else `flights_2`; of a pair, multipliers_1_re. */
+static void name_number(const char *column, size_t i, size_t n, const char *part, size_t size, char *out)
+{
+    const size_t half = n / 2;
+    if (!strcmp(column, "state")) snprintf(out, size, "%c%zu", i < half ? 'x' : 'v', i % half + 1);
+    else snprintf(out, size, "%s_%zu%s", column, i + 1, part);
+}
+
+static void spread_list(spread *s, const json_t *rows, const char *column, size_t n, bool pairs)
+{
+    char name[120];
+    for (size_t k = 0; k < (pairs ? 2 * n : n); k++) {
+        const size_t i = pairs ? k / 2 : k, row_count = json_array_size(rows);
+        name_number(column, i, n, !pairs ? "" : k % 2 ? "_im" : "_re", sizeof name, name);
+        add_name(s, name);
+        for (size_t r = 0; r < row_count; r++) {
+            json_t *value = json_array_get(json_object_get(json_array_get(rows, r), column), i);
+            json_object_set(json_array_get(s->rows, r), name, pairs ? json_array_get(value, k % 2) : value);
+        }
+    }
+}
+
+/* Members of one sort, `taken` and so on: they have names. */
+static void spread_object(spread *s, const json_t *rows, const char *column, json_t *all)
+{
+    char name[120];
+    const char *key;
+    json_t *value;
+    json_object_foreach(all, key, value)
+    {
+        snprintf(name, sizeof name, "%s_%s", column, key);
+        add_name(s, name);
+        for (size_t r = 0, n = json_array_size(rows); r < n; r++)
+            json_object_set(json_array_get(s->rows, r), name,
+                            json_object_get(json_object_get(json_array_get(rows, r), column), key));
+    }
+}
+
+static void spread_column(spread *s, const json_t *rows, const char *column)
+{
+    const json_t *row;
+    json_t *all = json_object(); /* all names that members have, in any row */
+    size_t i, most = 0;
+    bool pairs = false;
+    json_array_foreach(rows, i, row)
+    {
+        json_t *value = json_object_get(row, column);
+        if (json_array_size(value) > most) most = json_array_size(value);
+        if (json_is_object(value)) json_object_update_missing(all, value);
+        pairs = pairs || json_is_array(json_array_get(value, 0));
+    }
+    if (most) spread_list(s, rows, column, most, pairs);
+    else if (json_object_size(all)) spread_object(s, rows, column, all);
+    else {
+        add_name(s, column);
+        json_array_foreach(rows, i, row)
+            json_object_set(json_array_get(s->rows, i), column, json_object_get(row, column));
+    }
+    json_decref(all);
+}
+
+/* As CSV, with those columns. */
+static bool print_wide(const json_t *rows, const char *const *columns)
+{
+    spread s = {.rows = json_array()};
+    for (size_t i = 0, n = json_array_size(rows); i < n; i++) json_array_append_new(s.rows, json_object());
+    add_text(&s.names, "");
+    for (size_t k = 0; columns[k]; k++) spread_column(&s, rows, columns[k]);
+    bool done = !s.names.failed && !cli_lost_memory();
+    const char **names = done ? split(s.names.text, s.rows) : NULL;
+    done = names && print_csv(s.rows, names);
+    free(names);
+    free(s.names.text);
+    json_decref(s.rows);
+    return done;
+}
+
 static bool print_rows(const json_t *rows, const char *columns, cli_format format)
 {
     if (format == CLI_JSON) return print_json(rows);
     char *text = columns ? strdup(columns) : NULL;
     const char **names = text || !columns ? split(text, rows) : NULL;
-    const bool done = names && (format == CLI_CSV ? print_csv(rows, names) : print_table(rows, names));
+    const bool done = names && (format == CLI_CSV    ? print_csv(rows, names)
+                                : format == CLI_WIDE ? print_wide(rows, names)
+                                                     : print_table(rows, names));
     free(names);
     free(text);
     return done;

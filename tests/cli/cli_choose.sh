@@ -45,6 +45,81 @@ ok 'a limit is said' said
 none() { "$ricochet" branches "$atlas" --energy 1e9,1e10 2>&1 >/dev/null | grep -q 'none of 14 rows'; }
 ok 'nothing found is said' none
 
+# sorted COMMAND KEY OPTION...: the rows of the whole list by that key of Python, those without a value last
+sorted_by() {
+    local command=$1 key=$2 more=()
+    shift 2
+    [ "$command" != points ] || more=(--branch 3)
+    "$ricochet" "$command" "$atlas" "${more[@]}" --json >"$folder/all" \
+        && "$ricochet" "$command" "$atlas" "${more[@]}" "$@" --json >"$folder/some" || return 1
+    python3 -c "
+import json, sys
+rows, some = json.load(open(sys.argv[1])), json.load(open(sys.argv[2]))
+wanted = sorted(rows, key=lambda r: $key)
+assert some == wanted != rows" "$folder/all" "$folder/some"
+}
+ok 'sort' sorted_by branches "r['energy_max']" --sort energy_max
+ok 'sort, falling' sorted_by branches "-r['frequency_min']" --sort -frequency_min
+ok 'sort, behind an equals sign' sorted_by branches "-r['points']" --sort=-points
+ok 'sort texts' sorted_by branches "r['key']" --sort key
+ok 'sort: no value comes last' sorted_by branches "(r['to'] is None, -(r['to'] or 0))" --sort -to
+ok 'sort: no before yes' sorted_by junctions "(r['decided'] is None, r['decided'] or False)" --sort decided
+ok 'sort points' sorted_by points "-r['approach']" --sort -approach
+ok 'sort by nothing' refused 'no such column; they have id key label' branches "$atlas" --sort size
+ok 'sort by a list' refused 'which have no order' branches "$atlas" --sort junctions
+ok 'sort without a column' refused 'needs a value' branches "$atlas" --sort --json
+
+# wide COMMAND OPTION...: every number of a list has a column of its own, and all of them are those of --json
+wide() {
+    "$ricochet" "$1" "$atlas" "${@:2}" --json >"$folder/all" && "$ricochet" "$1" "$atlas" "${@:2}" --wide >"$folder/wide" || return 1
+    python3 - "$folder/all" "$folder/wide" <<'P'
+import csv, json, sys
+def cells(name, value):
+    if isinstance(value, dict):
+        return {f"{name}_{key}": v for key, v in value.items()}
+    if not isinstance(value, list):
+        return {name: value}
+    if name == "state":
+        n = len(value) // 2
+        return {f"{'xv'[i // n]}{i % n + 1}": v for i, v in enumerate(value)}
+    if value and isinstance(value[0], list):
+        return {f"{name}_{i + 1}_{part}": v for i, pair in enumerate(value) for part, v in zip(("re", "im"), pair)}
+    return {f"{name}_{i + 1}": v for i, v in enumerate(value)}
+rows, table = json.load(open(sys.argv[1])), list(csv.DictReader(open(sys.argv[2])))
+assert rows and len(rows) == len(table)
+for row, line in zip(rows, table):
+    wanted = {}
+    for name, value in row.items():
+        wanted.update(cells(name, value))
+    for name, text in line.items():
+        value = wanted.pop(name, None)
+        if value is None: assert text == "", (name, text)
+        elif isinstance(value, bool): assert text == str(value).lower()
+        elif isinstance(value, float): assert float(text) == value
+        else: assert text == str(value), (name, text, value)
+    wanted.pop("resonances", None)
+    assert not any(value not in (None, []) for value in wanted.values()), wanted
+P
+}
+ok 'wide: junctions' wide junctions
+ok 'wide: branches' wide branches
+ok 'wide: an orbit' wide orbit --branch 3 --energy 1.5
+ok 'wide: the same list without lists' diff <("$ricochet" points "$atlas" --branch 3 --wide) <("$ricochet" points "$atlas" --branch 3 --csv)
+
+# A list that is too long for a line of a table is cut in it, also where the table goes into a file.
+python3 - >"$folder/chain.yaml" <<'P'
+n = 12
+row = lambda f: "[" + ", ".join(map(str, f)) + "]"
+print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
+print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)) for i in range(n)))
+print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}\nexplore: {start: [1], impacts: 1, multiply: 1, depth: 1}")
+P
+"$ricochet" run "$folder/chain.yaml" >"$folder/run" 2>&1 || cat "$folder/run"
+"$ricochet" orbit "$folder/chain.ricochet" --branch 1 --point 1 >"$folder/out" 2>"$folder/said"
+ok 'a table of lists: no line is long' test "$(awk '{ if (length > m) m = length } END { print m }' "$folder/out")" -lt 200
+ok 'what is cut says how many there are' grep ' \.\.\. (24 in all)$' "$folder/out"
+ok 'and how to see them' grep 'long lists are cut; --csv or --json shows all' "$folder/said"
+
 # on_terminal WIDTH COMMAND...: no line of the table is wider, and energy and frequency are there from 80 columns on
 on_terminal() {
     python3 - "$ricochet" "$@" <<'P'
