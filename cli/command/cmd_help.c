@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "study/options.h"
 #include "common/cli.h"
 
 enum {
@@ -42,6 +43,9 @@ static const entry glossary[] = {
      "with lengths divided by the clearance d of the first contact, energies by d squared; --physical undoes it"},
     {"segment", "the part of a branch between two junctions that follow each other"},
     {"state", "displacements, then velocities, right after the first impact of the word"},
+    {"study",
+     "the YAML text that says what the structure is and where to look; `ricochet new` writes one with comments, "
+     "`ricochet help study --schema` the JSON schema of it for editors"},
     {"tongue",
      "an internal resonance: where a linear mode turns m times while the motion goes round n times, a branch climbs "
      "along that mode, at a frequency that all but stays; behind a narrow one a branch may be continued "
@@ -105,6 +109,13 @@ static int explain_picture(int argc, char **argv)
 
 static int run(int argc, char **argv)
 {
+    const bool schema = cli_take_flag(&argc, argv, "--schema");
+    if (schema) {
+        if (argc > 1 && strcmp(argv[1], "study") != 0)
+            return cli_wrong("help: --schema is that of a study: ricochet help study --schema");
+        ric_options_schema(stdout);
+        return CLI_DONE;
+    }
     if (argc == 1) {
         cli_print_program_help(stdout);
         return CLI_DONE;
@@ -120,6 +131,7 @@ static const cli_item items[] = {
     {.text = "Without anything behind it the commands; behind a command what that does, its options and an example; "
              "behind a word of the glossary what it means."},
     {.name = "PICTURE", .text = "behind `plot`: what belongs to that picture"},
+    {.name = "--schema", .text = "behind `study`: the JSON schema of a study, by which editors complete and check it"},
     {.name = "glossary", .text = "all words that lists, pictures and messages use"},
     {0},
 };
@@ -127,10 +139,11 @@ static const cli_item items[] = {
 const cli_command cli_help = {
     .name = "help",
     .summary = "what a command does, or what a word means",
-    .usage = "ricochet help [COMMAND | plot PICTURE | WORD | glossary]\n",
+    .usage = "ricochet help [COMMAND | plot PICTURE | WORD | glossary | study --schema]\n",
     .items = items,
     .example = "ricochet help run\n"
                "ricochet help plot fep\n"
-               "ricochet help departure\n",
+               "ricochet help departure\n"
+               "ricochet help study --schema\n",
     .run = run,
 };

@@ -47,6 +47,8 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
  * docs/study.md. */
 void ric_options_template(const char *section, FILE *out);
 void ric_options_document(FILE *out);
+/* The JSON schema of a study (options_schema.c), docs/study.schema.json. */
+void ric_options_schema(FILE *out);
 
 /* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite; an exponent may be
  * marked by the d of Fortran. The locale's decimal point
