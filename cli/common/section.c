@@ -12,12 +12,20 @@ enum { MOST_WORKERS = 256, MOST_STARTS = 10000000, MOST_IMPACTS = 1000000000 };
 
 static const double two_pi = 6.283185307179586;
 
+/* Relative: what an orbit that is solved at an energy may be off by; Newton's method leaves less. */
+#define ITS_ENERGY 1e-9
+
 /* ------------------------------------------------------------------ orbits */
 
-static ric_status add_orbit(const ric_orbit *orbit, int branch, cli_section_orbits *out)
+static ric_status add_orbit(const ric_orbit *orbit, int branch, double energy, cli_section_orbits *out)
 {
     const size_t size = 2 * (size_t)ric_model_n_dof(ric_orbit_model(orbit));
     ric_point point;
+    ric_orbit_data(orbit, &point, NULL, NULL, NULL);
+    if (!(fabs(point.energy - energy) <= ITS_ENERGY * energy)) {
+        out->off++;
+        return RIC_OK;
+    }
     if (out->n == out->room) {
         const int room = out->room ? 2 * out->room : 32;
         cli_section_orbit *orbits = realloc(out->orbits, (size_t)room * sizeof *orbits);
@@ -27,7 +35,7 @@ static ric_status add_orbit(const ric_orbit *orbit, int branch, cli_section_orbi
         if (!orbits || !states) return RIC_E_NOMEM;
         out->room = room;
     }
-    ric_orbit_data(orbit, &point, out->states + (size_t)out->n * size, NULL, NULL);
+    ric_orbit_data(orbit, NULL, out->states + (size_t)out->n * size, NULL, NULL);
     out->orbits[out->n++] = (cli_section_orbit){.branch = branch,
                                                 .impacts = ric_orbit_impacts(orbit),
                                                 .stable = ric_orbit_stability(orbit),
@@ -45,7 +53,7 @@ static ric_status add_branch(const ric_atlas *atlas, int id, double energy, cli_
     const bool meets = branch.impacts > 0 || ric_model_n_face(ric_atlas_model(atlas)) == 0;
     if (!meets || energy < branch.energy_min || energy > branch.energy_max) return RIC_OK;
     status = ric_orbit_find(atlas, id, RIC_AT_ENERGY, energy, &n, &orbits);
-    for (int i = 0; i < n && !status; i++) status = add_orbit(orbits[i], id, out);
+    for (int i = 0; i < n && !status; i++) status = add_orbit(orbits[i], id, energy, out);
     ric_orbits_free(n, orbits);
     return status;
 }
@@ -55,6 +63,9 @@ ric_status cli_section_find(const ric_atlas *atlas, int branch, double energy, c
     ric_status status = RIC_OK;
     for (int id = branch ? branch : 1; id <= (branch ? branch : ric_atlas_n_branch(atlas)) && !status; id++)
         status = add_branch(atlas, id, energy, out);
+    if (!status && out->off)
+        cli_say("%d orbit%s of the atlas could not be solved at this energy and %s left out\n", out->off,
+                out->off == 1 ? "" : "s", out->off == 1 ? "is" : "are");
     return status;
 }
 

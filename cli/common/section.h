@@ -12,7 +12,7 @@ typedef struct {
 } cli_section_orbit;
 
 typedef struct {
-    int n, room;
+    int n, room, off; /* off: were found at another energy, and are left out */
     cli_section_orbit *orbits;
     double *states; /* [n * 2 n_dof] */
 } cli_section_orbits;
