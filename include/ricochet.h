@@ -1,7 +1,7 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
- * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, ghosts and cascades
- * on request, explore, verify, section, hunt, version.
+ * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, forces, ghosts and
+ * cascades on request, explore, verify, section, hunt, version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by
  * d^2, times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -499,6 +499,50 @@ ric_status ric_orbit_amplitudes(const ric_orbit *orbit, double *out);
 /* Speed of approach at every impact and the momentum exchanged there along the normal, scaled; of a spring from its
  * closing to its opening. *n of them, at most the letters of the word; speeds and impulses [letters]. */
 ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, double *impulses);
+
+/* ------------------------------------------------------------------- force */
+
+/* Orbits of the atlas under a harmonic force f cos(Omega t + phase) and small losses (docs/forcing.md). The atlas stays
+ * that of the structure without them. */
+typedef struct ric_force ric_force;
+
+typedef struct {
+    int n_force;
+    const double *force; /* [n_force] f of amplitude 1, physical, one number per displacement */
+    int n_ratio;
+    const double *ratios; /* [n_ratio] modal damping ratios, one for all modes or one for each; or NULL */
+    int n_matrix;
+    const double *matrix; /* [n_matrix^2] damping matrix C, physical, instead of ratios; or NULL */
+    double restitution;   /* above 0, at most 1 */
+} ric_shaking;
+
+/* RIC_E_INPUT with what is wrong; what is given is copied, the atlas is borrowed. */
+ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *shaking, ric_force **out);
+void ric_force_free(ric_force *force);
+
+typedef struct {
+    double energy, frequency;          /* of the orbit */
+    int harmonic;                      /* m */
+    double omega;                      /* Omega = m frequency, rad/s */
+    double loss_damping, loss_impacts; /* per period, scaled energies */
+    double work[2];           /* V = int f.x' e^{i Omega t} dt over d^2, re and im, t = 0 at the stored state */
+    double threshold;         /* least amplitude L with L |V| d^2 = loss, physical; infinite: no work is done */
+    double threshold_impacts; /* the part of it that impacts lose */
+    int n_phase;              /* 2 where the level is above the threshold, else 0 */
+    double phases[2];         /* of the force at the stored state: of the orbit that inherits the stability of
+                               * the one in the atlas, and of the saddle */
+    ric_stability stable;     /* predicted, of the first */
+    double slope;             /* dT/dE there, scaled, from stored points; NaN: there is one point */
+    double estimate;          /* how far the forced orbit is from this one, relative: the next order */
+    double error;             /* of loss and work, where they are quadratures, relative */
+    bool trusted;
+    const char *why; /* period, grazing, multiplier, size, work or error: what forbids to trust it; "" otherwise */
+} ric_prediction;
+
+/* The prediction of first order from an orbit of a branch, the force at `harmonic` times its frequency; level: physical
+ * amplitude, 0: that of the threshold. */
+ric_status ric_force_predict(const ric_force *force, int branch, const ric_orbit *orbit, int harmonic, double level,
+                             ric_prediction *out);
 
 /* ------------------------------------------------------- ghosts on request */
 

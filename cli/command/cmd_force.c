@@ -1,0 +1,293 @@
+/* ricochet force ATLAS: what damping and a harmonic force make of the orbits of an atlas. */
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/cli.h"
+#include "study/matrix_market.h"
+
+enum { NUMBERS_MOST = 1000, HARMONICS_MOST = 64 };
+
+typedef struct {
+    const char *path;
+    double force[NUMBERS_MOST], ratios[NUMBERS_MOST], *matrix;
+    int n_force, n_ratio, n_matrix;
+    double restitution, level;
+    int harmonics[HARMONICS_MOST], n_harmonic;
+    int branch; /* 0: all */
+    int n_energy;
+    double energy[2]; /* one, or a window */
+    cli_format format;
+} request;
+
+/* ------------------------------------------------------------------- answers */
+
+static json_t *numbers(int n, const double *values)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(values[i]));
+    return list;
+}
+
+static const char *stability_text(ric_stability s)
+{
+    return s == RIC_STABLE_YES ? "yes" : s == RIC_STABLE_NO ? "no" : "undecided";
+}
+
+static json_t *prediction_row(const ric_branch *b, const ric_prediction *p)
+{
+    json_t *row = json_object();
+    json_object_set_new(row, "branch", json_integer(b->id));
+    json_object_set_new(row, "key", json_string(b->key));
+    json_object_set_new(row, "energy", cli_number(p->energy));
+    json_object_set_new(row, "frequency", cli_number(p->frequency));
+    json_object_set_new(row, "harmonic", json_integer(p->harmonic));
+    json_object_set_new(row, "omega", cli_number(p->omega));
+    json_object_set_new(row, "threshold", cli_number(p->threshold));
+    json_object_set_new(row, "loss_damping", cli_number(p->loss_damping));
+    json_object_set_new(row, "loss_impacts", cli_number(p->loss_impacts));
+    json_object_set_new(row, "phases", numbers(p->n_phase, p->phases));
+    json_object_set_new(row, "stable", json_string(stability_text(p->stable)));
+    json_object_set_new(row, "trusted", json_string(p->trusted ? "yes" : p->why));
+    json_object_set_new(row, "threshold_impacts", cli_number(p->threshold_impacts));
+    json_object_set_new(row, "work", numbers(2, p->work));
+    json_object_set_new(row, "slope", cli_number(p->slope));
+    json_object_set_new(row, "estimate", cli_number(p->estimate));
+    json_object_set_new(row, "error", cli_number(p->error));
+    return row;
+}
+
+static ric_status add_orbit(const request *ask, const ric_force *force, const ric_branch *b, const ric_orbit *orbit,
+                            json_t *rows)
+{
+    ric_prediction p;
+    ric_status status = RIC_OK;
+    for (int i = 0; i < ask->n_harmonic && !status; i++) {
+        status = ric_force_predict(force, b->id, orbit, ask->harmonics[i], ask->level, &p);
+        if (!status) json_array_append_new(rows, prediction_row(b, &p));
+    }
+    return status;
+}
+
+static ric_status add_found(const request *ask, const ric_force *force, const ric_atlas *atlas, const ric_branch *b,
+                            ric_at at, double value, json_t *rows)
+{
+    ric_orbit **orbits = NULL;
+    int n = 0;
+    ric_status status = ric_orbit_find(atlas, b->id, at, value, &n, &orbits);
+    for (int i = 0; i < n && !status; i++) status = add_orbit(ask, force, b, orbits[i], rows);
+    ric_orbits_free(n, orbits);
+    return status;
+}
+
+/* At an energy, all orbits there; else the stored points, those of a window. */
+static ric_status add_branch(const request *ask, const ric_force *force, const ric_atlas *atlas, int id, json_t *rows)
+{
+    ric_branch b;
+    ric_point p;
+    ric_status status = ric_atlas_branch(atlas, id, &b);
+    if (!status && ask->n_energy == 1) return add_found(ask, force, atlas, &b, RIC_AT_ENERGY, ask->energy[0], rows);
+    for (int i = 0; i < b.n_point && !status; i++) {
+        status = ric_atlas_point(atlas, id, i, &p, NULL, NULL);
+        if (status || !(p.energy > 0)) continue;
+        if (ask->n_energy == 2 && !(p.energy >= ask->energy[0] && p.energy <= ask->energy[1])) continue;
+        status = add_found(ask, force, atlas, &b, RIC_AT_POINT, i, rows);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------- command */
+
+static int print(const request *ask, const json_t *rows)
+{
+    static const char columns[] = "branch key energy frequency harmonic omega threshold loss_damping loss_impacts "
+                                  "phases stable trusted";
+    return cli_print_rows(rows, columns, ask->format);
+}
+
+static int report_none(const request *ask, const ric_atlas *atlas)
+{
+    char of[40] = "the atlas";
+    if (ask->branch) snprintf(of, sizeof of, "branch %d", ask->branch);
+    if (ask->n_energy == 1) cli_say("ricochet: %s has no orbit of energy %.12g", of, ask->energy[0]);
+    else if (ask->n_energy == 2)
+        cli_say("ricochet: %s has no stored orbit with an energy from %.12g to %.12g", of, ask->energy[0],
+                ask->energy[1]);
+    else cli_say("ricochet: %s has no orbit with energy", of);
+    ric_branch b;
+    if (ask->branch && !ric_atlas_branch(atlas, ask->branch, &b))
+        cli_say("; its energies are %.12g to %.12g\n", b.energy_min, b.energy_max);
+    else cli_say("; `ricochet branches %s` lists the energies of every branch\n", ask->path);
+    return CLI_FAILED;
+}
+
+static int answer(const request *ask)
+{
+    const ric_shaking shaking = {.n_force = ask->n_force,
+                                 .force = ask->force,
+                                 .n_ratio = ask->n_ratio,
+                                 .ratios = ask->n_ratio ? ask->ratios : NULL,
+                                 .n_matrix = ask->n_matrix,
+                                 .matrix = ask->matrix,
+                                 .restitution = ask->restitution};
+    ric_atlas *atlas = NULL;
+    ric_force *force = NULL;
+    json_t *rows = json_array();
+    ric_status status = ric_atlas_read(ask->path, &atlas);
+    if (!status) status = ric_force_create(atlas, &shaking, &force);
+    const int first = ask->branch ? ask->branch : 1, last = !atlas        ? 0
+                                                            : ask->branch ? first
+                                                                          : ric_atlas_n_branch(atlas);
+    for (int id = first; id <= last && !status; id++) status = add_branch(ask, force, atlas, id, rows);
+    int code = status ? cli_report(status) : json_array_size(rows) ? print(ask, rows) : report_none(ask, atlas);
+    json_decref(rows);
+    ric_force_free(force);
+    ric_atlas_free(atlas);
+    return code;
+}
+
+/* "1,0,2": *n numbers in out [most]. */
+static bool parse_list(const char *text, const char *what, int most, int *n, double *out)
+{
+    char item[64];
+    for (*n = 0; *n < most; text++) {
+        const size_t length = strcspn(text, ",");
+        snprintf(item, sizeof item, "%.*s", length < sizeof item ? (int)length : (int)sizeof item - 1, text);
+        if (!cli_parse_number(item, what, &out[*n])) return false;
+        ++*n;
+        text += length;
+        if (!*text) return true;
+    }
+    cli_wrong("%s has more than %d numbers", what, most);
+    return false;
+}
+
+static bool parse_harmonics(const char *text, request *ask)
+{
+    double values[HARMONICS_MOST];
+    ask->n_harmonic = ask->harmonics[0] = 1;
+    if (!text) return true;
+    if (!parse_list(text, "--harmonic", HARMONICS_MOST, &ask->n_harmonic, values)) return false;
+    for (int i = 0; i < ask->n_harmonic; i++) {
+        if (!(values[i] >= 1 && values[i] <= 10000 && values[i] == floor(values[i]))) {
+            cli_wrong("--harmonic %s: harmonics of the orbit are whole numbers from 1 to 10000", text);
+            return false;
+        }
+        ask->harmonics[i] = (int)values[i];
+    }
+    return true;
+}
+
+/* Ratios, or what else stands there is a file with a matrix. *code: that of a file that cannot be read. */
+static bool parse_damping(const char *text, request *ask, int *code)
+{
+    if (!text) return true;
+    if (strspn(text, "0123456789.,+-eE") == strlen(text))
+        return parse_list(text, "--damping", NUMBERS_MOST, &ask->n_ratio, ask->ratios);
+    ric_status status = ric_matrix_market_read(text, &ask->n_matrix, &ask->matrix, NULL);
+    if (status) *code = cli_report(status);
+    return !status;
+}
+
+static bool parse_energy(const char *text, request *ask)
+{
+    if (!text) return true;
+    if (!parse_list(text, "--energy", 2, &ask->n_energy, ask->energy)) return false;
+    if (ask->energy[0] > 0 && (ask->n_energy == 1 || ask->energy[1] > ask->energy[0])) return true;
+    cli_wrong("--energy %s: give a scaled energy above 0, or a window such as 0.5,2", text);
+    return false;
+}
+
+static bool parse_level(const char *text, request *ask)
+{
+    if (!text) return true;
+    if (!cli_parse_number(text, "--level", &ask->level)) return false;
+    if (ask->level > 0) return true;
+    cli_wrong("--level %s: a level is an amplitude of the force, above 0", text);
+    return false;
+}
+
+static int take_request(int *argc, char **argv, request *ask)
+{
+    const char *force, *damping, *restitution, *harmonic, *branch, *energy, *level;
+    long id = 0;
+    int code = CLI_WRONG;
+    if (!cli_take_format(argc, argv, &ask->format) || !cli_take_value(argc, argv, "--force", &force) ||
+        !cli_take_value(argc, argv, "--damping", &damping) ||
+        !cli_take_value(argc, argv, "--restitution", &restitution) ||
+        !cli_take_value(argc, argv, "--harmonic", &harmonic) || !cli_take_value(argc, argv, "--branch", &branch) ||
+        !cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--level", &level) ||
+        !cli_operands(&cli_force, *argc, argv, 1))
+        return code;
+    ask->path = argv[1];
+    ask->restitution = 1;
+    if (!force)
+        return cli_wrong("force: --force is missing; give the vector f of the force, one number per displacement, for "
+                         "example --force 1,0");
+    if (!parse_list(force, "--force", NUMBERS_MOST, &ask->n_force, ask->force) || !parse_harmonics(harmonic, ask) ||
+        (restitution && !cli_parse_number(restitution, "--restitution", &ask->restitution)) ||
+        (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &id)) || !parse_energy(energy, ask) ||
+        !parse_level(level, ask) || !parse_damping(damping, ask, &code))
+        return code;
+    ask->branch = (int)id;
+    return CLI_DONE;
+}
+
+static int run(int argc, char **argv)
+{
+    request *ask = calloc(1, sizeof *ask);
+    if (!ask) return cli_report(RIC_E_NOMEM);
+    int code = take_request(&argc, argv, ask);
+    if (code == CLI_DONE) code = answer(ask);
+    free(ask->matrix);
+    free(ask);
+    return code;
+}
+
+static const cli_item items[] = {
+    {.text =
+         "What small damping and a harmonic force f cos(Omega t + phase), Omega = m omega, make of the orbits of an "
+         "atlas, to first order: the least amplitude that keeps the motion up, and the two phases at which it does. "
+         "One row for each stored orbit and harmonic. The atlas itself stays that of the structure without both."},
+    {.name = "--force", .value = "F1,F2,..", .text = "the vector f, one number per displacement, physical"},
+    {.name = "--damping",
+     .value = "ZETA|FILE",
+     .text =
+         "modal damping ratios, one for all modes or one for each, Z1,Z2,..; or a Matrix Market file with the damping "
+         "matrix C, physical"},
+    {.name = "--restitution",
+     .value = "E",
+     .text = "of all rigid stops, above 0; 1, which loses nothing, unless given"},
+    {.name = "--harmonic", .value = "M", .text = "harmonics m of the orbit, M or M1,M2,..; 1 unless given"},
+    {.name = "--branch", .value = "ID", .text = "only this branch"},
+    CLI_ITEM_AT,
+    {.name = "--energy",
+     .value = "E",
+     .text = "all orbits of this scaled energy, solved to rounding; or stored ones in a window A,B"},
+    {.name = "--level", .value = "L", .text = "amplitude of the force for which phases are given"},
+    {.name = "threshold", .text = "least amplitude L of the force L f, physical; null where the force does no work"},
+    {.name = "loss_damping", .text = "energy per period, scaled, lost by damping; loss_impacts: at impacts"},
+    {.name = "phases",
+     .text = "two at --level, rad, t = 0 at the first impact of the stored state: that of the orbit which inherits the "
+             "stability of the one in the atlas, and that of a saddle"},
+    {.name = "stable", .text = "whether the first of the two is predicted to be stable; the second never is"},
+    {.name = "trusted",
+     .text =
+         "yes, or why not: period (it hardly depends on the energy), multiplier (one is near 1), grazing, size (the "
+         "next order is not small), work (the force does none), error (of a quadrature)"},
+    CLI_ITEM_JSON,
+    CLI_ITEM_CSV,
+    {0},
+};
+
+const cli_command cli_force = {
+    .name = "force",
+    .summary = "orbits of an atlas under damping and a harmonic force",
+    .usage = "ricochet force ATLAS --force F1,F2,.. [--damping ZETA|FILE] [--restitution E] [--harmonic M]\n"
+             "           [--branch ID | --at E,OMEGA] [--energy E] [--level L] [--json | --csv]\n",
+    .items = items,
+    .example = "ricochet force study.ricochet --force 1,0 --damping 0.001 --energy 1\n",
+    .run = run,
+};

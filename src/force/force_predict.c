@@ -1,0 +1,157 @@
+/* What the balance of energies of an orbit predicts of the forced structure, and how far that can be trusted.
+ *
+ * From one period to the next the energy changes by L |V| cos(phase + arg V) - D and the phase of the force by Omega
+ * dT/dE times what the energy is off: a pendulum in the plane of the two, with a centre where dT/dE W'(phase) < 0 and a
+ * saddle where it is positive (Shaw and Wiggins 1988; docs/forcing.md). */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/room.h"
+#include "force.h"
+
+/* Largest distance between the forced orbit and the one of the atlas, relative, at which the first order is trusted:
+ * the second is then a hundredth. */
+#define NEAR 0.1
+/* The part of the way to a grazing that the forced orbit may go. */
+#define HALF_WAY 0.5
+/* Relative: a period that does not depend on the energy, to what steps of a branch tell. */
+#define CONSTANT_PERIOD 1e-9
+/* Of the integrand: a work that is nothing but rounding. */
+#define NO_WORK 1e-11
+/* Relative: what quadrature may leave. */
+#define WELL_KNOWN 1e-6
+
+/* ------------------------------------------------------------------- slope */
+
+/* The stored point next to an arclength, at least one from either end if there are three. */
+static int middle_point(const ric_atlas *a, const ric_branch *b, double arclength)
+{
+    int best = 0;
+    double least = INFINITY;
+    ric_point p;
+    for (int i = 0; i < b->n_point && !ric_atlas_point(a, b->id, i, &p, NULL, NULL); i++)
+        if (fabs(p.arclength - arclength) < least) {
+            least = fabs(p.arclength - arclength);
+            best = i;
+        }
+    if (best == b->n_point - 1) best--;
+    return best > 0 ? best : 1;
+}
+
+/* Derivatives at s of the parabola through three values. */
+static double parabola_slope(const double s[3], const double y[3], double at)
+{
+    const double first = (y[1] - y[0]) / (s[1] - s[0]), second = (y[2] - y[1]) / (s[2] - s[1]),
+                 bend = (second - first) / (s[2] - s[0]);
+    return first + bend * (2 * at - s[0] - s[1]);
+}
+
+/* d log T / d log E along a branch, from three stored points around the orbit. NaN: there are fewer. */
+static double log_slope(const ric_atlas *a, const ric_branch *b, double arclength)
+{
+    double s[3], e[3], t[3];
+    ric_point p;
+    if (b->n_point < 3) return NAN;
+    const int middle = middle_point(a, b, arclength);
+    for (int k = 0; k < 3; k++) {
+        if (ric_atlas_point(a, b->id, middle - 1 + k, &p, NULL, NULL)) return NAN;
+        s[k] = p.arclength;
+        e[k] = log(p.energy);
+        t[k] = -log(p.frequency);
+    }
+    return parabola_slope(s, t, arclength) / parabola_slope(s, e, arclength);
+}
+
+/* -------------------------------------------------------------------- trust */
+
+/* Distance of the multipliers other than the trivial ones from 1, as sqrt |2 - lambda - 1 / lambda| of the nearest
+ * pair: the factor by which they damp the answer to a small force. 1 where there are none. */
+static double away_from_one(const ric_orbit *orbit)
+{
+    const int n = ric_model_n_mode(ric_orbit_model(orbit)) - 1;
+    double least = 1, multipliers[4 * n + 1];
+    if (n < 1 || ric_orbit_multipliers(orbit, multipliers)) return 1;
+    for (int k = 0; k < 2 * n; k++) {
+        const double re = multipliers[2 * k] - 1, im = multipliers[2 * k + 1];
+        least = fmin(least, hypot(re, im) / sqrt(fmax(1, hypot(re + 1, im))));
+    }
+    return isfinite(least) ? least : 0; /* lost in rounding: nothing is known */
+}
+
+/* What of a motion of this energy is left until it grazes, relative. */
+static double margin(const ric_point *p)
+{
+    double least = INFINITY;
+    if (!isnan(p->reach)) least = fmin(least, 1 - p->reach);
+    if (!isnan(p->approach)) least = fmin(least, p->approach / sqrt(2 * p->energy));
+    return least;
+}
+
+/* The energy that is exchanged in a period, relative, moves amplitudes by half as much; the time that this costs has to
+ * be made up by the energy, where the period hardly depends on it by a large part; multipliers near 1 answer with as
+ * much more. */
+static double estimate(const ric_prediction *p, double exchanged, double log_t, double away)
+{
+    const double relative = exchanged / p->energy;
+    return relative / 2 * (1 + 1 / (2 * RIC_TWO_PI * fabs(log_t)) + 1 / away);
+}
+
+static void judge(const ric_point *point, double exchanged, double log_t, double away, ric_prediction *p)
+{
+    const double relative = exchanged / p->energy;
+    p->estimate = estimate(p, exchanged, log_t, away);
+    p->why = "";
+    if (isinf(p->threshold)) p->why = "work";
+    else if (!(p->error <= WELL_KNOWN)) p->why = "error";
+    else if (!(fabs(log_t) > CONSTANT_PERIOD) || !(relative / (4 * RIC_TWO_PI * fabs(log_t)) <= NEAR))
+        p->why = "period";
+    else if (!(relative / (2 * away) <= NEAR)) p->why = "multiplier";
+    else if (!(p->estimate <= NEAR)) p->why = "size";
+    else if (!(p->estimate <= HALF_WAY * margin(point))) p->why = "grazing";
+    p->trusted = !*p->why;
+}
+
+/* ------------------------------------------------------------------- phases */
+
+/* -arg V +- acos(D / (L |V|)): the plus belongs to a falling W, which is a centre where dT/dE > 0. */
+static void find_phases(double level, double work, double loss, double log_t, ric_prediction *p)
+{
+    if (!(level >= p->threshold) || isinf(p->threshold)) return;
+    const double angle = acos(fmin(1, loss / (level * work))), way = log_t < 0 ? -1 : 1,
+                 middle = -atan2(p->work[1], p->work[0]);
+    p->n_phase = 2;
+    p->phases[0] = remainder(middle + way * angle, RIC_TWO_PI);
+    p->phases[1] = remainder(middle - way * angle, RIC_TWO_PI);
+}
+
+ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
+                             ric_prediction *out)
+{
+    ric_branch b;
+    ric_point point;
+    ric_force_balance sum;
+    if (harmonic < 1) return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
+    if (!(level >= 0 && isfinite(level))) return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
+    ric_status status = ric_atlas_branch(f->atlas, branch, &b);
+    if (!status) status = ric_force_balance_of(f, orbit, ric_branch_linear(f->model, &b), harmonic, &sum);
+    if (status) return status;
+    ric_orbit_data(orbit, &point, NULL, NULL, NULL);
+    const double loss = sum.damping + sum.impacts, work = hypot(sum.work[0], sum.work[1]),
+                 log_t = log_slope(f->atlas, &b, point.arclength);
+    const bool works = work > (NO_WORK + sum.error) * sum.size;
+    *out = (ric_prediction){.energy = point.energy,
+                            .frequency = point.frequency,
+                            .harmonic = harmonic,
+                            .omega = harmonic * point.frequency,
+                            .loss_damping = sum.damping,
+                            .loss_impacts = sum.impacts,
+                            .work = {sum.work[0], sum.work[1]},
+                            .threshold = works ? loss / work : INFINITY,
+                            .threshold_impacts = works ? sum.impacts / work : INFINITY,
+                            .error = sum.error,
+                            .slope = log_t * RIC_TWO_PI / point.frequency / point.energy};
+    find_phases(level, work, loss, log_t, out);
+    out->stable = log_t != 0 && isfinite(1 / log_t) ? ric_orbit_stability(orbit) : RIC_STABLE_UNDECIDED;
+    judge(&point, fmax(loss, works ? level * work : 0), log_t, away_from_one(orbit), out);
+    return RIC_OK;
+}

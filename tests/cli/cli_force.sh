@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Damping and force from outside: numbers, columns, wrong calls.
+set -u
+. tests/support/tap.sh
+
+atlas="$folder/e.ricochet"
+ok "an atlas" "$ricochet" run examples/elementary/study.yaml -o "$atlas" --quiet
+before=$(cksum "$atlas")
+
+# ends CODE WORDS ARGUMENT...: the exit code, and the message
+ends() {
+    local code=$1 words=$2 got=0
+    shift 2
+    "$ricochet" force "$@" >"$folder/out" 2>"$folder/err" || got=$?
+    [ "$got" = "$code" ] && grep -q -e "$words" "$folder/err"
+}
+rows() { python3 -c "import json, sys; rows = json.load(open('$folder/rows')); $1"; }
+
+ok "an energy" "$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 1
+ok "its columns" test "$("$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 1 --csv | head -1)" = \
+    branch,key,energy,frequency,harmonic,omega,threshold,loss_damping,loss_impacts,phases,stable,trusted
+"$ricochet" force "$atlas" --force 1,0 --damping 0.001 --harmonic 1,2,3 --level 0.02 --json >"$folder/rows"
+ok "all points, three harmonics" rows 'assert len(rows) > 300 and {r["harmonic"] for r in rows} == {1, 2, 3}'
+ok "phases where the level is above the threshold" rows \
+    'assert all((len(r["phases"]) == 2) == (r["threshold"] is not None and r["threshold"] <= 0.02) for r in rows)'
+ok "even harmonics do no work on symmetric orbits" rows \
+    'assert any(r["harmonic"] == 2 and r["threshold"] is None and r["trusted"] == "work" for r in rows)'
+ok "some are trusted, some are not" rows 'assert {"yes", "period"} <= {r["trusted"] for r in rows}'
+printf '%%%%MatrixMarket matrix array real symmetric\n2 2\n0.02\n0\n0.01\n' >"$folder/C.mtx"
+ok "a matrix" "$ricochet" force "$atlas" --force 1,0 --damping "$folder/C.mtx" --energy 1
+ok "a window" "$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 0.9,1.2
+ok "a negative damping" ends 2 negative "$atlas" --force 1,0 --damping -0.001
+ok "no force" ends 2 "force is missing" "$atlas" --damping 0.001
+ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --damping 0.001
+ok "a force that is no number" ends 2 "not a finite number" "$atlas" --force 1,x --damping 0.001
+ok "restitution 0" ends 2 "restitution 0" "$atlas" --force 1,0 --restitution 0
+ok "nothing is lost" ends 2 "nothing is lost" "$atlas" --force 1,0
+ok "an energy without an orbit" ends 1 "no orbit of energy" "$atlas" --force 1,0 --damping 0.001 --energy 1e9
+ok "a window without an orbit" ends 1 "no stored orbit" "$atlas" --force 1,0 --damping 0.001 --energy 1e8,1e9
+ok "a window the wrong way round" ends 2 "window" "$atlas" --force 1,0 --damping 0.001 --energy 2,1
+ok "a level below 0" ends 2 "level" "$atlas" --force 1,0 --damping 0.001 --level -1
+ok "a harmonic that is none" ends 2 "harmonic" "$atlas" --force 1,0 --damping 0.001 --harmonic 0.5
+ok "a matrix that is not there" ends 2 "none.mtx" "$atlas" --force 1,0 --damping "$folder/none.mtx"
+ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
+finish
