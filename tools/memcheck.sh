@@ -82,6 +82,8 @@ simulate F/power.yaml --state 0.1 -0.2 0 1.5 --time 5 --steps 10
 simulate F/rigid.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts
 simulate F/springs.yaml --state 0.1 -0.2 0 2.5 --time 2 --steps 10 --json
 hunt F/rigid.yaml --energy 5 --impacts 3 --lines 60 --rows 2 --row 10 --random 50
+section F/rigid.yaml --energy 5 --starts 3 --impacts 40 -j 2
+section F/rigid.ricochet --energy 5 --orbits --radius 0.1 --impacts 40 --exponents
 hunt F/rigid.yaml --energy 5 --impacts 3 --lines 60 --rows 2 --row 10 --random 50 --atlas F/rigid.ricochet --add
 cascade F/rigid.ricochet --branch 3 --multiply 2
 cascade F/power.ricochet --multiply 2

@@ -149,7 +149,7 @@ static ric_status find_centres(ric_section *s, ric_section_run_of *centres, doub
         return ric_fail(
             RIC_E_INPUT,
             "no motion of scaled energy %.9g was found that leaves a contact with all other gaps open, among "
-            "%d places on each; take a larger energy",
+            "%d places on each; take another energy",
             o->energy, (int)TRIES);
     return status;
 }
@@ -174,7 +174,7 @@ static ric_status make_starts(ric_section *s, ric_section_run_of *centres, int n
         } else if (!scatter(s, centres, n_centre, k, i, start)) {
             return ric_fail(RIC_E_INPUT,
                             "among %d places on face %d there is none with all other gaps open at scaled energy %.9g; "
-                            "ask for fewer starts, or a larger energy",
+                            "ask for fewer starts",
                             (int)TRIES, start->face, o->energy);
         }
         start->track = (ric_section_track){.face = start->face,

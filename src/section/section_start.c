@@ -1,5 +1,6 @@
 #include "section_start.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,10 @@
 /* Momentum across the face below which a start is a grazing, in parts of the largest one: what comes of it is rounding.
  */
 #define GRAZING 1e-9
+
+/* DIGITS: rounding of a gap coordinate, over its clearance, from which on impacts of a motion that swings very much
+ * farther are no longer known: places of impacts are then off by as much, and impacts may be missed. */
+#define DIGITS 1e-8
 
 /* ------------------------------------------------------------------- faces */
 
@@ -68,6 +73,13 @@ static ric_status make_face(ric_section_surface *s, int i, int free_mode)
                         "contact %d does not see the free mode: motions along it have no bound, and no "
                         "section has room for them",
                         contact + 1);
+    double swing = sqrt(2 * s->energy * ric_dot(n, f->g, f->g));
+    if (!s->smooth && !(swing * DBL_EPSILON < DIGITS * fabs(f->gap)))
+        return ric_fail(RIC_E_INPUT,
+                        "with scaled energy %.3g motions swing %.3g times as far as the clearance of contact %d, and "
+                        "rounding hides their impacts; take an energy below %.3g",
+                        s->energy * m->energy_unit, swing / fabs(f->gap), contact + 1,
+                        pow(DIGITS / DBL_EPSILON * f->gap, 2) / ric_dot(n, f->g, f->g) / 2 * m->energy_unit);
     span_face(m, free_mode, f);
     double least = free_mode >= 0 ? 0 : f->gap * f->gap / ric_dot(n, f->g, f->g), left = 2 * s->energy - least;
     f->radius = left > 0 ? sqrt(left) : 0;

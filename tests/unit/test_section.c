@@ -424,6 +424,8 @@ static void nonsense_is_refused(void **state)
     static const double beyond[] = {0, 2, 0, 1}, other[] = {0, 0, 1, 1};
     ric_section_options options = options_of(0.1, 4, 10);
     refused(TWO_MASSES, &options, "the least energy that does is 0.5");
+    options.energy = 1e30; /* impacts were lost in rounding, and the answer looked like any other */
+    refused(TWO_MASSES, &options, "rounding hides their impacts");
     options.energy = -1;
     refused(TWO_MASSES, &options, "above 0");
     options.energy = NAN;
