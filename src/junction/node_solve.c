@@ -309,7 +309,8 @@ static bool solve_criterion(criterion *q, double *u)
                    !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     if (!(least <= AT_ZERO * c->scale * slope)) return false;
-    if (q->last && !ric_flight_law_of(c->model)->integrated && !stands_out(q, best)) return false;
+    const bool told = q->test == RIC_TEST_ROTATION || !ric_flight_law_of(c->model)->integrated;
+    if (q->last && told && !stands_out(q, best)) return false;
     return !q->last || q->test != RIC_TEST_ROTATION || solve_root(q, u);
 }
 

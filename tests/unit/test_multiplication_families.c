@@ -469,9 +469,32 @@ static void labels_far_up(void **state)
     }
 }
 
+/* Two modes at 2 : 3 under springs of the 11th and 21st power, which small motions do not feel: lambda + 1 / lambda is
+ * -2 over a whole interval of energies, to rounding, and passes it nowhere there. */
+static void no_doubling_in_rounding(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 2]]\n  stiffness: [[3.25, -1.25], [-1.25, 3.25]]\n  contacts:\n"
+        "    - {normal: [1, 0], law: power, exponent: 11, length: 1.28, reference: 0.7869}\n"
+        "    - {normal: [0, 1], law: power, exponent: 21, length: 1.28, reference: 3.729}\n"
+        "explore: {start: [1], energy: [0, 9.163], frequency: [0.2, 4.5], multiply: 2, depth: 1}\n");
+    int doublings = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        assert_int_equal(ric_atlas_junction(atlas, id, &j), RIC_OK);
+        if (j.kind != RIC_KIND_MULTIPLICATION) continue;
+        doublings++;
+        assert_true(fabs(j.energy - 6.84086675) < 1e-6);
+    }
+    assert_int_equal(doublings, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(small_orders), cmocka_unit_test(larger_orders),
-                                       cmocka_unit_test(both_pairs_of_three_modes), cmocka_unit_test(labels_far_up)};
+                                       cmocka_unit_test(both_pairs_of_three_modes), cmocka_unit_test(labels_far_up),
+                                       cmocka_unit_test(no_doubling_in_rounding)};
     return cmocka_run_group_tests_name("multiplication", tests, NULL, NULL);
 }
