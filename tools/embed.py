@@ -18,6 +18,27 @@ def array(name, data):
     return f"static const unsigned char {name}[] = {{\n" + ",\n".join(rows) + "};\n"
 
 
+def saved_page(folder, names):
+    """The page as one text that asks nobody for anything, and where the atlas goes into it."""
+    if "index.html" not in names:
+        return ["const unsigned char view_saved_page[] = {0};", "const size_t view_saved_split = 0;"]
+    parts = {}
+    for name in ("index.html", "app.js", "app.css"):
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            parts[name] = file.read()
+    policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'"
+    script = '<script type="module">' + parts["app.js"].replace("</script", "<\\/script").replace("<!--", "<\\!--") + "</script>"
+    page = parts["index.html"].replace("<head>", f'<head><meta http-equiv="Content-Security-Policy" content="{policy}">')
+    for tag, text in (('<script type="module" crossorigin src="/app.js"></script>', script),
+                      ('<link rel="stylesheet" crossorigin href="/app.css">', "<style>" + parts["app.css"] + "</style>")):
+        if page.count(tag) != 1:
+            sys.exit(f"embed.py: the page that Vite has built lacks {tag}")
+        page = page.replace(tag, text)
+    data = page.encode()
+    return [array("saved", data + b"\0").replace("static const unsigned char saved", "const unsigned char view_saved_page"),
+            f"const size_t view_saved_split = {data.rindex(b'</body>')};"]
+
+
 def main():
     out, folder = sys.argv[1], None
     if len(sys.argv) > 2:
@@ -36,6 +57,7 @@ def main():
         text.append(array(f"file_{i}", packed))
         path = "/" if name == "index.html" else "/" + name
         entries.append(f'    {{"{path}", "{TYPES[os.path.splitext(name)[1]]}", "\\"{tag}\\"", file_{i}, sizeof file_{i}}},')
+    text += saved_page(folder, names)
     text += ["const view_file view_page[] = {", *entries, "    {NULL, NULL, NULL, NULL, 0},", "};", ""]
     with open(out, "w", encoding="utf-8") as file:
         file.write("\n".join(text))

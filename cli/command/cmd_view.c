@@ -190,14 +190,39 @@ out:
     return code;
 }
 
+/* Under another name until all of it is there: what was in the file before is not lost to a full disk. */
+static int save(const char *path, const char *name)
+{
+    view_shelf *shelf = NULL;
+    bool written = false;
+    char part[PAGE_PATH];
+    if (snprintf(part, sizeof part, "%s.part", name) >= (int)sizeof part)
+        return cli_wrong("view: --save '%s' is too long for a name", name);
+    ric_status status = view_shelf_open(path, &shelf);
+    if (status) return cli_report(status);
+    view_data *data = view_data_take(shelf);
+    FILE *file = fopen(part, "w");
+    if (file) status = view_save(data, file, &written);
+    if (file && fclose(file)) written = false;
+    if (written) written = !rename(part, name);
+    const int why = errno;
+    if (file && !written) unlink(part);
+    view_data_release(shelf, data);
+    view_shelf_close(shelf);
+    if (status) return cli_report(status);
+    if (written) return CLI_DONE;
+    cli_say("ricochet: view: %s cannot be written (%s)\n", name, strerror(why));
+    return CLI_FAILED;
+}
+
 static int run(int argc, char **argv)
 {
-    const char *port = NULL, *workers = NULL;
+    const char *port = NULL, *workers = NULL, *name = NULL;
     long number = FIRST_PORT;
     view_options o = {.workers = 1, .browser = !cli_take_flag(&argc, argv, "--no-browser")};
-    if (!cli_take_value(&argc, argv, "--port", &port) || !cli_take_value(&argc, argv, "--listen", &o.where.address) ||
-        !cli_take_value(&argc, argv, "-j", &workers) || !cli_operands(&cli_view, argc, argv, 1) ||
-        (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) ||
+    if (!cli_take_value(&argc, argv, "--port", &port) || !cli_take_value(&argc, argv, "--save", &name) ||
+        !cli_take_value(&argc, argv, "--listen", &o.where.address) || !cli_take_value(&argc, argv, "-j", &workers) ||
+        !cli_operands(&cli_view, argc, argv, 1) || (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) ||
         (workers && !cli_parse_integer(workers, "-j", 1, 1024, &o.workers)))
         return CLI_WRONG;
     if (o.where.address && !view_address_valid(o.where.address))
@@ -210,6 +235,7 @@ static int run(int argc, char **argv)
               stderr);
         return CLI_FAILED;
     }
+    if (name) return save(argv[1], name);
     o.where.port = (int)number;
     o.where.exact = port != NULL;
     return serve(argv[1], &o);
@@ -239,6 +265,9 @@ static const cli_item items[] = {
      .value = "ADDRESS",
      .text = "an address other than 127.0.0.1: others can then read the atlas. Nothing is encrypted"},
     {.name = "--no-browser", .text = "print the address only"},
+    {.name = "--save",
+     .value = "FILE.html",
+     .text = "write the page with the atlas into one file instead, which opens without a server or a network"},
     {.name = "-j", .value = "WORKERS", .text = "how many departures at a time, 1 unless given"},
     {0},
 };
@@ -246,7 +275,8 @@ static const cli_item items[] = {
 const cli_command cli_view = {
     .name = "view",
     .summary = "look at an atlas in the browser",
-    .usage = "ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n",
+    .usage = "ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
+             "ricochet view ATLAS --save FILE.html\n",
     .items = items,
     .example = "ricochet view study.ricochet\n",
     .run = run,

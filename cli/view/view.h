@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "common/cli.h"
 
@@ -18,6 +19,9 @@ typedef struct {
 } view_file;
 
 extern const view_file view_page[]; /* ends with path NULL */
+/* All of it as one text, and where in it the atlas goes. */
+extern const unsigned char view_saved_page[];
+extern const size_t view_saved_split;
 
 /* ------------------------------------------------------------ atlas (view_data.c) */
 
@@ -55,6 +59,14 @@ typedef enum { VIEW_AT_POINT, VIEW_AT_ENERGY, VIEW_AT_FREQUENCY, VIEW_AT_ARCLENG
 
 /* The orbits that fit, each with its history; *out is an array. */
 ric_status view_orbits(const ric_atlas *atlas, int branch, view_at at, double value, json_t **out);
+
+/* The orbit of stored point `point`, without its history. */
+ric_status view_stored_orbit(const ric_atlas *atlas, int branch, int point, json_t **out);
+
+/* ------------------------------------------------------------ saved page (view_save.c) */
+
+/* Writes the page with its atlas. *written: false if the file took less than all of it. */
+ric_status view_save(const view_data *data, FILE *file, bool *written);
 
 /* ------------------------------------------------------------ living atlas (view_grow.c) */
 

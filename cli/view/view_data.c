@@ -334,6 +334,7 @@ static json_t *describe_model(const ric_model *model)
 {
     const int n = ric_model_n_dof(model);
     double *frequencies = calloc((size_t)n, sizeof *frequencies);
+    double *shapes = calloc((size_t)n * (size_t)n, sizeof *shapes);
     json_t *object = json_object();
     json_object_set_new(object, "dofs", json_integer(n));
     json_object_set_new(object, "modes", json_integer(ric_model_n_mode(model)));
@@ -345,9 +346,11 @@ static json_t *describe_model(const ric_model *model)
     json_object_set_new(object, "locked", locked(model));
     json_object_set_new(object, "mass", numbers(n * n, ric_model_mass(model), 1));
     json_object_set_new(object, "stiffness", numbers(n * n, ric_model_stiffness(model), 1));
+    if (shapes && !ric_model_modes(model, shapes)) json_object_set_new(object, "shapes", numbers(n * n, shapes, 1));
     json_object_set_new(object, "contacts", contacts(model));
     json_object_set_new(object, "faces", faces(model));
     free(frequencies);
+    free(shapes);
     return object;
 }
 

@@ -102,7 +102,7 @@ static void add_impacts(json_t *row, int n, const int *word, const double *fligh
     json_object_set_new(row, "impact_faces", faces);
 }
 
-static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, json_t *rows)
+static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, bool moving, json_t *rows)
 {
     const ric_model *model = ric_atlas_model(atlas);
     const int n = ric_orbit_letters(orbit);
@@ -120,7 +120,7 @@ static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, json
         json_object_set_new(row, "approach", cli_number(point.approach));
         json_object_set_new(row, "residual", cli_number((double)point.residual));
         add_impacts(row, n, word, flights, ric_model_n_face(model));
-        json_object_set_new(row, "history", make_history(orbit, model, n > 0 ? n : 1, flights));
+        if (moving) json_object_set_new(row, "history", make_history(orbit, model, n > 0 ? n : 1, flights));
     }
     free(flights);
     free(word);
@@ -208,7 +208,7 @@ static ric_status orbit_at_arclength(const ric_atlas *atlas, const ric_branch *b
         int n = 0;
         const ric_status found = ric_orbit_find(atlas, b->id, where.at[k], where.value[k], &n, &orbits);
         const ric_orbit *best = found ? NULL : nearest(n, orbits, &where, s);
-        if (best) status = add_orbit(atlas, best, rows);
+        if (best) status = add_orbit(atlas, best, true, rows);
         ric_orbits_free(n, orbits);
         if (best || (found && found != RIC_E_NUMERIC)) return best ? status : found;
     }
@@ -225,7 +225,23 @@ ric_status view_orbits(const ric_atlas *atlas, int id, view_at at, double value,
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     if (!status && at == VIEW_AT_ARCLENGTH) status = orbit_at_arclength(atlas, &branch, value, rows);
     else if (!status) status = ric_orbit_find(atlas, id, kinds[at], value, &n, &orbits);
-    for (int i = 0; !status && i < n; i++) status = add_orbit(atlas, orbits[i], rows);
+    for (int i = 0; !status && i < n; i++) status = add_orbit(atlas, orbits[i], true, rows);
+    ric_orbits_free(n, orbits);
+    if (status) {
+        json_decref(rows);
+        rows = NULL;
+    }
+    *out = rows;
+    return status;
+}
+
+ric_status view_stored_orbit(const ric_atlas *atlas, int branch, int point, json_t **out)
+{
+    ric_orbit **orbits = NULL;
+    int n = 0;
+    json_t *rows = json_array();
+    ric_status status = ric_orbit_find(atlas, branch, RIC_AT_POINT, point, &n, &orbits);
+    if (!status) status = n > 0 ? add_orbit(atlas, orbits[0], false, rows) : RIC_E_NUMERIC;
     ric_orbits_free(n, orbits);
     if (status) {
         json_decref(rows);

@@ -2,8 +2,9 @@
 //
 // Prints TAP lines. FOLDER is for atlases and saved files; with SHOTS the pictures of the page are kept there. Playwright is that of web/node_modules.
 import { execFileSync, spawn } from "node:child_process";
-import { mkdirSync, readFileSync } from "node:fs";
+import { mkdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { createInterface } from "node:readline";
+import { pathToFileURL } from "node:url";
 import { chromium } from "../../web/node_modules/playwright-core/index.mjs";
 
 const [ricochet, browserPath, folder, shots] = process.argv.slice(2);
@@ -356,12 +357,54 @@ async function million(browser) {
   await server.stop();
 }
 
+// A saved page, opened from its file: the numbers of the program, and nobody is asked. Its title tries to end the script that holds the atlas.
+async function savedPage(browser) {
+  const [study, atlas, file] = ["yaml", "ricochet", "html"].map((end) => `${folder}/saved.${end}`);
+  const text = readFileSync("examples/elementary/study.yaml", "utf8");
+  writeFileSync(study, text.replace(/^title:.*$/m, 'title: "a </script><img src=x onerror=alert(1)>"').replace(/multiply: \d+/, "multiply: 2"));
+  run("run", study, "-o", atlas, "-j", "2");
+  run("view", atlas, "--save", file);
+  ok("a saved page of the demo has less than 5 MB", statSync(file).size < 5e6, String(statSync(file).size));
+  const requests = [];
+  const context = await browser.newContext();
+  context.on("request", (r) => requests.push(r.url()));
+  const page = await context.newPage();
+  const errors = [];
+  page.on("pageerror", (e) => errors.push(e.message));
+  page.on("console", (m) => m.type() === "error" && errors.push(m.text()));
+  await page.goto(pathToFileURL(file).href);
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: GUARD });
+  const differ = [];
+  let worst = 0;
+  for (const { id, points } of rows("branches", atlas).filter((b) => b.id % 12 === 1)) {
+    const at = ["--branch", String(id), "--point", String(points >> 1)];
+    const s = rows("points", atlas, "--branch", String(id))[points >> 1].arclength;
+    const [told] = rows("orbit", atlas, ...at);
+    const shown = await page.evaluate(([b, a]) => window.ricochet().stored(b, a), [id, s]);
+    for (const key of ["word", "state", "flights", "period", "frequency", "energy", "multipliers", "stable", "amplitudes"])
+      if (JSON.stringify(told[key]) !== JSON.stringify(shown[key])) differ.push(`branch ${id} ${key}`);
+    for (const key of ["impact_speeds", "impulses"]) told[key].forEach((v, i) => (worst = Math.max(worst, Math.abs(v - shown[key][i]) / Math.max(1, v))));
+    for (const row of rows("orbit", atlas, ...at, "--history", String(told.period / 37)).slice(0, -1)) {
+      let [k, t] = [0, row.t];
+      while (k < told.flights.length - 1 && t > told.flights[k]) t -= told.flights[k++];
+      const { x } = await page.evaluate((a) => window.ricochet().motion(...a), [id, s, k, t]);
+      x.forEach((v, i) => (worst = Math.max(worst, Math.abs(v - row[`x${i + 1}`]))));
+    }
+  }
+  ok("its orbits are those of the program, bit for bit", differ.length === 0, differ.join("; "));
+  ok("its motions, speeds and impulses agree to rounding", worst > 0 && worst < 1e-11, String(worst));
+  ok("it asks nobody", requests.length === 1 && requests[0].startsWith("file:"), requests.join(" "));
+  ok("a title is text", (await page.locator("#title").innerText()).startsWith("a </script>") && (await page.locator("img").count()) === 0 && errors.length === 0, errors.join("; "));
+  await context.close();
+}
+
 // Without a graphics card: pages are put together in software, and WebGL is emulated.
 const arguments_ = ["--disable-gpu", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : [])];
 const browser = await chromium.launch({ executablePath: browserPath, args: arguments_ });
 try {
-  if (process.env.PART !== "million") await demo(browser);
-  if (process.env.PART !== "demo") await million(browser);
+  if (process.env.PART !== "million") await savedPage(browser);
+  if (!["million", "saved"].includes(process.env.PART)) await demo(browser);
+  if (!["demo", "saved"].includes(process.env.PART)) await million(browser);
 } catch (e) {
   ok("the tests came to their end", false, String(e.stack).split("\n").join("\n# "));
 } finally {

@@ -1,4 +1,5 @@
 // What the server of `ricochet view` answers. Numbers arrive as they leave the library: scaled, to the last bit.
+import { saved, savedOrbit, savedSource } from "./saved";
 
 export interface BranchRow {
   id: number;
@@ -71,6 +72,7 @@ export interface Model {
   symmetric: boolean;
   frequencies: number[];
   locked: number[];
+  shapes: number[]; // modes, mass-normalised, the columns of a square
   mass: number[];
   stiffness: number[];
   contacts: Contact[];
@@ -172,8 +174,8 @@ function takeToken(): string {
   return sessionStorage.getItem("token") ?? "";
 }
 
-const token = takeToken();
-export const mayCompute = token !== "";
+const token = saved ? "" : takeToken();
+export const mayCompute = saved || token !== "";
 
 async function failure(response: Response): Promise<Error> {
   try {
@@ -189,9 +191,11 @@ async function ask<T>(path: string, options: RequestInit = {}): Promise<T> {
   return (await response.json()) as T;
 }
 
+const notSaved = (what: string) => Promise.reject(new Error(`A saved page has no ${what}: ricochet view ATLAS shows them.`));
+
 export const getStatus = () => ask<Status>("/api/status");
-export const getBases = () => ask<BaseRow[]>("/api/bases");
-export const getCascades = () => ask<CascadeRow[]>("/api/cascades");
+export const getBases = (): Promise<BaseRow[]> => saved ? notSaved("fractal bases") : ask<BaseRow[]>("/api/bases");
+export const getCascades = (): Promise<CascadeRow[]> => saved ? notSaved("cascades") : ask<CascadeRow[]>("/api/cascades");
 export const stopExtension = () => ask<Extension>("/api/stop", { method: "POST", body: "{}" });
 export interface Region {
   energy: [number, number];
@@ -202,8 +206,9 @@ export const extend = (budgets: { depth?: number; impacts?: number; multiply?: n
 
 export type Where = { point: number } | { energy: number } | { frequency: number } | { arclength: number };
 
-export const getOrbit = (branch: number, where: Where, signal?: AbortSignal) => {
+export const getOrbit = (branch: number, where: Where, signal?: AbortSignal): Promise<Orbit[]> => {
   const [name, value] = Object.entries(where)[0] as [string, number];
+  if (saved) return Promise.resolve(savedOrbit(branch, value));
   return ask<Orbit[]>(`/api/orbit?branch=${branch}&${name}=${value}`, { signal });
 };
 
@@ -222,6 +227,7 @@ async function getPacked(path: string): Promise<{ packed: ArrayBuffer; generatio
 
 // Description and outline of one generation: when the atlas changes in between, both are asked for again.
 export async function getAtlas(): Promise<Source> {
+  if (saved) return savedSource();
   for (;;) {
     const [description, { packed, generation }] = await Promise.all([ask<Description>("/api/atlas"), getPacked("/api/outline")]);
     if (generation === description.generation) return { description, packed, outline: true };

@@ -1,5 +1,6 @@
 // The living atlas: further departures where a budget has left a region empty.
 import { extend, getStatus, mayCompute, stopExtension, type Budgets, type Extension, type Region, type Status } from "./api";
+import { saved } from "./saved";
 import type { Atlas } from "./atlas";
 import { button, el } from "./dom";
 
@@ -73,6 +74,10 @@ export class Grow {
       el("div", { class: "budgets" }, label("Depth", this.fields.depth), label("Impacts", this.fields.impacts), label("Multiply", this.fields.multiply), label("Seconds", this.fields.seconds)),
       el("label", { class: "check" }, this.everywhere, " everywhere, not only in view"), this.go, this.stop, this.progress,
       el("label", { class: "check" }, this.automatic, ` also while I zoom in: one departure deeper, ${AUTOMATIC_SECONDS} s at most`), this.regions);
+    if (saved) {
+      this.root.replaceChildren(el("h2", { textContent: "Living atlas" }), el("p", { textContent: "This page was saved. It shows the stored points of its atlas; it cannot extend it, nor compute orbits between stored points: ricochet view ATLAS does." }));
+      return;
+    }
     this.everywhere.onchange = () => this.show();
     this.show();
     void this.poll();
@@ -105,6 +110,7 @@ export class Grow {
   }
 
   show(): void {
+    if (saved) return;
     const { budgets } = this.atlas().description;
     const v = this.events.inView();
     const where = this.everywhere.checked ? null : this.region(v);
@@ -220,6 +226,7 @@ export class Grow {
 
   // The view has come to rest. When switched on, a narrow view with departures that are too deep asks for one more, once per place.
   rested(): void {
+    if (saved) return;
     const v = this.events.inView();
     const where = this.region(v);
     this.show();

@@ -3,6 +3,7 @@ import { getBases, getCascades, mayCompute, type BaseRow, type CascadeRow } from
 import type { Atlas } from "./atlas";
 import { digits, el } from "./dom";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
+import { saved } from "./saved";
 
 export interface ListEvents {
   branch(id: number): void;
@@ -36,7 +37,7 @@ export class Lists {
       await this.loadBases();
       this.cascades ??= mayCompute ? await getCascades() : [];
     } catch (e) {
-      this.root.replaceChildren(el("p", { class: "error", textContent: (e as Error).message }));
+      this.root.replaceChildren(el("p", { class: "error", textContent: (e as Error).message }), ...(saved ? this.branchList() : []));
       return;
     }
     this.root.replaceChildren(...this.baseList(), ...this.cascadeList(), ...this.branchList());

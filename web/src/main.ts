@@ -12,6 +12,7 @@ import { OrbitPanel } from "./orbitpanel";
 import { Plot, type Selected } from "./plot";
 import type { LabelChoice } from "./place";
 import { download, plotCsv, plotPng, plotSvg } from "./save";
+import { savedMotion, savedOrbit as orbitOf } from "./saved";
 import { installSearch } from "./search";
 import { createPainter, palette, type Colouring, type Painter } from "./theme";
 import type { Window } from "./view";
@@ -541,6 +542,7 @@ class Page {
       frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
       toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
       selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
+      stored: (branch: number, s: number) => orbitOf(branch, s)[0], motion: savedMotion, // of a saved page
     };
   }
 }

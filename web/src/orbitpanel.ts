@@ -5,6 +5,7 @@ import { button, digits, el } from "./dom";
 import { drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame } from "./figures";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
 import { CanvasPen, SvgPen } from "./pen";
+import { saved } from "./saved";
 import type { Selected } from "./plot";
 import type { Palette } from "./theme";
 
@@ -86,7 +87,11 @@ export class OrbitPanel {
       this.shown = number;
       this.error.hidden = true;
       if (found.length) this.put(found[0]);
-      else this.fail("There is no orbit here.");
+      if (saved && found.length) {
+        this.error.textContent = `A saved page: the stored point nearest to here, at arclength ${digits(found[0].arclength, false)}.${found[0].history ? "" : " The motion of springs is not kept in it."}`;
+        this.error.hidden = false;
+      }
+      if (!found.length) this.fail("There is no orbit here.");
     } catch (e) {
       if ((e as Error).name !== "AbortError") this.fail((e as Error).message);
     }
