@@ -536,13 +536,32 @@ typedef struct {
     double estimate;          /* how far the forced orbit is from this one, relative: the next order */
     double error;             /* of loss and work, where they are quadratures, relative */
     bool trusted;
-    const char *why; /* period, grazing, multiplier, size, work or error: what forbids to trust it; "" otherwise */
+    const char
+        *why; /* period, grazing, multiplier, size, level, work or error: what forbids to trust it; "" otherwise */
 } ric_prediction;
 
 /* The prediction of first order from an orbit of a branch, the force at `harmonic` times its frequency; level: physical
  * amplitude, 0: that of the threshold. */
 ric_status ric_force_predict(const ric_force *force, int branch, const ric_orbit *orbit, int harmonic, double level,
                              ric_prediction *out);
+/* The model of the atlas, borrowed. */
+const ric_model *ric_force_model(const ric_force *force);
+
+typedef struct {
+    double omega;    /* of the force, rad/s */
+    double phase;    /* of the force at the state, in (-pi, pi] */
+    double residual; /* relative */
+    double distance; /* from the orbit of the atlas, relative */
+    double largest;  /* modulus of the largest multiplier */
+    ric_stability stable;
+    const char *fault; /* "", or why there is no forced orbit: then nothing else holds */
+} ric_forced;
+
+/* Newton's method on the exact forced problem from an orbit and a phase; level: physical amplitude. Rigid stops and
+ * modal damping (RIC_E_INPUT otherwise). state [2 n_dof] right after the first impact, scaled, flights [letters] in
+ * seconds, multipliers [4 n_dof] of the map over a period as re, im, of all modes. */
+ric_status ric_force_solve(const ric_force *force, const ric_orbit *orbit, int harmonic, double level, double phase,
+                           ric_forced *out, double *state, double *flights, double *multipliers);
 
 /* ------------------------------------------------------- ghosts on request */
 

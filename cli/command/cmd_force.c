@@ -8,6 +8,8 @@
 #include "common/cli.h"
 #include "study/matrix_market.h"
 
+static const double same_phase = 1e-7; /* rad: of orbits that are solved to 1e-11 */
+
 enum { NUMBERS_MOST = 1000, HARMONICS_MOST = 64 };
 
 typedef struct {
@@ -19,6 +21,7 @@ typedef struct {
     int branch; /* 0: all */
     int n_energy;
     double energy[2]; /* one, or a window */
+    bool exact;
     cli_format format;
 } request;
 
@@ -59,6 +62,66 @@ static json_t *prediction_row(const ric_branch *b, const ric_prediction *p)
     return row;
 }
 
+/* An exact forced orbit with room for its numbers. */
+typedef struct {
+    ric_forced data;
+    double *state, *flights, *multipliers; /* [2 n], [letters], [4 n] */
+} forced;
+
+static json_t *forced_row(const ric_force *force, const ric_branch *b, const ric_prediction *p, const forced *x)
+{
+    const int n = ric_model_n_dof(ric_force_model(force));
+    const bool found = !*x->data.fault;
+    json_t *row = json_object(), *pairs = json_array();
+    for (int i = 0; found && i < 2 * n; i++) json_array_append_new(pairs, numbers(2, x->multipliers + 2 * i));
+    json_object_set_new(row, "branch", json_integer(b->id));
+    json_object_set_new(row, "key", json_string(b->key));
+    json_object_set_new(row, "energy", cli_number(p->energy));
+    json_object_set_new(row, "harmonic", json_integer(p->harmonic));
+    json_object_set_new(row, "omega", cli_number(p->omega));
+    json_object_set_new(row, "state", found ? numbers(2 * n, x->state) : json_null());
+    json_object_set_new(row, "flights", found ? numbers(b->letters, x->flights) : json_null());
+    json_object_set_new(row, "phase", cli_number(found ? x->data.phase : NAN));
+    json_object_set_new(row, "multipliers", pairs);
+    json_object_set_new(row, "largest", cli_number(found ? x->data.largest : NAN));
+    json_object_set_new(row, "stable", found ? json_string(stability_text(x->data.stable)) : json_null());
+    json_object_set_new(row, "residual", cli_number(x->data.residual));
+    json_object_set_new(row, "distance", cli_number(found ? x->data.distance : NAN));
+    json_object_set_new(row, "trusted", json_string(p->trusted ? "yes" : p->why));
+    json_object_set_new(row, "fault", json_string(x->data.fault));
+    return row;
+}
+
+static void say_fault(const ric_branch *b, const ric_prediction *p, int k, const char *fault)
+{
+    cli_say("ricochet: branch %d, energy %.10g, harmonic %d, phase %.6g: no forced orbit is found: %s\n", b->id,
+            p->energy, p->harmonic, p->phases[k], fault);
+}
+
+/* The orbits at both phases of a prediction. */
+static ric_status solve_both(const request *ask, const ric_force *force, const ric_branch *b, const ric_orbit *orbit,
+                             const ric_prediction *p, json_t *rows)
+{
+    const size_t n = (size_t)ric_model_n_dof(ric_force_model(force)), letters = (size_t)b->letters;
+    double *room = calloc(6 * n + letters + 1, sizeof *room), first = NAN;
+    forced x = {.state = room, .multipliers = room + 2 * n, .flights = room + 6 * n};
+    ric_status status = room ? RIC_OK : RIC_E_NOMEM;
+    for (int k = 0; k < p->n_phase && !status; k++) {
+        status = ric_force_solve(force, orbit, p->harmonic, ask->level, p->phases[k], &x.data, x.state, x.flights,
+                                 x.multipliers);
+        if (!status && k == 1 && fabs(x.data.phase - first) < same_phase)
+            x.data.fault = "both phases lead to one orbit";
+        if (!status && *x.data.fault) say_fault(b, p, k, x.data.fault);
+        if (!status) json_array_append_new(rows, forced_row(force, b, p, &x));
+        first = *x.data.fault ? NAN : x.data.phase;
+    }
+    if (!status && !p->n_phase)
+        cli_say("ricochet: branch %d, energy %.10g, harmonic %d: the level %.10g is below the threshold %.10g\n", b->id,
+                p->energy, p->harmonic, ask->level, p->threshold);
+    free(room);
+    return status;
+}
+
 static ric_status add_orbit(const request *ask, const ric_force *force, const ric_branch *b, const ric_orbit *orbit,
                             json_t *rows)
 {
@@ -66,7 +129,8 @@ static ric_status add_orbit(const request *ask, const ric_force *force, const ri
     ric_status status = RIC_OK;
     for (int i = 0; i < ask->n_harmonic && !status; i++) {
         status = ric_force_predict(force, b->id, orbit, ask->harmonics[i], ask->level, &p);
-        if (!status) json_array_append_new(rows, prediction_row(b, &p));
+        if (!status && ask->exact) status = b->letters ? solve_both(ask, force, b, orbit, &p, rows) : RIC_OK;
+        else if (!status) json_array_append_new(rows, prediction_row(b, &p));
     }
     return status;
 }
@@ -104,11 +168,25 @@ static int print(const request *ask, const json_t *rows)
 {
     static const char columns[] = "branch key energy frequency harmonic omega threshold loss_damping loss_impacts "
                                   "phases stable trusted";
-    return cli_print_rows(rows, columns, ask->format);
+    static const char exact[] = "branch key energy harmonic omega state flights phase multipliers stable residual";
+    return cli_print_rows(rows, ask->exact ? exact : columns, ask->format);
+}
+
+/* Whether one of the forced orbits that were asked for is there. */
+static bool some_found(const json_t *rows)
+{
+    const json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row) if (!json_is_null(json_object_get(row, "state"))) return true;
+    return false;
 }
 
 static int report_none(const request *ask, const ric_atlas *atlas)
 {
+    if (ask->exact) {
+        cli_say("ricochet: no forced orbit was found\n");
+        return CLI_FAILED;
+    }
     char of[40] = "the atlas";
     if (ask->branch) snprintf(of, sizeof of, "branch %d", ask->branch);
     if (ask->n_energy == 1) cli_say("ricochet: %s has no orbit of energy %.12g", of, ask->energy[0]);
@@ -142,6 +220,7 @@ static int answer(const request *ask)
                                                                           : ric_atlas_n_branch(atlas);
     for (int id = first; id <= last && !status; id++) status = add_branch(ask, force, atlas, id, rows);
     int code = status ? cli_report(status) : json_array_size(rows) ? print(ask, rows) : report_none(ask, atlas);
+    if (code == CLI_DONE && ask->exact && !some_found(rows)) code = CLI_FAILED;
     json_decref(rows);
     ric_force_free(force);
     ric_atlas_free(atlas);
@@ -214,6 +293,7 @@ static int take_request(int *argc, char **argv, request *ask)
     const char *force, *damping, *restitution, *harmonic, *branch, *energy, *level;
     long id = 0;
     int code = CLI_WRONG;
+    ask->exact = cli_take_flag(argc, argv, "--exact");
     if (!cli_take_format(argc, argv, &ask->format) || !cli_take_value(argc, argv, "--force", &force) ||
         !cli_take_value(argc, argv, "--damping", &damping) ||
         !cli_take_value(argc, argv, "--restitution", &restitution) ||
@@ -223,6 +303,7 @@ static int take_request(int *argc, char **argv, request *ask)
         return code;
     ask->path = argv[1];
     ask->restitution = 1;
+    if (ask->exact && !level) return cli_wrong("force: --exact needs --level L, the amplitude of the force");
     if (!force)
         return cli_wrong("force: --force is missing; give the vector f of the force, one number per displacement, for "
                          "example --force 1,0");
@@ -267,6 +348,10 @@ static const cli_item items[] = {
      .value = "E",
      .text = "all orbits of this scaled energy, solved to rounding; or stored ones in a window A,B"},
     {.name = "--level", .value = "L", .text = "amplitude of the force for which phases are given"},
+    {.name = "--exact",
+     .text =
+         "solves the forced problem itself at --level, from both phases: state right after the first impact, flights, "
+         "phase, all multipliers, stable, residual; rigid stops and modal damping"},
     {.name = "threshold", .text = "least amplitude L of the force L f, physical; null where the force does no work"},
     {.name = "loss_damping", .text = "energy per period, scaled, lost by damping; loss_impacts: at impacts"},
     {.name = "phases",
@@ -276,7 +361,8 @@ static const cli_item items[] = {
     {.name = "trusted",
      .text =
          "yes, or why not: period (it hardly depends on the energy), multiplier (one is near 1), grazing, size (the "
-         "next order is not small), work (the force does none), error (of a quadrature)"},
+         "next order is not small), level (it is too near the threshold), work (the force does none), error (of a "
+         "quadrature)"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -286,7 +372,7 @@ const cli_command cli_force = {
     .name = "force",
     .summary = "orbits of an atlas under damping and a harmonic force",
     .usage = "ricochet force ATLAS --force F1,F2,.. [--damping ZETA|FILE] [--restitution E] [--harmonic M]\n"
-             "           [--branch ID | --at E,OMEGA] [--energy E] [--level L] [--json | --csv]\n",
+             "           [--branch ID | --at E,OMEGA] [--energy E] [--level L [--exact]] [--json | --csv]\n",
     .items = items,
     .example = "ricochet force study.ricochet --force 1,0 --damping 0.001 --energy 1\n",
     .run = run,

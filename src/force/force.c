@@ -21,6 +21,11 @@ void ric_force_free(ric_force *f)
     free(f);
 }
 
+const ric_model *ric_force_model(const ric_force *f)
+{
+    return f->model;
+}
+
 void ric_force_modal(const ric_force *f, const double *x, const double *v, double *q, double *p)
 {
     for (int i = 0; i < f->n; i++) {

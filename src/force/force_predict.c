@@ -12,7 +12,8 @@
 /* Largest distance between the forced orbit and the one of the atlas, relative, at which the first order is trusted:
  * the second is then a hundredth. */
 #define NEAR 0.1
-/* The part of the way to a grazing that the forced orbit may go. */
+/* The part of the way to a grazing, or to where the period does not depend on the energy, that the forced orbit may go.
+ */
 #define HALF_WAY 0.5
 /* Relative: a period that does not depend on the energy, to what steps of a branch tell. */
 #define CONSTANT_PERIOD 1e-9
@@ -38,28 +39,37 @@ static int middle_point(const ric_atlas *a, const ric_branch *b, double arclengt
     return best > 0 ? best : 1;
 }
 
-/* Derivatives at s of the parabola through three values. */
-static double parabola_slope(const double s[3], const double y[3], double at)
+/* First and second derivative at a place of the parabola through three values. */
+static void parabola(const double s[3], const double y[3], double at, double out[2])
 {
     const double first = (y[1] - y[0]) / (s[1] - s[0]), second = (y[2] - y[1]) / (s[2] - s[1]),
                  bend = (second - first) / (s[2] - s[0]);
-    return first + bend * (2 * at - s[0] - s[1]);
+    out[0] = first + bend * (2 * at - s[0] - s[1]);
+    out[1] = 2 * bend;
 }
 
-/* d log T / d log E along a branch, from three stored points around the orbit. NaN: there are fewer. */
-static double log_slope(const ric_atlas *a, const ric_branch *b, double arclength)
+/* d log T / d log E along a branch, from three stored points around the orbit, and by which part of itself it changes
+ * with log E. NaN: there are fewer. */
+typedef struct {
+    double log_t, change;
+} course;
+
+static course course_of(const ric_atlas *a, const ric_branch *b, double arclength)
 {
-    double s[3], e[3], t[3];
+    double s[3], e[3], t[3], by_e[2], by_t[2];
     ric_point p;
-    if (b->n_point < 3) return NAN;
+    const course unknown = {NAN, NAN};
+    if (b->n_point < 3) return unknown;
     const int middle = middle_point(a, b, arclength);
     for (int k = 0; k < 3; k++) {
-        if (ric_atlas_point(a, b->id, middle - 1 + k, &p, NULL, NULL)) return NAN;
+        if (ric_atlas_point(a, b->id, middle - 1 + k, &p, NULL, NULL)) return unknown;
         s[k] = p.arclength;
         e[k] = log(p.energy);
         t[k] = -log(p.frequency);
     }
-    return parabola_slope(s, t, arclength) / parabola_slope(s, e, arclength);
+    parabola(s, t, arclength, by_t);
+    parabola(s, e, arclength, by_e);
+    return (course){by_t[0] / by_e[0], (by_t[1] / by_t[0] - by_e[1] / by_e[0]) / by_e[0]};
 }
 
 /* -------------------------------------------------------------------- trust */
@@ -89,25 +99,26 @@ static double margin(const ric_point *p)
 
 /* The energy that is exchanged in a period, relative, moves amplitudes by half as much; the time that this costs has to
  * be made up by the energy, where the period hardly depends on it by a large part; multipliers near 1 answer with as
- * much more. */
+ * much more. A level that is no farther from the threshold than this may be on its other side. */
 static double estimate(const ric_prediction *p, double exchanged, double log_t, double away)
 {
     const double relative = exchanged / p->energy;
     return relative / 2 * (1 + 1 / (2 * RIC_TWO_PI * fabs(log_t)) + 1 / away);
 }
 
-static void judge(const ric_point *point, double exchanged, double log_t, double away, ric_prediction *p)
+static void judge(const ric_point *point, double exchanged, course c, double away, double level, ric_prediction *p)
 {
-    const double relative = exchanged / p->energy;
-    p->estimate = estimate(p, exchanged, log_t, away);
+    const double relative = exchanged / p->energy, drift = relative / (4 * RIC_TWO_PI * fabs(c.log_t));
+    p->estimate = estimate(p, exchanged, c.log_t, away);
     p->why = "";
     if (isinf(p->threshold)) p->why = "work";
     else if (!(p->error <= WELL_KNOWN)) p->why = "error";
-    else if (!(fabs(log_t) > CONSTANT_PERIOD) || !(relative / (4 * RIC_TWO_PI * fabs(log_t)) <= NEAR))
+    else if (!(fabs(c.log_t) > CONSTANT_PERIOD) || !(drift <= NEAR) || !(2 * drift * fabs(c.change) <= HALF_WAY))
         p->why = "period";
     else if (!(relative / (2 * away) <= NEAR)) p->why = "multiplier";
     else if (!(p->estimate <= NEAR)) p->why = "size";
     else if (!(p->estimate <= HALF_WAY * margin(point))) p->why = "grazing";
+    else if (level > 0 && !(fabs(level / p->threshold - 1) > p->estimate)) p->why = "level";
     p->trusted = !*p->why;
 }
 
@@ -136,8 +147,8 @@ ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *or
     if (!status) status = ric_force_balance_of(f, orbit, ric_branch_linear(f->model, &b), harmonic, &sum);
     if (status) return status;
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
-    const double loss = sum.damping + sum.impacts, work = hypot(sum.work[0], sum.work[1]),
-                 log_t = log_slope(f->atlas, &b, point.arclength);
+    const course way = course_of(f->atlas, &b, point.arclength);
+    const double loss = sum.damping + sum.impacts, work = hypot(sum.work[0], sum.work[1]), log_t = way.log_t;
     const bool works = work > (NO_WORK + sum.error) * sum.size;
     *out = (ric_prediction){.energy = point.energy,
                             .frequency = point.frequency,
@@ -152,6 +163,6 @@ ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *or
                             .slope = log_t * RIC_TWO_PI / point.frequency / point.energy};
     find_phases(level, work, loss, log_t, out);
     out->stable = log_t != 0 && isfinite(1 / log_t) ? ric_orbit_stability(orbit) : RIC_STABLE_UNDECIDED;
-    judge(&point, fmax(loss, works ? level * work : 0), log_t, away_from_one(orbit), out);
+    judge(&point, fmax(loss, works ? level * work : 0), way, away_from_one(orbit), level, out);
     return RIC_OK;
 }

@@ -41,5 +41,17 @@ ok "a window the wrong way round" ends 2 "window" "$atlas" --force 1,0 --damping
 ok "a level below 0" ends 2 "level" "$atlas" --force 1,0 --damping 0.001 --level -1
 ok "a harmonic that is none" ends 2 "harmonic" "$atlas" --force 1,0 --damping 0.001 --harmonic 0.5
 ok "a matrix that is not there" ends 2 "none.mtx" "$atlas" --force 1,0 --damping "$folder/none.mtx"
+exact() { "$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 1 --level "$1" --exact --json >"$folder/rows"; }
+ok "exact orbits" exact 0.01621538422
+ok "a centre and a saddle" rows 'assert [round(r["largest"], 4) for r in rows] == [0.9935, 1.1293] and [r["stable"] for r in rows] == ["yes", "no"]'
+"$ricochet" force "$atlas" --force 1,0 --damping 0.001 --level 0.03 --exact --json >"$folder/rows" 2>"$folder/err"
+ok "what is trusted is there, and near" rows 'trusted = [r for r in rows if r["trusted"] == "yes"]
+assert len(trusted) > 200 and all(not r["fault"] and r["distance"] < 0.05 for r in trusted)'
+ok "solutions that are no motions are refused" rows 'faults = {r["fault"] for r in rows}
+assert {"an impact does not approach its stop", "a stop is passed, or touched, between two impacts"} <= faults
+assert all((r["state"] is None) == (r["fault"] != "") for r in rows)'
+ok "and named" grep -q "no forced orbit is found: a stop is passed" "$folder/err"
+ok "exact without a level" ends 2 "level" "$atlas" --force 1,0 --damping 0.001 --exact
+ok "exact below the threshold" ends 1 "below the threshold" "$atlas" --force 1,0 --damping 0.001 --energy 1 --level 0.001 --exact --branch 3
 ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
 finish
