@@ -9,6 +9,7 @@
 #include "branch/room.h"
 
 #define ON_VALUE 4e-16      /* relative: two last digits of the energy or frequency asked for */
+#define MET 1e-8            /* relative: beside a branch point an orbit is known to rounding over the distance */
 #define ITS_FREQUENCY 1e-12 /* relative: a frequency asked for that is that of a linear mode */
 
 /* Orbits of a stored branch, solved again at the very point that is asked for. */
@@ -94,10 +95,8 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
     double *u = NULL;
     *out = NULL;
     ric_status status = ric_stored_cycle(a, b, i, &point, &cycle);
-    if (!status) {
-        ric_stored_symmetries(m, b, cycle);
-        status = ric_stored_chain(m, b, i, cycle, &chain, &u);
-    }
+    if (!status) status = ric_stored_symmetries_at(a, b, i, cycle);
+    if (!status) status = ric_stored_chain(m, b, i, cycle, &chain, &u);
     ric_turn t;
     if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
     if (!status) status = finish(m, chain, u, &t, &point, out);
@@ -117,7 +116,8 @@ static double quantity(const ric_model *m, const ric_shooting *c, const double *
                                : RIC_TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
 }
 
-/* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. */
+/* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. False
+ * where none has the value: Newton's method may have gone over to another branch on one side of it. */
 static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua, const double *ub, double fa, double fb,
                           ric_at at, double value, double *u)
 {
@@ -129,13 +129,13 @@ static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua,
     }
     xb = sqrt(length);
     for (int i = 0; i < size; i++) normal[i] /= xb;
-    double full = xb;
-    for (int k = 0; k < 80; k++) {
+    double full = xb, f = HUGE_VAL;
+    for (int k = 0; k < 80 && fabs(xb - xa) >= RIC_LAST_DIGIT * full; k++) {
         double x = k && k % 3 == 0 ? (xa + xb) / 2 : xa + (xb - xa) * fa / (fa - fb);
         for (int i = 0; i < size; i++) u[i] = ua[i] + x / full * (ub[i] - ua[i]);
         if (!ric_continuation_correct(c, u, ua, normal, x, du, &iterations)) return false;
-        double f = quantity(m, c, u, at) - value;
-        if (fabs(f) <= ON_VALUE * fabs(value) || fabs(xb - xa) < RIC_LAST_DIGIT * full) return true;
+        f = quantity(m, c, u, at) - value;
+        if (fabs(f) <= ON_VALUE * fabs(value)) return true;
         if (fa * f < 0) {
             xb = x;
             fb = f;
@@ -144,7 +144,7 @@ static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua,
             fa = f;
         }
     }
-    return true;
+    return fabs(f) <= MET * fabs(value);
 }
 
 static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at, double value, double fa,
@@ -158,8 +158,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     *out = NULL;
     ric_status status = ric_stored_cycle(a, b, i, &point, &from);
     if (!status) status = ric_stored_cycle(a, b, i + 1, &far, &to);
+    if (!status) status = ric_stored_symmetries_at(a, b, i, from);
     if (status) goto out;
-    ric_stored_symmetries(m, b, from);
     to->half = from->half;
     to->pure = from->pure;
     to->flip = from->flip;
@@ -173,7 +173,8 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     ric_turn t;
     if (!ric_turn_find(m, chain, ua, from, &t)) status = unfit(b);
     else if (!solve_between(m, chain, ua, ub, fa, fb, at, value, u))
-        status = ric_fail(RIC_E_NUMERIC, "no orbit converged between points %d and %d of branch %d", i, i + 1, b->id);
+        status = ric_fail(RIC_E_NUMERIC, "no orbit with this value converged between points %d and %d of branch %d", i,
+                          i + 1, b->id);
     else {
         double x = fa / (fa - fb);
         point.arclength += x * (far.arclength - point.arclength);

@@ -217,6 +217,45 @@ static void ends_between_their_mirrors(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Two cascades beside each other: between two stored points Newton's method goes over to the other one, which has not
+ * the energy that is asked for. It is not taken for it. */
+static void asked_energies(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {start: [2], energy: [0, 40], frequency: [0.2, 10], impacts: 48, depth: 0, cascade: [3, 2, 2, 2]}\n");
+    int asked = 0, refused = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (b.impacts < 24) continue;
+        for (int i = 0; i + 1 < b.n_point; i++) {
+            ric_point from, to;
+            ric_orbit **orbits = NULL;
+            int n = 0;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &from, NULL, NULL), RIC_OK);
+            assert_int_equal(ric_atlas_point(atlas, id, i + 1, &to, NULL, NULL), RIC_OK);
+            const double energy = (from.energy + to.energy) / 2;
+            ric_status status = ric_orbit_find(atlas, id, RIC_AT_ENERGY, energy, &n, &orbits);
+            asked++;
+            refused += status == RIC_E_NUMERIC;
+            if (status != RIC_E_NUMERIC) assert_int_equal(status, RIC_OK);
+            for (int k = 0; k < n && !status; k++) {
+                ric_point point;
+                double start[4], flights[96];
+                int word[96];
+                ric_orbit_data(orbits[k], &point, start, flights, word);
+                assert_true(fabs(point.energy - energy) <= 1e-8 * energy);
+            }
+            ric_orbits_free(n, orbits);
+        }
+    }
+    printf("# %d energies asked for, %d refused\n", asked, refused);
+    assert_true(asked > 50 && refused <= asked / 10);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -227,6 +266,7 @@ int main(void)
         cmocka_unit_test(margins_through_stiff_springs),
         cmocka_unit_test(solved_again),
         cmocka_unit_test(ends_between_their_mirrors),
+        cmocka_unit_test(asked_energies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
