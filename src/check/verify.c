@@ -714,6 +714,6 @@ out:
 
 ric_status ric_verify_point(const ric_atlas *atlas, int branch, int i, ric_check *out)
 {
-    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, out, NULL);
-    return replay_orbit(atlas, branch, i, out);
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_trust(ric_verify_smooth(atlas, branch, i, out, NULL));
+    return ric_trust(replay_orbit(atlas, branch, i, out));
 }

@@ -534,7 +534,8 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
                         .numbers = RIC_AGREES_UNCHECKED};
     ric_check check;
     ric_verify_asked asked = {0};
-    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth(atlas, branch, i, &check, out);
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0)
+        return ric_trust(ric_verify_smooth(atlas, branch, i, &check, out));
     ric_status status = ric_verify_replay_open(&r, atlas, branch, i, true);
     ric_digits digits = {0};
     if (!status) status = ric_verify_digits_open(&r, &digits);
@@ -550,5 +551,5 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
     ric_verify_asked_close(&asked);
     ric_verify_digits_close(&digits);
     ric_verify_replay_close(&r);
-    return status;
+    return ric_trust(status);
 }
