@@ -125,6 +125,7 @@ static const cli_item items[] = {
              "base"},
     {.name = "--physical", .text = "energies in the units of the study, not scaled by the clearance"},
     CLI_ITEM_SORT,
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -134,7 +135,7 @@ const cli_command cli_bases = {
     .name = "bases",
     .summary = "list the fractal bases of an atlas and the branches in them",
     .usage = "ricochet bases ATLAS [--duplicates K] [--branch ID | --at E,OMEGA] [--physical]\n"
-             "           [--sort COLUMN] [--json | --csv]\n",
+             "           [--sort COLUMN] [--hz] [--json | --csv]\n",
     .items = items,
     .example = "ricochet bases study.ricochet\n",
     .run = run,

@@ -278,6 +278,7 @@ static const cli_item items[] = {
     CLI_ITEMS_WORD,
     CLI_ITEM_STABLE,
     CLI_ITEMS_PLACE,
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     CLI_ITEM_WIDE,
@@ -288,7 +289,7 @@ const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
     .usage = "ricochet branches ATLAS [--segments | --tongues] [--elementary] [--physical]\n"
-             "           [--json | --csv | --wide]\n"
+             "           [--hz] [--json | --csv | --wide]\n"
              "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B]\n"
              "           [--sort COLUMN] [--limit N]\n",
     .items = items,

@@ -21,7 +21,8 @@ typedef struct {
     ric_hunt_options options;
     double energy[2]; /* a window, or one energy twice */
     const char *atlas_path;
-    bool add;
+    bool add, physical, hertz;
+    double d; /* the length that states are multiplied by, energies by its square: 1 unless physical */
     cli_format format;
 } request;
 
@@ -95,6 +96,8 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
     ric_hunt_options *o = &r->options;
     ric_hunt_options_init(o);
     r->add = cli_take_flag(argc, argv, "--add");
+    r->physical = cli_take_flag(argc, argv, "--physical");
+    r->hertz = cli_take_flag(argc, argv, "--hz");
     if (!cli_take_format(argc, argv, &r->format) || !cli_take_value(argc, argv, "--atlas", &r->atlas_path) ||
         !take_energies(argc, argv, r->energy) || !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
         !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
@@ -113,17 +116,17 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
 
 /* --------------------------------------------------------------------- rows */
 
-static json_t *numbers(int n, const double *values)
+static json_t *numbers(int n, const double *values, double unit)
 {
     json_t *list = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(values[i]));
+    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(unit * values[i]));
     return list;
 }
 
 static json_t *pairs(const double values[4])
 {
     json_t *list = json_array();
-    for (int i = 0; i < 4; i += 2) json_array_append_new(list, numbers(2, values + i));
+    for (int i = 0; i < 4; i += 2) json_array_append_new(list, numbers(2, values + i, 1));
     return list;
 }
 
@@ -135,7 +138,8 @@ static void add_finding(json_t *row, const ric_finding *f)
     json_object_set_new(row, "reason", json_string(f->why));
 }
 
-static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, int i, const ric_comparison *c)
+/* d: the unit of lengths */
+static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, double d, int i, const ric_comparison *c)
 {
     ric_found p;
     ric_finding finding;
@@ -144,7 +148,7 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, in
     json_t *row = json_object();
     ric_hunt_found(h, i, &p, word, state, flights);
     json_object_set_new(row, "orbit", json_integer(i + 1));
-    json_object_set_new(row, "energy", cli_number(energy));
+    json_object_set_new(row, "energy", cli_number(d * d * energy));
     json_object_set_new(row, "word", cli_word(m, p.impacts, word));
     json_object_set_new(row, "impacts", json_integer(p.impacts));
     json_object_set_new(row, "period", cli_number(p.period));
@@ -153,15 +157,16 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, in
     json_object_set_new(row, "reversible", json_boolean(p.reversible));
     json_object_set_new(row, "trace", cli_number(p.trace));
     json_object_set_new(row, "multipliers", pairs(p.multipliers));
-    json_object_set_new(row, "state", numbers(2 * n, state));
-    json_object_set_new(row, "flights", numbers(p.impacts, flights));
+    json_object_set_new(row, "state", numbers(2 * n, state, d));
+    json_object_set_new(row, "flights", numbers(p.impacts, flights, 1));
     if (c && !ric_comparison_finding(c, i, &finding)) add_finding(row, &finding);
     return row;
 }
 
-static void add_rows(const ric_hunt *h, const ric_model *m, double energy, const ric_comparison *c, json_t *rows)
+static void add_rows(const ric_hunt *h, const ric_model *m, double energy, double d, const ric_comparison *c,
+                     json_t *rows)
 {
-    for (int i = 0; i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, energy, i, c));
+    for (int i = 0; i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, energy, d, i, c));
 }
 
 static int print(json_t *rows, bool compared, cli_format format)
@@ -182,11 +187,12 @@ static void tell_missed(const ric_comparison *c, int n_missed)
 }
 
 /* One line on stderr; exit code 1 if something is not explained. */
-static int summarise(const ric_hunt *h, const ric_hunt_options *options, const ric_comparison *c, int added)
+static int summarise(const ric_hunt *h, const ric_hunt_options *options, double unit, const ric_comparison *c,
+                     int added)
 {
     int counts[4] = {0}, n = ric_hunt_n_found(h), n_atlas, n_again, n_missed;
     cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", n, options->impacts,
-            options->period[1], options->energy);
+            options->period[1], unit * options->energy);
     if (!c) return CLI_DONE;
     for (int i = 0; i < n; i++) {
         ric_finding finding;
@@ -274,8 +280,8 @@ static ric_status hunt_at(quest *q, double energy)
         q->added += added;
         q->n_energy++;
         count_isolated(q, h, c);
-        add_rows(h, model, energy, c, q->rows);
-        if (summarise(h, &options, c, added)) q->code = CLI_FAILED;
+        add_rows(h, model, energy, q->request->d, c, q->rows);
+        if (summarise(h, &options, q->request->d * q->request->d, c, added)) q->code = CLI_FAILED;
     }
     ric_comparison_free(c);
     ric_hunt_free(h);
@@ -318,6 +324,7 @@ static ric_status hunt_level(quest *q, int level)
 
 static ric_status hunt_window(quest *q)
 {
+    const double unit = q->request->d * q->request->d;
     ric_status status = RIC_OK;
     int level = 1;
     for (; level <= LEVELS && !status; level++) {
@@ -326,7 +333,7 @@ static ric_status hunt_window(quest *q)
     }
     if (!status)
         cli_say("%d energies from %g to %g were looked at; %s; %d kinds of isolated orbits in all\n", q->n_energy,
-                q->request->energy[0], q->request->energy[1],
+                unit * q->request->energy[0], unit * q->request->energy[1],
                 level <= LEVELS ? "the last ones, between those before, found nothing new"
                                 : "the last ones still found something new, and there may be more",
                 (int)json_object_size(q->isolated));
@@ -346,6 +353,7 @@ static int hunt(const request *r, const ric_study *study, ric_atlas **atlas)
                         : r->energy[0] < r->energy[1] ? hunt_window(&q)
                                                       : hunt_at(&q, r->energy[0]);
     int code = cli_report(status);
+    if (!status && r->hertz) cli_in_hertz(q.rows);
     if (!status && !(code = print(q.rows, q.atlas != NULL, r->format))) code = q.code;
     *atlas = q.atlas;
     json_decref(q.rows);
@@ -378,6 +386,9 @@ static int run(int argc, char **argv)
     int code;
     if (!take_request(&argc, argv, &r, &bounded) || !cli_operands(&cli_hunt, argc, argv, 1)) return CLI_WRONG;
     ric_status status = read_files(&r, argv[1], &study, &atlas);
+    r.d = !status && r.physical ? ric_model_length(ric_study_model(study)) : 1;
+    for (int i = 0; i < 2; i++) r.energy[i] /= r.d * r.d;
+    r.options.energy = r.energy[0];
     if (status) code = cli_report(status);
     else if (r.add && !atlas) code = cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
     else if (atlas && !same_model(ric_study_model(study), ric_atlas_model(atlas))) {
@@ -420,6 +431,9 @@ static const cli_item items[] = {
     {.name = "--row", .value = "N", .text = "points on each row, 1000 unless given"},
     {.name = "--random", .value = "N", .text = "random starts on each face, 250000 unless given"},
     {.name = "--seed", .value = "S", .text = "of the random starts, 1 unless given"},
+    {.name = "--physical",
+     .text = "energies, those of --energy too, and states in the units of the study, not scaled by the clearance"},
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     CLI_ITEM_WIDE,
@@ -430,7 +444,8 @@ const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
     .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE [--add]]\n"
-             "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--json | --csv | --wide]\n",
+             "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--physical] [--hz]\n"
+             "           [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n"
                "ricochet hunt study.ricochet --energy 0.7,40 --impacts 4 --add\n",

@@ -245,6 +245,7 @@ static const cli_item items[] = {
      .text = "only rows of this kind"},
     CLI_ITEMS_WORD,
     CLI_ITEMS_PLACE,
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     CLI_ITEM_WIDE,
@@ -255,7 +256,7 @@ const cli_command cli_junctions = {
     .name = "junctions",
     .summary = "list the junctions of an atlas",
     .usage = "ricochet junctions ATLAS [--duplicates K [--ghost] [--branch ID | --at E,OMEGA]]\n"
-             "           [--physical] [--json | --csv | --wide]\n"
+             "           [--physical] [--hz] [--json | --csv | --wide]\n"
              "           [--kind KIND] [--word WORD] [--impacts N] [--energy A,B] [--frequency A,B]\n"
              "           [--sort COLUMN] [--limit N]\n",
     .items = items,

@@ -153,16 +153,23 @@ typedef struct {
     int branch;
     ric_at at;
     double value, step; /* step of the history, 0 = none */
-    bool physical;
+    bool physical, hertz;
     cli_format format;
 } request;
+
+/* What the number that is asked for is a multiple of. */
+static double unit_of(const request *ask, const ric_model *model)
+{
+    const double d = ask->physical ? ric_model_length(model) : 1;
+    return ask->at == RIC_AT_ENERGY ? d * d : ask->at == RIC_AT_FREQUENCY && ask->hertz ? 1 / two_pi : 1;
+}
 
 /* *found: number of orbits. *too_long: a history would have too many rows, and there are none. */
 static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *atlas, int *found, bool *too_long)
 {
     const ric_model *model = ric_atlas_model(atlas);
     double d = ask->physical ? ric_model_length(model) : 1;
-    double value = ask->at == RIC_AT_ENERGY ? ask->value / (d * d) : ask->value;
+    const double value = ask->value / unit_of(ask, model);
     ric_orbit **orbits = NULL;
     int n = 0;
     ric_status status = ric_orbit_find(atlas, ask->branch, ask->at, value, &n, &orbits);
@@ -174,6 +181,7 @@ static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *at
         else status = add_orbit(rows, &s);
         subject_free(&s);
     }
+    if (ask->hertz) cli_in_hertz(rows);
     ric_orbits_free(n, orbits);
     *found = n;
     return status;
@@ -203,7 +211,7 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     bool energy = ask->at == RIC_AT_ENERGY;
     ric_status status = ric_atlas_branch(atlas, ask->branch, &branch);
     if (status) return cli_report(status);
-    double d = ask->physical ? ric_model_length(ric_atlas_model(atlas)) : 1, unit = energy ? d * d : 1;
+    const double unit = unit_of(ask, ric_atlas_model(atlas));
     char gap[CLI_TONGUE + 8];
     find_gap(ask, atlas, unit, sizeof gap, gap);
     cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g%s\n", ask->branch,
@@ -292,7 +300,7 @@ static int run(int argc, char **argv)
 {
     const char *branch = NULL, *places[3] = {NULL, NULL, NULL}, *step = NULL;
     long id = 0;
-    request ask = {.physical = cli_take_flag(&argc, argv, "--physical")};
+    request ask = {.physical = cli_take_flag(&argc, argv, "--physical"), .hertz = cli_take_flag(&argc, argv, "--hz")};
     if (!cli_take_format(&argc, argv, &ask.format) || !cli_take_value(&argc, argv, "--branch", &branch) ||
         !cli_take_value(&argc, argv, "--point", &places[0]) || !cli_take_value(&argc, argv, "--energy", &places[1]) ||
         !cli_take_value(&argc, argv, "--frequency", &places[2]) || !cli_take_value(&argc, argv, "--history", &step) ||
@@ -327,6 +335,7 @@ static const cli_item items[] = {
      .text = "beside the trivial ones, as pairs of real and imaginary part; null where they are lost in rounding"},
     {.name = "amplitudes", .text = "largest |x| of every degree of freedom over the period"},
     {.name = "impact_speeds", .text = "speed of approach of each impact of the word; impulses: the momentum exchanged"},
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     CLI_ITEM_WIDE,
@@ -337,7 +346,7 @@ const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
     .usage = "ricochet orbit ATLAS (--branch ID | --at E,OMEGA) (--point I | --energy E | --frequency F)\n"
-             "           [--history DT] [--physical] [--json | --csv | --wide]\n",
+             "           [--history DT] [--physical] [--hz] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet orbit study.ricochet --branch 3 --energy 1.5\n",
     .run = run,

@@ -175,6 +175,7 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     l.n_multiplier = format != CLI_TEXT && n_mode > 2 ? 2 * (n_mode - 1) : 0;
     l.multipliers = calloc(2 * (size_t)l.n_multiplier + 1, sizeof *l.multipliers);
     code = !l.multipliers ? cli_report(RIC_E_NOMEM) : ghost ? add_ghosts(&l, path) : cli_report(add_points(&l));
+    if (code == CLI_DONE && choice->hertz) cli_in_hertz(l.rows);
     if (code == CLI_DONE && !cli_choose(l.rows, choice)) code = CLI_WRONG;
     if (code == CLI_DONE) code = print(&l, ghost, n_mode > 2, format);
 out:
@@ -190,10 +191,12 @@ static int run(int argc, char **argv)
     const char *id_text;
     cli_choice choice;
     long id = 0;
-    bool physical = cli_take_flag(&argc, argv, "--physical"), ghost = cli_take_flag(&argc, argv, "--ghost");
+    const bool physical = cli_take_flag(&argc, argv, "--physical"), ghost = cli_take_flag(&argc, argv, "--ghost"),
+               hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_choice(&argc, argv, &choice) ||
         !cli_take_value(&argc, argv, "--branch", &id_text) || !cli_operands(&cli_points, argc, argv, 1))
         return CLI_WRONG;
+    choice.hertz = hertz;
     if (!id_text) return cli_wrong("points: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
     if (!cli_parse_integer(id_text, "--branch", 1, INT_MAX, &id)) return CLI_WRONG;
     return list(argv[1], (int)id, physical, ghost, format, &choice);
@@ -224,6 +227,7 @@ static const cli_item items[] = {
     {.name = "--physical", .text = "speeds and energies in the units of the study, not scaled by the clearance"},
     CLI_ITEM_STABLE,
     CLI_ITEMS_PLACE,
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     CLI_ITEM_WIDE,
@@ -235,7 +239,7 @@ const cli_command cli_points = {
     .summary = "list the stored points of a branch, or its ghosts",
     .usage = "ricochet points ATLAS (--branch ID | --at E,OMEGA) [--ghost] [--physical]\n"
              "           [--stable S] [--energy A,B] [--frequency A,B]\n"
-             "           [--sort COLUMN] [--limit N] [--json | --csv | --wide]\n",
+             "           [--sort COLUMN] [--limit N] [--hz] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet points study.ricochet --branch 3 --csv\n"
                "ricochet points study.ricochet --branch 3 --ghost\n",

@@ -91,6 +91,21 @@ static bool lacks(const json_t *row, const char *column, bool asked)
     return true;
 }
 
+/* -------------------------------------------------------------------- hertz */
+
+void cli_in_hertz(json_t *rows)
+{
+    static const double two_pi = 6.283185307179586;
+    const char *name;
+    json_t *row, *value;
+    size_t i;
+    json_array_foreach(rows, i, row)
+    {
+        json_object_foreach(row, name, value) if (!strncmp(name, "frequency", 9) && json_is_real(value))
+            json_real_set(value, json_real_value(value) / two_pi);
+    }
+}
+
 /* -------------------------------------------------------------------- order */
 
 /* A row with what it is ordered by, and where it stood: rows that are alike keep their order. */

@@ -121,12 +121,20 @@ typedef struct {
     const char *sort;                 /* a column, with '-' before it for falling values; NULL: as they come */
     long impacts, limit;              /* negative: any, all */
     bool by_energy, by_frequency;
+    bool hertz;                     /* frequencies are in Hz, those of the choice too: set by the command */
     double energy[2], frequency[2]; /* in the units of the list */
 } cli_choice;
 /* Takes the options out of argv; false with a message where they are wrong. */
 bool cli_take_choice(int *argc, char **argv, cli_choice *out);
 /* Leaves those rows, in order; false with a message where the list lacks a column that is asked for. */
 bool cli_choose(json_t *rows, const cli_choice *choice);
+
+/* Frequencies of rows, all columns that are called so, in Hz instead of rad/s. */
+void cli_in_hertz(json_t *rows);
+#define CLI_ITEM_HZ                                                                                                    \
+    {                                                                                                                  \
+        .name = "--hz", .text = "frequencies in Hz, also that of --frequency; sentences keep omega, rad/s"             \
+    }
 
 /* The options of it; a list has those whose columns it has. */
 #define CLI_ITEM_SORT                                                                                                  \

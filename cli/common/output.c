@@ -631,12 +631,13 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     json_t *rows = json_array();
     int code = CLI_WRONG;
     cli_choice choice;
-    bool physical = cli_take_flag(&argc, argv, "--physical");
+    const bool physical = cli_take_flag(&argc, argv, "--physical"), hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_choice(&argc, argv, &choice) ||
         !cli_operands(listing->command, argc, argv, 1))
         goto out;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     if (!status) status = add_rows(rows, listing, atlas, physical);
+    if (!status && hertz) cli_in_hertz(rows);
     if (!status && !cli_choose(rows, &choice)) goto out;
     char *names = listing->table ? cli_table_names(listing->table, format) : NULL;
     const char *columns = names ? names : format == CLI_TEXT ? listing->few : listing->all;

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,20 @@ static plot_format format_of(const char *path)
     return PLOT_FORMAT_NONE;
 }
 
+/* Whether a new file can be made there: said before the work, not after it. */
+static int check_folder(const char *path)
+{
+    char folder[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    const size_t length = !slash ? 1 : slash == path ? 1 : (size_t)(slash - path);
+    if (length >= sizeof folder) return CLI_DONE; /* opening it says what is wrong */
+    memcpy(folder, slash ? path : ".", length);
+    folder[length] = '\0';
+    if (access(folder, W_OK | X_OK) == 0) return CLI_DONE;
+    cli_say("ricochet: cannot write %s: folder %s: %s\n", path, folder, strerror(errno));
+    return CLI_FAILED;
+}
+
 int plot_check_target(const plot_options *options)
 {
     const char *path = options->out;
@@ -42,7 +57,7 @@ int plot_check_target(const plot_options *options)
                                        : cli_wrong("-o %s: this is no plain file; give another file name", path);
     if (lstat(path, &info) == 0)
         return cli_wrong("-o %s: this is a symbolic link to nothing; remove it, or give another file name", path);
-    return CLI_DONE;
+    return check_folder(path);
 }
 
 /* Starts gnuplot on the three files. Returns 0 and its exit status, or the errno that kept it from starting. */

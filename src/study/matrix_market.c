@@ -159,6 +159,7 @@ static ric_status read_banner(scanner *s, header *out)
 {
     char line[128], word[5][TOKEN_MAX] = {"", "", "", "", ""};
     size_t length = strcspn(s->at, "\r\n");
+    if (!strncmp(s->at, "\x1f\x8b", 2)) return bad(s, "compressed by gzip; gunzip it and name the file that comes out");
     if (length >= sizeof line)
         return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' "
                       "or similar");

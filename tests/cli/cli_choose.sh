@@ -69,6 +69,33 @@ ok 'sort by nothing' refused 'no such column; they have id key label' branches "
 ok 'sort by a list' refused 'which have no order' branches "$atlas" --sort junctions
 ok 'sort without a column' refused 'needs a value' branches "$atlas" --sort --json
 
+# hertz COMMAND KEYS OPTION...: the same rows, frequencies over 2 pi
+hertz() {
+    "$ricochet" "$1" "$atlas" "${@:3}" --json >"$folder/all" && "$ricochet" "$1" "$atlas" "${@:3}" --hz --json >"$folder/some" || return 1
+    python3 - "$folder/all" "$folder/some" $2 <<'P'
+import json, math, sys
+rows, some, keys = json.load(open(sys.argv[1])), json.load(open(sys.argv[2])), sys.argv[3:]
+assert rows and len(rows) == len(some)
+for a, b in zip(rows, some):
+    assert a.keys() == b.keys()
+    for key, value in a.items():
+        assert b[key] == (value / (2 * math.pi) if key in keys else value), key
+P
+}
+ok 'hertz: branches' hertz branches 'frequency_min frequency_max'
+ok 'hertz: segments' hertz branches 'frequency_min frequency_max' --segments
+ok 'hertz: junctions' hertz junctions frequency
+ok 'hertz: points' hertz points frequency --branch 3
+ok 'hertz: an orbit' hertz orbit frequency --branch 3 --energy 1.5
+ok 'hertz: bases' hertz bases 'frequency_min frequency_max'
+at_hertz() { # an orbit, and rows, that are asked for by a frequency in Hz
+    diff <("$ricochet" orbit "$atlas" --branch 3 --frequency 1.4 --csv | cut -d, -f2) \
+        <("$ricochet" orbit "$atlas" --branch 3 --frequency "$(python3 -c 'import math; print(repr(1.4 / (2 * math.pi)))')" --hz --csv | cut -d, -f2) &&
+        "$ricochet" branches "$atlas" --frequency 3,4 --csv | cut -d, -f1 >"$folder/a" &&
+        diff "$folder/a" <("$ricochet" branches "$atlas" --hz --frequency 0.477464829275686,0.636619772367581 --csv | cut -d, -f1)
+}
+ok 'hertz: what is asked for' at_hertz
+
 # wide COMMAND OPTION...: every number of a list has a column of its own, and all of them are those of --json
 wide() {
     "$ricochet" "$1" "$atlas" "${@:2}" --json >"$folder/all" && "$ricochet" "$1" "$atlas" "${@:2}" --wide >"$folder/wide" || return 1

@@ -113,4 +113,20 @@ assert all(abs(r["frequency_min"] - 1.418199) < 1e-5 and abs(r["frequency_max"] 
 ok "the island has the ends that are known" is_island
 ok "report counts the islands" eval "'$ricochet' report '$folder/islands.ricochet' | grep -q 'families linked to no mode  *3 '"
 
+sed 's/clearance: 1.0/clearance: 2.0/' "$folder/study.yaml" >"$folder/wide.yaml"
+units() { # with twice the clearance energies are four times as large, and displacements twice
+    local few=(--impacts 3 --lines 500 --rows 5 --row 50 --random 500 --json)
+    "$ricochet" hunt "$folder/study.yaml" --energy 5 "${few[@]}" >"$folder/scaled.json" 2>"$folder/err" \
+        && "$ricochet" hunt "$folder/wide.yaml" --energy 20 --physical --hz "${few[@]}" >"$folder/physical.json" 2>>"$folder/err" || return 1
+    grep 'at energy 20$' "$folder/err" && python3 - "$folder" <<'PY'
+import json, math, sys
+a, b = (json.load(open(f"{sys.argv[1]}/{name}.json")) for name in ("scaled", "physical"))
+assert len(a) == len(b) > 0
+for p, q in zip(a, b):
+    assert p["word"] == q["word"] and q["energy"] == 20 and p["energy"] == 5
+    assert math.isclose(p["period"], q["period"], rel_tol=1e-9) and math.isclose(p["frequency"], 2 * math.pi * q["frequency"], rel_tol=1e-9)
+    assert all(math.isclose(2 * x, y, rel_tol=1e-8, abs_tol=1e-8) for x, y in zip(p["state"], q["state"]))
+PY
+}
+ok 'in the units of the study' units
 finish
