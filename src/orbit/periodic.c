@@ -38,6 +38,13 @@ void ric_periodic_free(ric_periodic *c)
     free(c);
 }
 
+void ric_periodic_take_symmetries(ric_periodic *c, const ric_periodic *from)
+{
+    c->half = from->half;
+    c->pure = from->pure;
+    c->flip = from->flip;
+}
+
 ric_periodic *ric_periodic_copy(const ric_periodic *c)
 {
     ric_periodic *copy = ric_periodic_create(c->n, c->N);
@@ -46,9 +53,7 @@ ric_periodic *ric_periodic_copy(const ric_periodic *c)
     memcpy(copy->tau, c->tau, (size_t)c->N * sizeof *c->tau);
     memcpy(copy->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
     copy->closed = c->closed;
-    copy->half = c->half;
-    copy->pure = c->pure;
-    copy->flip = c->flip;
+    ric_periodic_take_symmetries(copy, c);
     copy->parts = c->parts;
     if (!c->opposite || ric_periodic_oppose(copy, c->opposite)) return copy;
     ric_periodic_free(copy);

@@ -101,6 +101,8 @@ ric_periodic *ric_periodic_nearest(const ric_model *model, const ric_periodic *o
                                    double limit);
 /* Symmetries that hold within `tolerance`, and the number q of repetitions (1 = none), found by trying them all. */
 int ric_periodic_find_symmetries(const ric_model *model, ric_periodic *cycle, double tolerance);
+/* Gives a cycle the symmetries of another that starts at the same event. */
+void ric_periodic_take_symmetries(ric_periodic *cycle, const ric_periodic *from);
 /* Lexicographic: faces, then state with a tolerance, then flight times. */
 int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_periodic *b);
 /* Canonical start: smallest word over the whole group, then smallest state (components closer than RIC_SAME_LOCATED

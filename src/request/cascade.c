@@ -331,7 +331,7 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
     ric_periodic *cycle = NULL;
     ric_point point;
     ric_status status = ric_stored_cycle(a, b, b->n_point / 2, &point, &cycle);
-    if (!status) ric_stored_symmetries(c->model, b, cycle);
+    if (!status) status = ric_stored_symmetries(a, b, b->n_point / 2, cycle);
     for (int side = 1; side >= -1 && !status && !*found; side -= 2) {
         ric_shooting *chain = NULL;
         ric_continuation *tr = NULL;

@@ -96,12 +96,10 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
     ric_status status = find_neighbour(a, b, end, &neighbour);
     if (!status) status = ric_stored_cycle(a, b, last, &at, &tip);
     if (!status) status = ric_stored_cycle(a, b, neighbour, &beside, &near);
-    if (status) goto out;
     /* looked for beside the end, where the orbit may have gained some */
-    ric_stored_symmetries(m, b, near);
-    tip->half = near->half;
-    tip->pure = near->pure;
-    tip->flip = near->flip;
+    if (!status) status = ric_stored_symmetries(a, b, neighbour, near);
+    if (status) goto out;
+    ric_periodic_take_symmetries(tip, near);
     if ((status = ric_stored_chain(m, b, neighbour, near, &other, t)) ||
         (status = ric_stored_chain(m, b, last, tip, chain, u)))
         goto out;

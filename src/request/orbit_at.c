@@ -95,7 +95,7 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
     double *u = NULL;
     *out = NULL;
     ric_status status = ric_stored_cycle(a, b, i, &point, &cycle);
-    if (!status) status = ric_stored_symmetries_at(a, b, i, cycle);
+    if (!status) status = ric_stored_symmetries(a, b, i, cycle);
     if (!status) status = ric_stored_chain(m, b, i, cycle, &chain, &u);
     ric_turn t;
     if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
@@ -158,11 +158,9 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     *out = NULL;
     ric_status status = ric_stored_cycle(a, b, i, &point, &from);
     if (!status) status = ric_stored_cycle(a, b, i + 1, &far, &to);
-    if (!status) status = ric_stored_symmetries_at(a, b, i, from);
+    if (!status) status = ric_stored_symmetries(a, b, i, from);
     if (status) goto out;
-    to->half = from->half;
-    to->pure = from->pure;
-    to->flip = from->flip;
+    ric_periodic_take_symmetries(to, from);
     if ((status = ric_stored_chain(m, b, i, from, &chain, &ua)) ||
         (status = ric_stored_chain(m, b, i + 1, to, &other, &ub)))
         goto out;

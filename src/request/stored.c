@@ -26,51 +26,6 @@ ric_status ric_stored_cycle(const ric_atlas *a, const ric_branch *b, int i, ric_
     return status;
 }
 
-void ric_stored_symmetries(const ric_model *m, const ric_branch *b, ric_periodic *c)
-{
-    ric_periodic_claim claim = {b->symmetric, b->reversible, strstr(b->mirror, "centre"), strstr(b->mirror, "rest"),
-                                strstr(b->mirror, "impact")};
-    ric_periodic_claimed(m, &claim, c);
-}
-
-static bool solves(const ric_model *m, const ric_periodic *c)
-{
-    ric_shooting *chain = NULL;
-    double *u = NULL;
-    bool solved = !ric_periodic_to_chain(m, c, &chain, &u);
-    if (solved) {
-        ric_shooting_fly(chain, u);
-        solved = chain->residual <= NO_ORBIT;
-    }
-    ric_shooting_free(chain);
-    free(u);
-    return solved;
-}
-
-ric_status ric_stored_symmetries_at(const ric_atlas *a, const ric_branch *b, int i, ric_periodic *c)
-{
-    const ric_model *m = ric_atlas_model(a);
-    ric_periodic *beside = NULL;
-    ric_point point;
-    ric_stored_symmetries(m, b, c);
-    if ((i > 0 && i + 1 < b->n_point) || b->n_point < 3) return RIC_OK;
-    ric_status status = ric_stored_cycle(a, b, i ? i - 1 : 1, &point, &beside);
-    if (status) return status;
-    ric_stored_symmetries(m, b, beside);
-    const bool half = c->half;
-    const int pure = c->pure, flip = c->flip;
-    c->half = beside->half;
-    c->pure = beside->pure;
-    c->flip = beside->flip;
-    if (!solves(m, c)) { /* the two start at different impacts */
-        c->half = half;
-        c->pure = pure;
-        c->flip = flip;
-    }
-    ric_periodic_free(beside);
-    return ric_trust(RIC_OK);
-}
-
 ric_status ric_stored_chain(const ric_model *m, const ric_branch *b, int i, const ric_periodic *c, ric_shooting **chain,
                             double **u)
 {
@@ -83,4 +38,39 @@ ric_status ric_stored_chain(const ric_model *m, const ric_branch *b, int i, cons
         "damaged atlas (table point, row %d, %d: what is stored is no orbit, it stays open by %.2g); restore "
         "it from a copy, or remove it and run the study again",
         b->id, i, (*chain)->residual);
+}
+
+/* Those that hold for this cycle, of the kinds that its branch has. */
+static void find_symmetries(const ric_model *m, const ric_branch *b, ric_periodic *c)
+{
+    ric_periodic_claim claim = {b->symmetric, b->reversible, strstr(b->mirror, "centre"), strstr(b->mirror, "rest"),
+                                strstr(b->mirror, "impact")};
+    ric_periodic_claimed(m, &claim, c);
+}
+
+static bool fits(const ric_model *m, const ric_branch *b, int i, const ric_periodic *c)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    const bool fit = ric_stored_chain(m, b, i, c, &chain, &u) == RIC_OK;
+    ric_shooting_free(chain);
+    free(u);
+    return fit;
+}
+
+ric_status ric_stored_symmetries(const ric_atlas *a, const ric_branch *b, int i, ric_periodic *c)
+{
+    const ric_model *m = ric_atlas_model(a);
+    const bool end = b->n_point > 2 && (i == 0 || i + 1 == b->n_point);
+    ric_periodic *beside = NULL;
+    ric_point point;
+    ric_status status = end ? ric_stored_cycle(a, b, i ? i - 1 : 1, &point, &beside) : RIC_OK;
+    if (status) return status;
+    if (beside) {
+        find_symmetries(m, b, beside);
+        ric_periodic_take_symmetries(c, beside);
+        ric_periodic_free(beside);
+    }
+    if (!end || !fits(m, b, i, c)) find_symmetries(m, b, c); /* the two start at different impacts */
+    return ric_trust(RIC_OK);
 }

@@ -7,12 +7,9 @@
 /* Point i of a branch as a cycle without symmetries. */
 ric_status ric_stored_cycle(const ric_atlas *atlas, const ric_branch *branch, int i, ric_point *point,
                             ric_periodic **out);
-/* The symmetries that the branch has as a whole, with their places in the cycle; found at a stored point, which is
- * converged. */
-void ric_stored_symmetries(const ric_model *model, const ric_branch *branch, ric_periodic *cycle);
-/* The same for point i of a branch: at an end other symmetries hold within rounding, and those of the branch are told
- * by the point beside it. */
-ric_status ric_stored_symmetries_at(const ric_atlas *atlas, const ric_branch *branch, int i, ric_periodic *cycle);
+/* The symmetries that the branch has as a whole, with their places in the cycle of point i. At an end others hold
+ * within rounding, too, and those of the branch are told by the point beside it. */
+ric_status ric_stored_symmetries(const ric_atlas *atlas, const ric_branch *branch, int i, ric_periodic *cycle);
 /* The problem that a cycle made of stored point i solves, and its unknowns, both allocated. RIC_E_FORMAT where they
  * leave it open: what is then computed from them belongs to no branch, and may take any time. */
 ric_status ric_stored_chain(const ric_model *model, const ric_branch *branch, int i, const ric_periodic *cycle,
