@@ -156,16 +156,16 @@ static bool is_motion(const ric_model *m, const ric_node *node)
     ric_periodic *left = ric_node_regular(m, node), *again = left ? ric_node_solve_again(m, left) : NULL;
     ric_shooting *chain = NULL;
     double *u = NULL;
-    bool passes = left && !ric_periodic_to_chain(m, again ? again : left, &chain, &u);
-    if (passes) {
+    double reach = 0;
+    if (left && !ric_periodic_to_chain(m, again ? again : left, &chain, &u)) {
         ric_shooting_fly(chain, u);
-        passes = ric_reach(chain, u, NULL) > 1 + BEYOND;
+        reach = ric_reach(chain, u, NULL);
     }
     ric_periodic_free(left);
     ric_periodic_free(again);
     ric_shooting_free(chain);
     free(u);
-    return !passes;
+    return reach <= 1 + BEYOND;
 }
 
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
@@ -174,14 +174,12 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     ric_status status = RIC_OK;
     if (!node) return ric_no_memory("a junction");
     node->multiple = multiple;
-    bool listed = list_touches(m, node, HARDLY), motion = listed && is_bare(node);
-    if (listed && !motion) {
-        listed = list_touches(m, node, NO_SPEED);
-        motion = listed && is_motion(m, node);
-    }
-    if (listed && !motion) {
-        listed = list_touches(m, node, HARDLY);
-        motion = listed && is_motion(m, node);
+    /* no impact at all, else as few touches as can be, else more */
+    static const double slow[] = {HARDLY, NO_SPEED, HARDLY};
+    bool listed = true, motion = false;
+    for (int i = 0; i < 3 && listed && !motion; i++) {
+        listed = list_touches(m, node, slow[i]);
+        motion = listed && (i == 0 ? is_bare(node) : is_motion(m, node));
     }
     if (!listed) status = ric_no_memory("a junction");
     else if (!motion) status = ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts passes a stop", full->N);
