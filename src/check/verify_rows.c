@@ -198,8 +198,8 @@ static ric_status check_faces(replay *r, ric_claims *out)
 {
     ric_check check = {.condition = 1, .faces_agree = true};
     ric_digits digits = {0};
-    r->point.residual = (float)
-        SOLVED; /* which is not stored of a junction: digits allow for the most that any orbit has */
+    /* of a junction it is not stored: the digits allow for the most that any orbit has */
+    r->point.residual = (float)SOLVED;
     ric_status status = ric_verify_digits_open(r, &digits);
     r->check = &check;
     r->digits = &digits;
