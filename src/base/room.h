@@ -9,6 +9,7 @@
 #include "constants.h"
 #include "eigen.h"
 #include "halt.h"
+#include "hermite.h"
 #include "memory.h"
 #include "status.h"
 #include "tolerances.h"

@@ -226,7 +226,7 @@ static void kink_reach(ric_simulator *sim, const face_t *face, real t, real chan
     for (int k = 0; k < sim->n_face; k++) {
         const face_t *other = &sim->face[k];
         if (other->contact == face->contact || other->closed) continue;
-        sample a = ric_simulator_search_look(sim, other, (double)t);
+        ric_sample a = ric_simulator_search_look(sim, other, (double)t);
         real after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
         if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(other, a.g[0]));
     }

@@ -9,6 +9,7 @@
 
 #include "simulator.h"
 #include "simulator_power.h"
+#include "base/room.h"
 
 /* Extended where the machine has it, so that the replay of an unstable orbit loses less than its check allows. */
 typedef ric_real real;
@@ -83,11 +84,6 @@ struct ric_simulator {
     real *store; /* what the arrays above lie in */
 };
 
-/* A face's gap g = sign * s - level and its first two derivatives at one time. */
-typedef struct {
-    double t, g[3];
-} sample;
-
 /* ------------------------------------------------------------------- modes */
 
 void ric_simulator_frame_free(frame *f);
@@ -104,8 +100,8 @@ void ric_simulator_frame_change(ric_simulator *sim, const frame *f);
 
 /* ------------------------------------------------------------------ search */
 
-/* In double, for the search. */
-sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t);
+/* A face's gap g = sign * s - level, in double, for the search. */
+ric_sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t);
 /* g, g', g'' in full precision. */
 void ric_simulator_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g);
 /* Modal state at time t of the flight; may work in place. */

@@ -8,7 +8,7 @@
 #include "simulator_parts.h"
 #include "base/room.h"
 
-sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t)
+ric_sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t)
 {
     int n = sim->n;
     const double *omega = sim->rough, *q = omega + n, *p = q + n, *c = p + n + face->contact * n;
@@ -26,7 +26,7 @@ sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, d
             v += c[i] * p[i];
         }
     }
-    return (sample){t, {(double)face->start + face->sign * s, face->sign * v, face->sign * a}};
+    return (ric_sample){t, {(double)face->start + face->sign * s, face->sign * v, face->sign * a}};
 }
 
 void ric_simulator_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g)
@@ -94,44 +94,25 @@ void ric_simulator_search_move_origin(ric_simulator *sim, real t)
 
 /* ---------------------------------------------------- guaranteed intervals */
 
-typedef enum { BELOW, RISING, FALLING, CONVEX, CONCAVE, FLAT, UNKNOWN } shape;
-
-/* What is certain about g on [a, b]; BELOW: g <= level throughout; FLAT: it is a straight line to rounding. */
-static shape classify(const face_t *face, const sample *a, const sample *b, double level)
+static ric_shape classify(const face_t *face, const ric_sample *a, const ric_sample *b, double level)
 {
-    double h = b->t - a->t, D4 = (double)face->D[4], e0 = D4 * h * h * h * h / 384,
-           e1 = D4 * h * h * h * (0.5773502691896258 / 72), e2 = D4 * h * h / 12;
-    double left = a->g[0] + h * a->g[1] / 3, right = b->g[0] - h * b->g[1] / 3;
-    if (fmax(fmax(a->g[0], b->g[0]), fmax(left, right)) + e0 <= level) return BELOW;
-    double band = (double)face->band, noise = band / (8 * h);
-    double middle = 3 * (right - left) / h;
-    if (fmin(fmin(a->g[1], b->g[1]), middle - noise) - e1 > 0) return RISING;
-    if (fmax(fmax(a->g[1], b->g[1]), middle + noise) + e1 < 0) return FALLING;
-    double first = 2 * (middle - a->g[1]) / h, last = 2 * (b->g[1] - middle) / h, noise2 = 2 * noise / h;
-    if (fmin(first, last) - noise2 - e2 > 0) return CONVEX;
-    if (fmax(first, last) + noise2 + e2 < 0) return CONCAVE;
-    double bend = h * h * fmax(fabs(first), fabs(last)) / 8;
-    return e0 + bend <= band / 2 ? FLAT : UNKNOWN;
+    return ric_hermite_shape((double)face->D[4], (double)face->band, a, b, level);
 }
 
-/* Zero of g (order 0) or g' (order 1) between lo and hi, where it changes sign: Newton's method kept inside a shrinking
- * bracket. */
-static sample zero(const ric_simulator *sim, const face_t *face, int order, sample lo, sample hi)
+typedef struct {
+    const ric_simulator *sim;
+    const face_t *face;
+} flight;
+
+static ric_sample look(const void *of, double t)
 {
-    enum { STEPS = 200 };
-    bool rising = hi.g[order] > 0;
-    sample x = fabs(lo.g[order]) < fabs(hi.g[order]) ? lo : hi;
-    double last = hi.t - lo.t;
-    for (int i = 0; i < STEPS && x.g[order] != 0; i++) {
-        double step = -x.g[order] / x.g[order + 1], t = x.t + step;
-        if (!(t > lo.t && t < hi.t) || fabs(step) > last / 2) t = lo.t + (hi.t - lo.t) / 2;
-        last = fabs(t - x.t);
-        if (t == lo.t || t == hi.t || last <= DBL_EPSILON / 2 * t) break;
-        x = ric_simulator_search_look(sim, face, t);
-        if ((x.g[order] > 0) == rising) hi = x;
-        else lo = x;
-    }
-    return x;
+    const flight *at = of;
+    return ric_simulator_search_look(at->sim, at->face, t);
+}
+
+static ric_sample zero(const ric_simulator *sim, const face_t *face, int order, ric_sample lo, ric_sample hi)
+{
+    return ric_hermite_zero(look, &(flight){sim, face}, order, lo, hi);
 }
 
 /* The last digits of a root t of g that lies in [lo, hi]; t itself where the slope does not tell them. */
@@ -151,7 +132,7 @@ static real refine(const ric_simulator *sim, const face_t *face, double lo, doub
 }
 
 /* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or convex, there. */
-static real rise(const ric_simulator *sim, const face_t *face, sample a, const sample *b)
+static real rise(const ric_simulator *sim, const face_t *face, ric_sample a, const ric_sample *b)
 {
     if (a.g[1] < 0 && b->g[1] > 0) a = zero(sim, face, 1, a, *b);
     if (a.g[0] < 0) return refine(sim, face, a.t, b->t, zero(sim, face, 0, a, *b).t);
@@ -160,30 +141,31 @@ static real rise(const ric_simulator *sim, const face_t *face, sample a, const s
 }
 
 /* First time in [a, b] at which the face is met, infinite if it is not. */
-static real first_crossing(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b)
+static real first_crossing(const ric_simulator *sim, const face_t *face, const ric_sample *a, const ric_sample *b)
 {
-    shape kind = classify(face, a, b, (double)face->band);
-    if (kind == BELOW || kind == FALLING) return INFINITY;
-    if (kind == CONCAVE && a->g[1] > 0 && b->g[1] < 0) {
-        sample top = zero(sim, face, 1, *a, *b);
+    ric_shape kind = classify(face, a, b, (double)face->band);
+    if (kind == RIC_SHAPE_BELOW || kind == RIC_SHAPE_FALLING) return INFINITY;
+    if (kind == RIC_SHAPE_CONCAVE && a->g[1] > 0 && b->g[1] < 0) {
+        ric_sample top = zero(sim, face, 1, *a, *b);
         return top.g[0] > face->band ? rise(sim, face, *a, &top) : INFINITY;
     }
-    if (kind != UNKNOWN) return b->g[0] > face->band ? rise(sim, face, *a, b) : INFINITY;
-    sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
+    if (kind != RIC_SHAPE_UNKNOWN) return b->g[0] > face->band ? rise(sim, face, *a, b) : INFINITY;
+    ric_sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
     real t = first_crossing(sim, face, a, &middle);
     return is_finite(t) ? t : first_crossing(sim, face, &middle, b);
 }
 
 /* Largest stationary value of g in [a, b], if it is above `best` by more than rounding; else `best`. */
-static double highest(const ric_simulator *sim, const face_t *face, const sample *a, const sample *b, double best)
+static double highest(const ric_simulator *sim, const face_t *face, const ric_sample *a, const ric_sample *b,
+                      double best)
 {
-    shape kind = classify(face, a, b, best + (double)face->band);
-    if (kind == CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
+    ric_shape kind = classify(face, a, b, best + (double)face->band);
+    if (kind == RIC_SHAPE_CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
     /* an arc that rounding hides has a slope that it does not, as within the contact of a stiff spring */
     const real none = ROUNDING * face->D[1];
-    if (kind == FLAT && a->g[1] > none && b->g[1] < -none) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
-    if (kind != UNKNOWN) return best;
-    sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
+    if (kind == RIC_SHAPE_FLAT && a->g[1] > none && b->g[1] < -none) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
+    if (kind != RIC_SHAPE_UNKNOWN) return best;
+    ric_sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
     best = highest(sim, face, a, &middle, best);
     return highest(sim, face, &middle, b, best);
 }
@@ -198,9 +180,9 @@ real ric_simulator_search_face(const ric_simulator *sim, const face_t *face, dou
     if (face->sign * face->rest + face->D[0] < face->level) return INFINITY;
     real found = INFINITY;
     double h = ric_simulator_search_panel(face);
-    sample a = ric_simulator_search_look(sim, face, from);
+    ric_sample a = ric_simulator_search_look(sim, face, from);
     while (a.t < to && !is_finite(found)) {
-        sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
+        ric_sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
         if (b.t <= a.t) break;
         found = first_crossing(sim, face, &a, &b);
         a = b;
@@ -220,10 +202,10 @@ void ric_simulator_search_scan_reach(ric_simulator *sim, double to)
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
         double h = ric_simulator_search_panel(face);
-        sample a = ric_simulator_search_look(sim, face, (double)sim->scanned);
+        ric_sample a = ric_simulator_search_look(sim, face, (double)sim->scanned);
         while (a.t < to && !face->closed &&
                face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
-            sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
+            ric_sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
             if (b.t <= a.t) break;
             double level = (double)(sim->reach * face->limit - face->level), top = highest(sim, face, &a, &b, level);
             if (top > level) sim->reach = ric_simulator_search_to_reach(face, top);
@@ -237,7 +219,7 @@ void ric_simulator_search_start_reach(ric_simulator *sim)
 {
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
-        sample a = ric_simulator_search_look(sim, face, 0);
+        ric_sample a = ric_simulator_search_look(sim, face, 0);
         bool still = fabs(a.g[1]) <= ROUNDING * face->D[1], left = a.g[0] >= -BEYOND * face->limit && !still;
         if (!face->closed && (a.g[1] <= 0 || still))
             if (!left) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(face, a.g[0]));
@@ -255,9 +237,9 @@ double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double
     }
     double h = ric_simulator_search_panel(&face), more = face.closed ? 2 : 0;
     if (!isfinite(h)) return best;
-    sample a = ric_simulator_search_look(sim, &face, from);
+    ric_sample a = ric_simulator_search_look(sim, &face, from);
     while (a.t < to) {
-        sample b = ric_simulator_search_look(sim, &face, fmin(to, a.t + h));
+        ric_sample b = ric_simulator_search_look(sim, &face, fmin(to, a.t + h));
         if (b.t <= a.t) break;
         double level = (best - more) * (double)face.limit - (double)face.level,
                top = highest(sim, &face, &a, &b, level);
@@ -272,7 +254,7 @@ double ric_simulator_reach(const ric_simulator *sim)
     double reach = (double)sim->reach;
     if (!sim->started || sim->now == 0) return (double)reach;
     for (int f = 0; f < sim->n_face; f++) {
-        sample a = ric_simulator_search_look(sim, &sim->face[f], (double)sim->now);
+        ric_sample a = ric_simulator_search_look(sim, &sim->face[f], (double)sim->now);
         if (a.g[1] >= 0 && !sim->face[f].closed)
             reach = fmax(reach, ric_simulator_search_to_reach(&sim->face[f], a.g[0]));
     }

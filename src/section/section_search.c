@@ -12,8 +12,6 @@
 #define PANEL 0.7
 /* BAND: a maximum beyond the face by less than this part of the size of the gap coordinate is rounding: a touch. */
 #define BAND (16 * DBL_EPSILON)
-/* EDGE: sqrt(3) / 216, of the error of the slope of a cubic interpolant. */
-#define EDGE 0.0080187537387448
 /* STILL: speed over its bound below which a start on a face is one at rest: rounding of the reflection leaves less. */
 #define STILL (64 * DBL_EPSILON)
 
@@ -61,11 +59,6 @@ void ric_section_phase_release(ric_section_phase *p)
 
 /* ----------------------------------------------------------------- samples */
 
-/* g = sign * s - level of a face, negative before the event, with g' and g'' at one time. */
-typedef struct {
-    double t, g[3];
-} sample;
-
 typedef struct {
     const ric_section_phase *phase;
     int n;
@@ -77,8 +70,10 @@ typedef struct {
 } gap;
 
 /* g by its change since the start, so that a short flight keeps its relative accuracy. */
-static sample look(const gap *g, double t)
+/* g = sign * s - level of a face, negative before the event. */
+static ric_sample look(const void *of, double t)
 {
+    const gap *g = of;
     int n = g->n;
     double s = 0, v = 0, a = 0;
     for (int i = 0; i < n; i++) {
@@ -94,7 +89,7 @@ static sample look(const gap *g, double t)
         v += weight * (one * P - both * A);
         a -= weight * omega * (one * A + both * P);
     }
-    return (sample){t, {g->start + g->sign * s, g->sign * v, g->sign * a}};
+    return (ric_sample){t, {g->start + g->sign * s, g->sign * v, g->sign * a}};
 }
 
 /* s, s', s'' of a contact at the state z. */
@@ -113,63 +108,30 @@ static void look_here(const ric_section_phase *p, int n, int contact, const doub
 
 /* ------------------------------------------------------ guaranteed intervals */
 
-typedef enum { BELOW, RISING, FALLING, CONVEX, CONCAVE, FLAT, UNKNOWN } shape;
-
-/* What is certain about g on [a, b]; BELOW: no event; FLAT: a straight line to rounding. */
-static shape classify(const gap *face, const sample *a, const sample *b)
+static ric_shape classify(const gap *face, const ric_sample *a, const ric_sample *b)
 {
-    double h = b->t - a->t, D4 = face->fourth, e0 = D4 * h * h * h * h / 384, e1 = D4 * h * h * h * EDGE,
-           e2 = D4 * h * h / 12;
-    double left = a->g[0] + h * a->g[1] / 3, right = b->g[0] - h * b->g[1] / 3;
-    if (fmax(fmax(a->g[0], b->g[0]), fmax(left, right)) + e0 <= face->band) return BELOW;
-    double middle = 3 * (right - left) / h, noise = face->band / (8 * h);
-    if (fmin(fmin(a->g[1], b->g[1]), middle - noise) - e1 > 0) return RISING;
-    if (fmax(fmax(a->g[1], b->g[1]), middle + noise) + e1 < 0) return FALLING;
-    double first = 2 * (middle - a->g[1]) / h, last = 2 * (b->g[1] - middle) / h, noise2 = 2 * noise / h;
-    if (fmin(first, last) - noise2 - e2 > 0) return CONVEX;
-    if (fmax(first, last) + noise2 + e2 < 0) return CONCAVE;
-    return e0 + h * h * fmax(fabs(first), fabs(last)) / 8 <= face->band / 2 ? FLAT : UNKNOWN;
-}
-
-/* Zero of g (order 0) or g' (order 1) between lo and hi, where it changes sign: Newton's method kept inside a shrinking
- * bracket. */
-static sample zero(const gap *face, int order, sample lo, sample hi)
-{
-    enum { STEPS = 200 };
-    bool rising = hi.g[order] > 0;
-    sample x = fabs(lo.g[order]) < fabs(hi.g[order]) ? lo : hi;
-    double last = hi.t - lo.t;
-    for (int i = 0; i < STEPS && x.g[order] != 0; i++) {
-        double step = -x.g[order] / x.g[order + 1], t = x.t + step;
-        if (!(t > lo.t && t < hi.t) || fabs(step) > last / 2) t = lo.t + (hi.t - lo.t) / 2;
-        last = fabs(t - x.t);
-        if (t == lo.t || t == hi.t || last <= DBL_EPSILON / 2 * t) break;
-        x = look(face, t);
-        if ((x.g[order] > 0) == rising) hi = x;
-        else lo = x;
-    }
-    return x;
+    return ric_hermite_shape(face->fourth, face->band, a, b, face->band);
 }
 
 /* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or convex, there. */
-static double rise(const gap *face, sample a, const sample *b)
+static double rise(const gap *face, ric_sample a, const ric_sample *b)
 {
-    if (a.g[1] < 0 && b->g[1] > 0) a = zero(face, 1, a, *b);
-    if (a.g[0] < 0) return zero(face, 0, a, *b).t;
+    if (a.g[1] < 0 && b->g[1] > 0) a = ric_hermite_zero(look, face, 1, a, *b);
+    if (a.g[0] < 0) return ric_hermite_zero(look, face, 0, a, *b).t;
     return fmax(0, a.g[1] > 0 ? a.t - a.g[0] / a.g[1] : a.t);
 }
 
 /* First time in [a, b] at which the face is met, infinite if it is not. */
-static double first_crossing(const gap *face, const sample *a, const sample *b)
+static double first_crossing(const gap *face, const ric_sample *a, const ric_sample *b)
 {
-    shape kind = classify(face, a, b);
-    if (kind == BELOW || kind == FALLING) return INFINITY;
-    if (kind == CONCAVE && a->g[1] > 0 && b->g[1] < 0) {
-        sample top = zero(face, 1, *a, *b);
+    ric_shape kind = classify(face, a, b);
+    if (kind == RIC_SHAPE_BELOW || kind == RIC_SHAPE_FALLING) return INFINITY;
+    if (kind == RIC_SHAPE_CONCAVE && a->g[1] > 0 && b->g[1] < 0) {
+        ric_sample top = ric_hermite_zero(look, face, 1, *a, *b);
         return top.g[0] > face->band ? rise(face, *a, &top) : INFINITY;
     }
-    if (kind != UNKNOWN) return b->g[0] > face->band ? rise(face, *a, b) : INFINITY;
-    sample middle = look(face, a->t + (b->t - a->t) / 2);
+    if (kind != RIC_SHAPE_UNKNOWN) return b->g[0] > face->band ? rise(face, *a, b) : INFINITY;
+    ric_sample middle = look(face, a->t + (b->t - a->t) / 2);
     if (middle.t <= a->t || middle.t >= b->t) return INFINITY;
     double t = first_crossing(face, a, &middle);
     return t < INFINITY ? t : first_crossing(face, &middle, b);
@@ -226,8 +188,8 @@ static void look_at_panel(const search *q, double t, const double *begin, const 
         int contact = m->face[f].contact;
         gap g = gap_of(q, f, begin + 3 * contact);
         const double *a = from + 3 * contact, *b = to + 3 * contact;
-        sample first = {t, {g.sign * (a[0] - m->face[f].gap), g.sign * a[1], g.sign * a[2]}},
-               last = {t + q->phase->panel, {g.sign * (b[0] - m->face[f].gap), g.sign * b[1], g.sign * b[2]}};
+        ric_sample first = {t, {g.sign * (a[0] - m->face[f].gap), g.sign * a[1], g.sign * a[2]}},
+                   last = {t + q->phase->panel, {g.sign * (b[0] - m->face[f].gap), g.sign * b[1], g.sign * b[2]}};
         if (t == 0) first.g[0] = fmin(g.start, 0);
         double found = first_crossing(&g, &first, &last);
         if (found < q->found->time) *q->found = (ric_section_event){.time = found, .face = f};
