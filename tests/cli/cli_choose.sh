@@ -6,13 +6,20 @@ set -u
 atlas="$folder/e.ricochet"
 "$ricochet" run examples/elementary/study.yaml -o "$atlas" >"$folder/run" 2>&1 || cat "$folder/run"
 
-# rows COMMAND CONDITION OPTION...: the rows are those that fulfil a condition of Python on row r, and not all or none
-rows() {
-    local command=$1 condition=$2 more=()
-    shift 2
+# both COMMAND OPTION...: the whole list as all, and that with the options as some
+both() {
+    local command=$1 more=()
+    shift
     [ "$command" != points ] || more=(--branch 3)
     "$ricochet" "$command" "$atlas" "${more[@]}" --json >"$folder/all" \
-        && "$ricochet" "$command" "$atlas" "${more[@]}" "$@" --json >"$folder/some" || return 1
+        && "$ricochet" "$command" "$atlas" "${more[@]}" "$@" --json >"$folder/some"
+}
+
+# rows COMMAND CONDITION OPTION...: the rows are those that fulfil a condition of Python on row r, and not all or none
+rows() {
+    local command=$1 condition=$2
+    shift 2
+    both "$command" "$@" || return 1
     python3 -c "
 import json, sys
 rows, some = json.load(open(sys.argv[1])), json.load(open(sys.argv[2]))
@@ -45,13 +52,11 @@ ok 'a limit is said' said
 none() { "$ricochet" branches "$atlas" --energy 1e9,1e10 2>&1 >/dev/null | grep -q 'none of 14 rows'; }
 ok 'nothing found is said' none
 
-# sorted COMMAND KEY OPTION...: the rows of the whole list by that key of Python, those without a value last
+# sorted_by COMMAND KEY OPTION...: the rows of the whole list by that key of Python, those without a value last
 sorted_by() {
-    local command=$1 key=$2 more=()
+    local command=$1 key=$2
     shift 2
-    [ "$command" != points ] || more=(--branch 3)
-    "$ricochet" "$command" "$atlas" "${more[@]}" --json >"$folder/all" \
-        && "$ricochet" "$command" "$atlas" "${more[@]}" "$@" --json >"$folder/some" || return 1
+    both "$command" "$@" || return 1
     python3 -c "
 import json, sys
 rows, some = json.load(open(sys.argv[1])), json.load(open(sys.argv[2]))

@@ -17,14 +17,7 @@ atlas=$folder/atlas.ricochet
 
 hunt() { "$ricochet" hunt "$folder/study.yaml" --energy 5 --impacts 4 --lines 2000 --rows 15 --row 200 --random 5000 "$@"; }
 
-refused() # CODE PATTERN ARGUMENTS...
-{
-    local code=$1 pattern=$2 got=0
-    shift 2
-    "$ricochet" hunt "$@" >"$folder/out" 2>"$folder/err" || got=$?
-    cat "$folder/err"
-    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/err" && [ ! -s "$folder/out" ]
-}
+refused() { refusal hunt "$@"; } # CODE PATTERN ARGUMENTS...
 ok "no energy" refused 2 "energy is missing" "$folder/study.yaml"
 ok "a negative energy" refused 2 "not positive" "$folder/study.yaml" --energy -1
 ok "no impacts" refused 2 "whole number" "$folder/study.yaml" --energy 1 --impacts 0

@@ -16,14 +16,7 @@ sed 's/^model:/model:\n  restitution: 0.9/' "$folder/study.yaml" >"$folder/lossy
 atlas=$folder/atlas.ricochet
 
 section() { "$ricochet" section "$@"; }
-refused() # CODE PATTERN ARGUMENTS...
-{
-    local code=$1 pattern=$2 got=0
-    shift 2
-    "$ricochet" section "$@" >"$folder/out" 2>"$folder/err" || got=$?
-    cat "$folder/err"
-    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/err" && [ ! -s "$folder/out" ]
-}
+refused() { refusal section "$@"; } # CODE PATTERN ARGUMENTS...
 ok "no energy" refused 2 "energy is missing" "$folder/study.yaml"
 ok "a negative energy" refused 2 "not positive" "$folder/study.yaml" --energy -1
 ok "an energy that is no number" refused 2 "energy" "$folder/study.yaml" --energy five

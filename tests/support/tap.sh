@@ -44,6 +44,15 @@ ok() {
     fi
 }
 
+# refusal COMMAND CODE PATTERN ARGUMENTS...: the program ends with the code and a message that fits, and answers nothing
+refusal() {
+    local command=$1 code=$2 pattern=$3 got=0
+    shift 3
+    "$ricochet" "$command" "$@" >"$folder/out" 2>"$folder/err" || got=$?
+    cat "$folder/err"
+    [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/err" && [ ! -s "$folder/out" ]
+}
+
 # tables ATLAS: every row of every table bit for bit, but for the cache of traces and the texts about the run
 tables() {
     python3 - "$1" <<'END'
