@@ -61,6 +61,8 @@ typedef struct {
     bool mirrors;  /* x -> -x takes motions of the structure to motions: images of its ways out are no others */
 } ric_node;
 
+/* A junction at an orbit, which it takes over, without touches or departures. NULL: no memory. */
+ric_node *ric_node_create(const ric_model *model, ric_kind kind, ric_periodic *cycle);
 void ric_node_free(ric_node *node);
 /* Without the reasons for which departures were refused. NULL: no memory. */
 ric_node *ric_node_copy(const ric_node *node);

@@ -1,0 +1,286 @@
+/* Grazings: which impacts of a located orbit are touches, and the motion that is left without them; arrivals at linear
+ * modes and at their mixtures (docs/theory.md sections 7 and 8). */
+#include "node.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+#include "branch/room.h"
+#include "grazing_words.h"
+#include "model/room.h"
+#include "node_solve.h"
+
+/* Scaled: an impact below this speed at a located event is a touch that was kept. Newton's method leaves 1e-12 of it;
+ * what is faster is an impact, and without it the motion is another one. Where all impacts end at once an orbit is
+ * located to less, and what is slower than HARDLY is a touch there. */
+#define NO_SPEED 1e-10
+#define HARDLY 1e-7
+#define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
+#define BEYOND 1e-9  /* of the clearance: an orbit of a junction that goes through a stop by more is no motion */
+
+static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
+{
+    const ric_face *f = &m->face[c->face[i]];
+    return -f->side * ric_dot(c->n, f->c, W + 2 * c->n * i + c->n);
+}
+
+static bool list_touches(const ric_model *m, ric_node *node, double slow)
+{
+    const ric_periodic *c = node->cycle;
+    node->n_touch = 0;
+    node->refusal = RIC_REFUSAL_NONE;
+    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W);
+    bool fits = true;
+    if (!W) return false;
+    ric_periodic_states(m, c, W);
+    for (int i = 0; i < c->N; i++) {
+        bool spring = m->face[c->face[i]].spring > 0, pair = spring && c->face[(i + 1) % c->N] == c->face[i];
+        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > slow) continue;
+        if (node->n_touch < RIC_MAX_TOUCHES) node->touch[node->n_touch++] = i;
+        else fits = false;
+    }
+    free(W);
+    if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES) node->refusal = RIC_REFUSAL_TOUCHES;
+    return true;
+}
+
+/* Whether a grazing orbit is without impacts. */
+static bool is_bare(const ric_node *node)
+{
+    int events = 0;
+    for (int i = 0; i < node->n_touch; i++) events += ric_node_soft(node, i) ? 2 : 1;
+    return events == node->cycle->N;
+}
+
+/* The linear mode that such an orbit is, wherever it was met; -1 if it is none. */
+static int linear_mode(const ric_node *node)
+{
+    const ric_periodic *c = node->cycle;
+    int most = 0;
+    double rest = 0;
+    for (int i = 1; i < c->n; i++)
+        if (hypot(c->w[i], c->w[c->n + i]) > hypot(c->w[most], c->w[c->n + most])) most = i;
+    for (int i = 0; i < c->n; i++)
+        if (i != most) rest = hypot(rest, hypot(c->w[i], c->w[c->n + i]));
+    return rest < RIC_SAME_LOCATED * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
+}
+
+/* The mixture of modes of one frequency that a linear motion is; -1 if it is none. */
+static int mixture_of(const ric_model *m, const double *w, double tolerance)
+{
+    for (int i = 0; i < m->mixtures->n; i++)
+        if (ric_mixture_same(m, &m->mixtures->list[i], w, tolerance)) return i;
+    return -1;
+}
+
+int ric_node_space(const ric_model *m, const ric_node *node)
+{
+    if (node->mixture >= 0) return m->mixtures->list[node->mixture].space;
+    return node->mode >= 0 ? ric_mixture_space(m, node->mode) : -1;
+}
+
+/* Whether the orbit without its touches, which is what is stored, passes no stop. What does not become a chain is not
+ * judged. */
+static bool is_motion(const ric_model *m, const ric_node *node)
+{
+    if (is_bare(node) || node->refusal) return true;
+    ric_periodic *left = ric_node_regular(m, node), *again = left ? ric_node_solve_again(m, left) : NULL;
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    double reach = 0;
+    if (left && !ric_periodic_to_chain(m, again ? again : left, &chain, &u)) {
+        ric_shooting_fly(chain, u);
+        reach = ric_reach(chain, u, NULL);
+    }
+    ric_periodic_free(left);
+    ric_periodic_free(again);
+    ric_shooting_free(chain);
+    free(u);
+    return reach <= 1 + BEYOND;
+}
+
+static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
+{
+    ric_node *node = ric_node_create(m, RIC_KIND_GRAZING, full);
+    ric_status status = RIC_OK;
+    if (!node) return ric_no_memory("a junction");
+    node->multiple = multiple;
+    /* no impact at all, else as few touches as can be, else more */
+    static const double slow[] = {HARDLY, NO_SPEED, HARDLY};
+    bool listed = true, motion = false;
+    for (int i = 0; i < 3 && listed && !motion; i++) {
+        listed = list_touches(m, node, slow[i]);
+        motion = listed && (i == 0 ? is_bare(node) : is_motion(m, node));
+    }
+    if (!listed) status = ric_no_memory("a junction");
+    else if (!motion) status = ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts passes a stop", full->N);
+    if (status) {
+        ric_node_free(node);
+        return status;
+    }
+    if (is_bare(node)) {
+        node->mode = linear_mode(node);
+        node->mixture = mixture_of(m, node->cycle->w, RIC_SAME_LOCATED);
+    }
+    *out = node;
+    return RIC_OK;
+}
+
+/* How often a motion of this frequency fits into the period of the cycle; 0 where it does not. */
+static int times_through(const ric_periodic *cycle, double omega)
+{
+    double times = ric_periodic_period(cycle) / (RIC_TWO_PI / omega);
+    return rint(times) >= 1 && fabs(times - rint(times)) <= RIC_SAME_READ_OFF ? (int)rint(times) : 0;
+}
+
+/* The node instead of which it stands, gone through that often; takes it over. */
+static ric_status gone_through(const ric_model *m, ric_node *once, int times, ric_node **out)
+{
+    if (times == 1) {
+        *out = once;
+        return RIC_OK;
+    }
+    ric_status status = ric_node_duplicate(m, once, times, out);
+    ric_node_free(once);
+    return status;
+}
+
+/* A branch that comes to a mixture of modes of one frequency comes to a family of motions that touch, and to the one
+ * place on it where branches leave: what the trace has found of that place is replaced by it. *out = NULL: it comes to
+ * none. */
+static ric_status arrived_mixture(const ric_model *m, const ric_periodic *cycle, ric_node **out)
+{
+    ric_node *once = NULL;
+    *out = NULL;
+    int mixture = m->mixtures->n ? mixture_of(m, cycle->w, RIC_SAME_READ_OFF) : -1;
+    if (mixture < 0) return RIC_OK;
+    int times = times_through(cycle, m->omega[m->mixtures->space[m->mixtures->list[mixture].space].first]);
+    ric_status status = times ? ric_node_mixture(m, mixture, &once) : RIC_OK;
+    return status || !once ? status : gone_through(m, once, times, out);
+}
+
+/* A branch that comes to a linear mode is located there to the root of rounding only, as all its impacts end at once;
+ * the mode itself is known, and replaces what was found of it. */
+static ric_status arrived_mode(const ric_model *m, ric_node **node)
+{
+    ric_node *once = NULL;
+    int mode = (*node)->mode, times = mode >= 0 ? times_through((*node)->cycle, m->omega[mode]) : 0;
+    times *= (*node)->multiple;
+    ric_status status = times ? ric_node_linear(m, mode, &once) : RIC_OK;
+    if (status || !once) return status;
+    ric_node_free(*node);
+    *node = NULL;
+    return gone_through(m, once, times, node);
+}
+
+ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)
+{
+    ric_status mixed = arrived_mixture(m, cycle, out);
+    if (mixed || *out) return mixed;
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL), *solved = NULL;
+    *out = NULL;
+    if (!full) return ric_no_memory("a junction");
+    int q = ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
+    if (q > 1) { /* a duplicate of a grazing of fewer impacts */
+        ric_periodic *shorter = ric_periodic_shorten(full, q);
+        ric_periodic_free(full);
+        if (!(full = shorter)) return ric_no_memory("a junction");
+        ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
+    }
+    solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
+    ric_periodic_free(full);
+    if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
+    ric_status status = finish_grazing(m, solved, q, out);
+    if (!status && (*out)->n_touch && !(*out)->refusal && (*out)->mixture < 0) status = arrived_mode(m, out);
+    if (status || (*out)->n_touch || (*out)->refusal) return status;
+    ric_node_free(*out); /* beside a family of two parameters the place of a touch is known to nothing */
+    *out = NULL;
+    return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts touches nothing where it converges", cycle->N);
+}
+
+ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple, ric_node **out)
+{
+    *out = NULL;
+    return finish_grazing(m, ric_periodic_copy(node->cycle), multiple, out);
+}
+
+/* A touch of a face by a linear motion of one frequency, with the time after the start of its cycle. */
+typedef struct {
+    double time;
+    int face;
+} linear_touch;
+
+static int earlier(const void *a, const void *b)
+{
+    const linear_touch *p = a, *q = b;
+    if (p->time != q->time) return p->time < q->time ? -1 : 1;
+    return p->face - q->face;
+}
+
+/* All touches of a linear motion of frequency omega that starts where it touches, in order: of s = Re(S e^(-i omega t))
+ * where |S| is the clearance. What falls within rounding of the start of the period, or of its middle, is there. */
+static int touches_of(const ric_model *m, double omega, const double *w, linear_touch *out)
+{
+    int n = m->n, count = 0;
+    for (int f = 0; f < m->n_face; f++) {
+        double gap = m->face[f].gap, x = ric_dot(n, m->face[f].g, w), y = ric_dot(n, m->face[f].g, w + n);
+        if (fabs(hypot(x, y) / fabs(gap) - 1) > RIC_TIE) continue;
+        double phase = atan2(gap < 0 ? -y : y, gap < 0 ? -x : x);
+        if (phase < -RIC_TIE) phase += RIC_TWO_PI;
+        if (fabs(phase) <= RIC_TIE) phase = 0;
+        if (fabs(phase - RIC_PI) <= RIC_TIE) phase = RIC_PI;
+        out[count++] = (linear_touch){phase / omega, f};
+    }
+    qsort(out, (size_t)count, sizeof *out, earlier);
+    return count;
+}
+
+/* The grazing of a linear motion of one frequency from where it touches, w [2n]: all its contacts are touches, and the
+ * cycle starts at the first. */
+static ric_status linear_grazing(const ric_model *m, double omega, const double *w, ric_node **out)
+{
+    int n = m->n, N = 0;
+    linear_touch touches[m->n_face];
+    int count = touches_of(m, omega, w, touches);
+    ric_periodic *c = ric_periodic_create(n, 2 * m->n_face);
+    if (!c) return ric_no_memory("a junction");
+    memcpy(c->w, w, 2 * (size_t)n * sizeof *w);
+    for (int i = 0; i < count; i++) {
+        if (m->face[touches[i].face].spring > 0) c->face[N++] = touches[i].face; /* it closes, and opens at once */
+        c->tau[N] = (i + 1 < count ? touches[i + 1].time : RIC_TWO_PI / omega) - touches[i].time;
+        c->face[N++] = touches[i].face;
+    }
+    c->N = N;
+    c->closed = ric_flight_toggle(m, 0, c->face[0]);
+    ric_periodic_find_symmetries(m, c, RIC_SAME_LOCATED);
+    ric_periodic *canonical = ric_periodic_canonical(m, c);
+    ric_periodic_free(c);
+    if (!canonical) return ric_no_memory("a junction");
+    return finish_grazing(m, canonical, 1, out);
+}
+
+/* A linear mode with the amplitude at which it touches. */
+ric_status ric_node_linear(const ric_model *m, int mode, ric_node **out)
+{
+    int n = m->n, first = -1;
+    double omega = m->omega[mode], amplitude = HUGE_VAL, w[2 * n];
+    *out = NULL;
+    if (omega == 0) return RIC_OK;
+    for (int f = 0; f < m->n_face; f++) {
+        double g = m->face[f].g[mode];
+        if (g != 0 && fabs(m->face[f].gap / g) < amplitude * (1 - RIC_TIE)) {
+            amplitude = fabs(m->face[f].gap / g);
+            first = f;
+        }
+    }
+    memset(w, 0, sizeof w);
+    w[mode] = m->face[first].gap / m->face[first].g[mode] > 0 ? amplitude : -amplitude;
+    return linear_grazing(m, omega, w, out);
+}
+
+ric_status ric_node_mixture(const ric_model *m, int mixture, ric_node **out)
+{
+    const ric_mixture *mixed = &m->mixtures->list[mixture];
+    return linear_grazing(m, m->omega[m->mixtures->space[mixed->space].first], mixed->w, out);
+}
