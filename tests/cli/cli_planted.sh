@@ -38,9 +38,9 @@ ok 'the time given is over' ends 3 "$ricochet" verify "$folder/power.ricochet" -
 cp "$folder/log" "$folder/said"
 ok 'and what was not looked at is counted' counts '^ricochet: stopped when the time given was over: [0-9]+ of [0-9]+ points were not looked at$'
 ok 'within a point alone, too' ends 3 "$ricochet" verify "$folder/power.ricochet" --branch 3 --point 1 --seconds 1e-9
-interrupted() { # as soon as it listens: SIGINT is the second bit of what it catches
+interrupted() {
     "$ricochet" verify "$folder/power.ricochet" --all &
-    while kill -0 $! 2>/dev/null && [ $((0x0$(sed -n 's/^SigCgt:[[:space:]]*//p' /proc/$!/status 2>/dev/null) & 2)) = 0 ]; do sleep 0.01; done
+    listens $!
     kill -INT $!
     wait $!
 }

@@ -125,7 +125,7 @@ ok "a limit of time" test "$got" = 3
 ok "what was done is shown" test "$(rows <"$folder/out")" = 2
 ok "and said" grep -q "stopped when the time given was over" "$folder/err"
 "$ricochet" section "$folder/study.yaml" --energy 5 --impacts 1000000000 --starts 2 --exponents --csv >"$folder/out" 2>"$folder/err" &
-sleep 0.5
+listens $!
 kill -TERM $!
 wait $!
 ok "a signal to end" test "$?" = 130

@@ -1,8 +1,9 @@
 # What the shell tests share: the program, a folder of their own, and TAP lines. Sourced in the source root.
 ricochet=${RICOCHET:?the program to test}
 folder=$(mktemp -d) || exit 1
-# a copy of the shell that a signal ends before it is the program runs this trap, too: the folder is the first shell's
-trap '[ "$BASHPID" != "$$" ] || rm -rf "$folder"' EXIT
+# A copy of the shell that a signal ends before it is the program runs this trap, too, and may not come to the end of a
+# command: the folder is the first shell's, and is removed only where that is certain.
+trap '[ "$BASHPID" = "$$" ] && rm -rf "$folder"' EXIT
 number=0 failed=0
 
 # Whether the program was built with sanitizers: it is some times slower then, reserves terabytes of addresses and brings its own allocator.
@@ -100,10 +101,23 @@ END
 
 bytes() { stat -c %s "$1" 2>/dev/null || echo 0; } # FILE: its bytes
 
+# listens PID: waits until the copy of the shell has become the program, and the program asks for signals: SIGINT and
+# SIGTERM are bits of what it catches. A signal before that ends the copy of the shell, which tidies up the folder.
+listens() {
+    local caught
+    while kill -0 "$1" 2>/dev/null; do
+        if grep -q '^ricochet' "/proc/$1/comm" 2>/dev/null; then
+            caught=$(sed -n 's/^SigCgt:[[:space:]]*//p' "/proc/$1/status" 2>/dev/null)
+            [ $((0x0$caught & 0x4002)) = $((0x4002)) ] && break
+        fi
+        sleep 0.005
+    done
+}
+
 # break_off SIGNAL PID ATLAS BYTES: the program gets the signal once the atlas has so many bytes, however fast the machine
-# is; whether the signal ended it. A shell that has not become the program yet would tidy up the folder on its way out.
+# is; whether the signal ended it.
 break_off() {
-    while kill -0 "$2" 2>/dev/null && ! grep -q '^ricochet' "/proc/$2/comm" 2>/dev/null; do sleep 0.002; done
+    listens "$2"
     while kill -0 "$2" 2>/dev/null && [ "$(bytes "$3")" -lt "$4" ]; do sleep 0.005; done
     kill -"$1" "$2" 2>/dev/null
     { wait "$2"; } 2>/dev/null
