@@ -9,7 +9,7 @@
 #include "flow/room.h"
 
 #define NEAR_BORDER 100  /* of the error of rho: nearer to the border of stability it is measured */
-#define NEARLY_LOST 1e-5 /* error of rho, over 1 + |rho|, from which on it is measured, of a trace that is stored */
+#define NEARLY_LOST 1e-5 /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
@@ -116,7 +116,7 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
     const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest), slow = f->rough / approach;
     const bool far = !ric_flight_law_of(c->model)->closes && !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
                decided = f->stable != RIC_STABLE_UNDECIDED && !far,
-               vague = f->n_pair == 1 && !(slow <= NEARLY_LOST * (1 + fabs(f->rho[0])));
+               vague = f->n_pair == 1 && !(slow <= NEARLY_LOST * (1 + fabs(f->own[0])));
     if (!decided && !vague) return RIC_OK;
     ric_status status = measure(c, u, f, seen);
     if (!status && vague) ric_floquet_widen(f, seen);

@@ -217,9 +217,9 @@ static void unitary_complement(int n, complex_t *eta, complex_t *e)
         for (int i = 0; i < n; i++) e[(j - 1) * n + i] = (i == j) - beta * eta[i] * conjl(eta[j]);
 }
 
-/* Columns perpendicular to flow and gradient, and inner products with those that they started as: the section of law
- * power in floquet.c, which does not lie on a face and knows no slow impact. On a face the entries of the map would go
- * with 1 / speed of the first impact, and what the orbit's rounding leaves open of its closure with them. */
+/* Columns perpendicular to flow and gradient, and inner products with those that they started as (the free section of
+ * floquet.c): on the face of the first impact the entries of the map would go with 1 / speed, and with them what the
+ * orbit's rounding leaves open of its closure. */
 static void around(course *q, const complex_t *e, bool start)
 {
     int n = q->n, k = q->k, ld = q->ld;
