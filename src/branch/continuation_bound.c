@@ -8,8 +8,8 @@
 #include "base/room.h"
 #include "flow/room.h"
 
-#define NEAR_BORDER 100  /* of the error of rho: nearer to the border of stability it is measured */
-#define NEARLY_LOST 1e-5 /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
+#define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
+#define NEARLY_LOST 1e-5          /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)

@@ -34,206 +34,11 @@
 #define RETURN 1e-9  /* of the state after a period, times max(1, AMPLIFIED * multiplier) */
 #define MISS 8       /* safety of the speed below which an impact may be missed */
 #define AMPLIFIED 1e-7
-#define LOST 1e-4      /* where rounding returns larger than this, no more is asked of the return */
-#define GRAZED 1e-12   /* an error of the state beyond which a face that is touched may be struck */
-#define REACH 1e-10    /* a touch shows as reach 1 -+ this */
-#define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */
-#define CLOSED 1e-9    /* faces that close within this part of the clearance of each other make a corner */
-#define LATE 1e-2      /* an impact later than this part of a mean flight behind its time is missing */
-
-/* -------------------------------------------------------------------- setup */
-
-static ric_status load_faces(replay *r)
-{
-    const real *c;
-    ric_simulator_frame(r->sim, &r->omega, &c);
-    for (int f = 0; f < r->n_face; f++) {
-        face_t *face = &r->face[f];
-        ric_contact contact;
-        ric_status status = ric_model_face(r->model, f, &face->contact, &face->side, NULL);
-        if (!status) status = ric_model_contact(r->model, face->contact, &contact);
-        if (status) return status;
-        face->c = c + face->contact * r->n;
-        face->cc = ric_replay_dot(r->n, face->c, face->c);
-        face->limit = contact.clearance / ric_model_length(r->model);
-        face->spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0;
-    }
-    return RIC_OK;
-}
-
-void ric_verify_replay_close(replay *r)
-{
-    ric_simulator_free(r->sim);
-    free(r->face);
-    free(r->store);
-    free(r->stored);
-    free(r->event);
-    free(r->closed);
-}
-
-static ric_status allocate(replay *r)
-{
-    size_t n = (size_t)r->n, f = (size_t)r->n_flight;
-    r->store = ric_calloc(3 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
-    r->stored = ric_calloc(4 * n + f, sizeof *r->stored);
-    r->face = ric_calloc((size_t)r->n_face + 1, sizeof *r->face);
-    if (!r->store || !r->stored || !r->face)
-        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
-    r->state = r->stored;
-    r->x = r->state + 2 * n;
-    r->flights = r->x + 2 * n;
-    r->kappa = r->store;
-    r->w = r->kappa + n;
-    r->tau = r->w + 2 * n;
-    r->speed = r->tau + f + 1;
-    r->chain = r->speed + f + 1;
-    r->trig = r->chain + (f + 1) * 2 * n;
-    return RIC_OK;
-}
-
-/* The springs in each flight from the letters: those that the word opens before it closes them are closed at its
- * start. */
-static void find_closed(replay *r)
-{
-    int N = r->n_flight, F = r->n_face;
-    for (int f = 0; f < F; f++) {
-        bool now = false;
-        for (int i = 1; i <= r->branch.letters; i++) {
-            int letter = r->branch.word[i % r->branch.letters];
-            if (letter % F != f) continue;
-            now = i < r->branch.letters ? letter >= F : letter < F;
-            if (i < r->branch.letters) break;
-        }
-        for (int k = 0; k < N; k++) {
-            r->closed[(size_t)k * (size_t)F + (size_t)f] = r->face[f].spring > 0 && now;
-            if (r->branch.letters && r->branch.word[(k + 1) % N] % F == f) now = !now;
-        }
-    }
-}
-
-static ric_status load_events(replay *r)
-{
-    bool springs = false;
-    int letters = r->branch.letters;
-    for (int f = 0; f < r->n_face; f++) springs |= r->face[f].spring > 0;
-    r->event = ric_calloc((size_t)letters + 1, sizeof *r->event);
-    if (springs) r->closed = ric_calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
-    if (!r->event || (springs && !r->closed))
-        return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
-    for (int k = 0; k < letters; k++) {
-        int letter = r->branch.word[k];
-        bool good = letter >= 0 && letter < (springs ? 2 : 1) * r->n_face;
-        if (!good || (letter >= r->n_face && !(r->face[letter - r->n_face].spring > 0)))
-            return ric_fail(RIC_E_FORMAT, "branch %d: letter %d of its word is no face of the model", r->branch.id, k);
-        r->event[k] = letter % r->n_face;
-    }
-    r->n_event = letters;
-    if (springs) find_closed(r);
-    return RIC_OK;
-}
-
-/* The orbit from its next event on. */
-static void start_later(replay *r)
-{
-    int N = r->n_event, first = r->event[0];
-    size_t F = (size_t)r->n_face;
-    bool closed[F];
-    real tau = r->tau[0];
-    ric_replay_fly(r, 0, tau, r->chain, r->chain);
-    ric_replay_reflect(r, ric_replay_end_face(r, 0), r->chain);
-    memcpy(closed, r->closed, sizeof closed);
-    memmove(r->closed, r->closed + F, (size_t)(N - 1) * sizeof closed);
-    memcpy(r->closed + (size_t)(N - 1) * F, closed, sizeof closed);
-    for (int i = 0; i + 1 < N; i++) {
-        r->event[i] = r->event[i + 1];
-        r->tau[i] = r->tau[i + 1];
-    }
-    r->event[N - 1] = first;
-    r->tau[N - 1] = tau;
-}
-
-/* Whether the contact that flight k is has no length: what its spring exchanges, over a parabola, is below the last
- * digit of the motion. */
-static bool is_nothing(const replay *r, int k)
-{
-    const face_t *face = &r->face[r->event[k]];
-    real fastest = 0, tau = r->tau[k];
-    for (int i = 0; i < r->n; i++) fastest = fmax(fastest, r->omega[i]);
-    return tau <= NO_LENGTH * r->period && face->spring * face->cc * fastest * tau * tau * tau / 12 <= DBL_EPSILON;
-}
-
-/* Contacts of no length are touches: both events go, and the flights before, in and behind them become one. */
-static void drop_touches(replay *r)
-{
-    size_t F = (size_t)r->n_face;
-    for (int k = 0; k < r->n_event; k++) {
-        int N = r->n_event, next = (k + 1) % N;
-        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || !is_nothing(r, k)) continue;
-        if (N > 2 && (k == 0 || next == 0)) {
-            start_later(r);
-            k = -1;
-            continue;
-        }
-        r->tau[N > 2 ? k - 1 : 0] += N > 2 ? r->tau[k] + r->tau[k + 1] : r->tau[1];
-        if (N == 2) memcpy(r->closed, r->closed + F * (size_t)(1 - k), F * sizeof *r->closed);
-        for (int i = k; i + 2 < N; i++) {
-            r->event[i] = r->event[i + 2];
-            r->tau[i] = r->tau[i + 2];
-            memmove(r->closed + (size_t)i * F, r->closed + (size_t)(i + 2) * F, F * sizeof *r->closed);
-        }
-        r->n_event = N - 2;
-        r->n_flight = N > 2 ? N - 2 : 1;
-        k = -1;
-    }
-}
-
-static ric_status prepare(replay *r, const ric_model *model)
-{
-    r->model = model;
-    r->n = ric_model_n_dof(r->model);
-    r->n_face = ric_model_n_face(r->model);
-    r->n_flight = r->branch.letters > 0 ? r->branch.letters : 1;
-    return allocate(r);
-}
-
-/* From the state and the flights. */
-static ric_status make_orbit(replay *r, bool touches)
-{
-    ric_status status = ric_simulator_create(r->model, &r->sim);
-    if (!status) status = load_faces(r);
-    if (!status) status = load_events(r);
-    if (status) return status;
-    for (int k = 0; k < r->n_flight; k++) {
-        r->tau[k] = r->flights[k];
-        r->period += r->tau[k];
-    }
-    for (int i = 0; i < r->n; i++) r->kappa[i] = r->omega[i] > 0 ? r->omega[i] : 2 * acos((real)-1) / r->period;
-    r->energy = ric_model_energy(r->model, r->state, r->state + r->n);
-    ric_simulator_modal(r->sim, r->state, r->state + r->n, r->chain);
-    r->norm = ric_replay_distance(r, r->chain, NULL);
-    if (r->closed && !touches) drop_touches(r);
-    ric_replay_make_chain(r);
-    return RIC_OK;
-}
-
-ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
-{
-    ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
-    if (!status) status = prepare(r, ric_atlas_model(atlas));
-    if (!status) status = ric_atlas_point(atlas, branch, point, &r->point, r->state, r->flights);
-    return status ? status : make_orbit(r, touches);
-}
-
-ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
-                                        const double *flights)
-{
-    r->branch = *like;
-    ric_status status = prepare(r, model);
-    if (status) return status;
-    memcpy(r->state, state, 2 * (size_t)r->n * sizeof *state);
-    memcpy(r->flights, flights, (size_t)r->n_flight * sizeof *flights);
-    return make_orbit(r, true);
-}
+#define LOST 1e-4    /* where rounding returns larger than this, no more is asked of the return */
+#define GRAZED 1e-12 /* an error of the state beyond which a face that is touched may be struck */
+#define REACH 1e-10  /* a touch shows as reach 1 -+ this */
+#define CLOSED 1e-9  /* faces that close within this part of the clearance of each other make a corner */
+#define LATE 1e-2    /* an impact later than this part of a mean flight behind its time is missing */
 
 /* ------------------------------------------------------------------- replay */
 
@@ -265,15 +70,16 @@ static bool is_shallow(const replay *r, int k, const face_t *face, real speed)
     return r->digits && r->n_event && speed * speed <= 2 * fabs(ric_replay_pull(r, k, face, r->w)) * r->digits->gap[k];
 }
 
-/* Whether every face that closes at r->w is only touched; how long until all are open again. `far`: so far open that
- * the simulator can tell them apart. */
+/* Whether every face that closes at r->w, of those that are open, is only touched; how long until all are open again.
+ * `far`: so far open that the simulator can tell them apart. */
 static bool only_touched(const replay *r, int k, bool far, real *wait)
 {
     *wait = 0;
     for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
         real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n);
-        if (ric_replay_gap(r, face, r->w) < -CLOSED * face->limit) continue;
+        const bool closed = r->closed && r->closed[(size_t)(k % r->n_flight) * (size_t)r->n_face + (size_t)f];
+        if (closed || ric_replay_gap(r, face, r->w) < -CLOSED * face->limit) continue;
         bool slow = is_shallow(r, k, face, speed);
         if (speed < 0 && !slow) continue;
         real fall = ric_replay_pull(r, k, face, r->w);
@@ -433,6 +239,19 @@ static real change_rate(const replay *r, int k)
     return sqrt(ric_replay_dot(2 * r->n, column, column));
 }
 
+/* What the way by which the start of flight k was brought back to its stop changes at its end: the state by as much as
+ * is returned, the time of its event by *late. */
+static real change_by_start(const replay *r, int k, real speed, real *late)
+{
+    real column[2 * r->n];
+    memcpy(column, r->moved, sizeof column);
+    *late = 0;
+    if (!r->n_event || !(ric_replay_dot(r->n, column, column) > 0)) return 0;
+    const real gap = ric_replay_fly_column(r, k, true, column);
+    if (speed > 0) *late = fabs(gap) / speed;
+    return sqrt(ric_replay_dot(2 * r->n, column, column));
+}
+
 /* State and time at the end of flight k against the chain, states at the same time. What a slow impact leaves uncertain
  * is its time, and with it the pull that it turns round; a touch in the word turns a speed round that is none. Struck
  * at the speed v, it is early or late by the rounding of the gap over v, like any slow impact: the stored doubles alone
@@ -443,7 +262,9 @@ static void compare_end(replay *r, int k, real time)
     const face_t *face = ric_replay_end_face(r, k);
     real late = fabs(time - r->tau[k]), error;
     real speed = fabs(r->speed[k + 1]), slow = face ? SLOW * ric_replay_fastest(r, face) : 0;
-    const real known = late_by_digits(r, k, fmax(speed, slow));
+    real known = late_by_digits(r, k, fmax(speed, slow)), moved_late;
+    const real moved = change_by_start(r, k, fmax(speed, slow), &moved_late);
+    known += moved_late;
     ric_replay_fly(r, k + 1, r->tau[k] - time, r->w, r->w);
     error = ric_replay_distance(r, r->w, expected);
     if (face && !(face->spring > 0) && ric_replay_is_touch(r, k)) {
@@ -454,7 +275,7 @@ static void compare_end(replay *r, int k, real time)
         late *= speed / slow;
     }
     late = fmax(0, late - known);
-    error = fmax(0, error - known * change_rate(r, k));
+    error = fmax(0, error - known * change_rate(r, k) - moved);
     ric_replay_worsen(&r->check->flight_error, fmax(ric_replay_part(late, fmax(r->tau[k], r->period / r->n_flight)),
                                                     ric_replay_part(error, r->norm)));
 }
@@ -524,21 +345,33 @@ static bool gathered(const replay *r, int k)
 }
 
 /* The simulator at the beginning of flight k. Where the stored digits leave the state beyond the stop that it has just
- * struck, it is brought back to it; *moved: the energy that this adds or takes. */
-static ric_status start_flight(replay *r, int k, real *moved)
+ * struck, it is brought back to it: r->moved is that displacement as a column. Returns the energy that this adds or
+ * takes, of the structure with the springs that are closed: the work of the mean force. */
+static real bring_back(replay *r, int k, real *w)
 {
-    const size_t step = 2 * (size_t)r->n;
     const face_t *face = k > 0 ? ric_replay_end_face(r, k - 1) : NULL;
-    real w[step];
-    memcpy(w, r->chain + (size_t)k * step, sizeof w);
-    if (face && !(face->spring > 0) && r->digits) {
-        const real gap = ric_replay_gap(r, face, w);
-        for (int i = 0; i < r->n && gap > 0 && gap <= r->digits->gap[k - 1]; i++) {
-            const real back = face->side * gap / face->cc * face->c[i];
-            *moved += r->omega[i] * r->omega[i] * (w[i] - back / 2) * back;
-            w[i] -= back;
-        }
+    real force[r->n], work = 0;
+    memset(r->moved, 0, 2 * (size_t)r->n * sizeof *r->moved);
+    if (!face || face->spring > 0 || !r->digits) return 0;
+    const real gap = ric_replay_gap(r, face, w);
+    if (!(gap > 0 && gap <= r->digits->gap[k - 1])) return 0;
+    for (int half = 0; half < 2; half++) {
+        for (int i = 0; i < r->n; i++) w[i] -= face->side * gap / face->cc * face->c[i] / 2;
+        if (!half) ric_replay_accelerations(r, k, w, force);
     }
+    for (int i = 0; i < r->n; i++) {
+        const real back = face->side * gap / face->cc * face->c[i];
+        r->moved[i] = -r->kappa[i] * back;
+        work += force[i] * back;
+    }
+    return work;
+}
+
+static ric_status start_flight(replay *r, int k, real *work)
+{
+    real w[2 * r->n];
+    memcpy(w, r->chain + (size_t)k * 2 * (size_t)r->n, sizeof w);
+    *work = bring_back(r, k, w);
     return start_at(r, k, w, 0);
 }
 
@@ -547,7 +380,7 @@ static ric_status check_flights(replay *r)
     ric_status status = RIC_OK;
     real left = 0;
     for (int k = 0; k < r->n_flight && !status && r->check->faces_agree; k++) {
-        real moved = 0;
+        real work = 0;
         left += energy_by_digits(r, k);
         if (ric_halt(RIC_VERIFY_WORK * r->n * r->n)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
         if (gathered(r, k) || (r->digits && ric_verify_digits_hide(r, r->digits, k))) {
@@ -555,13 +388,13 @@ static ric_status check_flights(replay *r)
             continue;
         }
         r->reach = 0;
-        status = start_flight(r, k, &moved);
+        status = start_flight(r, k, &work);
         if (status || !r->check->faces_agree) break;
         status = !ric_replay_end_face(r, k)  ? check_linear(r)
                  : ric_replay_is_touch(r, k) ? check_touch(r, k)
                                              : check_impact(r, k);
         r->grazes |= r->touched || r->reach > 1 - REACH;
-        check_energy(r, left + fabs(moved));
+        check_energy(r, left + fabs(work));
     }
     return status;
 }

@@ -383,13 +383,12 @@ static void count(reached *r, bool sure, double value)
     if (sure) r->sure = fmax(r->sure, value);
 }
 
-/* Whether a gap at w, where it does not change, has a minimum: it is pushed towards the face. `turned`: what counts is
- * the gap from the other side. */
+/* Whether a gap at w, where it does not change, has a minimum: it is pushed towards the face, by more than rounding
+ * leaves of the largest push that the modes can give. `turned`: what counts is the gap from the other side. */
 static bool is_lowest(const replay *r, int k, const face_t *face, bool turned, const real *w)
 {
-    real force[r->n], size = 0, pull = (turned ? -1 : 1) * ric_replay_pull(r, k, face, w);
-    ric_replay_accelerations(r, k, w, force);
-    for (int i = 0; i < r->n; i++) size += fabs(face->c[i] * force[i]);
+    real size = 0, pull = (turned ? -1 : 1) * ric_replay_pull(r, k, face, w);
+    for (int i = 0; i < r->n; i++) size += fabs(face->c[i]) * r->omega[i] * r->norm;
     return pull < -FLAT * size;
 }
 

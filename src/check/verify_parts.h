@@ -1,5 +1,6 @@
-/* What the files of the replay share: verify.c (flights, return, verdict), replay_motion.c (the expected chain),
- * replay_growth.c (multipliers, and what rounding on the way grows to). No other file needs it. */
+/* What the files of the replay share: verify_orbit.c (the stored orbit), verify.c (flights, return, verdict),
+ * replay_motion.c (the expected chain), replay_growth.c (multipliers, and what rounding on the way grows to). No other
+ * file needs it. */
 #ifndef RIC_CHECK_VERIFY_PARTS_H
 #define RIC_CHECK_VERIFY_PARTS_H
 
@@ -10,6 +11,7 @@
 #define RIC_VERIFY_ORTHOGONAL 1e-12 /* cosine between two normals below which their impacts commute */
 #define SLOW 1e-3                   /* below, the time of the impact is weighed */
 #define BLUNT 1e-9                  /* no impact amplifies more than one of this speed */
+#define NO_LENGTH 1e-7              /* of the period: a contact of a spring that short is a touch */
 /* DEPTH: of the clearance: a motion that would go no farther beyond its face touches it, as what an orbit may be left
  * open decides whether it is met at all */
 #define DEPTH 1e-11
@@ -50,6 +52,7 @@ typedef struct {
     real *speed;                  /* [n_flight + 1] approach speed at the end of each flight, [0] unused */
     real *trig;                   /* [n_flight * 2n] cos and sin of omega tau */
     real *w;                      /* [2n] q, p of the replay */
+    real *moved;                  /* [2n] column by which the start of a flight was brought back to its stop */
     double *x;                    /* [2n] scratch: x, v */
     real period, norm, offset;    /* offset: time at which the simulator was started anew behind a touch */
     double energy, reach;         /* energy: of the state that is replayed */

@@ -527,6 +527,48 @@ static void verify_stiff_contacts(void **state)
         "explore: {energy: [0, 6897], frequency: [0.2, 9], impacts: 4, multiply: 2, depth: 2}\n");
 }
 
+/* Two stops at 0.001 of the clearance of a spring are struck within its contact, at 1e-6 of the largest speed and less:
+ * the gap that rounding leaves decides when, and a touch there is none of the spring, which is closed. */
+static void verify_stop_in_contact(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[3, 0], [0, 2]]\n  contacts:\n"
+                     "    - {normal: [-1, 1], law: bilinear, clearance: 1.95, sides: upper, stiffness: 0.00961}\n"
+                     "    - {normal: [1, 0], law: rigid, clearance: 0.00195, sides: both}\n"
+                     "explore: {energy: [0, 3.6], frequency: [0.2828, 5.196], impacts: 6, multiply: 2, depth: 2}\n");
+    all_of_it_passes("model:\n  mass: [[1.65625, 0, 0.015625], [0, 1.75, 0.25], [0.015625, 0.25, 2.09375]]\n"
+                     "  stiffness:\n    - [3.599822387610638, -1.8741535836856285, 1.6698304145949863]\n"
+                     "    - [-1.8741535836856285, 12.515806897797164, 7.088524755302034]\n"
+                     "    - [1.6698304145949863, 7.088524755302034, 11.44561937117028]\n"
+                     "  contacts:\n"
+                     "    - {normal: [0, 1, 0], law: bilinear, clearance: 0.888, sides: both, stiffness: 33400}\n"
+                     "    - {normal: [1, 0, -1], law: rigid, clearance: 0.000888, sides: lower}\n"
+                     "explore: {energy: [0, 16.57], frequency: [0.2001, 9], impacts: 4, multiply: 2, depth: 2}\n");
+}
+
+/* A stop that is struck while a spring of 1e5 times the stiffness is closed: brought back to it by the last digit, the
+ * start of the next flight has the energy and the motion that the spring gives it. */
+static void verify_stop_and_stiff_spring(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1.75, 0.1875], [0.1875, 1.65625]]\n"
+                     "  stiffness: [[578125, 453125], [453125, 1015625]]\n  contacts:\n"
+                     "    - {normal: [-1, 1], law: bilinear, clearance: 0.00133, sides: both, stiffness: 8.342e10}\n"
+                     "    - {normal: [1, 0], law: rigid, clearance: 0.00133, sides: both}\n"
+                     "explore: {energy: [0, 638600], frequency: [86.85, 2523], impacts: 6, multiply: 1, depth: 2}\n");
+}
+
+/* Of two masses on one spring, which is not stretched when the one strikes, the other comes to rest at that instant and
+ * is not pushed: its largest displacement lies in neither flight. */
+static void verify_reach_without_push(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[2, 0], [0, 1.5]]\n  stiffness: [[4.25, -4.25], [-4.25, 4.25]]\n  contacts:\n"
+                     "    - {normal: [0, 1], law: rigid, clearance: 1.7, sides: both}\n"
+                     "    - {normal: [1, 0], law: rigid, clearance: 1.12, sides: both}\n"
+                     "explore: {energy: [0, 29.25], frequency: [0.4453, 6.68], impacts: 2, multiply: 3, depth: 2}\n");
+}
+
 /* A4[0101] ends in the double of an orbit that is its image backwards about any of its impacts: stored within 6e-11 of
  * it, the end keeps the mirror points of its branch, or its multipliers are those of another orbit. */
 static void multipliers_at_ends(void **state)
@@ -649,6 +691,9 @@ int main(void)
         cmocka_unit_test(verify_resonant),
         cmocka_unit_test(verify_all_impacts_at_once),
         cmocka_unit_test(verify_stiff_contacts),
+        cmocka_unit_test(verify_stop_in_contact),
+        cmocka_unit_test(verify_stop_and_stiff_spring),
+        cmocka_unit_test(verify_reach_without_push),
         cmocka_unit_test(reach_between_contacts),
         cmocka_unit_test(multipliers_at_ends),
         cmocka_unit_test(verify_stop_and_spring),
