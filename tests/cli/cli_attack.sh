@@ -20,7 +20,7 @@ power 1 11 10
 power 34 4 10
 END
 # Seed, points: orbits that repeat themselves but for a difference that some of their events do not have; clusters of near
-# frequencies, of which all multipliers want many digits; an orbit that is all but its own image, and goes on otherwise.
+# frequencies, of which all multipliers want many digits; orbits that are all but their own images, and go on otherwise, or for another time.
 while read -r seed points; do
     ok "all of structure $seed is confirmed" \
         tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --points "$points" --unconfirmed 0
@@ -28,6 +28,7 @@ done <<'END'
 90022 400
 90629 40
 801281 40
+850969 200
 END
 # Orbits of two energies that are on no branch, by brute force: rigid, mixed, bilinear with two modes, rigid with three.
 for seed in 130004 130022 130017 130012; do

@@ -265,14 +265,16 @@ def opposite_events(chain, k):
 
 
 def half(chain, near=1e-10):
-    """The number of events after which all orbits of a chain are at minus their beginning and go on as its image, None if there is
-    none."""
+    """The number of events after which all orbits of a chain are at minus their beginning and go on as its image, for the same times,
+    None if there is none: a motion that is all but linear is at minus its beginning before it goes on for another time."""
     if chain.N % 2 or not opposite_events(chain, chain.N // 2):
         return None
     k, (su, sv) = chain.N // 2, chain.size()
     (u0, v0), (u, v) = chain.after[0], chain.after[k]
     off = np.maximum(np.abs(ar.double(u + u0)).max(axis=1) / su, np.abs(ar.double(v + v0)).max(axis=1) / sv)
-    return k if off.max() < near else None
+    tau = ar.double(chain.tau)
+    other = np.abs(tau[:, :k] - tau[:, k:]).max(axis=1) / tau.sum(axis=1)
+    return k if max(off.max(), other.max()) < near else None
 
 
 def monodromy(chain, events=None):
