@@ -181,6 +181,15 @@ static bool is_image(const replay *r)
     return ric_replay_distance(r, image, r->chain) <= IMAGE * r->norm;
 }
 
+/* A flight with the springs that push at the start of the orbit: one that has just closed does not yet, whatever it
+ * makes of the last digit of its gap. */
+static int first_pushed(const replay *r)
+{
+    const int last = r->n_flight - 1;
+    const face_t *face = ric_replay_end_face(r, last);
+    return face && face->spring > 0 && !ric_replay_opens(r, last) ? last : 0;
+}
+
 /* rho of one run. */
 static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
 {
@@ -196,7 +205,7 @@ static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
             M[i * size + j] = (half ? -1 : 1) * along(m, i % s, A + (size_t)j * 2 * (size_t)n + (i < s ? 0 : n));
-    ric_replay_accelerations(r, 0, r->chain, force);
+    ric_replay_accelerations(r, first_pushed(r), r->chain, force);
     for (int i = 0; i < s; i++) {
         int k = m->seen[i];
         real speed = along(m, i, r->chain + n), push = along(m, i, force);

@@ -449,7 +449,8 @@ static void all_of_it_passes(const char *text)
             ric_claims claims;
             point_passes(atlas, id, i);
             assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
-            if (claims.numbers == RIC_AGREES_NO) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+            if (claims.numbers == RIC_AGREES_NO || claims.multipliers == RIC_AGREES_NO)
+                fail_msg("branch %d, point %d: %s", id, i, claims.finding);
             events += b.letters;
         }
     }
@@ -556,6 +557,22 @@ static void verify_stop_and_stiff_spring(void **state)
                      "    - {normal: [-1, 1], law: bilinear, clearance: 0.00133, sides: both, stiffness: 8.342e10}\n"
                      "    - {normal: [1, 0], law: rigid, clearance: 0.00133, sides: both}\n"
                      "explore: {energy: [0, 638600], frequency: [86.85, 2523], impacts: 6, multiply: 1, depth: 2}\n");
+}
+
+/* A stop and a stiff spring, met one after the other: what the last digit of a gap would make the spring push that has
+ * just closed is no part of the flow, along which nothing is multiplied. */
+static void verify_flow_at_closing(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9.5, -5.5], [-5.5, 8.5]]\n  contacts:\n"
+                     "    - {normal: [1, 0], law: bilinear, clearance: 10, sides: upper, stiffness: 844100}\n"
+                     "    - {normal: [1, -1], law: rigid, clearance: 6.06, sides: both}\n"
+                     "explore: {energy: [0, 11.89], frequency: [0.3038, 9.924], impacts: 4, multiply: 2, depth: 2}\n");
+    all_of_it_passes("model:\n  mass: [[0.640625, -0.046875], [-0.046875, 0.578125]]\n"
+                     "  stiffness: [[5.75, -4.25], [-4.25, 5]]\n  contacts:\n"
+                     "    - {normal: [-1, 1], law: rigid, clearance: 1.54, sides: lower}\n"
+                     "    - {normal: [1, 0], law: bilinear, clearance: 1.542, sides: upper, stiffness: 4126000}\n"
+                     "explore: {energy: [0, 54.87], frequency: [0.2814, 11.49], impacts: 4, multiply: 3, depth: 1}\n");
 }
 
 /* Of two masses on one spring, which is not stretched when the one strikes, the other comes to rest at that instant and
@@ -694,6 +711,7 @@ int main(void)
         cmocka_unit_test(verify_stop_in_contact),
         cmocka_unit_test(verify_stop_and_stiff_spring),
         cmocka_unit_test(verify_reach_without_push),
+        cmocka_unit_test(verify_flow_at_closing),
         cmocka_unit_test(reach_between_contacts),
         cmocka_unit_test(multipliers_at_ends),
         cmocka_unit_test(verify_stop_and_spring),
