@@ -27,8 +27,10 @@ static void add_count(json_t *rows, const char *item, json_int_t count, const ch
 
 static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
 {
-    int n = ric_atlas_n_branch(atlas), stops[16] = {0}, points = 0;
+    int n = ric_atlas_n_branch(atlas), stops[16] = {0}, points = 0, open = 0;
+    const double tolerance = ric_study_options(ric_atlas_study(atlas))->tolerance;
     double residual = 0;
+    char detail[80];
     for (int id = 1; id <= n; id++) {
         ric_branch branch;
         ric_status status = ric_atlas_branch(atlas, id, &branch);
@@ -39,6 +41,7 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
             ric_point point;
             if ((status = ric_atlas_point(atlas, id, i, &point, NULL, NULL))) return status;
             residual = fmax(residual, point.residual);
+            open += point.residual > tolerance;
         }
     }
     add_count(rows, "branches", n, "");
@@ -46,6 +49,8 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
         if (stops[i]) add_count(rows, "branches that stop", stops[i], ric_stop_text((ric_stop)i));
     add_count(rows, "points", points, "");
     add(rows, "largest residual", cli_number(residual), "relative to 1 + |state|");
+    snprintf(detail, sizeof detail, "which rounding leaves at more than the `tolerance` %g", tolerance);
+    if (open) add_count(rows, "points that miss the accuracy asked for", open, detail);
     return RIC_OK;
 }
 

@@ -171,7 +171,8 @@ static const ric_option RIC_OPTIONS[] = {
      1e-4,
      false,
      "relative",
-     "accuracy asked for"},
+     "accuracy asked for: orbits are always solved to rounding, and those of which it leaves a larger residual are "
+     "counted by `run` and `report`"},
 };
 
 const ric_option *ric_options_list(int *n)

@@ -37,6 +37,12 @@ beyond() {
 }
 ok 'a branch that stops before its end is named with where it stops and where it began' beyond
 
+inexact() {
+    alter "UPDATE point SET residual = 2e-12 WHERE branch = $branch AND point = 3" || return 1
+    said '^points that miss the accuracy asked for  *1 ' 'the `tolerance` 1e-12$'
+}
+ok 'an orbit that misses the accuracy that the study asks for is counted' inexact
+
 label=$(one 'SELECT label FROM junction WHERE id = 2')
 refused() {
     alter "UPDATE junction SET refused = 3, refusal = 'planted' WHERE id = 2" || return 1
