@@ -1,371 +1,297 @@
 #!/usr/bin/env python3
-"""Checks certificates of `ricochet prove -o FILE` by other means: check_certificate.py FILE...
+"""Checks certificates of `ricochet prove` by other means: check_certificate.py FILE [ATLAS]
 
-Only Python and mpmath are used; nothing is shared with the program that wrote the file, and no inverse, mode or
-enclosure is taken from it. The first line is the structure, in decimals. For every point the equations of the chain
-(docs/proofs.md) are written anew in interval arithmetic: one contraction proves one zero within `exists` of the centre,
-and no other within `unique`; then energy, period, symmetries, passage, trace and stability have to follow.
-Prints one line for each that is refused and a count; exit status 1 if one is, or if there is none.
+The first line is the structure, in decimals. Of every other line the class of the orbit and the one
+number that is held are the question; the answer is computed here in interval arithmetic, and has to
+be, digit by digit, what the line says; with an atlas, what is stored there. See docs/proofs.md.
 """
 import json
+import sqlite3
 import sys
-from fractions import Fraction
-from functools import reduce
+from functools import lru_cache
+from math import comb
 
 from mpmath import iv, mp, mpf
 
-mp.dps = iv.dps = 160
-FINE = mpf(10) ** -140  # what is left of modes
-EPS = mpf(10) ** -120  # what it does to flights: at most 16 FINE times FACTORS (Duhamel's formula)
-FACTORS = mpf(10) ** 18  # (1 + t)^3 (1 + L)^3 (1 + |w|), at most
-DEEPEST = STEPS = 50  # bisections of a flight, steps of a refinement
-
-
-class Refused(Exception):
-    pass
+mp.dps = iv.dps = 80
+TERMS, SHORT = 34, mpf(1) / 16  # of the series of a flight, for times with |A| t < SHORT
+TAIL = mpf(10) ** -75  # more than the rest of it: 2 SHORT^34 / 34! = 10^-79
+STEPS, DEEPEST = 6, 60  # towards an orbit; bisections of a flight
+NEAR = 1e-8  # what an atlas stores is that near to the orbit
+RADII = [mpf(2) ** -k for k in (10, 20, 30, 40)]  # within which an orbit may be the only one
+UNIT, HELD = -15, 1000  # states and times are integers, of 10^UNIT; the held one a multiple of HELD
+SIDES = {"both": (1, -1), "upper": (1,), "lower": (-1,)}
+middle = lambda A: A.apply(lambda x: iv.mpf(x.mid))
+wide = lambda A, by: A.apply(lambda x: x + iv.mpf([-by, by]))
 
 
 def need(condition, what):
     """Only True passes: mpmath answers None where an interval leaves a comparison open."""
     if condition is not True:
-        raise Refused(what)
+        raise ValueError(what)
 
 
-ratio = lambda exact: iv.mpf(exact.numerator) / iv.mpf(exact.denominator)
-number = lambda text: ratio(Fraction(text))
-wide = lambda x, by: x + iv.mpf([-by, by])
-mid = lambda x: mpf(iv.mpf(x).mid)
-less = lambda A, d: [[a - (d[i] if i == j else 0) for j, a in enumerate(row)] for i, row in enumerate(A)]
-norm = lambda A: max(sum(map(size, row)) for row in A)
-unit = lambda n, j: [iv.mpf(int(i == j)) for i in range(n)]
-dot = lambda x, y: sum((a * b for a, b in zip(x, y)), iv.mpf(0))
-turn = lambda A: [list(column) for column in zip(*A)]
-times = lambda A, B: [[dot(row, column) for column in zip(*B)] for row in A]
+def size(A):
+    """The largest sum of |a| in a row. Of a NaN `max` would know nothing."""
+    need(all(mp.isfinite(x.a) and mp.isfinite(x.b) for x in A), "a number is not finite")
+    return max(mpf(sum(map(abs, row)).b) for row in A.tolist())
 
 
-def size(x):
-    """Of a finite interval: of a NaN `max` would know nothing."""
-    need(mp.isfinite(x.a) and mp.isfinite(x.b), "a number is not finite")
-    return max(abs(mpf(x.a)), abs(mpf(x.b)))
+def block(*rows):
+    return iv.matrix([sum(parts, []) for row in rows for parts in zip(*(A.tolist() for A in row))])
+
+
+def rounded(x, power):
+    """x / 10^power as an integer, if all of the interval is rounded to the same."""
+    ends = {int(mp.floor(mpf(end) / mpf(10) ** power + 0.5)) for end in (x.a, x.b)}
+    need(len(ends) == 1, "a number lies between two integers")
+    return ends.pop()
 
 
 def read_line(text):
-    """The last field is the digest FNV-1a, 64 bits, of all before it; a text is read in one way only."""
-    body, mark, rest = text.rpartition(', "check": "')
+    """The last field is the digest FNV-1a, 64 bits, of all before it: it finds accidents."""
     value = 0xCBF29CE484222325
-    for byte in body.encode():
+    for byte in text.rpartition(', "check": "')[0].encode():
         value = (value ^ byte) * 0x100000001B3 & (1 << 64) - 1
-    need(rest == f'{value:016x}"}}', "the line does not match its checksum")
-    line = json.loads(text)
-    need(json.dumps(line) == text, "the line is not written as certificates are")
+    line = {**json.loads(text), "check": f"{value:016x}"}
+    need(json.dumps(line) == text, "the line does not match its checksum, or is written otherwise")
     return line
 
 
 class Model:
-    """An approximate basis Y of modes differs from the orthonormal X = Y (Y'MY)^-1/2 by |Y| |Y'MY - 1| at most, and in
-    X the stiffness is L but for FINE: frequencies may be equal, or zero."""
+    """In units of the first clearance and 2^-time s: w = (x, v) has dw/dt = A w, energy w'Gw / 2; a
+    face is closed where side row.w is its gap, an impact adds a multiple of e = (0, M^-1 b)."""
 
     def __init__(self, line):
-        M, K, normals = ([[Fraction(x) for x in row] for row in line[key]] for key in ("mass", "stiffness", "normals"))
-        n, gaps = len(M), [Fraction(d) for d in line["clearances"]]
-        need(all(len(row) == n for row in M + K + normals) and len(K) == n, "the matrices do not fit")
-        need(turn(M) == M and turn(K) == K, "a matrix is not symmetric")
-        need(len(gaps) == len(normals) == len(line["sides"]) and min(gaps) > 0, "the contacts do not fit")
-        need(all(side in ("both", "upper", "lower") for side in line["sides"]), "a side is unknown")
-        plain = lambda rows: mp.matrix([[mpf(x.numerator) / x.denominator for x in row] for row in rows])
-        balls = lambda rows: [[ratio(x) for x in row] for row in rows]
-        root = mp.inverse(mp.cholesky(plain(M)))
-        values, vectors = mp.eigsy(root * plain(K) * root.T)
-        Y, M, K = [[iv.mpf(y) for y in row] for row in (root.T * vectors).tolist()], balls(M), balls(K)
-        off = norm(less(times(times(turn(Y), M), Y), [1] * n))
-        need(n * off < mpf(1) / 4, "no modes were found")
-        self.n, self.X = n, [[wide(y, n * n * off * norm(Y)) for y in row] for row in Y]
-        self.square = [iv.mpf(0 if abs(v) < FINE else v) for v in values]
-        left = less(times(times(turn(self.X), K), self.X), self.square)
-        need(norm(left) < FINE and min(map(mid, self.square)) >= 0, "a stiffness is negative, or modes do not solve")
-        self.back = times(turn(self.X), M)
-        self.gaps = [ratio(d / gaps[0]) for d in gaps]
-        self.c = times(balls(normals), self.X)
-        self.faces = [(contact, side) for contact, sides in enumerate(line["sides"]) for side in (1, -1)
-                      if sides == "both" or (side > 0) == (sides == "upper")]
+        for A in (line["mass"], line["stiffness"]):
+            need(A == [list(column) for column in zip(*A)], "a matrix is not symmetric")
+        M, K, b, d = (iv.matrix([[repr(x) for x in row] for row in rows]) for rows in
+                      (line["mass"], line["stiffness"], line["normals"], [line["clearances"]]))
+        need(b.rows == d.cols == len(line["sides"]), "the contacts do not fit")
+        need(min(line["clearances"]) > 0, "a clearance is not positive")
+        iv.cholesky(M)  # fails for what is not positive definite
+        self.n, self.scale, zero = M.rows, iv.mpf(2) ** line["time"], 0 * M
+        K, self.one = K / self.scale ** 2, iv.eye(2 * self.n)
+        self.A = block((zero, iv.eye(self.n)), (-M ** -1 * K, zero))
+        self.G, self.J = block((K, zero), (zero, M)), block((zero, M), (M, zero))
+        self.rows = [block((b[c, :], 0 * b[c, :])) for c in range(b.rows)]
+        self.back, self.gaps = self.J ** -1, d / d[0]
+        self.faces = [(c, side) for c, sides in enumerate(line["sides"]) for side in SIDES[sides]]
+        self.norm, self.terms = size(self.A), [self.one]
+        for k in range(1, TERMS):
+            self.terms.append(self.terms[-1] * self.A / k)
+
+    @lru_cache(10000)
+    def series(self, t):
+        """exp(A t), which takes w to what it is after t."""
+        need(abs(t).b < 2 ** 60, "a flight is too long")
+        if (abs(t).b * self.norm < SHORT) is not True:
+            return self.series(t / 2) ** 2
+        return wide(sum((term * t ** k for k, term in enumerate(self.terms)), 0 * self.A), TAIL)
+
+    @lru_cache(10000)
+    def flight(self, t):
+        """The same, tight for a short interval."""
+        mid = iv.mpf(t.mid)
+        return self.series(mid) * self.series(t - mid)
+
+    def impact(self, face, w=None):
+        """The matrix that takes w to what is behind it; with that state, its derivative."""
+        row = self.rows[face[0]]
+        e, rate = self.back * row.T, row * self.A
+        push = 2 / (rate * e)[0]
+        if w is None:
+            return self.one - e * rate * push
+        kick = push * (rate * self.A * w)[0] / (rate * w)[0]
+        return self.one - (e * rate + self.A * e * row) * push - e * row * kick
+
+    def mirror(self, kind, face):
+        """n rows, and what the first of them is on w at a mirror point; the others are 0."""
+        n, one = self.n, self.one
+        if kind != "impact":
+            return {"rest": one[n:, :], "centre": one[:n, :]}[kind], 0
+        row, e = self.rows[face[0]], self.back * self.rows[face[0]].T
+        j = max(range(n, 2 * n), key=lambda i: mpf(abs(e[i]).mid))
+        along = ((e[j] * one[i, :] - e[i] * one[j, :],) for i in range(n, 2 * n) if i != j)
+        return block((row,), *along), face[1] * self.gaps[face[0]]
 
 
 class Chain:
-    """The equations on (q, p, tau) per block, and lambda. Times are those of the certificate, 2^-time s."""
+    """States and times (x, v, tau) behind impacts or from a mirror point on, and lambda."""
 
     def __init__(self, model, line):
-        self.m, self.line, self.n, self.sigma = model, line, model.n, line["sigma"]
-        n, faces, ends, plane = model.n, line["faces"], (line["start"], line["end"]), list(map(number, line["plane"]))
-        self.count, self.faces, self.width, self.at = len(line["tau"]), faces, 2 * n + 1, line["block"]
-        self.square = [s / iv.mpf(4) ** line["time"] for s in model.square]
-        self.omega = [iv.sqrt(s) for s in self.square]
-        need(len(faces) == self.count + 1 == len(line["x"]) + 1 == len(line["v"]) + 1 > 1, "the chain has gaps")
-        need(all(-1 <= f < len(model.faces) for f in faces) and all(f >= 0 for f in faces[1:-1]), "a face is wrong")
-        in_flight = {"general": False, "impact": False, "rest": True, "centre": True}
-        need([in_flight[end] for end in ends] == [faces[0] < 0, faces[-1] < 0], "an end is wrong")
-        self.general, mixed = ends == ("general", "general"), (ends[0] == "centre") != (ends[1] == "centre")
-        need(self.general or "general" not in ends, "an end is missing")
-        need(self.sigma in ((1, -1) if self.general else (1,)), "sigma is wrong")
-        self.symmetric = self.sigma < 0 if self.general else mixed
-        self.imaged = self.symmetric or "centre" in ends
-        walls = [model.faces[f] for f in faces if f >= 0]
-        need(not self.imaged or all((c, -s) in model.faces for c, s in walls), "an image of an impact has no face")
-        need(not self.general or walls[0] == (walls[-1][0], self.sigma * walls[-1][1]), "the chain does not close")
-        self.centre = []
-        for x, v, tau in zip(line["x"], line["v"], line["tau"]):
-            need(len(x) == len(v) == n, "a state does not fit")
-            self.centre += [dot(row, map(number, part)) for part in (x, v) for row in model.back] + [number(tau)]
-        self.centre += [iv.mpf(0)] * self.general
-        need(len(plane) == self.width and 0 <= self.at < self.count, "the plane does not fit")
-        self.row = [dot(mode, plane[part:part + n]) for part in (0, n) for mode in zip(*model.X)] + [plane[2 * n]]
+        self.m, self.width, self.ends = model, 2 * model.n + 1, (line["start"], line["end"])
+        blocks = zip(line["x"], line["v"], line["tau"], strict=True)
+        self.said = [a for x, v, tau in blocks for a in (*x, *v, tau)]
+        self.faces = [[*model.faces, None][face] for face in line["faces"]]
+        begin, end, self.count = self.faces[0], self.faces[-1], len(self.faces) - 1
+        need([e in ("rest", "centre") for e in self.ends] == [not begin, not end], "a wrong end")
+        self.general, self.sigma = "general" in self.ends, 1 if begin == end else -1
+        need(not self.general or (self.ends[0], begin[0]) == (self.ends[1], end[0]), "it is open")
+        self.symmetric = self.sigma < 0 if self.general else self.ends.count("centre") == 1
+        self.images = (1, -1) if self.symmetric or "centre" in self.ends else (1,)
+        images = {(c, s * image) for c, s in filter(None, self.faces) for image in self.images}
+        need(images <= set(model.faces), "an image of an impact has no face")
+        (first, number), self.centre = line["held"], iv.matrix(self.said + [0] * self.general)
+        self.centre, self.held = self.centre * iv.mpf(10) ** UNIT, first * self.width + number
+        need(min(line["held"]) >= 0 and number < self.width, "no number is held")
+        need(self.said[self.held] % HELD == 0, "another number is held")
 
-    def block(self, u, k):
-        return u[k * self.width:(k + 1) * self.width]
-
-    def fly(self, w, t):
-        """The state after t, and the derivative by (q, p, tau) as rows."""
-        n, q, p = self.n, [], []
-        factors = (1 + size(t)) ** 3 * (1 + sum(map(size, self.square))) ** 3 * (1 + sum(map(size, w)))
-        need(factors < FACTORS, "a flight is too long")
-        rows = [[iv.mpf([-EPS, EPS]) for _ in range(2 * n)] for _ in range(2 * n)]
-        for i, (o, square) in enumerate(zip(self.omega, self.square)):
-            c, s = iv.cos(o * t), iv.sin(o * t)
-            cos, sin = wide(c, EPS), wide(t if mid(square) == 0 else s / o, EPS)
-            q.append(cos * w[i] + sin * w[n + i])
-            p.append(cos * w[n + i] - wide(o * s, EPS) * w[i])
-            rows[i][i], rows[i][n + i], rows[n + i][i], rows[n + i][n + i] = cos, sin, wide(-o * s, EPS), cos
-        q, p = [wide(a, EPS) for a in q], [wide(a, EPS) for a in p]
-        last = p + [wide(-square * a, EPS) for square, a in zip(self.square, q)]
-        return q + p, [row + [a] for row, a in zip(rows, last)]
-
-    def wall(self, face):
-        contact, side = self.m.faces[face]
-        return self.m.c[contact], side * self.m.gaps[contact]
-
-    def reflect(self, face, p):
-        c, _ = self.wall(face)
-        along = 2 * dot(c, p) / dot(c, c)
-        return [a - along * b for a, b in zip(p, c)]
-
-    def mirror(self, kind, face):
-        """The n conditions b.w = d of a mirror point as pairs (b, d)."""
-        n = self.n
-        if kind != "impact":
-            return [(unit(2 * n, i + n * (kind == "rest")), 0) for i in range(n)]
-        c, d = self.wall(face)
-        j = max(range(n), key=lambda i: abs(mid(c[i])))
-        need(size(1 / c[j]) < FACTORS, "a normal is lost")
-        pair = lambda i: zip(unit(2 * n, n + i), unit(2 * n, n + j))
-        return [(c + [iv.mpf(0)] * n, d)] + [([c[j] * a - c[i] * b for a, b in pair(i)], 0) for i in range(n) if i != j]
-
-    def equations(self, u):
-        """Numbers that have to vanish, and a list of (place, derivative) for each."""
-        n, F, D, full = self.n, [], [], [unit(self.width, i) for i in range(2 * self.n)]
-
-        def put(value, *parts):
-            F.append(value)
-            D.append([(k * self.width + j, a) for k, row in parts for j, a in enumerate(row)])
-
-        def gap(k):
-            c, d = self.wall(self.faces[k])
-            put(dot(c, self.block(u, k)) - d, (k, c))
-
-        def mirror(kind, face, state, rows, k):
-            for b, d in self.mirror(kind, face):
-                put(dot(b, state) - d, (k, times([b], rows)[0]))
-
-        if self.general:
-            gap(0)
-        else:
-            mirror(self.line["start"], self.faces[0], self.block(u, 0)[:2 * n], full, 0)
+    def flights(self, u):
         for k in range(self.count):
-            w, last = self.block(u, k), k == self.count - 1
-            state, rows = self.fly(w[:2 * n], w[2 * n])
-            if last and not self.general:
-                mirror(self.line["end"], self.faces[-1], state, rows, k)
+            first, last = k * self.width, (k + 1) * self.width - 1
+            yield k, u[first:last, :], u[last, :], self.faces[k], self.faces[k + 1]
+
+    def equations(self, U):
+        """Numbers that have to vanish; where U has derivatives behind its numbers, with theirs."""
+        m, n, found = self.m, self.m.n, []
+
+        def put(rows, d, W):
+            W = rows * W
+            W[0, 0] -= d
+            found.extend(W.tolist())
+
+        put(iv.eye(1), self.centre[self.held], U[self.held, :])
+        if not self.general:
+            put(*m.mirror(self.ends[0], self.faces[0]), U[:2 * n, :])
+        for k, W, t, begin, end in self.flights(U):
+            if begin and (k or self.general):
+                put(m.rows[begin[0]], begin[1] * m.gaps[begin[0]], W)
+            W, t[0] = m.flight(t[0]) * W, 0
+            W += m.A * W[:, 0] * t
+            if k == self.count - 1 and not self.general:
+                put(*m.mirror(self.ends[1], end), W)
                 break
-            state = state[:n] + self.reflect(self.faces[k + 1], state[n:])
-            rows = rows[:n] + turn([self.reflect(self.faces[k + 1], column) for column in zip(*rows[n:])])
-            factor, target = (self.sigma * (1 + u[-1]), 0) if last else (iv.mpf(1), k + 1)
-            for i in range(2 * n):
-                row = [-factor * a for a in rows[i]] + [-self.sigma * state[i]] * last
-                put(self.block(u, target)[i] - factor * state[i], (k, row), (target, full[i]))
-            if not last:
-                gap(k + 1)
-        ahead = [a - b for a, b in zip(self.block(u, self.at), self.block(self.centre, self.at))]
-        put(dot(self.row, ahead), (self.at, self.row))
-        return F, D
+            to = (k + 1) % self.count * self.width
+            if k == self.count - 1:
+                grow, factor = U[U.rows - 1, :], 1 + U[U.rows - 1, 0]
+                grow[0] = 0
+                W = self.sigma * (W * factor + W[:, 0] * grow)
+            found += (U[to:to + 2 * n, :] - m.impact(end) * W).tolist()
+        return iv.matrix(found)
 
     def prove(self):
-        """u - C F(u) contracts the box of radius `outer` by `rate` and moves a point u of it by `step`: there is one
-        zero in the box, within step / (1 - rate) of u. Returns that ball."""
-        exists, unique = (mid(number(self.line[key])) for key in ("exists", "unique"))
-        need(0 < exists < unique, "the radii are wrong")
-        u, count = [mid(a) for a in self.centre], len(self.centre)
-        outer = unique * max(1, norm(self.m.back)) + EPS
-        F, rows = self.equations([iv.mpf(a) for a in u])
-        need(len(F) == count, "there are not as many equations as unknowns")
-        D = mp.matrix(count)
-        for i, j, a in ((i, j, a) for i, row in enumerate(rows) for j, a in row):
-            D[i, j] += mid(a)
-        C = mp.inverse(D).tolist()
+        """u - C F(u) contracts the box of radius `outer` by 0.9 and moves u by `step`: the box has
+        one zero, within 10 steps of u. Returns that ball."""
+        u, one = middle(self.centre), iv.eye(self.centre.rows)
+        D = self.equations(block((u, one)))[:, 1:].apply(lambda x: mpf(x.mid))
+        C = iv.matrix(mp.inverse(mp.matrix(D.tolist())).tolist())
         for _ in range(STEPS):
-            u = [a - mp.fdot(row, map(mid, F)) for a, row in zip(u, C)]
-            F, _ = self.equations([iv.mpf(a) for a in u])
-            if max(map(size, F)) < EPS * 10 ** 6:
-                break
-        C = [[iv.mpf(a) for a in row] for row in C]
-        _, rows = self.equations([wide(iv.mpf(mid(a)), outer) for a in self.centre])
-        product = less([[iv.mpf(0)] * count for _ in range(count)], [1] * count)
-        for k, j, a in ((k, j, a) for k, row in enumerate(rows) for j, a in row):
-            for i in range(count):
-                product[i][j] += C[i][k] * a
-        rate, step = norm(product), max(size(dot(row, F)) for row in C)
-        need(rate < 0.999, f"no contraction: {mp.nstr(rate, 3)}")
-        ball = step / (1 - rate) * 2
-        moved = [iv.mpf(a) - b for a, b in zip(u, self.centre)]
-        need(max(map(size, moved)) + ball < outer < 1, "no zero is proved")
-        box = [wide(a, ball) for a in moved]
-        parts = [self.block(box, k)[part:] for k in range(self.count) for part in (0, self.n)]
-        away = [dot(row, part) for part in parts for row in self.m.X] + box[2 * self.n::self.width]
-        need(max(map(size, away)) < exists, f"the zero is not within `exists`, but {mp.nstr(max(map(size, away)), 3)}")
-        return [wide(iv.mpf(a), ball) for a in u]
-
-    def is_open(self, gap, a, b, depth=0):
-        t, m = iv.mpf([mpf(a.a), mpf(b.b)]), iv.mpf(mid((a + b) / 2))
-        if (gap(t)[0] > 0) is True or (gap(m)[0] + gap(t)[1] * (t - m) > 0) is True:
-            return True
-        return depth < DEEPEST and self.is_open(gap, a, m, depth + 1) and self.is_open(gap, m, b, depth + 1)
-
-    def opening(self, rate):
-        """A time for which rate(0..time) > 0, so that what vanishes at 0 is open."""
-        parts = (mpf(2) ** -i for i in range(1, 2 * DEEPEST))
-        part = next((part for part in parts if (rate(iv.mpf([0, part])) > 0) is True), None)
-        need(part is not None, "an impact does not approach")
-        return part
+            u = middle(u - C * self.equations(u))
+        ball = 11 * size(C * self.equations(u))
+        box = lambda r: self.equations(block((wide(self.centre, r), one)))[:, 1:]
+        outer = next((r for r in RADII if size(C * box(r) - one) < 0.9), None)
+        need(outer is not None and size(u - self.centre) + ball < outer, "no zero is proved")
+        return wide(u, ball)
 
     def passage(self, u):
-        n = self.n
-        for k in range(self.count):
-            w, tau = self.block(u, k)[:2 * n], self.block(u, k)[2 * n]
-            need(tau > 0, f"flight {k + 1} does not last")
-            ends = [self.m.faces[f] if f >= 0 else None for f in self.faces[k:k + 2]]
-            images = (1, -1) if self.imaged else (1,)
-            for contact, side in {(contact, side * image) for contact, side in self.m.faces for image in images}:
-                c, d = self.m.c[contact], self.m.gaps[contact]
+        """Flights last, impacts approach, gaps are open in between: parts of a flight are halved
+        until a gap is positive on them, or grows from or falls to an end at which it is closed."""
+        m = self.m
+        for k, w, t, begin, end in self.flights(u):
+            need(t[0] > 0, f"flight {k + 1} does not last")
+            images = {(c, side * image) for c, side in m.faces for image in self.images}
+            todo = [(face, w, 0, face == begin, face == end) for face in images]
+            while todo:
+                face, w, depth, opens, closes = todo.pop()
+                need(depth < DEEPEST, f"a face is passed, or not approached, in flight {k + 1}")
+                part, row = t[0] / 2 ** depth, face[1] * m.rows[face[0]]
+                state = m.series(iv.mpf([0, part.b])) * w  # at any time of the part
+                gap, rate = m.gaps[face[0]] - (row * state)[0], -(row * m.A * state)[0]
+                if not any(a is True for a in (gap > 0, opens and rate > 0, closes and rate < 0)):
+                    todo.append((face, w, depth + 1, opens, False))
+                    todo.append((face, m.flight(part / 2) * w, depth + 1, False, closes))
 
-                def gap(t):
-                    state = self.fly(w, t)[0]
-                    return d - side * dot(c, state[:n]), -side * dot(c, state[n:])
-
-                a, b = iv.mpf(0), tau
-                if ends[0] == (contact, side):
-                    a = iv.mpf(self.opening(lambda t: gap(t)[1]))
-                if ends[1] == (contact, side):
-                    b = tau - self.opening(lambda t: -gap(tau - t)[1])
-                need((a >= b) is True or self.is_open(gap, a, b), f"a face is passed in flight {k + 1}")
-
-    def salt(self, face, w, P):
-        """The derivative of an impact, with the state behind it, on columns (dq, dp)."""
-        n, (c, _) = self.n, self.wall(face)
-        kick = 2 * wide(dot(c, [s * q for s, q in zip(self.square, w)]), EPS) / (dot(c, c) * dot(c, w[n:2 * n]))
-        kicked = lambda q, p: [a + kick * dot(c, q) * b for a, b in zip(self.reflect(face, p), c)]
-        return turn([self.reflect(face, column[:n]) + kicked(column[:n], column[n:]) for column in zip(*P)])
-
-    def inverse(self, P, s):
-        """P^-1 of a symplectic P for s = -1, R P^-1 R with R (q, p) = (q, -p) for s = 1."""
-        n = self.n
-        part = lambda rows, columns, sign: [[sign * P[i][j] for i in rows] for j in columns]
-        a, b = range(n), range(n, 2 * n)
-        upper, lower = zip(part(b, b, 1), part(a, b, s)), zip(part(b, a, s), part(a, a, 1))
-        return [x + y for x, y in (*upper, *lower)]
-
-    def monodromy(self, u):
-        """Of the return, or of half of it and -1; back from a mirror point by R P^-1 R."""
-        n, P = self.n, [unit(2 * self.n, i) for i in range(2 * self.n)]
-        for k in range(self.count):
-            w = self.block(u, k)
-            P = self.salt(self.faces[k], w, P) if k else P
-            state, rows = self.fly(w[:2 * n], w[2 * n])
-            P = times([row[:2 * n] for row in rows], P)
+    def multipliers(self, u):
+        """Sums over the pairs of multipliers x, 1/x but 1, 1 of r^k, r = x + 1/x, k < 2 n - 1, from
+        traces of powers of the derivative of the return, or of half of it."""
+        m, n, P = self.m, self.m.n, iv.eye(2 * self.m.n)
+        for k, w, t, begin, end in self.flights(u):
+            P = m.flight(t[0]) * (m.impact(begin, w) * P if k else P)
         if not self.general:
-            back = self.inverse(P, 1)
-            if self.faces[-1] >= 0:
-                P = self.salt(self.faces[-1], state[:n] + self.reflect(self.faces[-1], state[n:]), P)
-            P = times(back, P)
-        P = self.salt(self.faces[0], self.block(u, 0), P) if self.faces[0] >= 0 else P
-        return [[-a for a in row] for row in P] if self.symmetric else P
-
-    def polynomial(self, u):
-        """Coefficients, highest first, of the polynomial whose roots are x + 1/x of all pairs of multipliers but 1, 1.
-        Their powers and 2^k, each twice, add up to the trace of (P + P^-1)^k; Newton's identities make the rest."""
-        P, p, sums = self.monodromy(u), [iv.mpf(1)], [iv.mpf(0)]
-        both = power = [[a + b for a, b in zip(x, y)] for x, y in zip(P, self.inverse(P, -1))]
-        for k in range(1, self.n):
-            sums.append(sum((row[i] for i, row in enumerate(power)), iv.mpf(0)) / 2 - 2 ** k)
-            p.append(-dot(sums[1:], p[::-1]) / k)
-            power = times(power, both)
-        return p
+            back, z = m.back * P.T * m.J, m.flight(t[0]) * w
+            P = back * (m.impact(end, m.impact(end) * z) * P if end else P)
+        P = m.impact(self.faces[0], u[:2 * n, 0]) * P if self.faces[0] else P
+        power, P, traces = iv.eye(2 * n), -P if self.symmetric else P, []
+        for k in range(2 * n - 1):
+            traces.append(sum(power[i, i] for i in range(2 * n)))
+            power *= P
+        return [sum(comb(k, j) * traces[abs(k - 2 * j)] for j in range(k + 1)) / 2 - 2 ** k
+                for k in range(2 * n - 1)]
 
 
-def stability(p):
-    """yes: as many changes of sign between -2 and 2 as there are roots. no: a disc that has a root (within deg |p / p'|
-    of any point, Laguerre) has no point of [-2, 2]."""
-    at = lambda x, q=p: reduce(lambda sum_, a: sum_ * x + a, q)
-    degree, roots = len(p) - 1, mp.polyroots([mid(a) for a in p], maxsteps=200, extraprec=400)
-    real = sorted(mp.re(r) for r in roots)
-    places = [mpf(-2)] + [(a + b) / 2 for a, b in zip(real, real[1:])] + [mpf(2)]
-    signs = [at(iv.mpf(x)) for x in places]
-    if places == sorted(places) and all((a * b < 0) is True for a, b in zip(signs, signs[1:])):
-        return "yes"
-    slope = [a * (degree - i) for i, a in enumerate(p[:-1])]
-    for z in (iv.mpc(mp.re(root), mp.im(root)) for root in roots):
-        reach = degree * abs(at(z)) / abs(at(z, slope))
-        if (abs(z.imag) > reach) is True or (abs(z.real) > 2 + reach) is True:
-            return "no"
-    return "undecided"
+def stability(sums):
+    """Stable: all r are real, apart and in (-2, 2), so that the matrix of the sums of
+    (4 - r^2) r^(i+j) is positive definite; its signature counts those, less real ones outside
+    (Hermite). Where r are large the sum of r^2k is more than n 4^k."""
+    n, stable = len(sums) // 2, "yes"
+    if any((sums[2 * k] > n * 4 ** k) is True for k in range(1, n + 1)):
+        return "no"
+    rows = [[4 * sums[i + j] - sums[i + j + 2] for j in range(n)] for i in range(n)]
+    while rows:
+        (pivot, *first), *rest = rows
+        if (pivot > 0) is not True:
+            stable = "no"
+        if not ((pivot > 0) is True or (pivot < 0) is True):
+            return "undecided"
+        rows = [[a - b / pivot * row[0] for a, b in zip(row[1:], first)] for row in rest]
+    return stable
 
 
-def check(model, line):
-    chain = Chain(model, line)
+def check(model, line, points=None):
+    """All that the line says, from its question."""
+    chain, n, count = Chain(model, line), model.n, len(line["tau"]) * (2 * model.n + 1)
     u = chain.prove()
-    n, w = model.n, chain.block(u, 0)
-    copies, scale = (1 if chain.general else 2) * (2 if chain.symmetric else 1), iv.mpf(2) ** line["time"]
-    energy = wide(dot(w[n:2 * n], w[n:2 * n]) + dot(chain.square, [q * q for q in w[:n]]), EPS) / 2 * scale ** 2
-    need(energy > 0, "the energy is not positive")
+    need([rounded(a, UNIT) for a in u[:count]] == chain.said, "other states or times")
     chain.passage(u)
-    said = {"energy": energy, "period": copies * sum(u[2 * n::chain.width], iv.mpf(0)) / scale}
-    polynomial = chain.polynomial(u) if n > 1 else [iv.mpf(1)]
-    if n == 2:
-        said["trace"] = polynomial[1] ** 2 - 2 if chain.symmetric else -polynomial[1]
-    for name, true in said.items():
-        low, high = map(number, line[name])
-        need((low <= true) is True and true <= high, f"the {name} is not in its interval")
-    verdict = stability(polynomial) if n > 1 else "yes"
-    need(("trace" in line) == (n == 2), "a trace is missing, or in excess")
-    need(line["stable"] in ("undecided", verdict), f"the stability is: {verdict}")
-    need(line["symmetric"] is chain.symmetric and line["reversible"] is not chain.general, "a symmetry is wrong")
+    w, sums = u[:2 * n, 0], chain.multipliers(u)
+    copies = (1 if chain.general else 2) * (2 if chain.symmetric else 1)
+    numbers = {"energy": (w.T * model.G * w)[0] / 2 * model.scale ** 2,
+               "period": copies * sum(u[2 * n:count:2 * n + 1]) / model.scale}
+    need(numbers["energy"] > 0, "the energy is not positive")
+    stored = points[line["branch"], line["point"]] if points else {}
+    if "trace" in line:
+        numbers["trace"] = sums[2] - 2 * (n - 1) if chain.symmetric else sums[1]
+    for name, true in numbers.items():
+        power = max(UNIT, int(mp.floor(mp.log10(mpf(abs(true).mid)))) - 11)
+        need(line[name] == [rounded(true, power), power], f"the {name} is another one")
+        need(name not in stored or abs(true / stored[name] - 1) < NEAR, "the atlas has another one")
+    need(line["stable"] in ("undecided", stability(sums)), f"the stability is: {stability(sums)}")
+    need(line["symmetric"] is chain.symmetric, "a symmetry is wrong")
+    need(line["reversible"] is not chain.general, "a symmetry is wrong")
 
 
-def main(paths):
-    accepted = refused = 0
-    for path in paths:
-        model = None
-        for where, text in enumerate(open(path), 1):
-            try:
-                line = read_line(text.rstrip("\n"))
-                if line["type"] == "model":
-                    model = Model(line)
-                    continue
-                need(model is not None and line["type"] == "point", "there is no model before it")
-                check(model, line)
-                accepted += 1
-            except (Refused, ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
-                refused += 1
-                print(f"{path}:{where}: refused: {error or type(error).__name__}")
-    print(f"{accepted} accepted, {refused} refused")
-    return 1 if refused or not accepted else 0
+def read_atlas(path):
+    """What the first line has to say of the structure, and energy and period of the points."""
+    import yaml
+    db = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+    (text,) = db.execute("SELECT value FROM meta WHERE key = 'model'").fetchone()
+    model = yaml.load(text, yaml.BaseLoader)["model"]
+    plain = lambda a: list(map(plain, a)) if type(a) is list else a if a in SIDES else float(a)
+    contacts = [[one[key] for one in model["contacts"]] for key in ("normal", "clearance", "sides")]
+    structure = dict(zip(("mass", "stiffness", "normals", "clearances", "sides"),
+                         plain([model["mass"], model["stiffness"], *contacts])))
+    points = db.execute("SELECT branch, point, energy, period FROM point")
+    return structure, {(b, p): {"energy": E, "period": T} for b, p, E, T in points}
+
+
+def main(path, atlas=None):
+    model, count, (structure, points) = None, [0, 0], read_atlas(atlas) if atlas else ({}, None)
+    for where, text in enumerate(open(path), 1):
+        try:
+            line = read_line(text.rstrip("\n"))
+            if line["type"] == "point":
+                check(model, line, points)
+                count[0] += 1
+            else:
+                model = Model(line)
+                need(structure == {key: line[key] for key in structure}, "not that of the atlas")
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+            count[1] += 1
+            print(f"{path}:{where}: refused: {error or type(error).__name__}")
+    print(f"{count[0]} accepted, {count[1]} refused")
+    return 0 if count[0] and not count[1] else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]) if sys.argv[1:] else __doc__)
+    sys.exit(main(*sys.argv[1:3]) if sys.argv[1:] else __doc__)

@@ -286,12 +286,12 @@ static const cli_item items[] = {
          "and decides its stability. The decimals of masses, stiffnesses, normals and clearances count as exact. "
          "docs/proofs.md states the theorems. Structures with springs are left out, as are linear modes."},
     {.name = "verdict", .text = "proved, not proved (and why), or left out"},
-    {.name = "bits", .text = "of the numbers that were needed: 64, 128 or 256"},
+    {.name = "bits", .text = "of the numbers that were needed: 128, 256 or 512"},
     {.name = "distance", .text = "of the orbit that was proved from the stored one, relative; at most 1e-8"},
     {.name = "exists, unique",
      .text =
-         "radii: the orbit is within the first one of a centre, and there is no other within the second, on a plane "
-         "across the branch"},
+         "radii: the orbit is within the first one of a centre, and there is no other within the second with the same "
+         "value of the number that is held"},
     {.name = "approach", .text = "no impact is slower"},
     {.name = "stable, symmetric, reversible", .text = "as proved"},
     {.name = "--branch", .value = "ID", .text = "only this branch"},

@@ -1,12 +1,15 @@
 #include "certificate.h"
 
 #include <inttypes.h>
-#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "base/room.h"
 
-/* Digits of a centre beyond those that its bits give. */
-enum { MORE_DIGITS = 2 };
+enum {
+    DECIMALS = 15,    /* of states and flight times, in d and 2^-time s */
+    SIGNIFICANT = 12, /* digits of energy, period and trace, with no more than DECIMALS behind the point */
+};
 
 static const char *const ends[] = {"general", "rest", "impact", "centre"};
 static const char *const flags[] = {"no", "yes", "undecided"};
@@ -23,15 +26,27 @@ static char *finish(ric_buffer *b)
 
 /* -------------------------------------------------------------------- model */
 
+/* The fewest digits that give the number back, written as Python does, whose way of writing JSON is the one way in
+ * which a certificate may be written. */
+static void print_decimal(FILE *f, double x)
+{
+    enum { LEAST = -4, MOST = 16 }; /* powers of ten between which it has no exponent */
+    char text[40];
+    ric_enclosure_decimal(x, text);
+    const char *e = strchr(text, 'e'), *point = strchr(text, '.');
+    const int power = atoi(e + 1), places = point ? (int)(e - point) - 1 : 0;
+    if (power < LEAST || power >= MOST) fputs(text, f);
+    else fprintf(f, "%.*f", places > power ? places - power : 1, x);
+}
+
 static void print_matrix(FILE *f, const char *name, int rows, int columns, const double *x)
 {
-    char text[40];
     fprintf(f, ", \"%s\": [", name);
     for (int i = 0; i < rows; i++) {
-        fprintf(f, "%s[", i ? ", " : "");
+        fputs(i ? ", [" : "[", f);
         for (int j = 0; j < columns; j++) {
-            ric_enclosure_decimal(x[i * columns + j], text);
-            fprintf(f, "%s\"%s\"", j ? ", " : "", text);
+            if (j) fputs(", ", f);
+            print_decimal(f, x[i * columns + j]);
         }
         fputs("]", f);
     }
@@ -43,15 +58,14 @@ char *ric_certificate_model(const ric_model *m)
     static const char *const sides[] = {"both", "upper", "lower"};
     ric_buffer b;
     if (!ric_buffer_open(&b)) return NULL;
-    fprintf(b.file, "{\"type\": \"model\"");
+    fprintf(b.file, "{\"type\": \"model\", \"time\": %d", ric_enclosure_time(m));
     print_matrix(b.file, "mass", m->n_dof, m->n_dof, m->M);
     print_matrix(b.file, "stiffness", m->n_dof, m->n_dof, m->K);
     print_matrix(b.file, "normals", m->n_contact, m->n_dof, m->b);
     fputs(", \"clearances\": [", b.file);
     for (int i = 0; i < m->n_contact; i++) {
-        char text[40];
-        ric_enclosure_decimal(m->contact[i].clearance, text);
-        fprintf(b.file, "%s\"%s\"", i ? ", " : "", text);
+        if (i) fputs(", ", b.file);
+        print_decimal(b.file, m->contact[i].clearance);
     }
     fputs("], \"sides\": [", b.file);
     for (int i = 0; i < m->n_contact; i++) fprintf(b.file, "%s\"%s\"", i ? ", " : "", sides[m->contact[i].sides]);
@@ -61,100 +75,143 @@ char *ric_certificate_model(const ric_model *m)
 
 /* -------------------------------------------------------------------- point */
 
-static void print_number(FILE *f, const arb_t x, slong digits)
+/* x 10^decimals rounded to the nearest integer, if all numbers of the ball are rounded to one. */
+static bool round_to(const arb_t x, slong decimals, slong prec, fmpz_t out)
 {
-    arb_t mid;
-    arb_init(mid);
-    arb_get_mid_arb(mid, x);
-    char *text = arb_get_str(mid, digits, ARB_STR_NO_RADIUS);
-    fprintf(f, "\"%s\"", text);
+    arb_t y, ten;
+    arb_init(y);
+    arb_init(ten);
+    arb_ui_pow_ui(ten, 10, (ulong)labs(decimals), prec);
+    if (decimals >= 0) arb_mul(y, x, ten, prec);
+    else arb_div(y, x, ten, prec);
+    arb_set_d(ten, 0.5);
+    arb_add(y, y, ten, prec);
+    arb_floor(y, y, prec);
+    const bool unique = arb_get_unique_fmpz(out, y);
+    arb_clear(y);
+    arb_clear(ten);
+    return unique;
+}
+
+static void print_integer(FILE *f, const fmpz_t x)
+{
+    char *text = fmpz_get_str(NULL, 10, x);
+    fputs(text, f);
     flint_free(text);
-    arb_clear(mid);
 }
 
-/* Displacements, or velocities, of all blocks: X q, X p. */
-static void print_states(FILE *f, const char *name, const ric_chain *c, const ric_enclosure *e, int part, slong digits)
+typedef struct {
+    FILE *file;
+    const ric_chain *chain;
+    const ric_enclosure *e;
+    arb_srcptr u; /* balls that hold the orbit */
+    bool unique;  /* so far every number is rounded to one decimal */
+} writing;
+
+/* In units of the last decimal; the number that is held is one without rounding. */
+static void print_number(writing *w, int k, int number)
 {
-    arb_mat_t q, x;
-    arb_mat_init(q, c->n, 1);
-    arb_mat_init(x, e->n_dof, 1);
-    fprintf(f, ", \"%s\": [", name);
-    for (int k = 0; k < c->m; k++) {
-        for (slong i = 0; i < c->n; i++) arb_set(arb_mat_entry(q, i, 0), ric_chain_block(c, k) + part * c->n + i);
-        arb_mat_mul(x, e->X, q, e->prec + 32);
-        fprintf(f, "%s[", k ? ", " : "");
-        for (slong i = 0; i < e->n_dof; i++) {
-            if (i) fputs(", ", f);
-            print_number(f, arb_mat_entry(x, i, 0), digits);
+    const ric_chain *c = w->chain;
+    fmpz_t units;
+    arb_t x;
+    fmpz_init(units);
+    arb_init(x);
+    if (k == c->at && number == c->number) {
+        fmpz_ui_pow_ui(units, 10, DECIMALS - RIC_CHAIN_HELD);
+        fmpz_mul(units, units, c->held);
+    } else {
+        ric_chain_number(w->e, w->u + (slong)k * c->size, number, x);
+        if (!round_to(x, DECIMALS, w->e->prec, units)) w->unique = false;
+    }
+    print_integer(w->file, units);
+    arb_clear(x);
+    fmpz_clear(units);
+}
+
+/* Displacements or velocities of all blocks. */
+static void print_states(writing *w, const char *name, int first)
+{
+    fprintf(w->file, ", \"%s\": [", name);
+    for (int k = 0; k < w->chain->m; k++) {
+        fputs(k ? ", [" : "[", w->file);
+        for (int i = 0; i < w->e->n_dof; i++) {
+            if (i) fputs(", ", w->file);
+            print_number(w, k, first + i);
         }
-        fputs("]", f);
+        fputs("]", w->file);
     }
-    fputs("]", f);
-    arb_mat_clear(q);
-    arb_mat_clear(x);
+    fputs("]", w->file);
 }
 
-static void print_chain(FILE *f, const ric_chain *c, const ric_enclosure *e, slong digits)
+static void print_chain(writing *w)
 {
-    fprintf(f, ", \"start\": \"%s\", \"end\": \"%s\", \"sigma\": %d, \"time\": %d, \"faces\": [", ends[c->start],
-            ends[c->end], c->sign, e->time);
-    for (int k = 0; k <= c->m; k++) fprintf(f, "%s%d", k ? ", " : "", c->face[k]);
-    fputs("]", f);
-    print_states(f, "x", c, e, 0, digits);
-    print_states(f, "v", c, e, 1, digits);
-    fputs(", \"tau\": [", f);
+    const ric_chain *c = w->chain;
+    fprintf(w->file, ", \"start\": \"%s\", \"end\": \"%s\", \"faces\": [", ends[c->start], ends[c->end]);
+    for (int k = 0; k <= c->m; k++) fprintf(w->file, "%s%d", k ? ", " : "", c->face[k]);
+    fputs("]", w->file);
+    print_states(w, "x", 0);
+    print_states(w, "v", w->e->n_dof);
+    fputs(", \"tau\": [", w->file);
     for (int k = 0; k < c->m; k++) {
-        if (k) fputs(", ", f);
-        print_number(f, ric_chain_block(c, k) + 2 * c->n, digits);
+        if (k) fputs(", ", w->file);
+        print_number(w, k, 2 * w->e->n_dof);
     }
-    fprintf(f, "], \"block\": %d, \"plane\": [", c->at);
-    for (int i = 0; i <= 2 * e->n_dof; i++) {
-        char text[40];
-        ric_enclosure_decimal(c->plane[i], text);
-        fprintf(f, "%s\"%s\"", i ? ", " : "", text);
+    fprintf(w->file, "], \"held\": [%d, %d]", c->at, c->number);
+}
+
+/* Decimals behind the point with which a number has SIGNIFICANT digits; DECIMALS where it is small, or may be zero. */
+static bool find_decimals(const arb_t x, slong prec, slong *out)
+{
+    arb_t y, ten;
+    fmpz_t power;
+    arb_init(y);
+    arb_init(ten);
+    fmpz_init(power);
+    arb_abs(y, x);
+    arb_ui_pow_ui(ten, 10, DECIMALS - SIGNIFICANT + 1, prec);
+    arb_mul(y, y, ten, prec);
+    arb_sub_ui(ten, y, 1, prec);
+    *out = DECIMALS;
+    bool known = arb_is_negative(ten);
+    if (!known) {
+        arb_log(y, y, prec);
+        arb_const_log10(ten, prec);
+        arb_div(y, y, ten, prec);
+        arb_floor(y, y, prec);
+        known = arb_get_unique_fmpz(power, y) && fmpz_fits_si(power);
+        if (known) *out = DECIMALS - fmpz_get_si(power);
     }
-    fputs("]", f);
+    arb_clear(y);
+    arb_clear(ten);
+    fmpz_clear(power);
+    return known;
 }
 
-/* Radii in the largest number of x, v and tau, of a centre that was rounded to its digits. |x| <= |X| |q|, and |q| <=
- * |X' M| |x|: the numbers of all blocks together are below r in the norm of the proof. */
-static void print_radii(FILE *f, const ric_chain *c, const ric_enclosure *e, const ric_existence *x, slong digits)
+static void print_rounded(writing *w, const char *name, const arb_t x)
 {
-    const double exists = arf_get_d(arb_midref(x->exists), ARF_RND_CEIL);
-    const double unique = arf_get_d(arb_midref(x->unique), ARF_RND_FLOOR);
-    double largest = 1, spread = 1 + arf_get_d(arb_midref(e->spread), ARF_RND_CEIL);
-    arb_t norm;
-    arb_init(norm);
-    arb_mat_frobenius_norm(norm, e->back, e->prec);
-    const double back = arf_get_d(arb_midref(norm), ARF_RND_CEIL);
-    for (slong i = 0; i < (slong)c->m * c->size; i++)
-        largest = fmax(largest, spread * fabs(arf_get_d(arb_midref(c->u + i), ARF_RND_UP)));
-    fprintf(f, ", \"exists\": \"%.2e\", \"unique\": \"%.2e\"",
-            4 * spread * exists + c->n * largest * pow(10, 2 - (double)digits),
-            unique / (2 * sqrt(1 + c->m * (1 + 2 * e->n_dof * back * back))));
-    arb_clear(norm);
+    slong decimals;
+    fmpz_t units;
+    fmpz_init(units);
+    if (!find_decimals(x, w->e->prec, &decimals) || !round_to(x, decimals, w->e->prec, units)) w->unique = false;
+    fprintf(w->file, ", \"%s\": [", name);
+    print_integer(w->file, units);
+    fprintf(w->file, ", %d]", (int)-decimals);
+    fmpz_clear(units);
 }
 
-/* An interval of doubles, one more outwards, as 17 digits are not quite the double. */
-static void print_interval(FILE *f, const char *name, const double x[2])
+char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z, const ric_proof *proof)
 {
-    if (isfinite(x[0]) && isfinite(x[1]))
-        fprintf(f, ", \"%s\": [\"%.17g\", \"%.17g\"]", name, nextafter(x[0], -HUGE_VAL), nextafter(x[1], HUGE_VAL));
-}
-
-char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_existence *x, const ric_proof *proof)
-{
-    const slong digits = e->prec * 3 / 10 + MORE_DIGITS;
     ric_buffer b;
     if (!ric_buffer_open(&b)) return NULL;
-    fprintf(b.file, "{\"type\": \"point\", \"branch\": %d, \"point\": %d, \"bits\": %d", proof->branch, proof->point,
-            proof->bits);
-    print_chain(b.file, c, e, digits);
-    print_radii(b.file, c, e, x, digits);
-    print_interval(b.file, "energy", proof->energy);
-    print_interval(b.file, "period", proof->period);
-    print_interval(b.file, "trace", proof->trace);
+    writing w = {.file = b.file, .chain = c, .e = e, .u = z->u, .unique = true};
+    fprintf(b.file, "{\"type\": \"point\", \"branch\": %d, \"point\": %d", proof->branch, proof->point);
+    print_chain(&w);
+    print_rounded(&w, "energy", z->energy);
+    print_rounded(&w, "period", z->period);
+    if (e->n == 2 && e->n_dof == 2) print_rounded(&w, "trace", z->trace);
     fprintf(b.file, ", \"stable\": \"%s\", \"symmetric\": %s, \"reversible\": %s", flags[proof->stable],
             proof->symmetric ? "true" : "false", proof->reversible ? "true" : "false");
-    return finish(&b);
+    char *text = finish(&b);
+    if (text && !w.unique) *text = 0;
+    return text;
 }

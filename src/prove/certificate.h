@@ -3,10 +3,16 @@
 #define RIC_PROVE_CERTIFICATE_H
 
 #include "chain.h"
-#include "existence.h"
 
-/* One line each, to be freed; NULL: no memory. */
+/* What balls hold of an orbit. */
+typedef struct {
+    arb_srcptr u; /* [m * size] the blocks of its chain */
+    arb_srcptr energy, period, trace;
+} ric_measured;
+
+/* One line each, to be freed; NULL: no memory. The line of a point is "" where a number is not told from the middle of
+ * two decimals: more bits tell it. */
 char *ric_certificate_model(const ric_model *model);
-char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_existence *x, const ric_proof *proof);
+char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z, const ric_proof *proof);
 
 #endif

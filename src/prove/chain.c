@@ -40,6 +40,31 @@ void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_pt
     arb_clear(x);
 }
 
+void ric_chain_number_row(const ric_enclosure *e, int number, arb_ptr out)
+{
+    slong n = e->n, part = number / e->n_dof, j = number % e->n_dof;
+    _arb_vec_zero(out, 2 * n + 1);
+    if (part > 1) arb_one(out + 2 * n);
+    else _arb_vec_set(out + part * n, arb_mat_entry(e->X, j, 0), n);
+}
+
+void ric_chain_number(const ric_enclosure *e, arb_srcptr block, int number, arb_t out)
+{
+    slong n = e->n, part = number / e->n_dof, j = number % e->n_dof;
+    if (part > 1) arb_set(out, block + 2 * n);
+    else arb_dot(out, NULL, 0, arb_mat_entry(e->X, j, 0), 1, block + part * n, 1, n, e->prec);
+}
+
+void ric_chain_held(const ric_chain *c, slong prec, arb_t out)
+{
+    arb_t unit;
+    arb_init(unit);
+    arb_ui_pow_ui(unit, 10, RIC_CHAIN_HELD, prec);
+    arb_set_fmpz(out, c->held);
+    arb_div(out, out, unit, prec);
+    arb_clear(unit);
+}
+
 void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out)
 {
     arb_dot(out, NULL, 0, ric_enclosure_c(e, e->wall[face].contact), 1, x, 1, e->n, e->prec);
@@ -243,7 +268,6 @@ static void allocate(ric_chain *c, const ric_enclosure *e, int m)
     c->face = flint_calloc((size_t)m + 1, sizeof *c->face);
     c->u = _arb_vec_init((slong)m * c->size + 1);
     c->row = _arb_vec_init(c->size);
-    c->plane = flint_calloc((size_t)(2 * e->n_dof + 1), sizeof *c->plane);
 }
 
 static void fill_general(ric_chain *c, const ric_enclosure *e, const motion *z, bool half)
@@ -301,7 +325,7 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
                       const double *flights)
 {
     motion z;
-    *c = (ric_chain){.sign = 1};
+    *c = (ric_chain){.sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
     motion_open(&z, e, branch, state, flights);
     if (branch->reversible) find_mirrors(e, &z);
@@ -317,6 +341,6 @@ void ric_chain_free(ric_chain *c)
     _arb_vec_clear(c->u, (slong)c->m * c->size + 1);
     _arb_vec_clear(c->row, c->size);
     flint_free(c->face);
-    flint_free(c->plane);
+    fmpz_clear(c->held);
     c->u = NULL;
 }

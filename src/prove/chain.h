@@ -6,13 +6,17 @@
  *   w_k+1 = Q_k+1 F(tau_k) w_k,  s_k+1 c.q_k+1 = d_k+1                          (k = 0..m-2)
  *   general: s_0 c.q_0 = d_0,  w_0 = sigma (1 + lambda) Q_0 F(tau_m-1) w_m-1    (sigma = -1: half a period)
  *   reversible: n conditions of a mirror point on w_0, n on F(tau_m-1) w_m-1    (docs/theory.md section 4)
- *   row . (block `at` - its centre) = 0                                        a plane across the curve of orbits
+ *   one number of x, v or tau of block `at` = held / 10^RIC_CHAIN_HELD         a plane across the curve of orbits
  * Flights and impacts keep the energy, so a zero has E(w_0) = (1 + lambda)^2 E(w_0): with E > 0 and |lambda| < 1 it is
  * lambda = 0, and the chain closes. */
 #ifndef RIC_PROVE_CHAIN_H
 #define RIC_PROVE_CHAIN_H
 
 #include "enclosure.h"
+
+/* Decimals of the number that is held, lengths in d and times in 2^-time s: what rounds it moves an orbit by no more
+ * than what is stored is off anyway. */
+enum { RIC_CHAIN_HELD = 12 };
 
 typedef enum { RIC_CHAIN_GENERAL, RIC_CHAIN_REST, RIC_CHAIN_IMPACT, RIC_CHAIN_CENTRE } ric_chain_end;
 
@@ -24,9 +28,10 @@ typedef struct {
     int first;                /* the impact of the word, from 0, at or before which the chain begins */
     bool half_flight;         /* it begins in the middle of the flight after that impact */
     arb_ptr u;                /* [m * size + 1] centre, exact; lambda last */
-    int at;                   /* block of the plane */
-    double *plane;            /* [2 n_dof + 1] the plane across the curve, on x, v and tau */
-    arb_ptr row;              /* [size] the same on q, p and tau */
+    int at, number; /* block of the plane, and which of its numbers is held (ric_chain_number); -1: none yet */
+    fmpz_t held;    /* at what, in units of 10^-RIC_CHAIN_HELD */
+    arb_ptr row;    /* [size] the derivative of that number, times 2^-scale so that its size is near 1 */
+    slong scale;
 } ric_chain;
 
 /* The chain of an orbit: state right after impact 0 [2 n_dof], flights, word of `branch`, which also says in which
@@ -65,6 +70,11 @@ static inline int ric_chain_copies(const ric_chain *c)
     return (ric_chain_general(c) ? 1 : 2) * (ric_chain_symmetric(c) ? 2 : 1);
 }
 
+/* A number of a block: x [n_dof], then v [n_dof], then tau; and its derivative by (q, p, tau), out [2n + 1]. */
+void ric_chain_number(const ric_enclosure *e, arb_srcptr block, int number, arb_t out);
+void ric_chain_number_row(const ric_enclosure *e, int number, arb_ptr out);
+/* What the number of the plane is held at. */
+void ric_chain_held(const ric_chain *c, slong prec, arb_t out);
 /* out = F0(tau) w, [2n] each, out may not be w. */
 void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_ptr out);
 /* p <- Q p for the contact of `face`. */

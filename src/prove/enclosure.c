@@ -15,6 +15,11 @@ enum {
 
 /* ----------------------------------------------------------------- decimals */
 
+int ric_enclosure_time(const ric_model *model)
+{
+    return ilogb(model->omega_ref);
+}
+
 void ric_enclosure_decimal(double x, char out[40])
 {
     for (int digits = 1; digits <= 17; digits++) {
@@ -392,7 +397,7 @@ bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
                          .n_face = m->n_face};
     double cc = 0;
     for (int i = 0; i < m->n_dof; i++) cc += m->normal[i] * m->normal[i];
-    e->time = ilogb(m->omega_ref);
+    e->time = ric_enclosure_time(m);
     e->mass = 2 * (ilogb(cc) / 2);
     allocate(e);
     basis z;

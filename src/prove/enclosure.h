@@ -45,6 +45,8 @@ void ric_enclosure_free(ric_enclosure *e);
  * none. */
 void ric_enclosure_slack(const ric_enclosure *e, const arb_t t, arb_t out);
 
+/* The exponent of the scale of times: 2^time is near the frequency that the model is scaled by. */
+int ric_enclosure_time(const ric_model *model);
 /* A decimal as it is printed with the fewest digits that give the number back. */
 void ric_enclosure_decimal(double x, char out[40]);
 

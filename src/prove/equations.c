@@ -240,11 +240,21 @@ static void put_end(const ric_enclosure *e, const ric_chain *c, ric_equation_gro
     _arb_vec_clear(flown, 2 * n);
 }
 
-static void put_plane(const ric_chain *c, ric_equation_group *g)
+/* A first plane that holds no number yet goes through the centre. */
+static void put_plane(const ric_enclosure *e, const ric_chain *c, ric_equation_group *g)
 {
+    arb_t held;
     arb_mat_zero(g->J);
-    arb_mat_zero(g->F); /* the centre lies in it */
+    arb_mat_zero(g->F);
     for (slong i = 0; i < c->size; i++) arb_set(arb_mat_entry(g->J, 0, i), c->row + i);
+    if (c->number < 0) return;
+    arb_init(held);
+    ric_chain_held(c, e->prec, held);
+    arb_mul_2exp_si(held, held, -c->scale);
+    arb_ptr F = arb_mat_entry(g->F, 0, 0);
+    arb_dot(F, NULL, 0, c->row, 1, ric_chain_block(c, c->at), 1, c->size, e->prec);
+    arb_sub(F, F, held, e->prec);
+    arb_clear(held);
 }
 
 void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclosure *e)
@@ -252,5 +262,5 @@ void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclo
     for (int k = 0; k + 1 < c->m; k++) put_link(e, c, k, &q->group[k]);
     put_start(e, c, ric_equation_start(q));
     put_end(e, c, ric_equation_end(q));
-    put_plane(c, ric_equation_plane(q));
+    put_plane(e, c, ric_equation_plane(q));
 }

@@ -81,53 +81,30 @@ static void scale(const problem *p, double by)
 
 /* -------------------------------------------------------------------- plane */
 
-/* The plane across `along`, numbers of a block, as doubles on x, v and tau: short to write down, and any plane will do.
- * The row on q and p is X' times those. */
-static void lay_row(const problem *p, arb_srcptr along, slong n)
+static double size_of_vector(arb_srcptr x, slong n)
 {
-    ric_chain *c = p->c;
-    const ric_enclosure *e = p->e;
-    const slong dof = e->n_dof;
-    c->plane[2 * dof] = n > 2 * c->n ? arf_get_d(arb_midref(along + 2 * c->n), ARF_RND_NEAR) : 0;
-    arb_set_d(c->row + 2 * c->n, c->plane[2 * dof]);
-    for (slong part = 0; part < 2; part++) {
-        for (slong j = 0; j < dof; j++) {
-            double sum = 0;
-            for (slong i = 0; i < c->n; i++)
-                sum += arf_get_d(arb_midref(along + part * c->n + i), ARF_RND_NEAR) *
-                       arf_get_d(arb_midref(arb_mat_entry(e->back, i, j)), ARF_RND_NEAR);
-            c->plane[part * dof + j] = (double)(float)sum;
-        }
-        for (slong i = 0; i < c->n; i++) {
-            arb_ptr to = c->row + part * c->n + i;
-            arb_zero(to);
-            for (slong j = 0; j < dof; j++) {
-                arb_t x;
-                arb_init(x);
-                arb_set_d(x, c->plane[part * dof + j]);
-                arb_addmul(to, x, arb_mat_entry(e->X, j, i), e->prec);
-                arb_clear(x);
-            }
-        }
-    }
+    double sum = 0;
+    for (slong i = 0; i < n; i++) sum += pow(arf_get_d(arb_midref(x + i), ARF_RND_NEAR), 2);
+    return sqrt(sum);
 }
 
-/* Makes the row of block `at` the unit vector along the numbers of that block of x, or of the state there. */
-static bool lay_plane(problem *p, int at, arb_mat_t x, slong n)
+static void lay_plane(problem *p, int at)
 {
-    double size = block_size(x);
-    if (!(size > 0) || !isfinite(size)) return false;
-    arb_ptr along = _arb_vec_init(n);
-    arb_t factor;
-    arb_init(factor);
-    arb_set_d(factor, 1 / size);
-    for (slong i = 0; i < n; i++) arb_mul(along + i, arb_mat_entry(x, i, 0), factor, p->e->prec);
     p->c->at = at;
-    lay_row(p, along, n);
-    _arb_vec_clear(along, n);
-    arb_clear(factor);
     ric_equation_free(&p->q);
     ric_equation_create(&p->q, p->c);
+}
+
+/* The first plane: across the state of block 0. */
+static bool lay_first(problem *p)
+{
+    ric_chain *c = p->c;
+    const double size = size_of_vector(ric_chain_block(c, 0), 2 * c->n);
+    if (!(size > 0) || !isfinite(size)) return false;
+    _arb_vec_set(c->row, ric_chain_block(c, 0), 2 * c->n);
+    arb_zero(c->row + 2 * c->n);
+    _arb_vec_scalar_mul_2exp_si(c->row, c->row, c->size, -ilogb(size));
+    lay_plane(p, 0);
     return true;
 }
 
@@ -138,21 +115,63 @@ static bool factorise(problem *p)
     return ric_factor_make(&p->f, p->zero);
 }
 
-/* The tangent of the curve of orbits, from a plane that need not be a good one: D v = (0, .., 0, 1). */
+/* How much number i of block k changes along x, over the size of its derivative. */
+static double change(const problem *p, int k, int i, arb_ptr row, arb_t x)
+{
+    const ric_chain *c = p->c;
+    ric_chain_number_row(p->e, i, row);
+    arb_dot(x, NULL, 0, row, 1, arb_mat_entry(p->x[k], 0, 0), 1, c->size, p->e->prec);
+    const double size = size_of_vector(row, c->size);
+    return size > 0 ? fabs(arf_get_d(arb_midref(x), ARF_RND_NEAR)) / size : 0;
+}
+
+/* Holds number i of block k at what it is, rounded. */
+static void hold(problem *p, int k, int i)
+{
+    ric_chain *c = p->c;
+    arb_t x, unit;
+    arb_init(x);
+    arb_init(unit);
+    c->number = i;
+    ric_chain_number(p->e, ric_chain_block(c, k), i, x);
+    arb_ui_pow_ui(unit, 10, RIC_CHAIN_HELD, p->e->prec);
+    arb_mul(x, x, unit, p->e->prec);
+    arf_get_fmpz(c->held, arb_midref(x), ARF_RND_NEAR);
+    ric_chain_number_row(p->e, i, c->row);
+    c->scale = ilogb(size_of_vector(c->row, c->size));
+    _arb_vec_scalar_mul_2exp_si(c->row, c->row, c->size, -c->scale);
+    lay_plane(p, k);
+    arb_clear(x);
+    arb_clear(unit);
+}
+
+/* The tangent of the curve of orbits, from a plane that need not be a good one: D v = (0, .., 0, 1). The number that
+ * changes most along it is held: a plane that a decimal says, and that turns away from no curve. */
 static bool find_plane(problem *p)
 {
     const ric_chain *c = p->c;
+    if (!lay_first(p) || !factorise(p)) return false;
     vector_zero(p);
-    for (slong i = 0; i < 2 * c->n; i++) arb_set(arb_mat_entry(p->x[0], i, 0), ric_chain_block(c, 0) + i);
-    if (!lay_plane(p, 0, p->x[0], 2 * c->n) || !factorise(p)) return false;
-    const ric_equation_group *plane = ric_equation_plane(&p->q);
-    vector_zero(p);
-    for (slong i = 0; i < c->size; i++) arb_set(arb_mat_entry(p->x[0], i, 0), arb_mat_entry(plane->J, 0, i));
+    for (slong i = 0; i < c->size; i++) arb_get_mid_arb(arb_mat_entry(p->x[0], i, 0), c->row + i);
     ric_factor_solve(&p->f, p->x);
-    int largest = 0;
-    for (int k = 1; k < c->m; k++)
-        if (block_size(p->x[k]) > block_size(p->x[largest])) largest = k;
-    return lay_plane(p, largest, p->x[largest], c->size);
+    arb_ptr row = _arb_vec_init(c->size);
+    arb_t x;
+    arb_init(x);
+    double most = 0;
+    int block = 0, number = -1;
+    for (int k = 0; k < c->m; k++)
+        for (int i = 0; i <= 2 * p->e->n_dof; i++) {
+            const double here = change(p, k, i, row, x);
+            if (!(here > most)) continue;
+            most = here;
+            block = k;
+            number = i;
+        }
+    arb_clear(x);
+    _arb_vec_clear(row, c->size);
+    if (number < 0 || !isfinite(most)) return false;
+    hold(p, block, number);
+    return true;
 }
 
 /* ------------------------------------------------------------------- centre */
@@ -169,14 +188,14 @@ static void step_back(problem *p)
 }
 
 /* Newton's method from the stored orbit until steps no longer shrink; lambda stays 0. */
-static bool refine(problem *p, double *moved)
+static bool refine(problem *p, double *shift, double *moved)
 {
     double before = HUGE_VAL, largest = 0;
     for (int k = 0; k < p->c->m; k++) {
         for (slong i = 0; i < p->c->size; i++) arb_set(arb_mat_entry(p->x[k], i, 0), ric_chain_block(p->c, k) + i);
         largest = fmax(largest, block_size(p->x[k]));
     }
-    *moved = 0;
+    *shift = 0;
     for (int step = 0; step < NEWTON; step++) {
         if (!factorise(p)) return false;
         gradient(p);
@@ -185,10 +204,11 @@ static bool refine(problem *p, double *moved)
         if (!isfinite(size)) return false;
         if (size > before / 2) break;
         step_back(p);
-        *moved += size / (1 + largest);
+        *shift += size;
         before = size;
         if (size == 0 || size < ldexp(1 + largest, 4 - (int)p->e->prec)) break;
     }
+    *moved = *shift / (1 + largest);
     return true;
 }
 
@@ -409,7 +429,7 @@ static bool conclude(const problem *p, ric_existence *x, const arb_t least)
 
 void ric_existence_init(ric_existence *x)
 {
-    *x = (ric_existence){.moved = HUGE_VAL};
+    *x = (ric_existence){.moved = HUGE_VAL, .shift = HUGE_VAL};
     arb_init(x->exists);
     arb_init(x->unique);
 }
@@ -420,15 +440,22 @@ void ric_existence_clear(ric_existence *x)
     arb_clear(x->unique);
 }
 
+/* What is stored lies where the orbit is the only one. */
+static bool identifies(const ric_existence *x)
+{
+    return x->shift < arf_get_d(arb_midref(x->unique), ARF_RND_FLOOR);
+}
+
 static const char *prove(problem *p, ric_existence *x)
 {
     arb_t least;
     if (!find_plane(p)) return "the equations are singular there: a junction";
-    if (!refine(p, &x->moved)) return "no orbit was found from it";
+    if (!refine(p, &x->shift, &x->moved)) return "no orbit was found from it";
     if (!factorise(p)) return "the equations are singular there: a junction";
     arb_init(least);
     const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
                       : !conclude(p, x, least) ? "the equations are too near to singular for what is left of them"
+                      : !identifies(x)         ? "another orbit may lie as near: a junction"
                                                : NULL;
     arb_clear(least);
     return why;

@@ -10,6 +10,7 @@
 
 typedef struct {
     double moved;         /* of the centre from where the chain began, over 1 + |its largest block| */
+    double shift;         /* the same, as it is */
     arb_t exists, unique; /* radii around the centre */
 } ric_existence;
 

@@ -16,7 +16,7 @@
 #define NEAR 1e-8
 
 enum { PRECISIONS = 3 };
-static const slong bits[PRECISIONS] = {64, 128, 256};
+static const slong bits[PRECISIONS] = {128, 256, 512};
 
 struct ric_prover {
     const ric_atlas *atlas;
@@ -238,11 +238,12 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
     else if (!status && prove(&t, &branch, state, flights, out)) {
         tell(&t, out);
         const bool agree = agrees(&t, &stored, out);
-        *more = !agree || (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
+        const ric_measured z = {t.u, t.energy, t.period, t.monodromy.trace};
         out->state = agree ? RIC_PROOF_DONE : RIC_PROOF_NONE;
         free(p->certificate);
-        p->certificate = agree ? ric_certificate_point(&t.chain, e, &t.existence, out) : ric_strdup("");
+        p->certificate = agree ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
         if (!p->certificate) status = ric_no_memory("a certificate");
+        *more = !agree || !p->certificate || !*p->certificate || (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
     }
     theorem_close(&t);
     free(state);
