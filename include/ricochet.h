@@ -289,9 +289,10 @@ typedef struct {
     const int *junctions;      /* ids of the interior ones, in order */
     const double *junction_at; /* their arclengths */
     int depth;
-    int mode;    /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
-    int family;  /* the least id of the branches that a chain of junctions joins with this one */
-    bool linked; /* one of these leaves a linear mode, or is one; else they are an island */
+    int mode;     /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
+    int family;   /* the least id of the branches that a chain of junctions joins with this one */
+    bool linked;  /* one of these leaves a linear mode, or is one; else they are an island */
+    int n_proved; /* points with a proof that is kept with the atlas (ric_proof_kept) */
 } ric_branch;
 /* A linear mode: no contact acts. Under a power law only modes that no contact sees. */
 bool ric_branch_linear(const ric_model *model, const ric_branch *branch);
@@ -763,6 +764,14 @@ typedef struct {
     ric_stability stable;  /* as proved */
     bool symmetric, reversible; /* as proved */
 } ric_proof;
+
+/* The proof of point `i` of a branch that is kept in the file of the atlas, and its certificate, "" if there is none,
+ * borrowed; either may be NULL. false: none is kept of the point as it is. */
+bool ric_proof_kept(const ric_atlas *atlas, int branch, int i, ric_proof *out, const char **certificate);
+/* Keeps `n` proofs of points of the atlas and their certificates, NULL where there is none, in the file that it was
+ * read from. */
+ric_status ric_proof_keep(const char *path, const ric_atlas *atlas, int n, const ric_proof *proofs,
+                          const char *const *certificates);
 
 bool ric_prover_available(void);
 /* To be used by one thread; the atlas has to stay. */

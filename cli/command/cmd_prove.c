@@ -16,14 +16,13 @@
 enum { MOST_WORKERS = 256, MOST_TOLD = 20 };
 
 typedef struct {
-    bool done;
+    bool done, kept;
     ric_proof proof;
-    char *certificate; /* NULL: none was asked for */
+    char *certificate; /* NULL or "": none */
 } result;
 
 typedef struct {
     const ric_atlas *atlas;
-    bool certify;
     result *results;
     int n;
     char *model; /* first line of the certificates */
@@ -61,7 +60,7 @@ static ric_status prove_one(work_list *w, ric_prover *prover, result *r)
     ric_status status = ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
     if (status) return status;
     const char *text = ric_prover_certificate(prover);
-    if (w->certify && *text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
+    if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
     r->done = true;
     atomic_fetch_add(&w->finished, 1);
     return RIC_OK;
@@ -76,7 +75,7 @@ static void *work(void *user)
     while (!status && !w->stop) {
         int i = atomic_fetch_add(&w->next, 1);
         if (i >= w->n) break;
-        status = prove_one(w, prover, &w->results[i]);
+        if (!w->results[i].done) status = prove_one(w, prover, &w->results[i]);
     }
     if (status) fail(w, status);
     ric_prover_free(prover);
@@ -122,8 +121,34 @@ static ric_status add_points(work_list *w, int id, long point)
     result *more = realloc(w->results, (size_t)(w->n + last - first + 1) * sizeof *more);
     if (!more && last >= first) return RIC_E_NOMEM;
     w->results = more;
-    for (int i = first; i <= last; i++) w->results[w->n++] = (result){.proof = {.branch = id, .point = i}};
+    for (int i = first; i <= last; i++) {
+        result *r = &w->results[w->n++];
+        const char *certificate = NULL;
+        *r = (result){.proof = {.branch = id, .point = i}};
+        if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate)) continue;
+        r->done = r->kept = true;
+        w->finished++;
+        if (!(r->certificate = strdup(certificate))) return RIC_E_NOMEM;
+    }
     return RIC_OK;
+}
+
+/* In the file of the atlas what was proved now, so that it need not be proved again: no failure of the proofs if the
+ * file is one that cannot be written, or that a run has open. */
+static void keep(const work_list *w, const char *path)
+{
+    ric_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
+    const char **certificates = calloc((size_t)w->n + 1, sizeof *certificates);
+    int n = 0;
+    for (int i = 0; proofs && certificates && i < w->n; i++) {
+        if (!w->results[i].done || w->results[i].kept) continue;
+        proofs[n] = w->results[i].proof;
+        certificates[n++] = w->results[i].certificate;
+    }
+    if (n && ric_proof_keep(path, w->atlas, n, proofs, certificates))
+        cli_say("ricochet: the proofs are not kept: %s\n", ric_detail());
+    free(proofs);
+    free(certificates);
 }
 
 /* ------------------------------------------------------------------ answers */
@@ -190,11 +215,12 @@ static int tell_all(const work_list *w, FILE *out, bool verbose)
         ends += end;
         if ((!end || verbose) && told++ < MOST_TOLD) tell_failure(w, p);
     }
-    cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
-             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
-    if (ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
-    if (count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
-    for (int i = 0; i < w->n && count[RIC_PROOF_LEFT_OUT]; i++)
+    if (out)
+        cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
+                 count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
+    if (out && ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
+    if (out && count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
+    for (int i = 0; out && i < w->n && count[RIC_PROOF_LEFT_OUT]; i++)
         if (w->results[i].done && w->results[i].proof.state == RIC_PROOF_LEFT_OUT) {
             cli_tell(out, "the first of them: %s\n", w->results[i].proof.why);
             break;
@@ -216,7 +242,7 @@ static int write_certificates(const work_list *w, const char *path)
     }
     fprintf(f, "%s\n", w->model ? w->model : "");
     for (int i = 0; i < w->n; i++)
-        if (w->results[i].certificate) fprintf(f, "%s\n", w->results[i].certificate);
+        if (w->results[i].certificate && *w->results[i].certificate) fprintf(f, "%s\n", w->results[i].certificate);
     const bool lost = ferror(f) || fflush(f);
     if (!fclose(f) && !lost) return CLI_DONE;
     cli_say("ricochet: %s cannot be written\n", path);
@@ -243,6 +269,35 @@ static void release(work_list *w)
     free(w->model);
 }
 
+/* Proves what is listed and keeps it. */
+static ric_status prove_all(work_list *w, const char *path, int workers)
+{
+    const ric_status status = work_all(w, workers);
+    if (!status) keep(w, path);
+    if (status && *w->detail) cli_say("ricochet: %s\n", w->detail);
+    return status;
+}
+
+static ric_status list_points(work_list *w, int branch, long point)
+{
+    ric_status status = branch ? add_points(w, branch, point) : RIC_OK;
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(w->atlas); id++) status = add_points(w, id, -1);
+    return status;
+}
+
+int cli_prove_atlas(const char *path, int workers, FILE *out)
+{
+    ric_atlas *atlas = NULL;
+    work_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    ric_status status = ric_atlas_read(path, &atlas);
+    w.atlas = atlas;
+    if (!status) status = list_points(&w, 0, -1);
+    int code = status ? cli_report(status) : prove_all(&w, path, workers) ? CLI_FAILED : tell_all(&w, out, false);
+    release(&w);
+    ric_atlas_free(atlas);
+    return code;
+}
+
 static int run(int argc, char **argv)
 {
     cli_format format;
@@ -263,16 +318,9 @@ static int run(int argc, char **argv)
     if (point_text && !text) return cli_wrong("prove: --point needs --branch ID, whose points it counts");
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;
-    w.certify = path != NULL;
-    if (!status && branch) status = add_points(&w, (int)branch, point);
-    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_points(&w, id, -1);
-    if (!status && (status = work_all(&w, (int)workers)) && *w.detail) {
-        cli_say("ricochet: %s\n", w.detail);
-        release(&w);
-        ric_atlas_free(atlas);
-        return CLI_FAILED;
-    }
-    int code = status ? cli_report(status) : path ? write_certificates(&w, path) : CLI_DONE;
+    if (!status) status = list_points(&w, (int)branch, point);
+    int code = status ? cli_report(status) : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED : CLI_DONE;
+    if (code == CLI_DONE && path) code = write_certificates(&w, path);
     if (code == CLI_DONE) code = print_all(&w, format, verbose);
     release(&w);
     ric_atlas_free(atlas);
@@ -284,7 +332,8 @@ static const cli_item items[] = {
          "Proves by ball arithmetic that there is exactly one orbit with the word of its branch near a stored "
          "point, that its impacts approach and no stop is passed in between, encloses its energy, period and trace, "
          "and decides its stability. The decimals of masses, stiffnesses, normals and clearances count as exact. "
-         "docs/proofs.md states the theorems. Structures with springs are left out, as are linear modes."},
+         "docs/proofs.md states the theorems. Structures with springs are left out, as are linear modes. Proofs are "
+         "kept in the atlas, outside its digest, and what is kept is not proved again."},
     {.name = "verdict", .text = "proved, not proved (and why), or left out"},
     {.name = "bits", .text = "of the numbers that were needed: 128, 256 or 512"},
     {.name = "distance", .text = "of the orbit that was proved from the stored one, relative; at most 1e-8"},

@@ -54,6 +54,34 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
     return RIC_OK;
 }
 
+/* -------------------------------------------------------------------- proofs */
+
+/* How many of the orbits with impacts are theorems; nothing is said of an atlas for which that was not asked. */
+static void add_proofs(json_t *rows, const ric_atlas *atlas)
+{
+    int proved = 0, tried = 0, points = 0, left_out = 0;
+    const char *why = "";
+    ric_proof proof;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch branch;
+        if (ric_atlas_branch(atlas, id, &branch) || branch.letters == 0) continue;
+        points += branch.n_point;
+        for (int i = 0; i < branch.n_point; i++) {
+            if (!ric_proof_kept(atlas, id, i, &proof, NULL)) continue;
+            tried++;
+            proved += proof.state == RIC_PROOF_DONE;
+            left_out += proof.state == RIC_PROOF_LEFT_OUT;
+            if (proof.state == RIC_PROOF_LEFT_OUT) why = proof.why;
+        }
+    }
+    if (!tried) return;
+    json_t *detail = left_out         ? json_sprintf("of %d with impacts; left out: %s", points, why)
+                     : tried < points ? json_sprintf("of %d with impacts; %d not tried", points, points - tried)
+                                      : json_sprintf("of %d with impacts, and %d that are not", points, tried - proved);
+    add_count(rows, "points proved", proved, detail ? json_string_value(detail) : "");
+    json_decref(detail);
+}
+
 /* ---------------------------------------------------------------------- gaps */
 
 /* One end of a branch: its junction if there is one, and where it is. */
@@ -311,6 +339,7 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
 {
     ric_status status = add_branches(rows, atlas);
     add_onset(rows, atlas);
+    if (!status) add_proofs(rows, atlas);
     if (!status) status = add_departures(rows, atlas);
     if (!status) status = add_islands(rows, atlas);
     if (!status) status = add_tongues(rows, atlas);

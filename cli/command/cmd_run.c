@@ -304,6 +304,7 @@ static int run(int argc, char **argv)
     display d = {.seconds = HUGE_VAL,
                  .quiet = cli_take_flag(&argc, argv, "--quiet"),
                  .json = cli_take_flag(&argc, argv, "--json")};
+    const bool prove = cli_take_flag(&argc, argv, "--prove");
     ric_study *study = NULL;
     int code;
     if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_workers(&argc, argv, 1024, &d.workers) ||
@@ -327,6 +328,8 @@ static int run(int argc, char **argv)
                          "give --seconds S to try for so long, or reduce the structure to the modes that matter",
                          argv[1], ric_model_n_mode(ric_study_model(study)));
     else code = explore(study, argv[1], path, d);
+    if (prove && code == CLI_DONE)
+        code = cli_prove_atlas(path, d.workers ? (int)d.workers : 1, d.quiet ? NULL : d.json ? stderr : stdout);
     free(path);
     ric_study_free(study);
     return code;
@@ -344,6 +347,7 @@ static const cli_item items[] = {
      .value = "S",
      .text = "stop after that time, with exit code 3 if there is more to do; the same command goes on from there. "
              "Needed where more than 200 modes take part"},
+    {.name = "--prove", .text = "when it is finished, prove its orbits as `ricochet prove` does"},
     {.name = "--quiet", .text = "no report and no progress; warnings and what stops it are said"},
     {.name = "--json", .text = "the report as `ricochet report --json` gives it"},
     {0},
@@ -353,7 +357,7 @@ const cli_command cli_run = {
     .name = "run",
     .summary = "explore a study into an atlas",
     .usage = "ricochet run STUDY [-o ATLAS] [-j WORKERS | --jobs WORKERS]\n"
-             "             [--max-step H] [--seconds S]\n"
+             "             [--max-step H] [--seconds S] [--prove]\n"
              "             [--quiet] [--json]\n",
     .items = items,
     .example = "ricochet run examples/elementary/study.yaml -o two-masses.ricochet\n",

@@ -211,6 +211,8 @@ ric_status cli_windows_rows(const ric_study *study, json_t *rows);
 ric_status cli_windows_tell(const ric_atlas *atlas);
 /* Junctions whose label, C_ab, a stopped run has not measured yet. */
 int cli_unmeasured(const ric_atlas *atlas);
+/* Proves the orbits of an atlas and keeps the proofs in it; the counts go to `out`, NULL: nowhere. An exit code. */
+int cli_prove_atlas(const char *path, int workers, FILE *out);
 /* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,
  * cmd_cascade.c and cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */
 /* Its internal resonances in words, "" if it follows none; each of them fits CLI_TONGUE bytes. */

@@ -155,6 +155,8 @@ class Branch:
         The least id of the branches that a chain of junctions joins with this one.
     linked : bool
         Whether one of these leaves a linear mode, or is one; else they are an island.
+    n_proved : int
+        Points with a proof that `ricochet prove` has kept in the file.
 
     The numbers of its points are arrays [n_point]: arclength, energy (scaled), frequency (rad/s), period (s), trace
     (lambda + 1/lambda, n = 2), log_trace, rotation (gamma of multipliers exp(+-2 pi i gamma)), reach (gap over clearance),

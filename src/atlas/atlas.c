@@ -66,6 +66,8 @@ void ric_atlas_free(ric_atlas *atlas)
     for (int i = 0; atlas->branches && i < atlas->n_branch; i++) ric_atlas_branch_record_free(&atlas->branches[i]);
     for (int i = 0; atlas->junctions && i < atlas->n_junction; i++)
         ric_atlas_junction_record_free(&atlas->junctions[i]);
+    for (int i = 0; i < atlas->n_proof; i++) free(atlas->proofs[i].certificate);
+    free(atlas->proofs);
     free(atlas->branches);
     free(atlas->junctions);
     ric_study_free(atlas->study);

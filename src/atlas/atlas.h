@@ -29,6 +29,12 @@ typedef struct {
     double *state, *flights;
 } ric_junction_record;
 
+/* A proof that is kept with the atlas. */
+typedef struct {
+    ric_proof proof;
+    char *certificate; /* "": none */
+} ric_proof_record;
+
 struct ric_atlas {
     ric_study *study; /* owned */
     bool finished;
@@ -36,6 +42,8 @@ struct ric_atlas {
     int n_branch, n_junction;
     ric_branch_record *branches;    /* [n_branch], id = index + 1 */
     ric_junction_record *junctions; /* [n_junction], id = index + 1 */
+    int n_proof;
+    ric_proof_record *proofs; /* by branch and point */
 };
 
 /* Whether every branch of `small` is in `large`, as far as words and ends tell. */

@@ -61,6 +61,7 @@ static const ric_column branch[] = {
     {COLUMN("mode", MODE, mode, NONE, RIC_LISTED,
             "number of the linear mode for its family and the backbone that leaves it, else 0")},
     {COLUMN("linked", FLAG, linked, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
+    {COLUMN("proved", INTEGER, n_proved, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
 };
 #undef ROW
 

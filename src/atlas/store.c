@@ -50,6 +50,12 @@ static ric_status begin(ric_store *store)
     return sqlite3_get_autocommit(store->file.db) ? ric_store_sqlite_run(store->file, "BEGIN IMMEDIATE") : RIC_OK;
 }
 
+ric_status ric_store_begin(ric_store *store, ric_database *file)
+{
+    *file = store->file;
+    return begin(store);
+}
+
 /* An empty file of ours, which SQLite then fills: what another has just laid there is neither filled nor removed. */
 static ric_status lay_file(const char *path)
 {

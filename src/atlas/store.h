@@ -44,6 +44,11 @@ ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
 ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas);
 ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas);
 
+/* Keeps proofs of points of `atlas`, and their certificates, NULL if there is none, outside the digest of the tables;
+ * in place of those of the same points. */
+ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n, const ric_proof *proofs,
+                                const char *const *certificates);
+
 /* Reads the tables back into a new atlas (study parsed from the file). */
 ric_status ric_store_read(const char *path, ric_atlas **out);
 

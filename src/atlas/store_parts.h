@@ -114,4 +114,14 @@ ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
 ric_status ric_store_put_gaps(ric_database file, const ric_atlas *atlas);
 ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas);
 
+/* ------------------------------------------------------------------ store.c */
+
+/* The database of a store, in a transaction that ric_store_commit ends. */
+ric_status ric_store_begin(ric_store *store, ric_database *file);
+
+/* ----------------------------------------------------------- store_proofs.c */
+
+/* Proofs of points that are what they were; none if there is no such table. */
+ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas);
+
 #endif

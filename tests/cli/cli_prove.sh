@@ -54,6 +54,52 @@ for row in proved:
         assert low <= high and min(abs(stored - low), abs(stored - high)) <= most * (1 + abs(stored)), (row, stored)
     assert stable == 2 or row['stable'] == ('no', 'yes')[stable]"
 
+# The table of proofs: changed by SQL, read as before
+ok 'proofs are kept, and not made again' python3 - "$ricochet" "$atlas" "$folder" <<'END'
+import json, os, shutil, sqlite3, subprocess, sys
+ricochet, atlas, folder = sys.argv[1:]
+copy = folder + "/kept.ricochet"
+run = lambda *call: subprocess.run([ricochet, *call], capture_output=True, text=True)
+lines = lambda path: open(path).read()
+def changed(sql):
+    shutil.copy(atlas, copy)
+    db = sqlite3.connect(copy)
+    db.execute(sql)
+    db.commit()
+    db.close()
+n, proved = (sum(row[key] for row in json.loads(run("branches", atlas, "--json").stdout)) for key in ("points", "proved"))
+db = sqlite3.connect(f"file:{atlas}?mode=ro", uri=True)
+assert db.execute("SELECT count(*), sum(verdict = 0) FROM proof").fetchone() == (n, proved) and proved > 680
+said = [row for row in json.loads(run("report", atlas, "--json").stdout) if row["item"] == "points proved"]
+assert [row["value"] for row in said] == [proved] and "of 702" in said[0]["detail"], said
+run("prove", atlas, "-o", folder + "/kept.jsonl")
+# A row that says more than was proved, a row of another point, a point that was changed: none of them counts.
+for sql, lost in (("UPDATE proof SET verdict = 0, why = '' WHERE verdict = 1", 0),
+                  ("UPDATE proof SET unique_within = 2 * unique_within WHERE branch = 3 AND verdict = 0", 1),
+                  ("UPDATE proof SET certificate = replace(certificate, '5', '6') WHERE verdict = 0", 1),
+                  ("UPDATE proof SET point = point + 1000 WHERE branch = 4", 1),
+                  ("UPDATE proof SET stable = 7 - stable", 1), ("DELETE FROM proof WHERE branch = 5", 1)):
+    changed(sql)
+    left = sum(row["proved"] for row in json.loads(run("branches", copy, "--json").stdout))
+    assert (left < proved) if lost else (left == proved), (sql, left, proved)
+    again = folder + "/again.jsonl"
+    assert run("prove", copy, "-o", again).returncode == 0, sql
+    assert lines(again) == lines(folder + "/kept.jsonl"), sql
+    assert sum(row["proved"] for row in json.loads(run("branches", copy, "--json").stdout)) == proved, sql
+    os.remove(again)
+# Stopped after a while it goes on where it was.
+changed("DELETE FROM proof WHERE branch > 7")
+db = sqlite3.connect(f"file:{copy}?mode=ro", uri=True)
+before = db.execute("SELECT count(*) FROM proof").fetchone()[0]
+db.close()
+assert 0 < before < n
+assert run("prove", copy, "--branch", "9").returncode == 0
+db = sqlite3.connect(f"file:{copy}?mode=ro", uri=True)
+assert db.execute("SELECT count(*) FROM proof WHERE branch > 7 AND branch <> 9").fetchone()[0] == 0
+assert db.execute("SELECT count(*) FROM proof").fetchone()[0] > before
+END
+ok 'the run proves what it found' bash -c '"$0" run examples/elementary/study.yaml -o "$1/again.ricochet" --prove | grep -q "^68[0-9] of 702 points proved"' "$ricochet" "$folder"
+
 # S2 without a mirror but in time: E = sum(c^2 / cos^2(omega tau / 2)) / 2 (sum(c^2 tan(omega tau / 2) / omega))^2
 ok 'S2[01] has the energy of its closed form' rows "$folder/all.json" '
 from mpmath import mp, mpf

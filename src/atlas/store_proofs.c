@@ -1,0 +1,200 @@
+/* Proofs that are kept in the file, in a table of their own outside its digest. Each row has a digest over itself and
+ * the point that it is of, so that a point that has changed since has none, and a damaged row is none. It is no
+ * signature: who wants to believe a proof checks its certificate. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+#include "store_parts.h"
+
+enum {
+    VERSION = 1, /* of what is proved and how it is written: rows of another one are proved again */
+    COLUMNS = 20,
+};
+
+static const char create[] =
+    "CREATE TABLE IF NOT EXISTS proof (branch INTEGER NOT NULL, point INTEGER NOT NULL, verdict INTEGER NOT NULL, why "
+    "TEXT "
+    "NOT NULL, bits INTEGER NOT NULL, stable INTEGER NOT NULL, symmetric INTEGER NOT NULL, reversible INTEGER NOT "
+    "NULL, "
+    "distance, exists_within, unique_within, energy_low, energy_high, period_low, period_high, trace_low, trace_high, "
+    "approach, certificate TEXT NOT NULL, digest INTEGER NOT NULL, PRIMARY KEY (branch, point)) WITHOUT ROWID";
+static const char insert[] = "INSERT OR REPLACE INTO proof VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
+static const char select_all[] =
+    "SELECT branch, point, verdict, why, bits, stable, symmetric, reversible, distance, exists_within, unique_within, "
+    "energy_low, energy_high, period_low, period_high, trace_low, trace_high, approach, certificate, digest FROM proof "
+    "ORDER BY branch, point";
+
+/* In the order of the columns. */
+static void list_numbers(const ric_proof *p, double out[10])
+{
+    const double all[10] = {p->distance,  p->exists,    p->unique,   p->energy[0], p->energy[1],
+                            p->period[0], p->period[1], p->trace[0], p->trace[1],  p->approach};
+    memcpy(out, all, sizeof all);
+}
+
+/* Over the point as it is stored, and what is said of it; NULL cannot be told from other numbers that are not finite.
+ */
+static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const char *certificate, uint64_t *out)
+{
+    const ric_branch *branch = &atlas->branches[p->branch - 1].row;
+    const ric_point_row row = ric_atlas_point_row(atlas, p->branch, p->point);
+    const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
+    double numbers[10];
+    ric_buffer b;
+    if (!ric_buffer_open(&b)) return ric_store_fail_memory();
+    list_numbers(p, numbers);
+    fprintf(b.file, "%d %d %d %d %d %d %d %d %d %d", VERSION, p->branch, p->point, (int)p->state, p->bits,
+            (int)p->stable, p->symmetric, p->reversible, branch->symmetric, branch->reversible);
+    for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %d", branch->word[i]);
+    fprintf(b.file, " %a %a %d", row.point.energy, row.point.frequency, (int)row.point.stable);
+    for (int i = 0; i < 2 * n_dof; i++) fprintf(b.file, " %a", row.state[i]);
+    for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %a", row.flights[i]);
+    for (int i = 0; i < 10; i++) fprintf(b.file, " %a", isfinite(numbers[i]) ? numbers[i] : NAN);
+    fprintf(b.file, " %s\n%s", p->why, certificate);
+    char *text = ric_buffer_take(&b);
+    if (!text) return ric_store_fail_memory();
+    *out = ric_store_digest(text, strlen(text));
+    free(text);
+    return RIC_OK;
+}
+
+/* --------------------------------------------------------------------- read */
+
+static int compare(const void *a, const void *b)
+{
+    const ric_proof *p = a, *q = &((const ric_proof_record *)b)->proof;
+    if (p->branch != q->branch) return p->branch < q->branch ? -1 : 1;
+    return (p->point > q->point) - (p->point < q->point);
+}
+
+bool ric_proof_kept(const ric_atlas *atlas, int branch, int i, ric_proof *out, const char **certificate)
+{
+    const ric_proof key = {.branch = branch, .point = i};
+    const ric_proof_record *found = atlas->n_proof ? bsearch(&key, atlas->proofs, (size_t)atlas->n_proof,
+                                                             sizeof *atlas->proofs, compare)
+                                                   : NULL;
+    if (!found) return false;
+    if (out) *out = found->proof;
+    if (certificate) *certificate = found->certificate;
+    return true;
+}
+
+static bool in_range(sqlite3_stmt *row, int column, int least, int most)
+{
+    const sqlite3_int64 value = sqlite3_column_int64(row, column);
+    return sqlite3_column_type(row, column) == SQLITE_INTEGER && least <= value && value <= most;
+}
+
+static double number(sqlite3_stmt *row, int column)
+{
+    return sqlite3_column_type(row, column) == SQLITE_NULL ? NAN : sqlite3_column_double(row, column);
+}
+
+/* false: it is no row that was written. */
+static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_proof *p)
+{
+    if (!in_range(row, 0, 1, atlas->n_branch)) return false;
+    *p = (ric_proof){.branch = sqlite3_column_int(row, 0)};
+    if (!in_range(row, 1, 0, atlas->branches[p->branch - 1].row.n_point - 1)) return false;
+    if (!in_range(row, 2, RIC_PROOF_DONE, RIC_PROOF_LEFT_OUT) || !in_range(row, 4, 0, 1 << 20) ||
+        !in_range(row, 5, RIC_STABLE_NO, RIC_STABLE_UNDECIDED) || !in_range(row, 6, 0, 1) || !in_range(row, 7, 0, 1))
+        return false;
+    p->point = sqlite3_column_int(row, 1);
+    p->state = (ric_proof_state)sqlite3_column_int(row, 2);
+    p->bits = sqlite3_column_int(row, 4);
+    p->stable = (ric_stability)sqlite3_column_int(row, 5);
+    p->symmetric = sqlite3_column_int(row, 6);
+    p->reversible = sqlite3_column_int(row, 7);
+    double *const numbers[10] = {&p->distance,  &p->exists,    &p->unique,   &p->energy[0], &p->energy[1],
+                                 &p->period[0], &p->period[1], &p->trace[0], &p->trace[1],  &p->approach};
+    for (int i = 0; i < 10; i++) *numbers[i] = number(row, 8 + i);
+    const char *why = (const char *)sqlite3_column_text(row, 3);
+    snprintf(p->why, sizeof p->why, "%s", why ? why : "");
+    return true;
+}
+
+static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
+{
+    ric_proof proof;
+    uint64_t digest;
+    const char *certificate = (const char *)sqlite3_column_text(row, 18);
+    if (!certificate || !take_row(atlas, row, &proof)) return RIC_OK;
+    const ric_status status = digest_row(atlas, &proof, certificate, &digest);
+    if (status || sqlite3_column_int64(row, 19) != (sqlite3_int64)digest) return status;
+    ric_proof_record *more = ric_realloc(atlas->proofs, ((size_t)atlas->n_proof + 1) * sizeof *more);
+    if (!more) return ric_store_fail_memory();
+    atlas->proofs = more;
+    more[atlas->n_proof] = (ric_proof_record){proof, ric_strdup(certificate)};
+    if (!more[atlas->n_proof].certificate) return ric_store_fail_memory();
+    atlas->n_proof++;
+    atlas->branches[proof.branch - 1].row.n_proved += proof.state == RIC_PROOF_DONE;
+    return RIC_OK;
+}
+
+ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas)
+{
+    static const char there[] = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'proof'";
+    sqlite3_int64 tables = 0;
+    sqlite3_stmt *query = NULL;
+    bool row = false;
+    const int code = ric_store_sqlite_ask(file.db, there, &tables);
+    if (code) return ric_store_sqlite_fail(file, code);
+    if (!tables) return RIC_OK;
+    ric_status status = ric_store_sqlite_prepare(file, select_all, &query);
+    while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) status = add_row(atlas, query);
+    sqlite3_finalize(query);
+    return status;
+}
+
+/* -------------------------------------------------------------------- write */
+
+static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas, const ric_proof *p,
+                          const char *certificate)
+{
+    const int integers[] = {p->branch, p->point, (int)p->state};
+    const int more[] = {p->bits, (int)p->stable, p->symmetric, p->reversible};
+    double numbers[10];
+    uint64_t digest;
+    bool row;
+    ric_status status = digest_row(atlas, p, certificate, &digest);
+    if (status) return status;
+    list_numbers(p, numbers);
+    int code = 0;
+    for (int i = 0; i < 3; i++) code |= sqlite3_bind_int(query, i + 1, integers[i]);
+    code |= sqlite3_bind_text(query, 4, p->why, -1, SQLITE_STATIC);
+    for (int i = 0; i < 4; i++) code |= sqlite3_bind_int(query, i + 5, more[i]);
+    for (int i = 0; i < 10; i++)
+        code |= isfinite(numbers[i]) ? sqlite3_bind_double(query, i + 9, numbers[i]) : sqlite3_bind_null(query, i + 9);
+    code |= sqlite3_bind_text(query, 19, certificate, -1, SQLITE_STATIC);
+    code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)digest);
+    status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, query, &row);
+    sqlite3_clear_bindings(query);
+    return status;
+}
+
+ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n, const ric_proof *proofs,
+                                const char *const *certificates)
+{
+    sqlite3_stmt *query = NULL;
+    ric_database file;
+    ric_status status = ric_store_begin(store, &file);
+    if (!status) status = ric_store_sqlite_run(file, create);
+    if (!status) status = ric_store_sqlite_prepare(file, insert, &query);
+    for (int i = 0; !status && i < n; i++)
+        status = put_row(file, query, atlas, &proofs[i], certificates[i] ? certificates[i] : "");
+    sqlite3_finalize(query);
+    return status ? status : ric_store_commit(store);
+}
+
+ric_status ric_proof_keep(const char *path, const ric_atlas *atlas, int n, const ric_proof *proofs,
+                          const char *const *certificates)
+{
+    ric_store *store = NULL;
+    ric_status status = ric_store_open(path, ric_atlas_study(atlas), &store);
+    if (!status) status = ric_store_put_proofs(store, atlas, n, proofs, certificates);
+    ric_store_close(store);
+    return status;
+}
