@@ -17,7 +17,24 @@
 
 /* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of grazings with many
  * touches. */
-enum { ELEMENTARY, DUPLICATES, LOOP, TRIPLE, CHATTER, BACKBONE, PATH, TONGUES, LOCAL, CASCADE, N_EXPLORED };
+enum {
+    ELEMENTARY,
+    DUPLICATES,
+    LOOP,
+    TRIPLE,
+    CHATTER,
+    BACKBONE,
+    PATH,
+    TONGUES,
+    LOCAL,
+    CASCADE,
+    FAR,
+    FAR_TONGUES,
+    BASE_4,
+    BASE_5,
+    TRIPLED,
+    N_EXPLORED
+};
 static struct {
     const char *name, *explore;
     ric_atlas *atlas;
@@ -34,6 +51,15 @@ static struct {
     {"tongues", "{start: [1], energy: [0, 2000], frequency: [0.9, 10], impacts: 16, multiply: 1, depth: 0}", NULL},
     {"local", "{start: [2], energy: [0, 100], frequency: [0.82, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
     {"cascade", "{start: [2], energy: [0, 60], frequency: [0.83, 10], impacts: 12, multiply: 4, depth: 3}", NULL},
+    {"far",
+     "{start: [1], energy: [0, 100000], frequency: [0.9, 80], impacts: 34, multiply: 1, depth: 0, symmetric: true}",
+     NULL},
+    {"far tongues", "{start: [1], energy: [0, 10000], frequency: [0.9, 10], impacts: 20, multiply: 1, depth: 0}", NULL},
+    {"base 4", "{start: [2], energy: [0, 20], frequency: [0.53, 40], impacts: 8, multiply: 4, base: 4, depth: 3}",
+     NULL},
+    {"base 5", "{start: [2], energy: [0, 20], frequency: [0.43, 40], impacts: 10, multiply: 5, base: 5, depth: 3}",
+     NULL},
+    {"tripled", "{start: [2], energy: [0, 12], frequency: [0.59, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
 };
 /* Those in which nothing is multiplied beyond the second mode's duplicates: what they contain does not grow with the
  * kinds of families that the program can follow. */

@@ -39,26 +39,6 @@ static void say_junction(finding *f, int which, int id)
 
 /* --------------------------------------------------------------- 2.3 forms */
 
-/* One redundant equation, solutions are curves: the two sides of a point next to it lie on the same branch, so the
- * kernel is a line. */
-static verdict solutions_form_curves(finding *f, const char *arg)
-{
-    int n = 0, thick = 0;
-    (void)arg;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++) {
-        ric_branch b = branch(ELEMENTARY, id);
-        for (int i = 1; i < b.n_point; i++) {
-            thick += point(ELEMENTARY, id, i).arclength <= point(ELEMENTARY, id, i - 1).arclength;
-            n++;
-        }
-    }
-    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++)
-        for (int i = 0; i < branch(ELEMENTARY, id).n_point; i++) thick += !(point(ELEMENTARY, id, i).residual < 1e-12);
-    say(f, "%d branches, all of them curves, their orbits with residuals below 1e-12: %s",
-        ric_atlas_n_branch(atlas_of(ELEMENTARY)), thick ? "no" : "yes");
-    return stated(n > 0 && !thick);
-}
-
 static verdict symmetric_words(finding *f, const char *arg)
 {
     int n = 0, wrong = 0;
@@ -230,13 +210,14 @@ static verdict stable_is_marginal(finding *f, const char *arg)
 
 static verdict extrema_do_not_branch(finding *f, const char *arg)
 {
-    int n = 0, wrong = 0, turning = 0, which[2] = {ELEMENTARY, TONGUES};
+    int n = 0, wrong = 0, turning = 0, open = 0, which[2] = {ELEMENTARY, TONGUES};
     (void)arg;
     for (int k = 0; k < 2; k++)
         for (int id = 1; id <= ric_atlas_n_junction(atlas_of(which[k])); id++) {
             ric_junction j = junction(which[k], id);
-            if (j.kind != RIC_KIND_EXTREMUM || !j.a) continue;
+            if (j.kind != RIC_KIND_EXTREMUM) continue;
             n++;
+            open += !j.a || !j.decided;
             wrong += j.b != 1 || (j.a != 2 && j.a != 3) || j.n_branch != 1;
             ric_branch b = branch(which[k], j.branches[0]);
             double s = place_on(which[k], b.id, id), before = 0, after = 0;
@@ -250,24 +231,25 @@ static verdict extrema_do_not_branch(finding *f, const char *arg)
             }
             turning += before * after < 0;
         }
-    say(f, "%d extrema with a label, b = 1 and one branch at all but %d of them; the trace passes 2 at %d", n, wrong,
-        turning);
-    return stated(n > 10 && !wrong && turning == n);
+    say(f, "%d extrema, a and b measured at all but %d; b = 1 and one branch at all but %d; the trace passes 2 at %d",
+        n, open, wrong, turning);
+    return stated(n > 10 && !open && !wrong && turning == n);
 }
 
 static verdict branch_points_have_two(finding *f, const char *arg)
 {
-    int n = 0, wrong = 0, which[2] = {ELEMENTARY, TONGUES};
+    int n = 0, wrong = 0, open = 0, which[2] = {ELEMENTARY, TONGUES};
     (void)arg;
     for (int k = 0; k < 2; k++)
         for (int id = 1; id <= ric_atlas_n_junction(atlas_of(which[k])); id++) {
             ric_junction j = junction(which[k], id);
-            if (j.kind != RIC_KIND_BRANCH_POINT || !j.a || j.departures.over_budget) continue;
+            if (j.kind != RIC_KIND_BRANCH_POINT || j.departures.over_budget) continue;
             n++;
+            open += !j.a || !j.decided;
             wrong += j.b != 2 || (j.a != 2 && j.a != 3) || j.n_branch != 2;
         }
-    say(f, "%d branch points, b = 2 and two branches at all but %d of them", n, wrong);
-    return stated(n > 10 && !wrong);
+    say(f, "%d branch points, a and b measured at all but %d; b = 2 and two branches at all but %d", n, open, wrong);
+    return stated(n > 10 && !open && !wrong);
 }
 
 /* Four curves in the unknowns (z0, beta, T): the duplicate and, as a family leaves with q = 3, the same S6 begun at
@@ -387,6 +369,8 @@ static verdict half_periods(finding *f, const char *arg)
     return stated(right);
 }
 
+static double s2_trace(double frequency); /* article_map.h */
+
 static int s2_minus(void)
 {
     return between(CHATTER, "S2-[01]", at(CHATTER, "G2_0,2"), 0);
@@ -417,9 +401,20 @@ static verdict s2_minus_goes_on(finding *f, const char *arg)
         ric_point p = point(CHATTER, b, i);
         unstable += p.arclength > s && p.stable == RIC_STABLE_NO;
     }
-    say(f, "stable up to E %.6g, omega %.6g, the end of the window; junctions of the original on the way: %d",
-        row.energy_max, row.frequency_max, others);
-    return stated(row.stop == RIC_STOP_WINDOW && !others && !unstable &&
+    /* beyond the window: lambda + 1 / lambda of the closed form tends to 2 - (omega_0 T)^2, from below 2, without
+     * coming near 2 or -2 */
+    double locked, last = 0, first = junction(CHATTER, c).frequency;
+    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(CHATTER)), 0, &locked), RIC_OK);
+    for (double w = 1.0001 * first; w < 1e4; w *= 1.001) {
+        double turned = (2 - s2_trace(w)) / pow(locked * 2 * M_PI / w, 2);
+        unstable += !(s2_trace(w) > -2 && turned > 0);
+        last = turned;
+    }
+    say(f,
+        "stable up to E %.6g, omega %.6g, the end of the window; junctions of the original on the way: %d; by the "
+        "closed form stable up to omega 1e4, where 2 - trace is %.6f (omega_0 T)^2",
+        row.energy_max, row.frequency_max, others, last);
+    return stated(row.stop == RIC_STOP_WINDOW && !others && !unstable && fabs(last - 1) < 1e-5 &&
                   near(row.energy_min, junction(CHATTER, c).energy));
 }
 

@@ -339,19 +339,6 @@ static verdict doubling_of_s6(finding *f, const char *arg)
     return stated(right == 2 && near(j.energy, 17.8169663303) && near(2 * j.frequency, 1.6753603654));
 }
 
-static verdict tripling_of_a4(finding *f, const char *arg)
-{
-    int n = 0, id = 0;
-    (void)arg;
-    int list[4], c = at(LOOP, "C6_33"), m = families(LOOP, c, list, 4);
-    for (int i = 0; i < m; i++)
-        n += multiplications(LOOP, list[i], 2, 3, &id) + multiplications(LOOP, list[i], 1, 3, &id);
-    if (!id) return NEITHER;
-    say_junction(f, LOOP, id);
-    say(f, " on A4[0101]");
-    return stated(n == 1 && junction(LOOP, id).impacts == 4);
-}
-
 static verdict octuple(finding *f, const char *arg)
 {
     int b = reversible_branch(CHATTER, "S6[010101]"), all = 0, inherited = 0, doubled = 0, stable = 0, c32[2], low[2];

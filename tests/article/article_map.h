@@ -1,0 +1,215 @@
+/* The article's own equations (14 to 46) for its two masses, written out anew: nothing of the library is used but the
+ * orbits that are put in. */
+#ifndef ARTICLE_MAP_H
+#define ARTICLE_MAP_H
+
+#include "article_elementary.h"
+
+enum { MAP_IMPACTS = 12, MAP_SIZE = MAP_IMPACTS + 5 };
+#define MAP_MASS_1 2.
+#define MAP_MASS_2 1.
+
+/* Frequencies and shapes of M x'' + K x = 0, shapes of unit modal mass. */
+static void map_modes(double omega[2], double shape[2][2])
+{
+    /* det(K - w M) = 2 w^2 - 11 w + 8 for M = diag(2, 1), K = [[9, -1], [-1, 1]] */
+    for (int i = 0; i < 2; i++) {
+        double w = (11 + (i ? 1 : -1) * sqrt(57)) / 4, norm;
+        shape[i][0] = 1, shape[i][1] = 9 - 2 * w; /* first row of K - w M */
+        norm = sqrt(MAP_MASS_1 * shape[i][0] * shape[i][0] + MAP_MASS_2 * shape[i][1] * shape[i][1]);
+        for (int k = 0; k < 2; k++) shape[i][k] /= norm;
+        omega[i] = sqrt(w);
+    }
+}
+
+/* Phi(t): the free motion of (x1, x2, v1, v2). */
+static void map_flow(double t, double phi[4][4])
+{
+    static const double mass[2] = {MAP_MASS_1, MAP_MASS_2};
+    double omega[2], shape[2][2];
+    map_modes(omega, shape);
+    memset(phi, 0, 16 * sizeof **phi);
+    for (int m = 0; m < 2; m++)
+        for (int i = 0; i < 2; i++)
+            for (int k = 0; k < 2; k++) {
+                double part = shape[m][i] * shape[m][k] * mass[k];
+                phi[i][k] += part * cos(omega[m] * t);
+                phi[i][2 + k] += part * sin(omega[m] * t) / omega[m];
+                phi[2 + i][k] -= part * omega[m] * sin(omega[m] * t);
+                phi[2 + i][2 + k] += part * cos(omega[m] * t);
+            }
+}
+
+/* Velocities after an elastic impact between the masses: the relative one is turned round, momentum is kept. */
+static void map_impact(double z[4])
+{
+    double impulse = 2 * MAP_MASS_1 * MAP_MASS_2 / (MAP_MASS_1 + MAP_MASS_2) * (z[3] - z[2]);
+    z[2] += impulse / MAP_MASS_1, z[3] -= impulse / MAP_MASS_2;
+}
+
+static void map_apply(double a[4][4], double z[4])
+{
+    double out[4] = {0};
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) out[i] += a[i][k] * z[k];
+    memcpy(z, out, sizeof out);
+}
+
+/* F(z0, beta, T) = 0, eq. 24 to 27: z0 right after the first impact, N gaps at the ends of the flights, the sum of
+ * the parts beta of the period, and the closing of z. `side` [n]: +1 or -1. */
+static void map_equations(int n, const double *s, const double *side, double *out)
+{
+    double z[4], phi[4][4], sum = 0;
+    memcpy(z, s, sizeof z);
+    for (int i = 0; i < n; i++) {
+        map_flow(s[4 + i] * s[4 + n], phi);
+        map_apply(phi, z);
+        out[i] = z[1] - z[0] - side[(i + 1) % n];
+        map_impact(z);
+        sum += s[4 + i];
+    }
+    out[n] = sum - 1;
+    for (int i = 0; i < 4; i++) out[n + 1 + i] = z[i] - s[i];
+}
+
+/* Central differences; `left_out`: a row that is not taken, or -1. Returns the rank, told by the largest of the ratios
+ * of neighbouring pivots; *gap is that ratio. */
+static int map_rank(int n, const double *s, const double *side, int left_out, double *gap)
+{
+    double a[MAP_SIZE][MAP_SIZE], pivot[MAP_SIZE], plus[MAP_SIZE], minus[MAP_SIZE], moved[MAP_SIZE];
+    int size = n + 5, rows = 0, rank = 0;
+    for (int k = 0; k < size; k++) {
+        const double h = 1e-5; /* errors of 1e-10: its square, and rounding over it */
+        memcpy(moved, s, (size_t)size * sizeof *s);
+        moved[k] = s[k] + h;
+        map_equations(n, moved, side, plus);
+        moved[k] = s[k] - h;
+        map_equations(n, moved, side, minus);
+        rows = 0;
+        for (int i = 0; i < size; i++)
+            if (i != left_out) a[rows++][k] = (plus[i] - minus[i]) / (2 * h);
+    }
+    for (int step = 0; step < rows; step++) { /* elimination, the largest entry first */
+        int r = step, c = step;
+        for (int i = step; i < rows; i++)
+            for (int k = step; k < size; k++)
+                if (fabs(a[i][k]) > fabs(a[r][c])) r = i, c = k;
+        for (int k = 0; k < size; k++) {
+            double swap = a[step][k];
+            a[step][k] = a[r][k], a[r][k] = swap;
+        }
+        for (int i = 0; i < rows; i++) {
+            double swap = a[i][step];
+            a[i][step] = a[i][c], a[i][c] = swap;
+        }
+        pivot[step] = fabs(a[step][step]);
+        for (int i = step + 1; i < rows; i++)
+            for (int k = size - 1; k >= step; k--) a[i][k] -= a[i][step] / a[step][step] * a[step][k];
+    }
+    *gap = 1;
+    for (int i = 1; i < rows; i++)
+        if (pivot[i - 1] / pivot[i] > *gap) *gap = pivot[i - 1] / pivot[i], rank = i;
+    if (*gap < 1e5) rank = rows;
+    return rank;
+}
+
+/* Unknowns of a stored point, or false: too many impacts. */
+static bool map_unknowns(int which, const ric_branch *b, int i, double *s, double *side)
+{
+    double flights[MAP_IMPACTS];
+    ric_point p;
+    int n = b->impacts;
+    if (n < 1 || n > MAP_IMPACTS) return false;
+    assert_int_equal(ric_atlas_point(atlas_of(which), b->id, i, &p, s, flights), RIC_OK);
+    s[4 + n] = 2 * M_PI / p.frequency;
+    for (int k = 0; k < n; k++) s[4 + k] = flights[k] / s[4 + n], side[k] = b->word[k] ? -1 : 1;
+    if (s[1] - s[0] < 0 ? side[0] > 0 : side[0] < 0)
+        for (int k = 0; k < n; k++) side[k] = -side[k];
+    return true;
+}
+
+/* One redundant equation, solutions are curves: of N + 5 equations in N + 5 unknowns N + 4 are independent. */
+static verdict solutions_form_curves(finding *f, const char *arg)
+{
+    int n = 0, wrong = 0;
+    double worst = 0, weakest = INFINITY;
+    (void)arg;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++) {
+        ric_branch b = branch(ELEMENTARY, id);
+        for (int i = 1; i + 1 < b.n_point; i++) {
+            double s[MAP_SIZE], side[MAP_IMPACTS], out[MAP_SIZE], gap;
+            if (!map_unknowns(ELEMENTARY, &b, i, s, side)) continue;
+            map_equations(b.impacts, s, side, out);
+            for (int k = 0; k < b.impacts + 5; k++) worst = fmax(worst, fabs(out[k]) / (1 + fabs(s[0]) + fabs(s[2])));
+            if (i % 10 != 5) continue; /* rank */
+            n++;
+            wrong += map_rank(b.impacts, s, side, -1, &gap) != b.impacts + 4;
+            weakest = fmin(weakest, gap);
+        }
+    }
+    say(f,
+        "all stored points solve these equations, written out anew, to 1e-12: %s; rank N + 4 of N + 5 at all but %d of "
+        "%d of them",
+        worst < 1e-12 ? "yes" : "no", wrong, n);
+    return stated(n > 20 && !wrong && worst < 1e-12);
+}
+
+/* Any one of the four rows that close the orbit can be left out (but where the energy does not depend on it). */
+static verdict any_row_can_go(finding *f, const char *arg)
+{
+    int n = 0, wrong = 0;
+    (void)arg;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++) {
+        ric_branch b = branch(ELEMENTARY, id);
+        double s[MAP_SIZE], side[MAP_IMPACTS], gap;
+        if (b.n_point < 3 || !map_unknowns(ELEMENTARY, &b, b.n_point / 2, s, side)) continue;
+        double slope[4] = {9 * s[0] - s[1], s[1] - s[0], MAP_MASS_1 * s[2], MAP_MASS_2 * s[3]};
+        for (int row = 0; row < 4; row++) {
+            if (fabs(slope[row]) < 1e-2) continue;
+            n++;
+            wrong += map_rank(b.impacts, s, side, b.impacts + 1 + row, &gap) != b.impacts + 4;
+        }
+    }
+    say(f, "%d rows left out at the middle of each branch, rank N + 4 at all but %d", n, wrong);
+    return stated(n > 30 && !wrong);
+}
+
+/* Trace of the return map of S2[01] at a frequency, less 2: lambda + 1 / lambda. The orbit is in closed form: in each
+ * flight both modes are odd about the middle, and the impulse is that of the stop. */
+static double s2_trace(double frequency)
+{
+    double h = M_PI / frequency, omega[2], shape[2][2], impulse = 0, z[4] = {0}, after[4], f[4], g[4], half[4][4],
+           out[4][4], trace = 0;
+    map_modes(omega, shape);
+    for (int m = 0; m < 2; m++) {
+        double c = shape[m][1] - shape[m][0];
+        impulse += c * c * tan(omega[m] * h / 2) / omega[m];
+    }
+    for (int m = 0; m < 2; m++) {
+        double c = shape[m][1] - shape[m][0], a = c / (impulse * omega[m] * cos(omega[m] * h / 2));
+        for (int k = 0; k < 2; k++) {
+            z[k] += shape[m][k] * a * sin(omega[m] * h / 2);
+            z[2 + k] += shape[m][k] * a * omega[m] * cos(omega[m] * h / 2);
+        }
+    }
+    memcpy(after, z, sizeof after);
+    map_impact(after);
+    for (int k = 0; k < 4; k++) f[k] = k < 2 ? z[2 + k] : 0, g[k] = k < 2 ? after[2 + k] : 0;
+    f[2] = g[2] = -(9 * z[0] - z[1]) / MAP_MASS_1;
+    f[3] = g[3] = -(z[1] - z[0]) / MAP_MASS_2;
+    map_flow(h, half);
+    for (int k = 0; k < 4; k++) { /* saltation after the flow: R y + (g - R f) (n y) / (n f) */
+        double y[4], turned[4], along;
+        for (int i = 0; i < 4; i++) y[i] = half[i][k];
+        along = (y[1] - y[0]) / (f[1] - f[0]);
+        map_impact(y);
+        memcpy(turned, f, sizeof turned);
+        map_impact(turned);
+        for (int i = 0; i < 4; i++) out[i][k] = y[i] + (g[i] - turned[i]) * along;
+    }
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) trace += out[i][k] * out[k][i];
+    return trace - 2;
+}
+
+#endif
