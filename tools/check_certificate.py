@@ -19,7 +19,7 @@ TAIL = mpf(10) ** -75  # more than the rest of it: 2 SHORT^34 / 34! = 10^-79
 STEPS, DEEPEST = 6, 60  # towards an orbit; bisections of a flight
 NEAR = 1e-8  # what an atlas stores is that near to the orbit
 RADII = [mpf(2) ** -k for k in (10, 20, 30, 40)]  # within which an orbit may be the only one
-UNIT, HELD = -15, 1000  # states and times are integers, of 10^UNIT; the held one a multiple of HELD
+UNIT, HELD = -18, 1000  # states and times are integers, of 10^UNIT; the held one a multiple of HELD
 SIDES = {"both": (1, -1), "upper": (1,), "lower": (-1,)}
 middle = lambda A: A.apply(lambda x: iv.mpf(x.mid))
 wide = lambda A, by: A.apply(lambda x: x + iv.mpf([-by, by]))

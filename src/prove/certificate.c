@@ -7,7 +7,7 @@
 #include "base/room.h"
 
 enum {
-    DECIMALS = 15,    /* of states and flight times, in d and 2^-time s */
+    DECIMALS = 18,    /* of states and flight times, in d and 2^-time s */
     SIGNIFICANT = 12, /* digits of energy, period and trace, with no more than DECIMALS behind the point */
 };
 

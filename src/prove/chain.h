@@ -16,7 +16,7 @@
 
 /* Decimals of the number that is held, lengths in d and times in 2^-time s: what rounds it moves an orbit by no more
  * than what is stored is off anyway. */
-enum { RIC_CHAIN_HELD = 12 };
+enum { RIC_CHAIN_HELD = 15 };
 
 typedef enum { RIC_CHAIN_GENERAL, RIC_CHAIN_REST, RIC_CHAIN_IMPACT, RIC_CHAIN_CENTRE } ric_chain_end;
 

@@ -3,7 +3,14 @@
 set -u
 . tests/support/tap.sh
 
-if ! python3 -c 'import mpmath' 2>/dev/null; then echo '1..0 # SKIP no mpmath'; exit 77; fi
+# the one with gmpy2, if any: it is twice as fast
+python=
+for one in python3 /usr/bin/python3; do
+    "$one" -c 'import mpmath, yaml' 2>/dev/null || continue
+    [ -n "$python" ] || python=$one
+    if "$one" -c 'import gmpy2' 2>/dev/null; then python=$one && break; fi
+done
+if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath'; exit 77; fi
 for name in elementary three-masses two-walls; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" -o "$folder/$name.jsonl" 2>&1 | grep -q 'left out of this program'; then
@@ -15,17 +22,17 @@ done
 # checked FILE EVERY: the certificates, or some of them, are accepted, and there are some
 checked() {
     awk -v every="$2" 'NR == 1 || NR % every == 2 % every' "$1" >"$folder/some.jsonl"
-    tools/check_certificate.py "$folder/some.jsonl" "${1%.jsonl}.ricochet" || return 1
+    "$python" tools/check_certificate.py "$folder/some.jsonl" "${1%.jsonl}.ricochet" || return 1
     [ "$(wc -l <"$folder/some.jsonl")" -gt 5 ]
 }
 ok 'certificates of elementary are accepted' checked "$folder/elementary.jsonl" "$(every_of 70)"
 ok 'certificates of three-masses are accepted' checked "$folder/three-masses.jsonl" "$(every_of 50)"
 ok 'certificates of two-walls are accepted' checked "$folder/two-walls.jsonl" "$(every_of 90)"
-ok 'no certificate is no success' bash -c '! tools/check_certificate.py /dev/null'
+ok 'no certificate is no success' bash -c '! "$0" tools/check_certificate.py /dev/null' "$python"
 
 # lies NAME CODE: Python over the model and the lines of that atlas; refused(LINE): why the checker refuses what a liar signs, or None
 lies() {
-    python3 - "$folder/$1" "$(every_of 40)" <<END
+    "$python" - "$folder/$1" "$(every_of 40)" <<END
 import copy, json, random, sys
 sys.path.insert(0, "tools")
 import check_certificate as checker
@@ -102,7 +109,7 @@ for line in some(4):
     for key, to in (("x", line["x"][0]), ("v", line["v"][0]), ("tau", line["tau"])):
         lie = copy.deepcopy(line)
         there = lie[key] if key == "tau" else lie[key][0]
-        there[0] += 10 ** 9
+        there[0] += 10 ** 12
         assert refused(signed(lie)), lie
     face = next(i for i, f in enumerate(line["faces"]) if f >= 0)
     lie = copy.deepcopy(line)
@@ -140,7 +147,7 @@ def why(time):
     T = mpf(time)
     s = 1 / sum(c[i] ** 2 / mp.tan(omega[i] * T / 2) / omega[i] for i in range(2))
     q = [s * c[i] / mp.tan(omega[i] * T / 2) / omega[i] for i in range(2)]
-    number = lambda a: int(mp.nint(a * 10 ** 15))
+    number = lambda a: int(mp.nint(a * 10 ** 18))
     x = [number(sum(modes[i][j] * q[i] for i in range(2))) for j in range(2)]
     v = [number(s * unit * sum(modes[i][j] * c[i] for i in range(2))) for j in range(2)]
     chain = checker.Chain(model, {"start": "impact", "end": "rest", "faces": [0, -1], "x": [x], "v": [v],
