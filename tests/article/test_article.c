@@ -188,7 +188,8 @@ static const entry table[] = {
     {97, "3.2.2", "Each k-duplicate of S2- has a loop that closes at a duplicate of G1_0,4, without end.",
      loops_of_duplicates, NULL, NULL},
     {98, "1, 3.2.2, 4", "All periodic motions, if possible, are reached from the linear modes.",
-     everything_hangs_on_modes, NULL, "Some are not, within the budgets: closed chains of branches."},
+     everything_hangs_on_modes, NULL,
+     "Some are not, within the budgets: closed chains of branches ([islands](islands.md))."},
     {0, NULL,
      "## What the article has otherwise\n\n"
      "Neither a slip of the pen nor a matter of budgets; that of Fig. 26 is below, in section 3.3.",
