@@ -196,8 +196,9 @@ class Chain:
                 face, w, depth, opens, closes = todo.pop()
                 need(depth < DEEPEST, f"a face is passed, or not approached, in flight {k + 1}")
                 part, row = t[0] / 2 ** depth, face[1] * m.rows[face[0]]
-                state = m.series(iv.mpf([0, part.b])) * w  # at any time of the part
-                gap, rate = m.gaps[face[0]] - (row * state)[0], -(row * m.A * state)[0]
+                times = iv.mpf([0, part.b])
+                rate = -(row * m.A * (m.series(times) * w))[0]
+                gap = m.gaps[face[0]] - (row * w)[0] + rate * times
                 if not any(a is True for a in (gap > 0, opens and rate > 0, closes and rate < 0)):
                     todo.append((face, w, depth + 1, opens, False))
                     todo.append((face, m.flight(part / 2) * w, depth + 1, False, closes))
