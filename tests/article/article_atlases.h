@@ -32,6 +32,7 @@ enum {
     FAR_TONGUES,
     BASE_4,
     BASE_5,
+    BASE_6,
     TRIPLED,
     N_EXPLORED
 };
@@ -58,6 +59,8 @@ static struct {
     {"base 4", "{start: [2], energy: [0, 20], frequency: [0.53, 40], impacts: 8, multiply: 4, base: 4, depth: 3}",
      NULL},
     {"base 5", "{start: [2], energy: [0, 20], frequency: [0.43, 40], impacts: 10, multiply: 5, base: 5, depth: 3}",
+     NULL},
+    {"base 6", "{start: [2], energy: [0, 20], frequency: [0.358, 40], impacts: 12, multiply: 6, base: 6, depth: 0}",
      NULL},
     {"tripled", "{start: [2], energy: [0, 12], frequency: [0.59, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
 };

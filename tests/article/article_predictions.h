@@ -195,7 +195,7 @@ static verdict extra_points_follow_rotation(finding *f, const char *arg)
 /* Atlas that has the base of the k-duplicate of S2-, and there the grazing G_0,2k and the point (k, 1). */
 static bool base_of(int k, int *which, int *grazing, int *c)
 {
-    static const int holds[] = {LOOP, TRIPLE, BASE_4, BASE_5};
+    static const int holds[] = {LOOP, TRIPLE, BASE_4, BASE_5, BASE_6};
     *which = holds[k - 2], *grazing = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas_of(*which)); id++) {
         ric_junction j = junction(*which, id);
@@ -210,9 +210,9 @@ static bool base_of(int k, int *which, int *grazing, int *c)
  * differ by less than 1e-9. */
 static verdict loops_of_duplicates(finding *f, const char *arg)
 {
-    bool right = true;
+    bool right = true, closed = true;
     (void)arg;
-    for (int k = 2; k <= 5; k++) {
+    for (int k = 2; k <= 6; k++) {
         int which, g, c, list[4], n = 0, near_by = 0;
         if (!base_of(k, &which, &g, &c) || families(which, c, list, 4) != 2) return NEITHER;
         for (int i = 0; i < 2; i++) {
@@ -224,17 +224,18 @@ static verdict loops_of_duplicates(finding *f, const char *arg)
         say(f, "%sk = %d: from E %.9g, %d of 2 families to G_0,%d at omega %.9g", k > 2 ? "; " : "", k,
             junction(which, c).energy, n, 2 * k, junction(which, g).frequency);
         if (near_by) say(f, ", %d to a grazing within 1e-9 of its energy", near_by);
-        right = right && (k < 5 ? n == 2 : n >= 1 && n + near_by == 2);
+        closed = closed && n == 2;
+        right = right && (k != 5 ? n == 2 : n + near_by == 2);
     }
-    return stated(right);
+    return closed ? AS_STATED : right ? OTHERWISE : NEITHER;
 }
 
-/* Asymmetric branches only, as stated; otherwise S branches leave G_0,2k for k = 5 and for none below. */
+/* Asymmetric branches only, as stated; otherwise S branches leave G_0,2k for k = 5 and for no other k up to 6. */
 static verdict bases_are_asymmetric(finding *f, const char *arg)
 {
-    int found[6] = {0};
+    int found[7] = {0};
     (void)arg;
-    for (int k = 2; k <= 5; k++) {
+    for (int k = 2; k <= 6; k++) {
         int which, g, c;
         if (!base_of(k, &which, &g, &c)) return NEITHER;
         ric_junction j = junction(which, g);
@@ -247,7 +248,7 @@ static verdict bases_are_asymmetric(finding *f, const char *arg)
         }
         say(f, found[k] ? " leave G_0,%d" : " no S branch leaves G_0,%d", 2 * k);
     }
-    if (!found[2] && !found[3] && !found[4]) return found[5] ? OTHERWISE : AS_STATED;
+    if (!found[2] && !found[3] && !found[4] && !found[6]) return found[5] ? OTHERWISE : AS_STATED;
     return NEITHER;
 }
 

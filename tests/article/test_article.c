@@ -186,7 +186,10 @@ static const entry table[] = {
      extra_points_follow_rotation, NULL,
      "It is the number of p / k in the range of the rotation number along the branch."},
     {97, "3.2.2", "Each k-duplicate of S2- has a loop that closes at a duplicate of G1_0,4, without end.",
-     loops_of_duplicates, NULL, NULL},
+     loops_of_duplicates, NULL,
+     "Closed for k = 2, 3, 4 and 6. For k = 5 one of the two families is followed to a grazing beside G_0,10, where "
+     "its "
+     "departure is refused: not decided."},
     {98, "1, 3.2.2, 4", "All periodic motions, if possible, are reached from the linear modes.",
      everything_hangs_on_modes, NULL,
      "Some are not, within the budgets: closed chains of branches ([islands](islands.md))."},
@@ -447,7 +450,7 @@ static bool write_claim(FILE *out, const claim *c, int counts[4])
             print_message("claim %d: there is no test '%s'\n", c->number, c->by[k]);
             right = false;
         }
-    int state = instead || c->otherwise ? 1 : !c->reason ? 0 : tests ? 2 : 3;
+    int state = c->reason ? (tests ? 2 : 3) : instead || c->otherwise;
     if (!tests && !c->reason) right = false;
     counts[state]++;
     static const char *const text[] = {"holds", "found otherwise", "in part", "no machine decides"};
