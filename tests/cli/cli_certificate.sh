@@ -124,6 +124,23 @@ for line in some(4):
     lie["faces"][face] = 1 - lie["faces"][face]
     assert refused(signed(lie)), lie'
 
+ok 'no mirror of rest is one of the centre, and no chain is whole that is half' lies elementary '
+mirrors = [line for line in short if {line["start"], line["end"]} & {"rest", "centre"}]
+for line in some(6, mirrors):
+    lie = copy.deepcopy(line)
+    for key in ("start", "end"): lie[key] = {"rest": "centre", "centre": "rest"}.get(lie[key], lie[key])
+    lie["symmetric"] = not lie["symmetric"]
+    assert refused(signed(lie)), lie
+for line in some(3, [line for line in lines if line["start"] == "general" and len(line["tau"]) < 4]):
+    lie = copy.deepcopy(line)
+    lie["faces"][-1] = 1 - lie["faces"][-1]
+    lie["symmetric"] = not lie["symmetric"]
+    assert refused(signed(lie)), lie
+    lie = copy.deepcopy(line)
+    for key in ("x", "v", "tau"): lie[key].pop()
+    lie["faces"].pop(-2)
+    assert refused(signed(lie)), lie'
+
 turned='
 for line in some(4, short if len(first["mass"]) == 2 else [line for line in short if line["branch"] == 7]):
     lie = copy.deepcopy(line)
