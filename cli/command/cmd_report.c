@@ -243,6 +243,55 @@ int cli_unmeasured(const ric_atlas *atlas)
     return n;
 }
 
+/* Labels whose multiplicities nobody can tell, the first with its place. */
+static ric_status add_undecided(json_t *rows, const ric_atlas *atlas)
+{
+    int n = 0;
+    json_t *detail = NULL;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        ric_status status = ric_atlas_junction(atlas, id, &j);
+        if (status) return json_decref(detail), status;
+        if (j.a == 0 || j.decided) continue;
+        if (!n++)
+            detail = json_sprintf("lost in rounding, a and b are those of the kind; first %s, junction %d, E %.9g "
+                                  "omega %.9g",
+                                  j.label, id, j.energy, j.frequency);
+    }
+    if (n) add_count(rows, "labels that are not decided", n, detail ? json_string_value(detail) : "");
+    json_decref(detail);
+    return RIC_OK;
+}
+
+/* The first junction whose label is what the study calls another one, `named`; 0: none. */
+static int labelled_like(const ric_atlas *atlas, int named, const char *name)
+{
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        if (id != named && !ric_atlas_junction(atlas, id, &j) && !strcmp(j.label, name)) return id;
+    }
+    return 0;
+}
+
+/* Two numberings stand side by side: a label may be what the study calls another junction. */
+static ric_status add_ambiguous(json_t *rows, const ric_atlas *atlas)
+{
+    int n = 0;
+    json_t *detail = NULL;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        ric_status status = ric_atlas_junction(atlas, id, &j);
+        if (status) return json_decref(detail), status;
+        int other = *j.name ? labelled_like(atlas, id, j.name) : 0;
+        if (other && !n++)
+            detail = json_sprintf("%s is junction %d by name, and the label of junction %d; a name comes first", j.name,
+                                  id, other);
+    }
+    if (n) add_count(rows, "names that are labels of other junctions", n, detail ? json_string_value(detail) : "");
+    json_decref(detail);
+    return RIC_OK;
+}
+
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
     static const char *const over[RIC_N_BUDGET] = {[RIC_BUDGET_WINDOW] = "outside the windows",
@@ -268,6 +317,9 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     if (cli_unmeasured(atlas))
         add_count(rows, "junctions without a label", cli_unmeasured(atlas),
                   "not measured yet; the run goes on with them");
+    ric_status status = add_undecided(rows, atlas);
+    if (!status) status = add_ambiguous(rows, atlas);
+    if (status) return status;
     if (ric_atlas_n_unplaced(atlas))
         add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
                   "their junction does not converge");

@@ -49,4 +49,19 @@ refused() {
     said '^branches may be missing at junction  *2 ' "$label, E [0-9.]* omega [0-9.]*: 3 refused: planted"
 }
 ok 'a junction with refused departures is named with its place' refused
+
+read -r point < <(one "SELECT id FROM junction WHERE kind = 'extremum'")
+undecided() {
+    alter "UPDATE junction SET label = label || '?' WHERE id = $point" || return 1
+    said '^labels that are not decided  *1 ' "first C[^ ]*?, junction $point, E [0-9.]* omega [0-9.]*$" || return 1
+    "$ricochet" report "$folder/a.ricochet" | grep 'not decided' && return 1
+    return 0
+}
+ok 'labels that nobody can tell are counted, the first with its place' undecided
+
+ambiguous() {
+    alter "UPDATE junction SET name = '$label' WHERE id = 1" || return 1
+    said '^names that are labels of other junctions  *[0-9]* ' "$label is junction 1 by name, and the label of junction 2; "
+}
+ok 'a label that the study gives to another junction as a name is said' ambiguous
 finish
