@@ -138,9 +138,10 @@ static void decayed(double omega, double delta, double tau, double *c, double *s
         *c = decay * cos(root * tau);
         *s = decay * sin(root * tau) / root;
     } else {
-        const double slow = exp((root - delta) * tau), fast = exp(-(root + delta) * tau);
-        *c = (slow + fast) / 2;
-        *s = (slow - fast) / (2 * root);
+        /* Neither the slower rate, root - delta, nor slow - fast is taken as a difference: digits would be lost. */
+        const double slow = exp(-omega * omega / (root + delta) * tau), part = -expm1(-2 * root * tau);
+        *c = slow * (2 - part) / 2;
+        *s = slow * part / (2 * root);
     }
 }
 

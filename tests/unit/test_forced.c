@@ -13,6 +13,7 @@
 
 #include "base/room.h"
 #include "explored.h"
+#include "force/force_exact.h"
 
 enum { MOST = 8, LETTERS = 32 };
 
@@ -402,11 +403,30 @@ static void test_resonance(void **state)
     ric_atlas_free(atlas);
 }
 
+/* ------------------------------------------------------------ large damping */
+
+/* A mode that starts at rest in its place with speed 1: e^{-delta t} sinh(r t)/r, r^2 = delta^2 - omega^2, whose series
+ * knows no difference of exponentials. */
+static void test_nearly_critical(void **state)
+{
+    (void)state;
+    double omega = 1, steady[2] = {0, 0};
+    for (double beyond = 1e-14; beyond < 1e-3; beyond *= 3) {
+        double delta = 1 + beyond, z[2] = {0, 1}, out[2];
+        const ric_force_exact e = {.n = 1, .Omega = 1, .omega = &omega, .delta = &delta, .steady = steady};
+        const double t = 1.3, x = (delta - 1) * (delta + 1) * t * t;
+        ric_force_exact_fly(&e, t, 0, z, NULL, out);
+        const double s = exp(-delta * t) * t * (1 + x / 6 * (1 + x / 20 * (1 + x / 42)));
+        if (!(fabs(out[0] - s) <= 1e-15)) fail_msg("%g beyond critical damping: off by %g", beyond, out[0] - s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_simulated), cmocka_unit_test(test_two_masses), cmocka_unit_test(test_one_mass),
-        cmocka_unit_test(test_order),     cmocka_unit_test(test_refused),    cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_simulated),       cmocka_unit_test(test_two_masses), cmocka_unit_test(test_one_mass),
+        cmocka_unit_test(test_order),           cmocka_unit_test(test_refused),    cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_nearly_critical),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
