@@ -69,18 +69,19 @@ static void determinant(int b, const double *g, int row, unsigned columns, doubl
     }
 }
 
-/* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on. x [2 * rows]. */
-static bool read_border(ric_border *q, double *x, reading *out)
+/* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on, as far as the first
+ * `orders` of DET need it; the others stay 0. x [2 * rows]. */
+static bool read_border(ric_border *q, int orders, double *x, reading *out)
 {
     int b = q->b, m = 2 * q->n, rows = q->unknowns + 1;
-    double g[ORDERS * MOST_B * MOST_B], zero[MOST_B] = {0}, unit[MOST_B], column[MOST_B];
+    double g[ORDERS * MOST_B * MOST_B] = {0}, zero[MOST_B] = {0}, unit[MOST_B], column[MOST_B];
     memset(out, 0, sizeof *out);
     for (int i = 0; i <= MOST_B && i < m; i++) out->at[SIGMA + i] = q->sigma[m - 1 - i];
     for (int i = 0; i < b; i++) {
         double *from = x, *to = x + rows;
         memset(from, 0, (size_t)rows * sizeof *from);
         for (int k = 0; k < b; k++) unit[k] = k == i;
-        for (int l = -1; l < ORDERS; l++) {
+        for (int l = -1; l < orders; l++) {
             if (!ric_border_solve(q, from, l < 0 ? unit : zero, to, column)) return false;
             for (int k = 0; k < b; k++) *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
             double *swap = from;
@@ -89,6 +90,7 @@ static bool read_border(ric_border *q, double *x, reading *out)
         }
     }
     determinant(b, g, 0, (1u << b) - 1, out->at + DET);
+    memset(out->at + DET + orders, 0, (size_t)(ORDERS - orders) * sizeof *out->at);
     return true;
 }
 
@@ -102,6 +104,12 @@ typedef struct {
     int a, b;        /* of the kind, least */
     bool more;       /* there may be more: where flights are fixed, or a branch of one frequency leaves */
 } gauge;
+
+/* Orders of the determinant that are looked at: where there cannot be more, only that of the kind counts. */
+static int orders_of(const gauge *t)
+{
+    return t->more ? ORDERS : t->a - t->b + 1;
+}
 
 /* The orbit of the junction gone through as often as it is multiplied, in the general form. */
 static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int multiple, ric_periodic **out)
@@ -162,7 +170,7 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
 static bool read_moved(gauge *t, int b, double rounding, unsigned bits, reading *out)
 {
     if (!ric_border_factor(t->moved, rounding, bits) || !ric_border_set(t->moved, t->base, b)) return false;
-    return read_border(t->moved, t->x, out);
+    return read_border(t->moved, orders_of(t), t->x, out);
 }
 
 /* The direction of the branch that passes, du [unknowns], within the kernel: what leaves it there keeps energy and
@@ -206,7 +214,7 @@ static bool read_all(gauge *t, int b, reading *value, reading *slope)
     ric_shooting_fly(t->chain, t->u);
     double least = fmax(ROUNDING, t->chain->residual);
     if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b) ||
-        !read_border(t->base, t->x, &value[0]))
+        !read_border(t->base, orders_of(t), t->x, &value[0]))
         return false;
     along_branch(t, b, du);
     for (int k = 1; k <= READINGS; k++) {
