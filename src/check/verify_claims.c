@@ -273,14 +273,14 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric
                                     const ric_digits *d, ric_claims *out)
 {
     int seen[r->n];
-    real share[(r->n + 1) * r->n];
+    real *share = ric_malloc((size_t)(r->n + 1) * (size_t)r->n * sizeof *share);
     motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
+    if (!share) return ric_no_memory("the modes that contacts see");
     m.n_seen = find_seen(r, seen, share);
     ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r), .asked = asked};
     pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
-    if (!pairs.own) return ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     bool found = true;
-    ric_status status = RIC_OK;
+    ric_status status = pairs.own ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
     real level = fmax(NOISE * stiffness(r), left_open(r));
     for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair && !status; run++) {
         const bool along = run == RIC_PAIR_RUNS - 1; /* the last thing that is asked of the replay */
@@ -291,6 +291,7 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric
     }
     if (found && !status) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
     free(pairs.own);
+    free(share);
     return status;
 }
 

@@ -144,15 +144,17 @@ static ric_status fly_through(replay *r, int count)
 static ric_status find_condition(replay *r, double *condition, double *growth)
 {
     int n = r->n;
-    double whole[n * n], product[n * n], re[n], im[n];
+    const size_t square = (size_t)n * (size_t)n;
+    double *whole = ric_malloc(2 * square * sizeof *whole), *product = whole + square, re[n], im[n];
+    if (!whole) return ric_no_memory("the matrix of a period");
     for (int j = 0; j < r->parts; j++) {
-        memcpy(product, r->M + n * n * j, sizeof product);
+        memcpy(product, r->M + n * n * j, square * sizeof *product);
         for (int i = 0; i < n && j > 0; i++)
             for (int k = 0; k < n; k++) {
                 product[i * n + k] = 0;
                 for (int l = 0; l < n; l++) product[i * n + k] += r->M[n * n * j + i * n + l] * whole[l * n + k];
             }
-        memcpy(whole, product, sizeof whole);
+        memcpy(whole, product, square * sizeof *whole);
     }
     *growth = 0;
     for (int i = 0; i < n; i++) {
@@ -161,8 +163,9 @@ static ric_status find_condition(replay *r, double *condition, double *growth)
         *growth = fmax(*growth, row);
     }
     *condition = 1;
-    if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', n, whole, n, re, im, NULL, 1, NULL, 1)))
-        return ric_fail(RIC_E_NUMERIC, "the multipliers of a replayed orbit could not be computed");
+    const bool lost = ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', n, whole, n, re, im, NULL, 1, NULL, 1));
+    free(whole);
+    if (lost) return ric_fail(RIC_E_NUMERIC, "the multipliers of a replayed orbit could not be computed");
     for (int i = 0; i < n; i++) *condition = fmax(*condition, hypot(re[i], im[i]));
     return RIC_OK;
 }
@@ -223,11 +226,12 @@ static double drift(const replay *r, const ric_model *m, double energy)
 
 /* ------------------------------------------------------------------ claims */
 
-/* M of some parts from the first on, as one, with the rounding of doubles added if `level` is not 0. */
-static void multiply(const replay *r, int parts, real level, unsigned *bits, real *whole)
+/* M of some parts from the first on, as one, with the rounding of doubles added if `level` is not 0; product [n * n] is
+ * workspace. */
+static void multiply(const replay *r, int parts, real level, unsigned *bits, real *whole, real *product)
 {
     int n = r->n;
-    real product[n * n], largest = 1;
+    real largest = 1;
     for (int i = 0; i < n * n; i++) whole[i] = i / n == i % n;
     for (int j = 0; j < parts; j++) {
         const double *M = r->M + n * n * j;
@@ -264,10 +268,10 @@ static void find_trivial(const replay *r, const ric_model *m, real *flow, real *
 /* Shapes [d * k] of the modes that contacts see, and their transpose times the mass, [k * d], which undoes them. */
 static ric_status find_modes(const ric_model *m, int d, int k, real *from, real *to)
 {
-    double shape[d * d];
     bool seen[d];
     const double *mass = ric_model_mass(m);
-    ric_status status = ric_model_modes(m, shape);
+    double *shape = ric_malloc((size_t)d * (size_t)d * sizeof *shape);
+    ric_status status = shape ? ric_model_modes(m, shape) : ric_no_memory("the modes of a structure");
     if (!status) status = ric_model_seen(m, seen);
     for (int i = 0, s = 0; i < d && s < k && !status; i++) {
         if (!seen[i]) continue;
@@ -278,15 +282,16 @@ static ric_status find_modes(const ric_model *m, int d, int k, real *from, real 
         }
         s++;
     }
+    free(shape);
     return status;
 }
 
 /* The columns, the flow, the gradient and the form [2 k] in these modes: the others have pairs of their own. In
- * place. */
-static ric_status see_modes(const replay *r, const ric_model *m, real *whole, real *flow, real *gradient, real *J)
+ * place; workspace [3 n^2 / 2] behind J [n * n]. */
+static ric_status see_modes(const replay *r, const ric_model *m, real *whole, real *J, real *flow, real *gradient)
 {
     int n = r->n, d = n / 2, k = ric_model_n_mode(m);
-    real to[k * d], from[d * k], product[2 * k * n], f[2 * k], g[2 * k];
+    real *to = J + n * n, *from = to + k * d, *product = from + d * k, f[2 * k], g[2 * k];
     ric_status status = find_modes(m, d, k, from, to);
     if (status) return status;
     for (int i = 0; i < 2 * k; i++) {
@@ -316,13 +321,17 @@ static bool run_once(const replay *r, const ric_model *m, int run, ric_pairs *pa
 {
     int n = r->n;
     unsigned bits = 20011u + 97u * (unsigned)run;
-    real whole[n * n], J[n * n], flow[n], gradient[n];
-    multiply(r, pairs->half ? r->parts / 2 : r->parts, run ? NOISE : 0, &bits, whole);
+    const size_t square = (size_t)n * (size_t)n;
+    real *whole = ric_malloc(4 * square * sizeof *whole), *J = whole + square, *work = J + square, flow[n], gradient[n];
+    if (!whole) return false;
+    multiply(r, pairs->half ? r->parts / 2 : r->parts, run ? NOISE : 0, &bits, whole, work);
     for (int i = 0; i < n * n && pairs->half; i++) whole[i] = -whole[i];
     find_trivial(r, m, flow, gradient);
-    return !see_modes(r, m, whole, flow, gradient, J) &&
-           ric_verify_pairs_find(2 * (pairs->n_pair + 1), whole, J, flow, gradient, pairs->own + run * pairs->n_pair,
-                                 &pairs->way[run]);
+    const bool found = !see_modes(r, m, whole, J, flow, gradient) &&
+                       ric_verify_pairs_find(2 * (pairs->n_pair + 1), whole, J, flow, gradient,
+                                             pairs->own + run * pairs->n_pair, &pairs->way[run]);
+    free(whole);
+    return found;
 }
 
 /* Half a period later a symmetric orbit is its image. */

@@ -34,7 +34,7 @@ int ric_power_flow_products(int exponent, int *left, int *right)
 
 size_t ric_power_flow_work(const ric_model *m, int columns)
 {
-    return series_work(m, columns);
+    return series_work(m, columns) + (size_t)columns * (size_t)columns;
 }
 
 /* The same code with sizes known to the compiler for the structures of the article. */
@@ -86,16 +86,21 @@ static bool map(const ric_model *m, double tau, double *w, double *M, double *S,
     return true;
 }
 
+/* Behind the workspace of the series: what the steps lose, [2n * 2n]. */
+static double *losses(const ric_model *m, double *work)
+{
+    return work + series_work(m, 2 * m->n);
+}
+
 bool ric_power_flow_map(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
 {
-    double S[4 * m->n * m->n];
-    return map(m, tau, w, M, S, lost, work);
+    return map(m, tau, w, M, losses(m, work), lost, work);
 }
 
 bool ric_power_flow_map_surely(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
 {
     int size = 2 * m->n;
-    double S[size * size], w0[size], start = top_of(size, w);
+    double *S = losses(m, work), w0[size], start = top_of(size, w);
     memcpy(w0, w, sizeof w0);
     if (!map(m, tau, w, M, S, lost, work)) return false;
     if (*lost <= RIC_SMOOTH_LOSES * (1 + sqrt(ric_dot(size, w0, w0)))) return true;

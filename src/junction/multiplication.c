@@ -111,11 +111,12 @@ static ric_status kernels(ring *q, double *right, double *left)
 
 /* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel
  * is perpendicular at the start, is taken away: inner nodes would show it. */
-static void shift_smooth(ring *q, const double *v, double *out)
+static ric_status shift_smooth(ring *q, const double *v, double *out)
 {
     const ric_model *m = q->chain->model;
     int n = 2 * m->n;
-    double map[n * n], after[n], rate[n];
+    double after[n], rate[n], *map = ric_malloc((size_t)n * (size_t)n * sizeof *map);
+    if (!map) return ric_no_memory("the map of a period");
     ric_flight_map(m, 0, -1, q->u0[n] / q->order, q->u0, map, after, rate);
     for (int i = 0; i < n; i++) out[i] = q->sign * ric_dot(n, map + i * n, v);
     double along = q->sign * ric_dot(n, rate, out) / ric_dot(n, rate, rate);
@@ -123,19 +124,18 @@ static void shift_smooth(ring *q, const double *v, double *out)
     out[n] = v[n];
     ric_shooting_fly(q->chain, q->u0);
     ric_shooting_nodes_along(q->chain, out);
+    free(map);
+    return RIC_OK;
 }
 
 /* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times
  * moved up. */
-static void shift(ring *q, const double *v, double *out)
+static ric_status shift(ring *q, const double *v, double *out)
 {
     ric_shooting *c = q->chain;
     int n = 2 * c->n, step = c->n_flight / q->order;
     double u[q->size], after[n], h = RIC_DIFFERENCE * c->scale;
-    if (!ric_periodic_has_events(c->model)) {
-        shift_smooth(q, v, out);
-        return;
-    }
+    if (!ric_periodic_has_events(c->model)) return shift_smooth(q, v, out);
     for (int i = 0; i < q->size; i++) u[i] = q->u0[i] + h * v[i];
     ric_shooting_fly(c, u);
     memcpy(after, c->w + n * step, sizeof after);
@@ -143,6 +143,7 @@ static void shift(ring *q, const double *v, double *out)
     ric_shooting_fly(c, u);
     for (int i = 0; i < n; i++) out[i] = q->sign * (after[i] - c->w[n * step + i]) / (2 * h);
     for (int k = 0; k < c->n_flight; k++) out[n + k] = v[n + (k + step) % c->n_flight];
+    return RIC_OK;
 }
 
 static void multiply(const double *A, const double *B, double *out)
@@ -203,7 +204,8 @@ static ric_status split(ring *q, const double *kernel)
     int n = q->size;
     double S[9], P[9], Q[9], image[n], cosine, t[3] = {0}, f[2][3] = {{0}}, rows[2][3];
     for (int j = 0; j < 3; j++) {
-        shift(q, kernel + j * n, image);
+        ric_status status = shift(q, kernel + j * n, image);
+        if (status) return status;
         for (int i = 0; i < 3; i++) S[3 * i + j] = ric_dot(n, kernel + i * n, image);
     }
     if (!turns(q->order, S, P, &cosine))

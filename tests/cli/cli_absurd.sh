@@ -84,6 +84,23 @@ else
 fi
 study spring "$mass" "$spring" "{normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 1.0e+12}" "$window"
 ok "a spring that is as good as a stop" ends 2 "contact 1: its stiffness .* law: rigid" run "$folder/spring.yaml"
+# Matrices do not lie on the stack: one of 128 kB is enough for 24 modes under a power law, and their multipliers.
+python3 - >"$folder/wide.yaml" <<'END'
+n = 24
+rows = lambda entry: "".join(f"    - {[entry(i, j) for j in range(n)]}\n" for i in range(n))
+print("model:\n  mass:\n" + rows(lambda i, j: int(i == j)), end="")
+print("  stiffness:\n" + rows(lambda i, j: 2 * (i == j) - (abs(i - j) == 1)), end="")
+print(f"  contacts:\n    - {{normal: {[int(i == 0) for i in range(n)]}, law: power, exponent: 3, stiffness: 0.5}}")
+print("explore: {start: [1], energy: [0, 1.0e-5], frequency: [0.01, 3], impacts: 1, multiply: 1, depth: 1}")
+END
+on_little()
+{
+    (ulimit -s 128 && "$ricochet" run "$folder/wide.yaml" -o "$folder/wide.ricochet" --seconds 100) || return 1
+    (ulimit -s 128 && "$ricochet" verify "$folder/wide.ricochet" --branch 1 --point 2)
+}
+if ! sanitized; then ok 'a small stack is enough' on_little
+else left_out 'a small stack' 'sanitizers want a larger one'
+fi
 study long "$mass" "$spring" "$(contact '[-1, 1]' 1)" "energy: [0, 20], impacts: 14, multiply: 4"
 ok "no time is none" ends 2 "no time" run "$folder/long.yaml" --seconds 0
 ok "a run stops when its time is over" ends 3 "0.3 s given are over" run "$folder/long.yaml" --seconds 0.3
