@@ -137,7 +137,11 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
         e->face = e->hit ? impact.face : -1;
         e->opens = e->hit && impact.opens;
         if (e->hit && is_impact(r, &impact, e->time, k, due)) break;
-        if (e->hit && r->face[e->face].spring > 0) { /* a touch of a spring, which the simulator passes by itself */
+        real wait;
+        /* A touch of a spring that is open: what digits make of it is no contact, as a stiff one would turn its speed
+         * round. Any other the simulator passes by itself. */
+        const bool contact = e->hit && r->face[e->face].spring > 0;
+        if (contact && (e->opens || !only_touched(r, k, false, &wait))) {
             e->hit = false;
             r->touched = true;
             e->touches++;

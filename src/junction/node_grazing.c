@@ -80,11 +80,28 @@ int ric_node_space(const ric_model *m, const ric_node *node)
     return node->mode >= 0 ? ric_mixture_space(m, node->mode) : -1;
 }
 
-/* Whether the orbit without its touches, which is what is stored, passes no stop. What does not become a chain is not
- * judged. */
+/* Whether a motion without impacts comes back after its period: it is one of a single frequency, or all of its
+ * frequencies fit. Impacts that are all slow may end at none, where frequencies fit to 1e-7 only. */
+static bool comes_back(const ric_model *m, const ric_node *node)
+{
+    const ric_periodic *c = node->cycle;
+    const double period = ric_periodic_period(c);
+    double open = 0, size = 0;
+    if (linear_mode(node) >= 0 || mixture_of(m, c->w, RIC_SAME_LOCATED) >= 0) return true;
+    for (int i = 0; i < c->n; i++) {
+        const double turns = m->omega[i] * period / RIC_TWO_PI, own = hypot(c->w[i], c->w[c->n + i]);
+        open = hypot(open, m->omega[i] > 0 ? RIC_TWO_PI * (turns - rint(turns)) * own : period * c->w[c->n + i]);
+        size = hypot(size, own);
+    }
+    return open <= BEYOND * size;
+}
+
+/* Whether the orbit without its touches, which is what is stored, comes back, and passes no stop. What does not become
+ * a chain is not judged. */
 static bool is_motion(const ric_model *m, const ric_node *node)
 {
-    if (is_bare(node) || node->refusal) return true;
+    if (node->refusal) return true;
+    if (is_bare(node)) return comes_back(m, node);
     ric_periodic *left = ric_node_regular(m, node), *again = left ? ric_node_solve_again(m, left) : NULL;
     ric_shooting *chain = NULL;
     double *u = NULL;
@@ -111,10 +128,11 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     bool listed = true, motion = false;
     for (int i = 0; i < 3 && listed && !motion; i++) {
         listed = list_touches(m, node, slow[i]);
-        motion = listed && (i == 0 ? is_bare(node) : is_motion(m, node));
+        motion = listed && (i > 0 || is_bare(node)) && is_motion(m, node);
     }
     if (!listed) status = ric_no_memory("a junction");
-    else if (!motion) status = ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts passes a stop", full->N);
+    else if (!motion)
+        status = ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts passes a stop, or does not come back", full->N);
     if (status) {
         ric_node_free(node);
         return status;

@@ -501,6 +501,40 @@ static void verify_resonant(void **state)
                      "explore: {energy: [0, 517.5], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 1}\n");
 }
 
+/* The like, a grazing of the first mode: all impacts of a branch are slower than 1e-7 where three modes would move
+ * together, whose frequencies fit to 1e-7: without any impact they do not come back. */
+static void verify_no_common_period(void **state)
+{
+    (void)state;
+    all_of_it_passes(
+        "model:\n  mass: [[2.5625, -0.3125, 0.0625], [-0.3125, 1.203125, -0.109375], [0.0625, -0.109375, 2.328125]]\n"
+        "  stiffness:\n    - [8.51320790390474, -4.91646225827111, -0.8439594397310752]\n"
+        "    - [-4.91646225827111, 5.937499517059691, 4.306471640095689]\n"
+        "    - [-0.8439594397310752, 4.306471640095689, 14.235352044252904]\n"
+        "  contacts:\n    - {normal: [2, 1, -2], law: rigid, clearance: 16.9, sides: both}\n"
+        "explore: {energy: [0, 43.85], frequency: [0.2, 9], impacts: 6, multiply: 1, depth: 2}\n");
+}
+
+/* A stiff spring is touched by an orbit at the end of its branch: what the last digit makes a contact of turns the
+ * speed of that touch round, and is none. */
+static void verify_touch_of_stiff_spring(void **state)
+{
+    (void)state;
+    all_of_it_passes(
+        "model:\n  mass:\n    - [2.09375, 0.046875, 0.140625, 0.609375, -0.265625]\n"
+        "    - [0.046875, 1.46875, 0.109375, 0.21875, -0.171875]\n"
+        "    - [0.140625, 0.109375, 2.421875, 0.3125, -0.3125]\n"
+        "    - [0.609375, 0.21875, 0.3125, 1.796875, -0.453125]\n"
+        "    - [-0.265625, -0.171875, -0.3125, -0.453125, 1.65625]\n"
+        "  stiffness:\n    - [1781250, 265625, -125000, -281250, -1421875]\n"
+        "    - [265625, 2906250, 515625, -1906250, -1171875]\n    - [-125000, 515625, 1375000, 62500, -671875]\n"
+        "    - [-281250, -1906250, 62500, 2234375, 578125]\n    - [-1421875, -1171875, -671875, 578125, 3203125]\n"
+        "  contacts:\n    - {normal: [0, -1, 1, 0, 0], law: bilinear, clearance: 0.525, sides: both, stiffness: "
+        "4797000}\n"
+        "    - {normal: [0, -1, 1, -2, -1], law: bilinear, clearance: 0.712, sides: upper, stiffness: 1.092e12}\n"
+        "explore: {energy: [0, 860000], frequency: [101.6, 6326], impacts: 4, multiply: 1, depth: 1}\n");
+}
+
 /* Two modes at 1 : 2 to the last digit: a branch ends in five times the faster mode, where all its impacts end at once
  * and are located to 5e-8. Some of them kept, and the others not, it is an orbit that passes the stop by 1e-7. */
 static void verify_all_impacts_at_once(void **state)
@@ -706,6 +740,8 @@ int main(void)
         cmocka_unit_test(verify_steep_grazing),
         cmocka_unit_test(verify_shallow_impacts),
         cmocka_unit_test(verify_resonant),
+        cmocka_unit_test(verify_no_common_period),
+        cmocka_unit_test(verify_touch_of_stiff_spring),
         cmocka_unit_test(verify_all_impacts_at_once),
         cmocka_unit_test(verify_stiff_contacts),
         cmocka_unit_test(verify_stop_in_contact),
