@@ -143,6 +143,23 @@ static bool add_departures(ric_node *node, int count)
     return true;
 }
 
+/* Newton's method knows the equations of a motion only: beyond the end of a branch it solves them with a flight that
+ * lasts less than no time. */
+static bool runs_back(const ric_periodic *solved)
+{
+    for (int i = 0; i < solved->N; i++)
+        if (solved->tau[i] < 0) return true;
+    return false;
+}
+
+static ric_status refuse_back(ric_periodic *solved)
+{
+    ric_status status = ric_fail(RIC_E_NUMERIC,
+                                 "a junction on a branch of %d impacts has a flight of less than no time", solved->N);
+    ric_periodic_free(solved);
+    return status;
+}
+
 ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int test, ric_node **out)
 {
     ric_kind kind = test == RIC_TEST_SLOPE    ? RIC_KIND_EXTREMUM
@@ -158,6 +175,7 @@ ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int 
         ric_periodic_free(solved);
         return RIC_OK;
     }
+    if (runs_back(solved)) return refuse_back(solved);
     ric_node *node = ric_node_create(m, kind, solved);
     if (!node) return ric_no_memory("a junction");
     node->test = test;
@@ -175,6 +193,7 @@ ric_status ric_node_user(const ric_model *m, const ric_periodic *cycle, const ri
     ric_periodic *solved = ric_node_solve(m, cycle, (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked}, NULL);
     if (!solved)
         return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
+    if (runs_back(solved)) return refuse_back(solved);
     ric_node *node = ric_node_create(m, RIC_KIND_USER, solved);
     if (!node) return ric_no_memory("a junction");
     node->asked = *asked;
@@ -246,6 +265,7 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle
     *out = NULL;
     ric_periodic *solved = ric_node_solve(m, cycle, what, NULL);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
+    if (runs_back(solved)) return refuse_back(solved);
     ric_node *node = ric_node_create(m, RIC_KIND_MULTIPLICATION, solved);
     if (!node || !add_departures(node, 4)) {
         ric_node_free(node);

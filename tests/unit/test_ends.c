@@ -41,6 +41,29 @@ static void no_negative_flight(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Of a stop and a spring of 4e5 times the stiffness a contact ends within a branch: a doubling seen beside that end is
+ * solved beyond it, where the contact lasts less than no time, and is no junction. */
+static void no_junction_beyond_the_end(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.65625, 0.0625, 0.25], [0.0625, 1.671875, 0.21875], [0.25, 0.21875, 1.0625]]\n"
+        "  stiffness:\n    - [1721675.1511423532, -425548.246598685, 1103816.0702049632]\n"
+        "    - [-425548.246598685, 1005445.9823798715, 406671.1730327642]\n"
+        "    - [1103816.0702049632, 406671.1730327642, 2222584.038614786]\n  contacts:\n"
+        "    - {normal: [1, 0, -1], law: rigid, clearance: 0.000709, sides: lower}\n"
+        "    - {normal: [0, 0, 1], law: bilinear, clearance: 7.09e-07, sides: lower, stiffness: 4.354e11}\n"
+        "    - {normal: [0, -1, 1], law: rigid, clearance: 0.00129, sides: lower}\n"
+        "explore: {energy: [0, 14.03], frequency: [100, 4500], impacts: 4, multiply: 2, depth: 2}\n");
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        for (int k = 0; k < j.letters; k++)
+            if (j.flights[k] < 0) fail_msg("junction %d %s: flight %d lasts %g", id, j.label, k, j.flights[k]);
+    }
+    assert_true(ric_atlas_n_junction(atlas) > 10);
+    ric_atlas_free(atlas);
+}
+
 /* Three stops at one distance are touched all but together. Without its touches the orbit is another one, by their
  * speeds. */
 static void solved_without_touches(void **state)
@@ -260,6 +283,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_negative_flight),
+        cmocka_unit_test(no_junction_beyond_the_end),
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
         cmocka_unit_test(no_branch_without_length),
