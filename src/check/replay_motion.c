@@ -24,12 +24,17 @@ real ric_replay_distance(const replay *r, const real *a, const real *b)
     return sqrt(sum);
 }
 
+bool ric_replay_closed(const replay *r, int k, int f)
+{
+    return r->closed && r->closed[(size_t)(k % r->n_flight) * (size_t)r->n_face + (size_t)f];
+}
+
 void ric_replay_accelerations(const replay *r, int k, const real *w, real *out)
 {
     for (int i = 0; i < r->n; i++) out[i] = -r->omega[i] * r->omega[i] * w[i];
-    for (int f = 0; r->closed && f < r->n_face; f++) {
+    for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
-        if (!r->closed[(size_t)(k % r->n_flight) * (size_t)r->n_face + (size_t)f]) continue;
+        if (!ric_replay_closed(r, k, f)) continue;
         real force = face->spring * (ric_replay_dot(r->n, face->c, w) - face->side * face->limit);
         for (int i = 0; i < r->n; i++) out[i] -= force * face->c[i];
     }
@@ -88,7 +93,7 @@ const face_t *ric_replay_end_face(const replay *r, int k)
 bool ric_replay_opens(const replay *r, int k)
 {
     const face_t *face = ric_replay_end_face(r, k);
-    return face && r->closed && r->closed[(size_t)k * (size_t)r->n_face + (size_t)(face - r->face)];
+    return face && ric_replay_closed(r, k, (int)(face - r->face));
 }
 
 real ric_replay_pull(const replay *r, int k, const face_t *face, const real *w)

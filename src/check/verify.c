@@ -78,8 +78,7 @@ static bool only_touched(const replay *r, int k, bool far, real *wait)
     for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
         real speed = face->side * ric_replay_dot(r->n, face->c, r->w + r->n);
-        const bool closed = r->closed && r->closed[(size_t)(k % r->n_flight) * (size_t)r->n_face + (size_t)f];
-        if (closed || ric_replay_gap(r, face, r->w) < -CLOSED * face->limit) continue;
+        if (ric_replay_closed(r, k, f) || ric_replay_gap(r, face, r->w) < -CLOSED * face->limit) continue;
         bool slow = is_shallow(r, k, face, speed);
         if (speed < 0 && !slow) continue;
         real fall = ric_replay_pull(r, k, face, r->w);
@@ -89,19 +88,10 @@ static bool only_touched(const replay *r, int k, bool far, real *wait)
     return *wait > 0;
 }
 
-/* Flies on from a touch in closed form, its impulse undone, until the gap is open again. The simulator cannot do so
- * where two faces are touched together: it sees impacts that disturb each other, however slow. */
-static ric_status pass_touch(replay *r, int k, const face_t *struck, real end, event *e)
+/* Flies on from a touch in closed form until the gap is open again. The simulator cannot do so where two faces are
+ * touched together: it sees impacts that disturb each other, however slow. */
+static ric_status pass_touch(replay *r, int k, real wait, real end, event *e)
 {
-    real wait;
-    if (struck) ric_replay_reflect(r, struck, r->w);
-    if (!only_touched(r, k, !struck, &wait)) {
-        e->refused = true;
-        return RIC_OK;
-    }
-    r->touched = true;
-    e->refused = e->hit = false;
-    e->touches++;
     wait = fmin(wait, end - e->time);
     ric_replay_fly(r, k, wait, r->w, r->w);
     e->time += wait;
@@ -137,17 +127,19 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
         e->face = e->hit ? impact.face : -1;
         e->opens = e->hit && impact.opens;
         if (e->hit && is_impact(r, &impact, e->time, k, due)) break;
+        const face_t *struck = e->hit ? &r->face[e->face] : NULL;
         real wait;
-        /* A touch of a spring that is open: what digits make of it is no contact, as a stiff one would turn its speed
+        if (struck) ric_replay_reflect(r, struck, r->w); /* undoes its impulse */
+        const bool passes = only_touched(r, k, !struck, &wait), contact = struck && struck->spring > 0;
+        e->refused = !passes && !contact;
+        if (e->refused) break;
+        r->touched = true;
+        e->refused = e->hit = false;
+        e->touches++;
+        /* What digits make of the touch of a spring that is open is no contact, as a stiff one would turn its speed
          * round. Any other the simulator passes by itself. */
-        const bool contact = e->hit && r->face[e->face].spring > 0;
-        if (contact && (e->opens || !only_touched(r, k, false, &wait))) {
-            e->hit = false;
-            r->touched = true;
-            e->touches++;
-            continue;
-        }
-        if ((status = pass_touch(r, k, e->hit ? &r->face[e->face] : NULL, end, e))) return status;
+        if (contact && (e->opens || !passes)) continue;
+        if ((status = pass_touch(r, k, wait, end, e))) return status;
         if (e->time >= end || !r->check->faces_agree) break;
     }
     return RIC_OK;
@@ -359,14 +351,15 @@ static real bring_back(replay *r, int k, real *w)
     if (!face || face->spring > 0 || !r->digits) return 0;
     const real gap = ric_replay_gap(r, face, w);
     if (!(gap > 0 && gap <= r->digits->gap[k - 1])) return 0;
-    for (int half = 0; half < 2; half++) {
-        for (int i = 0; i < r->n; i++) w[i] -= face->side * gap / face->cc * face->c[i] / 2;
-        if (!half) ric_replay_accelerations(r, k, w, force);
-    }
     for (int i = 0; i < r->n; i++) {
-        const real back = face->side * gap / face->cc * face->c[i];
-        r->moved[i] = -r->kappa[i] * back;
-        work += force[i] * back;
+        r->moved[i] = -face->side * gap / face->cc * face->c[i];
+        w[i] += r->moved[i] / 2;
+    }
+    ric_replay_accelerations(r, k, w, force);
+    for (int i = 0; i < r->n; i++) {
+        w[i] += r->moved[i] / 2;
+        work -= force[i] * r->moved[i];
+        r->moved[i] *= r->kappa[i];
     }
     return work;
 }

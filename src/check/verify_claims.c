@@ -367,8 +367,8 @@ static real gap_over(const replay *r, const face_t *face, bool image, bool close
 static bool is_closed(const replay *r, int k, const face_t *face, bool *this)
 {
     bool any = *this = false;
-    for (int f = 0; r->closed && f < r->n_face; f++)
-        if (r->face[f].contact == face->contact && r->closed[(size_t)k * (size_t)r->n_face + (size_t)f]) {
+    for (int f = 0; f < r->n_face; f++)
+        if (r->face[f].contact == face->contact && ric_replay_closed(r, k, f)) {
             any = true;
             *this |= &r->face[f] == face;
         }

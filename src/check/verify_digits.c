@@ -96,8 +96,8 @@ static real stiffest(const replay *r, int k)
 {
     real most = 0;
     for (int i = 0; i < r->n; i++) most = fmax(most, r->omega[i] * r->omega[i]);
-    for (int f = 0; r->closed && f < r->n_face; f++)
-        if (r->closed[(size_t)k * (size_t)r->n_face + (size_t)f]) most += r->face[f].spring * r->face[f].cc;
+    for (int f = 0; f < r->n_face; f++)
+        if (ric_replay_closed(r, k, f)) most += r->face[f].spring * r->face[f].cc;
     return most;
 }
 

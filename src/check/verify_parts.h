@@ -89,6 +89,8 @@ real ric_replay_gap(const replay *r, const face_t *face, const real *w);
 real ric_replay_fastest(const replay *r, const face_t *face);
 /* The face where flight k ends is that of event k + 1; none without impacts. */
 const face_t *ric_replay_end_face(const replay *r, int k);
+/* Whether face f has a spring that is closed in the flight k. */
+bool ric_replay_closed(const replay *r, int k, int f);
 /* Whether the event at the end of flight k is the opening of a spring. */
 bool ric_replay_opens(const replay *r, int k);
 /* How strongly a gap is drawn back from its face at the state w of flight k; negative: towards it. */
